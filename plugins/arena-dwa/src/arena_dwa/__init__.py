@@ -1,0 +1,1 @@
+"""Dynamic window approach for the arena suite."""

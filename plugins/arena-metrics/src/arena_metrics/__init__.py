@@ -1,0 +1,1 @@
+"""Metric packs and the report of the arena suite."""

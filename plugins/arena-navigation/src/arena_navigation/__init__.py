@@ -1,0 +1,1 @@
+"""A*, waypoint generators, local costmap and localisers for the arena suite."""

@@ -1,0 +1,1 @@
+"""Social-force crowd for the arena suite."""

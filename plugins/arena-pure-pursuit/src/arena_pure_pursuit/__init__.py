@@ -1,0 +1,1 @@
+"""Pure pursuit: the specimen of a third-party planner for the arena suite."""

@@ -1,0 +1,1 @@
+"""TurtleBot3, Jackal and Robotino for the arena suite."""

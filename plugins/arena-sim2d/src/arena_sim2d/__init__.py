@@ -1,0 +1,1 @@
+"""Fast, batched 2-D simulator of the arena suite."""

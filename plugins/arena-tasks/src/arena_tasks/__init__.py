@@ -1,0 +1,1 @@
+"""Random and scenario tasks for the arena suite."""

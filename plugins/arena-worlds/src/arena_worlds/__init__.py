@@ -1,0 +1,1 @@
+"""ROS maps and built-in worlds for the arena suite."""
