@@ -52,7 +52,7 @@ from arena_core.interfaces import (
     WorldSource,
 )
 from arena_core.parameters import Bounds, Fraction, NonNegative, NonNegativeInt, Positive, PositiveInt
-from arena_core.robot import Lidar, OdometryModel, Robot, VelocityLimits
+from arena_core.robot import Lidar, OdometryModel, Robot, VelocityLimits, make_robot
 from arena_core.sensing import NO_TRACKS, LaserScan, Observation, Odometry, PoseEstimate, Sensors, Tracks
 from arena_core.streams import generator, stream_key
 from arena_core.world import (

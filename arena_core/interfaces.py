@@ -99,6 +99,10 @@ class LocalMap(ABC):
     def update(self, scan: LaserScan, pose: Pose) -> Costmap:
         """Take in one scan seen from ``pose`` (base_link in ``map`` at the scan's stamp) and return the window."""
 
+    @abstractmethod
+    def planning_grid(self) -> OccupancyGrid:
+        """Return the static map with the window's marks on it; without a map, all that scans have shown so far, unknown cells free."""
+
 
 class Tracker(ABC):
     """Follows moving obstacles, from scan and pose alone."""

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 
+from arena_core.errors import ConfigurationError
 from arena_core.geometry import FloatArray, Footprint, Pose
+from arena_core.parameters import Bounds, NonNegative, Positive, PositiveInt
 
 Kinematics = Literal["differential", "omnidirectional", "ackermann"]
 
@@ -20,13 +22,13 @@ class VelocityLimits:
     for speeding up and for braking alike.
     """
 
-    vx_min: float  # m/s, <= 0
-    vx_max: float  # m/s
-    vy_max: float  # m/s, symmetric
-    wz_max: float  # rad/s, symmetric
-    ax_max: float  # m/s^2
-    ay_max: float  # m/s^2
-    alpha_max: float  # rad/s^2
+    vx_min: Annotated[float, Bounds(high=0.0)]  # m/s
+    vx_max: Positive  # m/s
+    vy_max: NonNegative  # m/s, symmetric
+    wz_max: Positive  # rad/s, symmetric
+    ax_max: Positive  # m/s^2
+    ay_max: NonNegative  # m/s^2
+    alpha_max: Positive  # rad/s^2
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,13 +39,13 @@ class Lidar:
     deviation of the Gaussian range noise, m.
     """
 
-    beams: int
+    beams: PositiveInt
     angle_min: float
-    angle_increment: float
-    range_min: float
-    range_max: float
-    period: float
-    noise_std: float
+    angle_increment: Positive
+    range_min: NonNegative
+    range_max: Positive
+    period: Positive
+    noise_std: NonNegative
     mount: Pose
 
     def angles(self) -> FloatArray:
@@ -59,11 +61,11 @@ class OdometryModel:
     from translation, ``alpha4`` translation from rotation; ``period`` in s.
     """
 
-    period: float
-    alpha1: float
-    alpha2: float
-    alpha3: float
-    alpha4: float
+    period: Positive
+    alpha1: NonNegative
+    alpha2: NonNegative
+    alpha3: NonNegative
+    alpha4: NonNegative
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,3 +90,35 @@ class Robot:
     def holonomic(self) -> bool:
         """Tell whether the robot can move sideways."""
         return self.kinematics == "omnidirectional"
+
+
+@dataclass(frozen=True, slots=True)
+class FootprintShape:
+    """A footprint as robots' YAML files write it: a ``radius`` (m) or convex ``vertices_xy`` (m), the other null."""
+
+    radius: Positive | None
+    vertices_xy: list[list[float]] | None
+
+
+def make_robot(
+    name: str,
+    kinematics: Kinematics,
+    footprint: FootprintShape,
+    limits: VelocityLimits,
+    lidar: Lidar,
+    odometry: OdometryModel,
+    control_period: Positive,
+    wheelbase: NonNegative,
+    steering_max: NonNegative,
+) -> Robot:
+    """Build a robot from its YAML; raise ConfigurationError where figures contradict each other."""
+    if (footprint.radius is None) == (footprint.vertices_xy is None):
+        raise ConfigurationError(f"robot {name}: footprint needs either radius or vertices_xy, the other null")
+    if kinematics == "ackermann" and not (wheelbase > 0.0 and steering_max > 0.0):
+        raise ConfigurationError(f"robot {name}: wheelbase and steering_max must be > 0 for ackermann kinematics")
+    if kinematics != "omnidirectional" and limits.vy_max != 0.0:
+        raise ConfigurationError(f"robot {name}: limits.vy_max is {limits.vy_max}; allowed: 0 for {kinematics} kinematics")
+    if lidar.range_min >= lidar.range_max:
+        raise ConfigurationError(f"robot {name}: lidar.range_min is {lidar.range_min}; allowed: below range_max {lidar.range_max}")
+    shape = Footprint.circle(footprint.radius) if footprint.radius is not None else Footprint.polygon(footprint.vertices_xy or [])
+    return Robot(name, kinematics, shape, limits, lidar, odometry, control_period, wheelbase, steering_max)
