@@ -1,1 +1,41 @@
 """A*, waypoint generators, local costmap and localisers for the arena suite."""
+
+from arena_core import Register, hookimpl
+
+
+@hookimpl
+def register_global_planners(register: Register) -> None:
+    """Offer A* on the inflated map."""
+    register("astar", "arena_navigation.astar:AstarPlanner")
+
+
+@hookimpl
+def register_waypoint_generators(register: Register) -> None:
+    """Offer the spatial horizon and waypoints at even spacing."""
+    register("spatial_horizon", "arena_navigation.waypoints:SpatialHorizon")
+    register("subsample", "arena_navigation.waypoints:Subsample")
+
+
+@hookimpl
+def register_local_maps(register: Register) -> None:
+    """Offer the rolling costmap."""
+    register("rolling", "arena_navigation.rolling:RollingMap")
+
+
+@hookimpl
+def register_trackers(register: Register) -> None:
+    """Offer the tracker that sees nothing move."""
+    register("none", "arena_navigation.no_tracker:NoTracker")
+
+
+@hookimpl
+def register_localizers(register: Register) -> None:
+    """Offer adaptive Monte Carlo localisation and the exact pose."""
+    register("ground_truth", "arena_navigation.localizers:GroundTruthLocalizer")
+    register("amcl", "arena_navigation.amcl:AmclLocalizer")
+
+
+@hookimpl
+def config_package() -> str:
+    """Name the configuration package."""
+    return "arena_navigation.conf"
