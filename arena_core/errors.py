@@ -2,7 +2,9 @@
 
 
 class ArenaError(Exception):
-    """Root of every error that a user can cause or mend."""
+    """Root of every error that a user can cause or mend; ``exit_status`` is what ``arena`` then returns."""
+
+    exit_status = 2
 
 
 class ConfigurationError(ArenaError):
@@ -43,6 +45,12 @@ class InvalidCommand(ArenaError):
 
 class RunFolderError(ArenaError):
     """The run's folder cannot be read or written; the message names the file and the reason."""
+
+
+class RunStopped(ArenaError):
+    """A run could not go on (disk full, worker lost); finished episodes are kept."""
+
+    exit_status = 1
 
 
 class ContractViolation(ArenaError):

@@ -1,0 +1,138 @@
+"""A benchmark: one composed configuration, built into task, simulator and navigator."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any
+
+from arena_core.conversion import convert
+from arena_core.episode import EpisodeRecord
+from arena_core.errors import ConfigurationError
+from arena_core.execution import Timing, run_episode
+from arena_core.interfaces import Metric, MetricPack, Simulator, TaskMode
+from arena_core.navigator import Navigator, ReplanRules
+from arena_core.parameters import NonNegativeInt, PositiveInt
+from arena_core.recording import Recorder, write_grid
+from arena_core.registry import Registry
+from arena_core.robot import Robot
+
+NOT_PART_OF_A_CELL = ("seed", "episodes", "executor", "resume", "report", "metrics", "experiment")
+
+
+@dataclass(frozen=True, slots=True)
+class RunSettings:
+    """The run's own settings, outside every component."""
+
+    episodes: PositiveInt
+    seed: NonNegativeInt
+    resume: bool
+    report: bool
+    stop_on_collision: bool
+
+
+@dataclass(frozen=True, slots=True)
+class RecordingSettings:
+    """What a record keeps beyond the usual: ``scans`` keeps every scan."""
+
+    scans: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Benchmark:
+    """Everything that runs the episodes of one cell."""
+
+    config: Mapping[str, Any]
+    settings: RunSettings
+    robot: Robot
+    task: TaskMode
+    simulator: Simulator
+    navigator: Navigator
+    timing: Timing
+    metrics: Mapping[str, list[Metric]]
+    recording: RecordingSettings
+
+    def run(self, episode: int, folder: Path) -> EpisodeRecord:
+        """Run one episode; its map is written to ``folder`` once."""
+        scenario = self.task.scenario(self.settings.seed, episode)
+        columns = identification(self.config) | {
+            "scenario": scenario.name,
+            "n_pedestrians": len(scenario.pedestrians),
+            "episode": episode,
+            "seed": self.settings.seed,
+        }
+        world = {"name": scenario.world.name, "known": scenario.world.known, "grid": write_grid(folder, scenario.world.grid)}
+        meta = {"columns": columns, "world": world, "config": cell_config(self.config)}
+        recorder = Recorder(scenario, self.robot, meta, self.recording.scans)
+        return run_episode(scenario, self.simulator, self.navigator, self.timing, recorder, self.settings.stop_on_collision)
+
+
+def build_benchmark(config: Mapping[str, Any], registry: Registry) -> Benchmark:
+    """Build every component; raise ConfigurationError for the first thing that is wrong, before anything runs."""
+    settings = convert({k: config[k] for k in RunSettings.__slots__}, RunSettings, "run", {}, _no_components)  # type: ignore[attr-defined]
+    robot = registry.build("robot", config["robot"])
+    task = registry.build("task", config["task"], robot=robot, world=registry.build("world", config["world"]))
+    pedestrians = registry.build("pedestrians", config["pedestrians"])
+    simulator = registry.build("simulator", config["simulator"], robot=robot, pedestrians=pedestrians)
+    control_period = _control_period(config, robot, simulator)
+    replan = convert(config["replan"], ReplanRules, "replan", {}, _no_components)
+    parts = {k: registry.build(k, config[k], robot=robot) for k in ("localizer", "global_planner", "waypoints", "local_map", "tracker")}
+    planner = registry.build("planner", {k: v for k, v in config["planner"].items() if k != "control_period"}, robot=robot)
+    navigator = Navigator(robot, **parts, planner=planner, replan=replan, control_period=control_period)
+    timing = convert(config["timing"], Timing, "timing", {}, _no_components)
+    recording = convert(config["recording"], RecordingSettings, "recording", {}, _no_components)
+    metrics = build_metrics(config, registry)
+    return Benchmark(config, settings, robot, task, simulator, navigator, timing, metrics, recording)
+
+
+def build_metrics(config: Mapping[str, Any], registry: Registry) -> dict[str, list[Metric]]:
+    """Build the chosen metric packs, in the order of their names, ``si`` first."""
+    packs = config.get("metrics") or {}
+    built: dict[str, MetricPack] = {name: registry.build("metrics", packs[name]) for name in sorted(packs, key=lambda n: (n != "si", n))}
+    return {name: list(pack.metrics()) for name, pack in built.items()}
+
+
+def cell_config(config: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the part of a configuration that makes a cell: all but seed, number of episodes, executor and metrics."""
+    return {key: value for key, value in config.items() if key not in NOT_PART_OF_A_CELL}
+
+
+def config_hash(config: Mapping[str, Any]) -> str:
+    """Return the name of a cell, eight hexadecimal digits."""
+    return blake2b(json.dumps(cell_config(config), sort_keys=True).encode(), digest_size=4).hexdigest()
+
+
+def identification(config: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the columns of episodes.csv that the configuration alone decides."""
+    choices = config.get("choices", {})
+    return {
+        "config_hash": config_hash(config),
+        "planner": config["planner"]["name"],
+        "preset": choices.get("planner", config["planner"]["name"]),
+        "robot": config["robot"]["name"],
+        "simulator": config["simulator"]["name"],
+        "world": config["world"]["name"],
+        "task": config["task"]["name"],
+        "pedestrian_model": config["pedestrians"]["name"],
+        "reaction": config["pedestrians"].get("reaction", ""),
+        "localizer": config["localizer"]["name"],
+        "timing": config["timing"]["mode"],
+    }
+
+
+def _control_period(config: Mapping[str, Any], robot: Robot, simulator: Simulator) -> float:
+    """Return the planner's control period, the robot's unless the planner's YAML has one; it must fit the inner step."""
+    period = config["planner"].get("control_period") or robot.control_period
+    if not isinstance(period, (int, float)) or period <= 0.0:
+        raise ConfigurationError(f"planner.control_period is {period!r}; allowed: > 0 (s), or null for the robot's")
+    steps = period / simulator.inner_step
+    if abs(steps - round(steps)) > 1e-6 or round(steps) < 1:
+        raise ConfigurationError(f"planner.control_period is {period}; allowed: multiples of the simulator's inner step {simulator.inner_step} s")
+    return float(period)
+
+
+def _no_components(*_: Any) -> Any:
+    return NotImplemented

@@ -1,0 +1,50 @@
+"""The command line: ``arena COMMAND ...``; every command is a component of some plugin."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+
+from arena_core.errors import ArenaError, UnknownComponent
+from arena_core.registry import Registry, load_registry, unknown
+
+INTERRUPTED = 130  # what a shell reports for a process ended by Ctrl-C
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return the exit status: 0 done, 1 some episode failed, 2 the request was wrong."""
+    arguments = list(sys.argv[1:] if arguments is None else arguments)
+    try:
+        return _dispatch(load_registry(), arguments)
+    except ArenaError as error:
+        print(f"arena: {error}", file=sys.stderr)
+        return error.exit_status
+    except KeyboardInterrupt:
+        print("arena: interrupted; finished episodes are kept, resume=true hydra.run.dir=DIR continues", file=sys.stderr)
+        return INTERRUPTED
+
+
+def _dispatch(registry: Registry, arguments: list[str]) -> int:
+    if not arguments or arguments[0] in ("-h", "--help"):
+        print(_usage(registry))
+        return 0
+    name, rest = arguments[0], arguments[1:]
+    if name == "--version":
+        from arena_core import __version__
+
+        print(f"arena {__version__}")
+        return 0
+    if name not in registry.names("command"):
+        raise UnknownComponent(unknown("command", name, registry.names("command")))
+    command = registry.component("command", name).resolve()()
+    return int(command.run(rest))
+
+
+def _usage(registry: Registry) -> str:
+    commands = [registry.component("command", name) for name in registry.names("command")]
+    lines = [f"  {c.name:10} {c.resolve().help}" for c in commands]  # type: ignore[attr-defined]
+    return "\n".join(["usage: arena COMMAND ...", "", "Benchmark obstacle avoidance of mobile robots among people.", "", *lines])
+
+
+if __name__ == "__main__":
+    sys.exit(main())

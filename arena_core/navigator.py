@@ -1,0 +1,246 @@
+"""The robot's brain: from sensors to a velocity command, the same in 2-D, in 3-D and on a real robot."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
+from time import perf_counter
+
+import numpy as np
+
+from arena_core.episode import EpisodeStart, Event
+from arena_core.errors import InvalidCommand, NoPath, NoValidCommand
+from arena_core.geometry import Pose, Twist
+from arena_core.interfaces import (
+    REPLAN_REASONS,
+    WAYPOINT_FOUND,
+    GlobalPlanner,
+    LocalMap,
+    Localizer,
+    PathBatch,
+    Planner,
+    Tracker,
+    WaypointGenerator,
+)
+from arena_core.parameters import NonNegative, Positive
+from arena_core.robot import Robot
+from arena_core.sensing import Observation, PoseEstimate, Sensors
+from arena_core.streams import generator
+from arena_core.world import INSCRIBED, Costmap, OccupancyGrid, Path
+
+BRAKE = Twist(0.0, 0.0, 0.0)
+_SLOT = np.zeros(1, np.int64)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mission:
+    """What a robot is told before it drives: the map (None in an unknown world), where it believes to stand, and where to go.
+
+    ``seed`` and ``scenario`` key the random streams of its components; ``goal_radius`` in m.
+    """
+
+    map: OccupancyGrid | None
+    start: Pose
+    goal: Pose
+    goal_radius: float
+    seed: int
+    scenario: str
+
+
+@dataclass(frozen=True, slots=True)
+class ReplanRules:
+    """When the navigator plans anew: every ``period`` s, when the waypoint generator asks, when blocked for so long (s)."""
+
+    period: Positive | None
+    on_request: bool
+    blocked_for: Positive | None
+    min_interval: NonNegative
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Decision:
+    """One control step of the navigator.
+
+    ``command`` is what to send; ``arrived`` is judged on the estimate. ``planned`` is the path if it is new, else None.
+    ``planner_seconds`` is wall time, never part of a record.
+    """
+
+    command: Twist
+    estimate: PoseEstimate
+    waypoint: Pose
+    planned: Path | None
+    arrived: bool
+    events: tuple[Event, ...]
+    planner_seconds: float
+
+
+class Navigator:
+    """Owns localiser, global planner, waypoint generator, local map, tracker and planner of one robot."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        localizer: Localizer,
+        global_planner: GlobalPlanner,
+        waypoints: WaypointGenerator,
+        local_map: LocalMap,
+        tracker: Tracker,
+        planner: Planner,
+        replan: ReplanRules,
+        control_period: float,
+    ) -> None:
+        self.robot = robot
+        self.localizer = localizer
+        self.global_planner = global_planner
+        self.waypoints = waypoints
+        self.local_map = local_map
+        self.tracker = tracker
+        self.planner = planner
+        self.replan = replan
+        self.control_period = control_period
+
+    def reset(self, mission: Mission) -> None:
+        """Begin an episode; nothing of the one before is kept."""
+        self.mission = mission
+        self._path: Path | None = None
+        self._planned_at = -math.inf
+        self._blocked_since: float | None = None
+
+        def stream(name: str) -> np.random.Generator:
+            return generator(mission.seed, mission.scenario, name)
+
+        self.localizer.reset(mission.map, mission.start, stream("localizer"))
+        self.waypoints.reset(_SLOT, 1)
+        self.local_map.reset(mission.map)
+        self.tracker.reset(mission.map)
+        self.planner.reset(EpisodeStart(mission.map, mission.goal, self.control_period, stream("planner")))
+
+    def command(self, sensors: Sensors) -> Twist:
+        """Return the velocity to send now."""
+        return self.decide(sensors).command
+
+    def decide(self, sensors: Sensors) -> Decision:
+        """Localise, plan where needed, choose a waypoint and ask the planner.
+
+        Raises NoPath when there is no first path, InvalidCommand when the planner returns no finite Twist.
+        """
+        estimate = self.localizer.update(sensors)
+        if estimate.pose.distance(self.mission.goal) <= self.mission.goal_radius:
+            return Decision(BRAKE, estimate, self.mission.goal, None, True, (), 0.0)
+        scan_pose = _pose_at_scan(estimate.pose, sensors)
+        local_map: Callable[[], Costmap] = cache(lambda: self.local_map.update(sensors.scan, scan_pose))
+        path, waypoint, events = self._plan(estimate.pose, sensors.stamp, local_map)
+        observation = Observation(
+            sensors.stamp,
+            estimate.pose,
+            estimate.covariance,
+            sensors.odometry.twist,
+            sensors.scan,
+            self.mission.goal,
+            waypoint,
+            path,
+            self.mission.map,
+            local_map,
+            cache(lambda: self.tracker.update(sensors.scan, scan_pose, sensors.stamp)),
+        )
+        command, refusals, seconds = self._ask_planner(observation)
+        planned = path if events else None
+        return Decision(command, estimate, waypoint, planned, False, events + refusals, seconds)
+
+    def _plan(self, pose: Pose, stamp: float, local_map: Callable[[], Costmap]) -> tuple[Path, Pose, tuple[Event, ...]]:
+        """Return path, waypoint and the replans that led there (at most two: a due one, and one that the waypoint asked for)."""
+        reason = self._due(pose, stamp, local_map)
+        events = self._replan(pose, stamp, reason, local_map) if reason else ()
+        waypoint, status = self._next_waypoint(pose, stamp)
+        if status != WAYPOINT_FOUND and self.replan.on_request and self._may_replan(stamp):
+            events += self._replan(pose, stamp, REPLAN_REASONS[status], local_map)
+            waypoint, status = self._next_waypoint(pose, stamp)
+        assert self._path is not None
+        return self._path, waypoint, events
+
+    def _due(self, pose: Pose, stamp: float, local_map: Callable[[], Costmap]) -> str | None:
+        """Return why a new path is due now, None if none is."""
+        if self._path is None:
+            return "start"
+        if self.replan.period is not None and stamp - self._planned_at >= self.replan.period - 1e-9:
+            return "period"
+        if self.replan.blocked_for is None:
+            return None
+        if not _blocked(self._path, pose, local_map()):
+            self._blocked_since = None
+            return None
+        self._blocked_since = stamp if self._blocked_since is None else self._blocked_since
+        blocked_long = stamp - self._blocked_since >= self.replan.blocked_for - 1e-9
+        return "blocked" if blocked_long and self._may_replan(stamp) else None
+
+    def _may_replan(self, stamp: float) -> bool:
+        return stamp - self._planned_at >= self.replan.min_interval - 1e-9
+
+    def _replan(self, pose: Pose, stamp: float, reason: str, local_map: Callable[[], Costmap]) -> tuple[Event, ...]:
+        """Plan anew and note it; keep the old path when there is no new one."""
+        self._planned_at, self._blocked_since = stamp, None
+        try:
+            self._path = self.global_planner.plan(self._planning_grid(reason, local_map), pose, self.mission.goal)
+        except NoPath:
+            if self._path is None:
+                raise
+            return (Event(stamp, "replan", f"{reason}: no path, keeping the old one"),)
+        self.waypoints.reset(_SLOT, 1)
+        return (Event(stamp, "replan", reason),)
+
+    def _planning_grid(self, reason: str, local_map: Callable[[], Costmap]) -> OccupancyGrid:
+        """Return the static map, or what the scans have shown where that is all there is or stands in the way."""
+        if self.mission.map is not None and reason != "blocked":
+            return self.mission.map
+        local_map()
+        return self.local_map.planning_grid()
+
+    def _next_waypoint(self, pose: Pose, stamp: float) -> tuple[Pose, int]:
+        assert self._path is not None
+        found = self.waypoints.next(PathBatch.of([self._path]), pose.array()[None], np.array((stamp,)))
+        return Pose.of(found.poses[0]), int(found.status[0])
+
+    def _ask_planner(self, observation: Observation) -> tuple[Twist, tuple[Event, ...], float]:
+        """Return the planner's command (the brake if it has none), the event of a refusal, and the wall time taken."""
+        began = perf_counter()
+        refusals: tuple[Event, ...] = ()
+        try:
+            command = checked(self.planner.compute_velocity(observation), self.planner)
+        except NoValidCommand as refusal:
+            command, refusals = BRAKE, (Event(observation.stamp, "no_valid_command", str(refusal)),)
+        return command, refusals, perf_counter() - began
+
+
+def checked(command: object, planner: Planner) -> Twist:
+    """Return a planner's command with plain floats; raise InvalidCommand unless it is a finite Twist."""
+    name = type(planner).__name__
+    if not isinstance(command, Twist):
+        raise InvalidCommand(f"{name}.compute_velocity returned {type(command).__name__}; allowed: a Twist")
+    values = (command.vx, command.vy, command.wz)
+    if not all(isinstance(v, (int, float, np.floating, np.integer)) and math.isfinite(v) for v in values):
+        raise InvalidCommand(f"{name}.compute_velocity returned {command}; allowed: finite numbers")
+    return Twist(float(command.vx), float(command.vy), float(command.wz))
+
+
+def _pose_at_scan(pose: Pose, sensors: Sensors) -> Pose:
+    """Return where the robot was at the scan's stamp: the estimate, moved back along the measured twist."""
+    age = sensors.stamp - sensors.scan.stamp
+    if age <= 0.0:
+        return pose
+    twist = sensors.odometry.twist
+    back = Pose(-twist.vx * age, -twist.vy * age, 0.0)
+    turned = replace(pose, theta=pose.theta - 0.5 * twist.wz * age)
+    moved = turned.compose(back)
+    return replace(moved, theta=pose.theta - twist.wz * age)
+
+
+def _blocked(path: Path, pose: Pose, local_map: Costmap) -> bool:
+    """Tell whether the rest of the path, inside the window, runs through cells where the robot would touch something."""
+    positions = path.poses[:, :2]
+    nearest = int(np.argmin(((positions - (pose.x, pose.y)) ** 2).sum(axis=1)))
+    cells = ((positions[nearest:] - local_map.origin_xy) / local_map.resolution).astype(np.int64)
+    inside = (cells >= 0).all(axis=1) & (cells < local_map.costs.shape[::-1]).all(axis=1)
+    end = len(cells) if inside.all() else int(np.argmin(inside))
+    return bool((local_map.costs[cells[:end, 1], cells[:end, 0]] >= INSCRIBED).any())

@@ -1,0 +1,55 @@
+"""Find and load the installed plugins: everything in the entry-point group ``arena``, in order of name."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from importlib.metadata import EntryPoint, entry_points
+
+import pluggy
+
+from arena_core import hookspecs
+from arena_core.errors import BrokenPlugin
+
+GROUP = "arena"
+DISABLED = "ARENA_DISABLED_PLUGINS"
+
+
+def load_plugins() -> pluggy.PluginManager:
+    """Build a manager with every installed plugin that ``ARENA_DISABLED_PLUGINS`` does not name.
+
+    Raises BrokenPlugin when a plugin cannot be imported, misspells a hook or declares wrong arguments.
+    """
+    manager = pluggy.PluginManager(GROUP)
+    manager.add_hookspecs(hookspecs)
+    for entry_point in enabled_entry_points():
+        _register(manager, entry_point)
+    try:
+        manager.check_pending()
+    except pluggy.PluginValidationError as error:
+        raise _broken(str(getattr(error.plugin, "__name__", error.plugin)), error) from error
+    return manager
+
+
+def enabled_entry_points() -> list[EntryPoint]:
+    """Return the entry points of the plugins that are not switched off, sorted by name."""
+    disabled = {name.strip() for name in os.environ.get(DISABLED, "").split(",")}
+    return sorted((e for e in entry_points(group=GROUP) if e.name not in disabled), key=lambda e: e.name)
+
+
+def config_packages(manager: pluggy.PluginManager) -> dict[str, str]:
+    """Return the configuration package of each plugin that has one, by plugin name."""
+    implementations: Iterable[pluggy.HookImpl] = manager.hook.config_package.get_hookimpls()
+    return dict(sorted((i.plugin_name, i.function()) for i in implementations))
+
+
+def _register(manager: pluggy.PluginManager, entry_point: EntryPoint) -> None:
+    try:
+        manager.register(entry_point.load(), name=entry_point.name)
+    except Exception as error:
+        raise _broken(entry_point.name, error) from error
+
+
+def _broken(name: str, error: Exception) -> BrokenPlugin:
+    reason = " ".join(str(error).split()) or type(error).__name__
+    return BrokenPlugin(f"plugin {name} cannot be loaded ({reason}); mend it, or switch it off with {DISABLED}={name}")

@@ -1,0 +1,141 @@
+"""What is installed, by kind and name, and how it is built from its configuration."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Any
+
+import pluggy
+
+from arena_core import interfaces
+from arena_core.conversion import build
+from arena_core.errors import BrokenPlugin, ConfigurationError, DuplicateComponent, UnknownComponent
+from arena_core.hookspecs import Factory
+from arena_core.plugins import enabled_entry_points, load_plugins
+from arena_core.robot import Robot
+
+HOOKS = {
+    "simulator": "register_simulators",
+    "robot": "register_robots",
+    "world": "register_worlds",
+    "pedestrians": "register_pedestrian_models",
+    "task": "register_task_modes",
+    "localizer": "register_localizers",
+    "global_planner": "register_global_planners",
+    "waypoints": "register_waypoint_generators",
+    "local_map": "register_local_maps",
+    "tracker": "register_trackers",
+    "planner": "register_planners",
+    "metrics": "register_metrics",
+    "reward": "register_rewards",
+    "observation_encoder": "register_observation_encoders",
+    "executor": "register_executors",
+    "command": "register_commands",
+}
+
+INTERFACES: dict[type, str] = {
+    interfaces.Simulator: "simulator",
+    Robot: "robot",
+    interfaces.WorldSource: "world",
+    interfaces.PedestrianModel: "pedestrians",
+    interfaces.TaskMode: "task",
+    interfaces.Localizer: "localizer",
+    interfaces.GlobalPlanner: "global_planner",
+    interfaces.WaypointGenerator: "waypoints",
+    interfaces.LocalMap: "local_map",
+    interfaces.Tracker: "tracker",
+    interfaces.Planner: "planner",
+    interfaces.MetricPack: "metrics",
+    interfaces.Executor: "executor",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Component:
+    """One thing that a plugin offers."""
+
+    kind: str
+    name: str
+    factory: Factory
+    plugin: str
+
+    def resolve(self) -> Callable[..., Any]:
+        """Import the factory if it is lazy."""
+        if callable(self.factory):
+            return self.factory
+        module, _, attribute = self.factory.partition(":")
+        try:
+            return getattr(importlib.import_module(module), attribute)  # type: ignore[no-any-return]
+        except (ImportError, AttributeError) as error:
+            raise BrokenPlugin(f"plugin {self.plugin}: {self.kind} {self.name} cannot be imported ({error})") from error
+
+    def distribution(self) -> tuple[str, str]:
+        """Return the name and version of the distribution that brought the plugin."""
+        found = [entry_point.dist for entry_point in enabled_entry_points() if entry_point.name == self.plugin]
+        return (found[0].name, found[0].version) if found and found[0] else (self.plugin, "-")
+
+
+class Registry:
+    """All installed components; ask it for one by kind and name, or have it built from a configuration node."""
+
+    def __init__(self, manager: pluggy.PluginManager) -> None:
+        self.manager = manager
+        self._components: dict[str, dict[str, Component]] = {kind: {} for kind in HOOKS}
+        for kind, hook in HOOKS.items():
+            for implementation in getattr(manager.hook, hook).get_hookimpls():
+                self._collect(kind, implementation)
+
+    def names(self, kind: str) -> list[str]:
+        """Return the installed names of a kind, sorted."""
+        return sorted(self._components[kind])
+
+    def component(self, kind: str, name: str) -> Component:
+        """Return one component; raise UnknownComponent with the installed names."""
+        try:
+            return self._components[kind][name]
+        except KeyError:
+            raise UnknownComponent(unknown(kind, name, self.names(kind))) from None
+
+    def build(self, kind: str, node: Mapping[str, Any], **context: Any) -> Any:
+        """Build the component that ``node["name"]`` names from the node's other keys and the context that it asks for.
+
+        Raises ConfigurationError, naming the key and what is allowed, before anything runs.
+        """
+        if "name" not in node:
+            raise ConfigurationError(f"{kind} has no key name; choose one with {kind}=..., installed: {', '.join(self.names(kind))}")
+        factory = self.component(kind, str(node["name"])).resolve()
+        return build(factory, node, kind, context, self._nested)
+
+    def _nested(self, annotation: Any, node: Any, key: str, context: Mapping[str, Any]) -> Any:
+        """Build a component inside another one's configuration; return NotImplemented where ``annotation`` is no interface."""
+        kind = INTERFACES.get(annotation) if isinstance(annotation, type) else None
+        if kind is None or not isinstance(node, Mapping) or "name" not in node:
+            return NotImplemented
+        factory = self.component(kind, str(node["name"])).resolve()
+        return build(factory, node, key, context, self._nested)
+
+    def _collect(self, kind: str, implementation: pluggy.HookImpl) -> None:
+        plugin = implementation.plugin_name
+        known = self._components[kind]
+
+        def register(name: str, factory: Factory) -> None:
+            if name in known:
+                raise DuplicateComponent(f"{kind} {name} is offered by two plugins: {known[name].plugin} and {plugin}")
+            known[name] = Component(kind, name, factory, plugin)
+
+        implementation.function(register=register)
+
+
+def load_registry() -> Registry:
+    """Load all plugins and return what they offer."""
+    return Registry(load_plugins())
+
+
+def unknown(kind: str, name: str, known: list[str]) -> str:
+    """Return the line for a name that nothing has, with the nearest one."""
+    near = get_close_matches(name, known, n=1)
+    hint = f"; did you mean {near[0]}?" if near else ""
+    return f"unknown {kind} {name!r}{hint} (possible: {', '.join(known) or 'none installed'})"

@@ -1,0 +1,239 @@
+"""Run benchmarks: plan the episodes, hand them to an executor, keep every finished one, write tables and report."""
+
+from __future__ import annotations
+
+import json
+import platform
+import subprocess
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from importlib.metadata import distributions
+from pathlib import Path
+from time import monotonic
+from typing import Any
+
+from arena_core.benchmark import Benchmark, build_benchmark, build_metrics, config_hash, identification
+from arena_core.configuration import plain
+from arena_core.errors import ArenaError, ConfigurationError, RunFolderError, RunStopped
+from arena_core.evaluate import evaluate, write_episodes
+from arena_core.interfaces import Job, Metric
+from arena_core.progress import Progress
+from arena_core.recording import read_record, write_record, write_text_whole
+from arena_core.registry import Registry, load_registry
+
+WRITE_EVERY = 1.0  # s between two writes of a growing episodes.csv
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RunRequest:
+    """A composed configuration and the folder of its run."""
+
+    config: Any
+    folder: Path
+
+
+@dataclass(slots=True, eq=False)
+class _Run:
+    """One run under way: what it is, and the rows that it has so far."""
+
+    config: dict[str, Any]
+    folder: Path
+    packs: Mapping[str, Sequence[Metric]]
+    rows: dict[int, Mapping[str, Any]] = field(default_factory=dict)
+    written: float = 0.0
+
+    def take(self, row: Mapping[str, Any]) -> None:
+        self.rows[int(row["episode"])] = row
+        if monotonic() - self.written > WRITE_EVERY:
+            self.write()
+
+    def write(self) -> None:
+        write_episodes(self.folder, self.rows.values(), self.packs)
+        self.written = monotonic()
+
+
+def run_all(requests: Sequence[RunRequest]) -> int:
+    """Run every episode of every request through one executor; return the exit status (0 all ran, 1 some episode failed).
+
+    All configurations are checked before anything runs. On Ctrl-C or a full disk what was finished is kept.
+    """
+    registry = load_registry()
+    runs = [_prepare(request, registry) for request in requests]
+    jobs = [job for run in runs for job in _open_jobs(run)]
+    executor = registry.build("executor", runs[0].config["executor"])
+    by_folder = {str(run.folder): run for run in runs}
+    finished = sum(len(run.rows) for run in runs)
+    try:
+        with Progress(len(jobs) + finished, finished) as progress:
+            for row in executor.map(work, jobs):
+                by_folder[row["folder"]].take({k: v for k, v in row.items() if k != "folder"})
+                progress.add(row)
+    except RunFolderError as error:
+        raise RunStopped(f"{error}; finished episodes are kept, resume=true hydra.run.dir=DIR continues") from error
+    finally:
+        for run in runs:
+            run.write()
+    _finish(runs, registry)
+    return int(any(row["outcome"] == "error" for run in runs for row in run.rows.values()))
+
+
+def work(job: Job) -> dict[str, Any]:
+    """Run one episode in whatever process this is, write its record and return its row; a failure is a row with its error.
+
+    Raises RunFolderError when the record cannot be written: then nothing else could be either.
+    """
+    config = json.dumps(job.config, sort_keys=True)
+    try:
+        benchmark = _benchmark(config)
+        record = benchmark.run(job.episode, Path(job.folder))
+        write_record(Path(job.folder), job.episode, record)
+        _registry().manager.hook.episode_finished(record=record)
+        row = evaluate(record, benchmark.metrics)
+    except RunFolderError:
+        raise
+    except Exception as error:
+        seed, name = job.config["seed"], type(error).__name__
+        row = {**identification(job.config), "episode": job.episode, "seed": seed, "outcome": "error"}
+        row["error"] = " ".join(f"{name}: {error}".split())
+    return {**row, "folder": job.folder}
+
+
+@lru_cache(maxsize=1)
+def _registry() -> Registry:
+    return load_registry()
+
+
+@lru_cache(maxsize=4)  # a worker sees the cells of a multirun one after the other
+def _benchmark(config: str) -> Benchmark:
+    return build_benchmark(json.loads(config), _registry())
+
+
+def _prepare(request: RunRequest, registry: Registry) -> _Run:
+    """Check a configuration by building it, open its folder and read what an interrupted run has left."""
+    config = plain(request.config)
+    config["choices"] = _choices(request.config)
+    benchmark = build_benchmark(config, registry)
+    limit = benchmark.task.count()
+    if limit is not None and config["episodes"] > limit:
+        raise ConfigurationError(f"episodes is {config['episodes']}; allowed: at most {limit} with this task")
+    folder = request.folder.resolve()
+    run = _Run(config, folder, benchmark.metrics)
+    if (folder / "provenance.json").exists():
+        _continue(run)
+    write_text_whole(folder / "provenance.json", json.dumps(provenance(config), indent=2, sort_keys=True) + "\n")
+    run.write()
+    return run
+
+
+def _continue(run: _Run) -> None:
+    """Take over the finished episodes of an earlier run of the same cell and seed in this folder."""
+    if not run.config["resume"]:
+        raise ConfigurationError(f"{run.folder} holds a run already; resume=true continues it, hydra.run.dir=DIR takes another folder")
+    try:
+        before = json.loads((run.folder / "provenance.json").read_text())
+    except (OSError, ValueError) as error:
+        raise RunFolderError(f"cannot read {run.folder / 'provenance.json'}: {error}") from error
+    now = {"config_hash": config_hash(run.config), "seed": run.config["seed"]}
+    if any(before.get(key) != value for key, value in now.items()):
+        raise ConfigurationError(f"{run.folder} holds a run of another configuration or seed; resume=true continues only the same one")
+    for path in sorted((run.folder / "records").glob("[0-9]*.npz")):
+        run.rows[int(path.stem)] = evaluate(read_record(path), run.packs)
+
+
+def _open_jobs(run: _Run) -> list[Job]:
+    return [Job(run.config, str(run.folder), i) for i in range(run.config["episodes"]) if i not in run.rows]
+
+
+def _choices(config: Any) -> dict[str, str]:
+    """Return which option of each configuration group was chosen, if Hydra is running."""
+    from hydra.core.hydra_config import HydraConfig
+
+    if not HydraConfig.initialized():
+        return {}
+    chosen = HydraConfig.get().runtime.choices
+    return {str(group): str(option) for group, option in chosen.items() if not str(group).startswith("hydra/")}
+
+
+def provenance(config: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what a reader needs to repeat a run: versions, seed, commit and machine."""
+    versions = {d.metadata["Name"]: d.version for d in distributions() if d.metadata["Name"]}
+    return {
+        "config_hash": config_hash(config),
+        "seed": config["seed"],
+        "episodes": config["episodes"],
+        "config": dict(config),
+        "versions": dict(sorted(versions.items())),
+        "python": platform.python_version(),
+        "commit": _commit(),
+        "machine": {"system": platform.platform(), "processor": platform.machine()},
+        "untuned": untuned(config),
+    }
+
+
+def untuned(config: Mapping[str, Any]) -> str:
+    """Return a note when the planner has tunings but none for this robot."""
+    return ""
+
+
+def _commit() -> str:
+    """Return the commit of the checkout that the core runs from, with + when it has changes; empty outside a checkout."""
+    here = Path(__file__).resolve().parent.parent
+    if not (here / ".git").exists():
+        return ""
+    try:
+        answer = subprocess.run(
+            ["git", "describe", "--always", "--dirty=+", "--abbrev=12", "--exclude=*"], cwd=here, capture_output=True, text=True, check=True
+        )
+    except (OSError, subprocess.CalledProcessError):
+        return ""
+    return answer.stdout.strip()
+
+
+def _finish(runs: Iterable[_Run], registry: Registry) -> None:
+    """Say what came out, and write a report for each run when a plugin offers one."""
+    runs = list(runs)
+    for run in runs:
+        _print_errors(run)
+    if not all(run.config["report"] for run in runs) or "report" not in registry.names("command"):
+        for run in runs:
+            print(f"records: {run.folder}")
+        return
+    report = registry.component("command", "report").resolve()()
+    folder = runs[0].folder if len(runs) == 1 else runs[0].folder.parent
+    report.run([str(folder)])
+
+
+def _print_errors(run: _Run) -> None:
+    for episode, row in sorted(run.rows.items()):
+        if row["outcome"] == "error":
+            print(f"episode {episode} failed: {row['error']}", file=sys.stderr)
+
+
+def re_evaluate(folder: Path, registry: Registry, metrics: Mapping[str, Any] | None = None) -> int:
+    """Compute all metrics of a run anew from its records; return the number of episodes.
+
+    Rows of episodes that failed without a record are kept.
+    """
+    try:
+        config = json.loads((folder / "provenance.json").read_text())["config"]
+    except (OSError, ValueError, KeyError) as error:
+        raise RunFolderError(f"cannot read {folder / 'provenance.json'}: {error}") from error
+    packs = build_metrics({"metrics": metrics} if metrics else config, registry)
+    rows = {int(row["episode"]): row for row in _failed_rows(folder)}
+    for path in sorted((folder / "records").glob("[0-9]*.npz")):
+        rows[int(path.stem)] = evaluate(read_record(path), packs)
+    if not rows:
+        raise ArenaError(f"{folder}: no episode to evaluate")
+    write_episodes(folder, rows.values(), packs)
+    return len(rows)
+
+
+def _failed_rows(folder: Path) -> list[dict[str, Any]]:
+    import csv
+
+    from arena_core.evaluate import COLUMNS
+
+    with (folder / "episodes.csv").open(newline="") as file:
+        return [{k: row[k] for k in COLUMNS} for row in csv.DictReader(file) if row["outcome"] == "error"]

@@ -1,0 +1,18 @@
+"""Tell Hydra where plugins keep their configuration groups."""
+
+from hydra.core.config_search_path import ConfigSearchPath
+from hydra.plugins.search_path_plugin import SearchPathPlugin
+
+
+class ArenaSearchPath(SearchPathPlugin):  # type: ignore[misc]  # Hydra's base classes are untyped
+    """Append every plugin's configuration package, then the user's ``conf`` folder."""
+
+    def manipulate_search_path(self, search_path: ConfigSearchPath) -> None:
+        """Append the sources in order of plugin name; leave other Hydra applications alone."""
+        from arena_core.configuration import conf_directory
+        from arena_core.configuration import search_path as sources
+
+        if str(conf_directory()) not in [item.path.removeprefix("file://") for item in search_path.get_path() if item.path]:
+            return
+        for provider, path in sources():
+            search_path.append(provider=f"arena-{provider}", path=path)
