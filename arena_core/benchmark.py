@@ -72,7 +72,7 @@ class Benchmark:
 
 def build_benchmark(config: Mapping[str, Any], registry: Registry) -> Benchmark:
     """Build every component; raise ConfigurationError for the first thing that is wrong, before anything runs."""
-    settings = convert({k: config[k] for k in RunSettings.__slots__}, RunSettings, "run", {}, _no_components)  # type: ignore[attr-defined]
+    settings = convert({k: config[k] for k in RunSettings.__slots__}, RunSettings, "run", {}, _no_components)
     robot = registry.build("robot", config["robot"])
     task = registry.build("task", config["task"], robot=robot, world=registry.build("world", config["world"]))
     pedestrians = registry.build("pedestrians", config["pedestrians"])
@@ -130,7 +130,7 @@ def _control_period(config: Mapping[str, Any], robot: Robot, simulator: Simulato
         raise ConfigurationError(f"planner.control_period is {period!r}; allowed: > 0 (s), or null for the robot's")
     steps = period / simulator.inner_step
     if abs(steps - round(steps)) > 1e-6 or round(steps) < 1:
-        raise ConfigurationError(f"planner.control_period is {period}; allowed: multiples of the simulator's inner step {simulator.inner_step} s")
+        raise ConfigurationError(f"planner.control_period is {period}; allowed: multiples of the inner step {simulator.inner_step} s")
     return float(period)
 
 

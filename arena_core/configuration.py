@@ -100,12 +100,15 @@ def _one_line(error: BaseException) -> str:
     if missing:
         group, option, available = missing.groups()
         return f"unknown {group} {option!r} (possible: {', '.join(available.split())})"
+    nothing = re.search(r"Could not find '([^']+)'", text)
+    if nothing:
+        return f"there is no {nothing.group(1)}; `arena list` shows what is installed"
     override = re.search(r"Could not override '([^']+)'", text)
     if override:
         return f"{override.group(1)} is no key of the configuration{_siblings(override.group(1))}"
     cause = error.__cause__
     lines = [line for line in (text, str(cause) if cause else "") if line]
-    return re.sub(r"\s+", " ", " ".join(lines)).replace("Set the environment variable HYDRA_FULL_ERROR=1 for a complete stack trace.", "").strip()
+    return re.sub(r"\s+", " ", " ".join(lines)).strip()
 
 
 def _siblings(key: str) -> str:

@@ -37,7 +37,7 @@ class Scenario:
 
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """The rising edge of a contact: ``stamp`` s, with what (and which person), the closing speed m/s, where the robot was (x, y in ``map``, m).
+    """The rising edge of a contact: ``stamp`` s, with what (and which person), closing speed m/s, where the robot was (x, y in ``map``, m).
 
     ``caused`` is true when the robot moved into the other, false when a person walked into the robot.
     """

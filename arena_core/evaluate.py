@@ -13,8 +13,9 @@ from arena_core.interfaces import Metric
 from arena_core.recording import read_record, write_text_whole
 
 COLUMNS = (
-    "config_hash planner preset robot simulator world task scenario n_pedestrians pedestrian_model reaction localizer timing episode seed outcome error"
-).split()
+    *("config_hash", "planner", "preset", "robot", "simulator", "world", "task", "scenario", "n_pedestrians"),
+    *("pedestrian_model", "reaction", "localizer", "timing", "episode", "seed", "outcome", "error"),
+)
 DEFAULT_PACK = "si"
 
 

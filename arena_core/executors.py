@@ -42,7 +42,7 @@ class ProcessExecutor(Executor):
             for future in as_completed([pool.submit(work, job) for job in jobs]):
                 yield future.result()
         except BrokenProcessPool as error:
-            raise RunStopped("a worker process died (out of memory, or killed); finished episodes are kept, resume=true continues") from error
+            raise RunStopped("a worker process died (out of memory?); finished episodes are kept, resume=true continues") from error
         finally:
             pool.shutdown(wait=True, cancel_futures=True)
 

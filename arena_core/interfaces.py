@@ -161,8 +161,9 @@ class PedestrianModel(ABC):
 class Snapshot:
     """N worlds at one instant, as a simulator returns them; ``state`` and ``sensors`` give single ones.
 
-    Arrays with leading axis N: ``stamps`` s, ``poses`` (N, 3), ``twists`` (N, 3) in ``base_link``, ``clearances``, ``clearances_people`` m, ``in_contact``,
-    ``contact_times`` s, ``ranges`` (N, B) float32 m, ``scan_stamps`` s, ``odometry_stamps`` s, ``odometry_poses`` (N, 3), ``odometry_twists`` (N, 3).
+    Arrays with leading axis N: ``stamps`` s, ``poses`` (N, 3), ``twists`` (N, 3) in ``base_link``, ``clearances``, ``clearances_people`` m,
+    ``in_contact``, ``contact_times`` s, ``ranges`` (N, B) float32 m, ``scan_stamps`` s, ``odometry_stamps`` s, ``odometry_poses`` (N, 3),
+    ``odometry_twists`` (N, 3).
     """
 
     stamps: FloatArray
@@ -198,9 +199,7 @@ class Snapshot:
     def sensors(self, slot: int) -> Sensors:
         """Return what the robot of world ``slot`` measures."""
         scan = replace(self.scan_header, stamp=float(self.scan_stamps[slot]), ranges=self.ranges[slot].copy())
-        odometry = Odometry(
-            float(self.odometry_stamps[slot]), Pose.of(self.odometry_poses[slot]), Twist.of(self.odometry_twists[slot])
-        )
+        odometry = Odometry(float(self.odometry_stamps[slot]), Pose.of(self.odometry_poses[slot]), Twist.of(self.odometry_twists[slot]))
         return Sensors(float(self.stamps[slot]), scan, odometry, Pose.of(self.poses[slot]))
 
 

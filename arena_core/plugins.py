@@ -40,7 +40,7 @@ def enabled_entry_points() -> list[EntryPoint]:
 def config_packages(manager: pluggy.PluginManager) -> dict[str, str]:
     """Return the configuration package of each plugin that has one, by plugin name."""
     implementations: Iterable[pluggy.HookImpl] = manager.hook.config_package.get_hookimpls()
-    return dict(sorted((i.plugin_name, i.function()) for i in implementations))
+    return dict(sorted((i.plugin_name, str(i.function())) for i in implementations))
 
 
 def _register(manager: pluggy.PluginManager, entry_point: EntryPoint) -> None:

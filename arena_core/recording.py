@@ -68,8 +68,8 @@ def write_record(folder: Path, episode: int, record: EpisodeRecord) -> None:
     """Write ``records/NNNN.npz`` and ``timing/NNNN.npz``, each whole or not at all."""
     meta = json.dumps(record.meta, sort_keys=True)
     timing, arrays = folder / "timing" / f"{episode:04d}.npz", folder / "records" / f"{episode:04d}.npz"
-    write_whole(timing, lambda file: np.savez_compressed(file, **record.timing))
-    write_whole(arrays, lambda file: np.savez_compressed(file, meta=np.array(meta), **record.arrays))
+    write_whole(timing, lambda file: _write_npz(file, record.timing))
+    write_whole(arrays, lambda file: _write_npz(file, {"meta": np.array(meta), **record.arrays}))
 
 
 def read_record(path: Path) -> EpisodeRecord:
@@ -102,7 +102,7 @@ def write_grid(folder: Path, grid: OccupancyGrid) -> str:
     name = f"worlds/{digest}.npz"
     if not (folder / name).exists():
         content = {"data": grid.data, "resolution": np.array(grid.resolution), "origin": origin}
-        write_whole(folder / name, lambda file: np.savez_compressed(file, **content))  # type: ignore[arg-type]
+        write_whole(folder / name, lambda file: _write_npz(file, content))
     return name
 
 
@@ -131,6 +131,10 @@ def write_whole(path: Path, write: Callable[[IO[bytes]], object]) -> None:
 def write_text_whole(path: Path, text: str) -> None:
     """Write a text file as ``write_whole`` does, UTF-8."""
     write_whole(path, lambda file: file.write(text.encode()))
+
+
+def _write_npz(file: IO[bytes], arrays: Mapping[str, NDArray[Any]]) -> None:
+    np.savez_compressed(file, allow_pickle=False, **arrays)
 
 
 def _read_npz(path: Path) -> dict[str, Any]:
@@ -223,7 +227,7 @@ def _scenario_meta(scenario: Scenario) -> dict[str, Any]:
 
 
 def _robot_meta(robot: Robot) -> dict[str, Any]:
-    limits = {name: getattr(robot.limits, name) for name in robot.limits.__slots__}  # type: ignore[attr-defined]
+    limits = {name: getattr(robot.limits, name) for name in robot.limits.__slots__}
     footprint = {"radius": robot.footprint.radius, "vertices_xy": robot.footprint.vertices_xy.tolist()}
     return {
         "name": robot.name,

@@ -50,7 +50,7 @@ class Lidar:
 
     def angles(self) -> FloatArray:
         """Return the beam angles in the sensor's frame, shape (beams,), rad."""
-        return self.angle_min + self.angle_increment * np.arange(self.beams)
+        return self.angle_min + self.angle_increment * np.arange(self.beams, dtype=np.float64)
 
 
 @dataclass(frozen=True, slots=True)

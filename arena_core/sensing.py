@@ -61,7 +61,10 @@ class PoseEstimate:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tracks:
-    """Moving obstacles that the robot believes in: ids (K,), positions (K, 2) m, velocities (K, 2) m/s, radii (K,) m, covariances (K, 4, 4) over x, y, vx, vy."""
+    """Moving obstacles that the robot believes in, in ``map``.
+
+    ids (K,), positions (K, 2) m, velocities (K, 2) m/s, radii (K,) m, covariances (K, 4, 4) over x, y, vx, vy.
+    """
 
     ids: NDArray[np.int32]
     positions: FloatArray

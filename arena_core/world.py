@@ -69,7 +69,7 @@ class OccupancyGrid:
     def contains(self, cells: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Tell which cells (..., 2) lie inside the grid."""
         inside = (cells >= 0) & (cells < np.array(self.data.shape))
-        return inside.all(axis=-1)  # type: ignore[no-any-return]
+        return np.asarray(inside.all(axis=-1))
 
 
 def _occupied(grid: OccupancyGrid) -> NDArray[np.bool_]:

@@ -10,12 +10,16 @@ from hydra.types import HydraContext, TaskFunction
 from omegaconf import DictConfig, open_dict
 
 
-class ArenaLauncher(Launcher):  # type: ignore[misc]  # Hydra's base classes are untyped
+class ArenaLauncher(Launcher):
     """Prepare each job's folder as Hydra does, then run the episodes of all of them together."""
 
     def setup(self, *, hydra_context: HydraContext, task_function: TaskFunction, config: DictConfig) -> None:
         """Keep what Hydra hands over before a launch."""
+        from arena_core.commands import RunTask
+
         self.hydra_context = hydra_context
+        if not isinstance(task_function, RunTask):
+            raise TypeError("hydra/launcher=arena launches `arena run -m` alone")
         self.task = task_function
         self.config = config
 

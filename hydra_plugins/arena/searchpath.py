@@ -4,7 +4,7 @@ from hydra.core.config_search_path import ConfigSearchPath
 from hydra.plugins.search_path_plugin import SearchPathPlugin
 
 
-class ArenaSearchPath(SearchPathPlugin):  # type: ignore[misc]  # Hydra's base classes are untyped
+class ArenaSearchPath(SearchPathPlugin):
     """Append every plugin's configuration package, then the user's ``conf`` folder."""
 
     def manipulate_search_path(self, search_path: ConfigSearchPath) -> None:

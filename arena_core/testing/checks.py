@@ -1,0 +1,305 @@
+"""The contract of every kind of component, as facts that are tried one after the other."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from arena_core.episode import Scenario
+from arena_core.errors import ArenaError, ContractViolation, NoPath, NoValidCommand
+from arena_core.geometry import Footprint, Pose, Twist
+from arena_core.interfaces import (
+    Executor,
+    GlobalPlanner,
+    Job,
+    Localizer,
+    LocalMap,
+    MetricPack,
+    PathBatch,
+    PedestrianModel,
+    Planner,
+    RobotBatch,
+    Simulator,
+    TaskMode,
+    Tracker,
+    WaypointGenerator,
+    WorldSource,
+)
+from arena_core.navigator import checked
+from arena_core.robot import Robot
+from arena_core.sensing import Observation, Tracks
+from arena_core.streams import generator
+from arena_core.testing import samples
+from arena_core.world import LETHAL, OccupancyGrid
+
+Facts = Iterator[tuple[str, bool]]
+SLOT = np.zeros(1, np.int64)
+
+
+def check(kind: str, component: Any, body: Robot) -> list[str]:
+    """Try every fact of a kind's contract and return them; raise ContractViolation at the first that does not hold."""
+    held = []
+    for fact, holds in CHECKS[kind](component, body):
+        if not holds:
+            raise ContractViolation(f"{kind} {type(component).__name__}: not so: {fact}")
+        held.append(fact)
+    return held
+
+
+def check_planner(planner: Planner, body: Robot) -> Facts:
+    """Try a planner in the walled room."""
+    views = _views(body)
+    first = _drive(planner, body, views)
+    yield "every command is a finite Twist, or NoValidCommand is raised", True
+    yield "the same observations after a reset give the same commands", _drive(planner, body, views) == first
+    _drive(planner, body, views[::-1])
+    yield "nothing of one episode survives into the next", _drive(planner, body, views) == first
+    seen = [v.scan.ranges.copy() for v in views]
+    _drive(planner, body, views)
+    yield "observations are left as they are", all((a == v.scan.ranges).all() for a, v in zip(seen, views, strict=True))
+    planner.reset(samples.episode_start(body, known=False))
+    _ask(planner, samples.observation(body=body, known=False))
+    yield "it works without a map", True
+    yield "it approaches a waypoint on a free, straight path", _progress(planner, body) > 0.2
+
+
+def check_robot(robot: Robot, body: Robot) -> Facts:
+    """Look at a robot's figures."""
+    yield "it is a Robot with a footprint", isinstance(robot, Robot) and isinstance(robot.footprint, Footprint)
+    inscribed = robot.footprint.inscribed_radius
+    yield "the inscribed radius is positive and not above the radius", 0.0 < inscribed <= robot.footprint.radius + 1e-9
+    span = robot.lidar.angle_increment * (robot.lidar.beams - 1)
+    yield "the lidar spans no more than a full turn", span <= 2.0 * math.pi + 1e-6
+    ticks = np.array((robot.control_period, robot.lidar.period, robot.odometry.period)) / 0.01
+    yield "periods are multiples of 10 ms", bool(np.allclose(ticks, np.round(ticks)))
+
+
+def check_world(source: WorldSource, body: Robot) -> Facts:
+    """Ask a source of worlds twice."""
+    world, again = source.world(0, 0), source.world(0, 0)
+    yield "it is the same world for the same seed and index", bool((world.grid.data == again.grid.data).all())
+    yield "some cells are free", bool((world.grid.data == 0).any())
+
+
+def check_task(task: TaskMode, body: Robot) -> Facts:
+    """Draw scenarios."""
+    one, same, other = task.scenario(3, 0), task.scenario(3, 0), task.scenario(3, 1)
+    yield "a scenario is a pure function of seed and index", _same_scenario(one, same)
+    yield "another index has another name", one.name != other.name or task.count() == 1
+    cells = one.world.grid.cells([(one.start.x, one.start.y), (one.goal.x, one.goal.y)])
+    inside = one.world.grid.contains(cells).all()
+    yield (
+        "start and goal lie on the map, on cells that are not occupied",
+        bool(inside) and not one.world.grid.occupied[tuple(cells.T)].any(),
+    )
+    yield "people have numbers of their own", len({p.id for p in one.pedestrians}) == len(one.pedestrians)
+
+
+def check_localizer(localizer: Localizer, body: Robot) -> Facts:
+    """Localise along a straight drive in the walled room."""
+    truth = [Pose(-1.0 + 0.05 * k, 0.3, 0.1) for k in range(41)]
+    estimates = _localise(localizer, body, truth)
+    yield "poses are finite", all(np.isfinite(e.pose.array()).all() for e in estimates)
+    covariances = np.array([e.covariance for e in estimates])
+    yield (
+        "covariances are symmetric and not negative",
+        bool(np.allclose(covariances, covariances.transpose(0, 2, 1)) and (np.linalg.eigvalsh(covariances) >= -1e-9).all()),
+    )
+    yield "the estimate stays within 0.2 m on clean sensors", estimates[-1].pose.distance(truth[-1]) < 0.2
+    again = _localise(localizer, body, truth)
+    yield "the same sensors after a reset give the same poses", [e.pose for e in again] == [e.pose for e in estimates]
+
+
+def check_global_planner(planner: GlobalPlanner, body: Robot) -> Facts:
+    """Plan in the walled room, free and divided."""
+    start, goal = Pose(-3.0, -2.0, 0.0), Pose(3.0, 2.0, 0.0)
+    path = planner.plan(samples.room(), start, goal)
+    ends = path.poses[[0, -1], :2] - [(start.x, start.y), (goal.x, goal.y)]
+    yield "the path runs from start to goal", bool(np.hypot(*ends.T).max() < 0.1)
+    yield "the path is hardly longer than the straight line in a free room", path.length < 1.1 * start.distance(goal)
+    yield "the same query gives the same path", bool((planner.plan(samples.room(), start, goal).poses == path.poses).all())
+    data = samples.room().data.copy()
+    data[:, data.shape[1] // 2] = 100
+    try:
+        planner.plan(OccupancyGrid(data, samples.room().resolution, samples.room().origin), start, goal)
+        yield "a divided room raises NoPath", False
+    except NoPath:
+        yield "a divided room raises NoPath", True
+
+
+def check_waypoints(generator_: WaypointGenerator, body: Robot) -> Facts:
+    """Follow a straight path."""
+    path = samples.straight_path(Pose(-4.0, 0.0), Pose(4.0, 0.0))
+    generator_.reset(SLOT, 1)
+    for k in range(8):
+        found = generator_.next(PathBatch.of([path]), np.array(((-4.0 + k, 0.05, 0.0),)), np.array((float(k),)))
+        ok = found.poses.shape == (1, 3) and found.status.shape == (1,) and int(found.status[0]) == 0
+        yield f"a robot {k} m along the path gets a waypoint on the path, ahead", ok and found.poses[0, 0] > -4.0 + k
+    generator_.reset(np.arange(2), 2)
+    pair = generator_.next(PathBatch.of([path, path]), np.array(((-4.0, 0.0, 0.0), (0.0, 0.0, 0.0))), np.zeros(2))
+    generator_.reset(SLOT, 1)
+    alone = generator_.next(PathBatch.of([path]), np.array(((-4.0, 0.0, 0.0),)), np.zeros(1))
+    yield "a robot among others gets what it would get alone", bool((pair.poses[0] == alone.poses[0]).all())
+
+
+def check_local_map(local_map: LocalMap, body: Robot) -> Facts:
+    """Look at the wall of the room."""
+    pose = Pose(4.0, 0.0, 0.0)
+    for grid in (samples.room(), None):
+        local_map.reset(grid)
+        window = local_map.update(samples.scan(pose, body), pose)
+        cells = ((np.array(((4.97, 0.0), (4.0, 0.0))) - window.origin_xy) / window.resolution).astype(int)
+        yield (
+            "the wall is lethal, the robot's own place is not",
+            bool(
+                window.costs[cells[0, 1], cells[0, 0] - 1 : cells[0, 0] + 2].max() == LETHAL
+                and window.costs[cells[1, 1], cells[1, 0]] < LETHAL
+            ),
+        )
+        yield "a planning grid comes from it", isinstance(local_map.planning_grid(), OccupancyGrid)
+
+
+def check_tracker(tracker: Tracker, body: Robot) -> Facts:
+    """Look at a room in which nobody moves."""
+    tracker.reset(samples.room())
+    tracks = [tracker.update(samples.scan(Pose(0.0, 0.0), body, stamp=0.1 * k), Pose(0.0, 0.0), 0.1 * k) for k in range(10)][-1]
+    n = len(tracks.ids)
+    shapes = (tracks.positions.shape, tracks.velocities.shape, tracks.radii.shape, tracks.covariances.shape)
+    yield "tracks have the documented shapes", isinstance(tracks, Tracks) and shapes == ((n, 2), (n, 2), (n,), (n, 4, 4))
+    yield "an empty room has no fast track", bool((np.hypot(*tracks.velocities.T) < 0.5).all())
+
+
+def check_pedestrians(model: PedestrianModel, body: Robot) -> Facts:
+    """Let three people walk in the room."""
+    people = [samples.person(k, -2.0 + 2.0 * k, -2.0, (2.0 - k, 3.0), (-2.0, -2.0 - 0.5 * k)) for k in range(3)]
+    problem = samples.scenario(people=people)
+    alone = _walk(model, [problem])
+    yield "people keep their numbers", alone.ids[0, :3].tolist() == [0, 1, 2]
+    moved = np.hypot(*(alone.positions[0] - [p.position_xy for p in people]).T)
+    yield "people walk, no faster than they may", bool((moved > 0.1).all() and (moved < 0.5 * 4.0 + 0.1).all())
+    yield "the same start gives the same walk", bool((_walk(model, [problem]).positions == alone.positions).all())
+    among = _walk(model, [samples.scenario(people=people[:1], name="other"), problem])
+    yield "a world among others gives what it gives alone", bool((among.positions[1, :3] == alone.positions[0, :3]).all())
+
+
+def check_simulator(simulator: Simulator, body: Robot) -> Facts:
+    """Drive in the walled room."""
+    problem = samples.scenario(people=[samples.person(1, 0.0, 3.0, (2.0, 3.0), (0.0, 3.0))])
+    ticks = round(body.control_period / simulator.inner_step)
+    first = simulator.reset([problem])
+    yield "an episode begins at its start, at rest, at stamp 0", first.state(0).pose == problem.start and first.state(0).stamp == 0.0
+    command = np.array(((0.1, 0.0, 0.2),))
+    states = [simulator.advance(command, ticks) for _ in range(20)]
+    yield "stamps count the time", abs(states[-1].state(0).stamp - 20 * ticks * simulator.inner_step) < 1e-9
+    yield "a commanded robot moves", states[-1].state(0).pose.distance(problem.start) > 0.05
+    view = states[-1].sensors(0)
+    yield "a scan has the robot's beams and its own stamp", len(view.scan.ranges) == body.lidar.beams and view.scan.stamp <= view.stamp
+    simulator.reset([samples.scenario(name="sample/1"), problem])
+    pair = [simulator.advance(command.repeat(2, axis=0), ticks) for _ in range(20)][-1]
+    same = pair.state(1).pose == states[-1].state(0).pose and (pair.sensors(1).scan.ranges == view.scan.ranges).all()
+    yield "a world among others gives what it gives alone", bool(same)
+
+
+def check_metrics(pack: MetricPack, body: Robot) -> Facts:
+    """Evaluate a small record."""
+    metrics = pack.metrics()
+    yield "names are unique", len({m.name for m in metrics}) == len(metrics)
+    yield "every metric has a unit and a description", all(m.unit and m.description for m in metrics)
+    for contact in (False, True):
+        sample = samples.record(contact=contact)
+        values = [m.compute(sample) for m in metrics]
+        yield "every value is a number", all(isinstance(float(v), float) and not math.isinf(v) for v in values)
+        again = [m.compute(sample) for m in metrics]
+        yield "the same record gives the same values", np.array_equal(values, again, equal_nan=True)
+
+
+def check_executor(executor: Executor, body: Robot) -> Facts:
+    """Run three tiny jobs."""
+    rows = list(executor.map(echo, [Job({}, "", k) for k in range(3)]))
+    yield "every job gives one row", sorted(row["episode"] for row in rows) == [0, 1, 2]
+
+
+def echo(job: Job) -> dict[str, Any]:
+    """Return a job's number: the smallest work that there is."""
+    return {"episode": job.episode}
+
+
+CHECKS: dict[str, Callable[[Any, Robot], Facts]] = {
+    "planner": check_planner,
+    "robot": check_robot,
+    "world": check_world,
+    "task": check_task,
+    "localizer": check_localizer,
+    "global_planner": check_global_planner,
+    "waypoints": check_waypoints,
+    "local_map": check_local_map,
+    "tracker": check_tracker,
+    "pedestrians": check_pedestrians,
+    "simulator": check_simulator,
+    "metrics": check_metrics,
+    "executor": check_executor,
+}
+
+
+def _views(body: Robot) -> list[Observation]:
+    here = Pose(0.0, 0.0, 0.0)
+    walled = samples.walled_costmap(here, body.footprint.inscribed_radius)
+    return [
+        samples.observation(body=body),
+        samples.observation(body=body, twist=Twist(0.2, 0.0, 0.1), stamp=0.1),
+        samples.observation(body=body, waypoint=Pose(-2.0, 0.1), goal=Pose(-3.0, 0.1), stamp=0.2),
+        samples.observation(body=body, goal=Pose(0.05, 0.0), waypoint=Pose(0.05, 0.0), stamp=0.3),
+        samples.observation(body=body, costmap=walled, stamp=0.4),
+        samples.observation(body=body, pose=Pose(4.6, 0.0, 0.0), stamp=0.5),
+    ]
+
+
+def _drive(planner: Planner, body: Robot, views: Sequence[Observation]) -> list[Twist | None]:
+    planner.reset(samples.episode_start(body))
+    return [_ask(planner, view) for view in views]
+
+
+def _ask(planner: Planner, view: Observation) -> Twist | None:
+    try:
+        return checked(planner.compute_velocity(view), planner)
+    except NoValidCommand:
+        return None
+    except ArenaError as error:
+        raise ContractViolation(str(error)) from error
+
+
+def _progress(planner: Planner, body: Robot) -> float:
+    """Return how far 3 s of obeyed commands bring a robot along a straight, free path, as a part of the possible."""
+    planner.reset(samples.episode_start(body))
+    pose, twist, goal = Pose(-2.5, 0.0, 0.0), Twist(0.0), Pose(2.5, 0.0, 0.0)
+    steps = round(3.0 / body.control_period)
+    for k in range(steps):
+        view = samples.observation(pose, Pose(pose.x + 2.0, 0.0), goal, twist, body, stamp=k * body.control_period)
+        twist = _ask(planner, view) or Twist(0.0)
+        turned = Pose(pose.x, pose.y, pose.theta + 0.5 * twist.wz * body.control_period)
+        moved = turned.compose(Pose(twist.vx * body.control_period, twist.vy * body.control_period))
+        pose = Pose(moved.x, moved.y, pose.theta + twist.wz * body.control_period)
+    return (pose.x + 2.5) / min(5.0, 3.0 * body.limits.vx_max)
+
+
+def _localise(localizer: Localizer, body: Robot, truth: Sequence[Pose]) -> list[Any]:
+    localizer.reset(samples.room(), truth[0], generator(0, "sample/0", "localizer"))
+    return [localizer.update(samples.sensors(pose, body, 0.1 * k, Twist(0.5))) for k, pose in enumerate(truth)]
+
+
+def _walk(model: PedestrianModel, scenarios: Sequence[Scenario]) -> Any:
+    n = len(scenarios)
+    crowd = model.reset(np.arange(n), scenarios, n)
+    robots = RobotBatch(np.tile((4.0, -4.0, 0.0), (n, 1)), np.zeros((n, 2)), 0.2)
+    for k in range(100):
+        crowd = model.step(crowd, robots, np.full(n, k, np.int64), 0.04)
+    return crowd
+
+
+def _same_scenario(one: Scenario, other: Scenario) -> bool:
+    people = zip(one.pedestrians, other.pedestrians, strict=True)
+    same_people = all((a.position_xy == b.position_xy).all() and np.array_equal(a.waypoints_xy, b.waypoints_xy) for a, b in people)
+    return (one.name, one.start, one.goal) == (other.name, other.start, other.goal) and same_people
