@@ -80,33 +80,28 @@ def _flat_cells(grid: Grid) -> NDArray[np.uint8]:
 
 
 def quadrant_reach(grid: Grid) -> NDArray[np.uint8]:
-    """Return, flat, a table (4, H + 2, W + 2): the side in cells of the largest empty square that has the cell as its corner.
+    """Return, flat, a table (4, H + 1, W + 1): the side in cells of the largest empty square whose lowest cell this is.
 
-    Table q holds the squares that extend to lower columns if q & 1, to lower rows if q & 2. Occupied cells and the rim around the
-    grid have 0; larger sides than 255 are cut.
+    Table q is of the grid mirrored in its columns if q & 1, in its rows if q & 2: a ray of any direction then runs to higher
+    columns and rows. Occupied cells and the rim beyond the last column and row have 0; larger sides than 255 are cut.
     """
-    rows, columns = grid.occupied.shape
-    table = np.zeros((4, rows + 2, columns + 2), np.uint8)
     blocked = np.array(grid.occupied, dtype=np.uint8)
-    _largest_squares(blocked, table)
+    table = np.zeros((4, blocked.shape[0] + 1, blocked.shape[1] + 1), np.uint8)
+    for quadrant in range(4):
+        mirrored = blocked[:: -1 if quadrant & 2 else 1, :: -1 if quadrant & 1 else 1]
+        _largest_squares(np.ascontiguousarray(mirrored), table[quadrant])
     return table.ravel()
 
 
 @njit(cache=True)
-def _largest_squares(blocked: NDArray[np.uint8], table: NDArray[np.uint8]) -> None:
-    """Grow each square from those of the three neighbours it would swallow."""
+def _largest_squares(blocked: NDArray[np.uint8], reach: NDArray[np.uint8]) -> None:
+    """Grow each square from those of the three neighbours that it would swallow."""
     rows, columns = blocked.shape
-    for quadrant in range(4):
-        dx = -1 if quadrant & 1 else 1
-        dy = -1 if quadrant & 2 else 1
-        reach = table[quadrant]
-        for i in range(rows):
-            row = i + 1 if dy < 0 else rows - i
-            for j in range(columns):
-                column = j + 1 if dx < 0 else columns - j
-                if not blocked[row - 1, column - 1]:
-                    beside = min(reach[row, column + dx], reach[row + dy, column])
-                    reach[row, column] = min(min(beside, reach[row + dy, column + dx]), 254) + 1
+    for row in range(rows - 1, -1, -1):
+        for column in range(columns - 1, -1, -1):
+            if not blocked[row, column]:
+                beside = min(reach[row, column + 1], reach[row + 1, column])
+                reach[row, column] = min(min(beside, reach[row + 1, column + 1]), 254) + 1
 
 
 @njit(cache=True)
