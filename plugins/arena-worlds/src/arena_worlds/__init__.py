@@ -1,1 +1,19 @@
 """ROS maps and built-in worlds for the arena suite."""
+
+from arena_core import Register, hookimpl
+
+
+@hookimpl
+def register_worlds(register: Register) -> None:
+    """Offer ROS maps, the built-in halls and the two generators."""
+    register("ros_map", "arena_worlds.ros_map:RosMap")
+    register("empty", "arena_worlds.empty:EmptyRoom")
+    register("warehouse", "arena_worlds.warehouse:Warehouse")
+    register("indoor", "arena_worlds.indoor:Indoor")
+    register("outdoor", "arena_worlds.outdoor:Outdoor")
+
+
+@hookimpl
+def config_package() -> str:
+    """Name the configuration package."""
+    return "arena_worlds.conf"

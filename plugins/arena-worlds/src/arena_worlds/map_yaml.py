@@ -1,0 +1,128 @@
+"""The YAML file of a map_server map: what it must say, and what is wrong with it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal, get_args
+
+import yaml
+
+from arena_core import InputFileError
+
+Mode = Literal["trinary", "scale", "raw"]
+
+
+@dataclass(frozen=True, slots=True)
+class MapFile:
+    """What a map's YAML says: ``resolution`` m, ``origin`` (x, y, yaw) of the lower left corner, thresholds of occupancy in 0 .. 1."""
+
+    image: Path
+    resolution: float
+    origin: tuple[float, float, float]
+    negate: bool
+    occupied_thresh: float
+    free_thresh: float
+    mode: Mode
+
+
+def read_map_yaml(path: Path) -> MapFile:
+    """Read and check a map's YAML; raise InputFileError with the file, the key and what is allowed."""
+    keys = _mapping(path)
+    found = MapFile(
+        image=_image(path, keys),
+        resolution=_number(path, keys, "resolution"),
+        origin=_origin(path, keys),
+        negate=_negate(path, keys),
+        occupied_thresh=_number(path, keys, "occupied_thresh"),
+        free_thresh=_number(path, keys, "free_thresh"),
+        mode=_mode(path, keys),
+    )
+    if found.resolution <= 0.0:
+        raise InputFileError(f"{path}: resolution is {found.resolution:g}; allowed: > 0 (m a cell)")
+    if not 0.0 <= found.free_thresh <= found.occupied_thresh <= 1.0:
+        raise InputFileError(
+            f"{path}: free_thresh is {found.free_thresh:g} and occupied_thresh {found.occupied_thresh:g}; "
+            "allowed: 0 <= free_thresh <= occupied_thresh <= 1"
+        )
+    return found
+
+
+def _mapping(path: Path) -> Mapping[str, Any]:
+    try:
+        keys = yaml.safe_load(path.read_bytes())
+    except OSError as error:
+        raise InputFileError(f"{path}: cannot be read ({error.strerror}); allowed: the YAML file of a map_server map") from None
+    # PyYAML lets a ValueError through for impossible dates, and recurses as deeply as the file nests
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
+        raise InputFileError(f"{path}: is no YAML file ({_reason(error)})") from None
+    if not isinstance(keys, Mapping):
+        raise InputFileError(f"{path}: holds no keys; allowed: image, resolution, origin, negate, occupied_thresh, free_thresh, mode")
+    return keys
+
+
+def _reason(error: Exception) -> str:
+    mark = getattr(error, "problem_mark", None)
+    place = f"line {mark.line + 1}: " if mark is not None else ""
+    return place + " ".join(str(getattr(error, "problem", None) or error).split())
+
+
+def _value(path: Path, keys: Mapping[str, Any], key: str, allowed: str) -> Any:
+    if key not in keys:
+        raise InputFileError(f"{path}: {key} is missing; allowed: {allowed}")
+    return keys[key]
+
+
+def _image(path: Path, keys: Mapping[str, Any]) -> Path:
+    name = _value(path, keys, "image", "an image file, relative to this YAML")
+    if not isinstance(name, str) or not name:
+        raise InputFileError(f"{path}: image is {name!r}; allowed: an image file, relative to this YAML")
+    image = path.parent / name
+    if not image.is_file():
+        raise InputFileError(f"{path}: image {name} is not there (looked for {image}); allowed: an image file, relative to this YAML")
+    return image
+
+
+def _number(path: Path, keys: Mapping[str, Any], key: str) -> float:
+    value = _value(path, keys, key, "a number")
+    number = _as_number(value)
+    if number is None:
+        raise InputFileError(f"{path}: {key} is {value!r}; allowed: a finite number")
+    return number
+
+
+def _as_number(value: Any) -> float | None:
+    """Return a finite number or None; a string may be one, for YAML 1.1 reads 5e-2 as text where ROS reads a number."""
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        return None
+    try:
+        number = float(value)
+    except (ValueError, OverflowError):
+        return None
+    return number if math.isfinite(number) else None
+
+
+def _origin(path: Path, keys: Mapping[str, Any]) -> tuple[float, float, float]:
+    value = _value(path, keys, "origin", "[x, y, yaw]")
+    numbers = [_as_number(item) for item in value] if isinstance(value, list) else []
+    match numbers:
+        case [float() as x, float() as y, float() as yaw]:
+            return x, y, yaw
+    raise InputFileError(f"{path}: origin is {value!r}; allowed: [x, y, yaw] (m, m, rad)")
+
+
+def _negate(path: Path, keys: Mapping[str, Any]) -> bool:
+    value = _value(path, keys, "negate", "0 or 1")
+    if value not in (0, 1):  # True and False among them
+        raise InputFileError(f"{path}: negate is {value!r}; allowed: 0 or 1")
+    return bool(value)
+
+
+def _mode(path: Path, keys: Mapping[str, Any]) -> Mode:
+    value = keys.get("mode", "trinary")
+    for mode in get_args(Mode):
+        if value == mode:
+            return mode  # type: ignore[no-any-return]
+    raise InputFileError(f"{path}: mode is {value!r}; allowed: trinary, scale or raw")

@@ -1,0 +1,36 @@
+"""A world from a ROS map: map_server YAML and image."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from pathlib import Path
+
+from arena_core import ConfigurationError, OccupancyGrid, Pose, World, WorldSource
+from arena_worlds.map_image import occupancy
+from arena_worlds.map_yaml import MapFile, read_map_yaml
+
+
+class RosMap(WorldSource):
+    """The same map for every scenario; the robot is given it if ``known``."""
+
+    def __init__(self, path: str | None, known: bool) -> None:
+        if path is None:
+            raise ConfigurationError("world.path is null; allowed: the YAML file of a map_server map, as in world.path=site.yaml")
+        yaml_path = Path(path)
+        self._world = World(f"{yaml_path.resolve().parent.name}/{yaml_path.stem}", load_map(yaml_path), known)
+
+    def world(self, seed: int, index: int) -> World:
+        """Return the map, whatever the scenario."""
+        return self._world
+
+
+def load_map(path: Path) -> OccupancyGrid:
+    """Read a map; the same grid object again for as long as its files stay as they are. Raises InputFileError."""
+    file = read_map_yaml(path)
+    written = file.image.stat()
+    return _grid(file, written.st_mtime_ns, written.st_size)
+
+
+@lru_cache(maxsize=16)
+def _grid(file: MapFile, written_ns: int, size: int) -> OccupancyGrid:
+    return OccupancyGrid(occupancy(file), file.resolution, Pose(*file.origin))

@@ -1,0 +1,129 @@
+"""Real maps load, and the same file gives the same grid."""
+
+import os
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from arena_core import ConfigurationError, InputFileError, Pose
+from arena_worlds.ros_map import RosMap, load_map
+
+MAPS = Path(__file__).parents[3].parent / "shared" / "data" / "maps"
+needs_maps = pytest.mark.skipif(not MAPS.is_dir(), reason="the collection of public maps is not at ../shared/data/maps")
+LOADABLE = [
+    "aws_bookstore/turtlebot3_waffle_pi/map.yaml",
+    "aws_small_warehouse/005/map.yaml",
+    "arena_bench/map5/arena-tools/map.yaml",
+    "arena_bench/map5/map.yaml",
+    "arena_bench/small_warehouse/map.yaml",
+    "arena_bench/small_warehouse/obs_map.yaml",
+    "nav2/depot.yaml",
+    "nav2/tb3_sandbox.yaml",
+    "nav2/testmap.yaml",
+    "navrep/asl.yaml",
+    "navrep/crowdmove1.yaml",
+    "navrep/crowdmove2.yaml",
+    "navrep/markclutter.yaml",
+    "navrep/markmaze.yaml",
+    "turtlebot3/map.yaml",
+]
+# navigation2's nav2_map_server tests: the 10 x 10 map's occupied cells, first row at the bottom
+TESTMAP = """\
+..........
+####..###.
+####..###.
+#.........
+#.........
+#.....##..
+#.....##..
+#.....##..
+#.....##..
+#........."""
+
+
+def small_map(folder: Path, origin: str = "[0, 0, 0]") -> Path:
+    Image.fromarray(np.array([[0, 254, 205], [254, 254, 254]], np.uint8)).save(folder / "map.pgm")
+    path = folder / "site.yaml"
+    path.write_text(f"image: map.pgm\nresolution: 0.5\norigin: {origin}\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n")
+    return path
+
+
+@needs_maps
+def test_every_map_of_the_collection_is_tried() -> None:
+    offered = {str(path.relative_to(MAPS)) for path in MAPS.rglob("*.yaml")}
+    assert offered == {*LOADABLE, "arena_bench/map5/arena-tools/map.world.yaml"}
+
+
+@needs_maps
+@pytest.mark.parametrize("name", LOADABLE)
+def test_real_map_loads(name: str) -> None:
+    grid = load_map(MAPS / name)
+    assert set(np.unique(grid.data).tolist()) <= {-1, 0, 100}
+    assert (grid.data == 0).any()
+    assert grid.occupied.any() != (name == "navrep/crowdmove1.yaml")  # that one is a blank sheet
+    assert 0.04 <= grid.resolution <= 0.16
+
+
+@needs_maps
+def test_known_cells_of_the_test_map() -> None:
+    grid = load_map(MAPS / "nav2/testmap.yaml")
+    assert "\n".join("".join("#" if value == 100 else "." for value in row) for row in grid.data.tolist()) == TESTMAP
+    assert set(np.unique(grid.data).tolist()) == {0, 100}
+    assert grid.origin == Pose(2.0, 3.0, 1.0)
+
+
+@needs_maps
+@pytest.mark.parametrize("image", ["testmap.pgm", "testmap.bmp"])
+def test_png_pgm_and_bmp_give_the_same_map(tmp_path: Path, image: str) -> None:
+    shutil.copy(MAPS / "nav2" / image, tmp_path)
+    text = (MAPS / "nav2/testmap.yaml").read_text().replace("testmap.png", image)
+    (tmp_path / "map.yaml").write_text(text)
+    assert (load_map(tmp_path / "map.yaml").data == load_map(MAPS / "nav2/testmap.yaml").data).all()
+
+
+@needs_maps
+def test_yaml_that_is_no_map_is_refused() -> None:
+    with pytest.raises(InputFileError, match=r"map\.world\.yaml: image is missing"):
+        load_map(MAPS / "arena_bench/map5/arena-tools/map.world.yaml")
+
+
+@needs_maps
+def test_yaml_whose_image_is_missing_is_refused(tmp_path: Path) -> None:
+    shutil.copy(MAPS / "nav2/depot.yaml", tmp_path)
+    with pytest.raises(InputFileError, match=r"depot\.yaml: image depot\.pgm is not there"):
+        load_map(tmp_path / "depot.yaml")
+
+
+def test_cells_lie_where_origin_and_yaw_put_them(tmp_path: Path) -> None:
+    grid = load_map(small_map(tmp_path, "[2.0, 3.0, 1.5707963267948966]"))
+    assert grid.data.tolist() == [[0, 0, 0], [100, 0, -1]]
+    row, column = np.argwhere(grid.data == 100)[0]
+    # turned by a quarter: columns run along y, rows along -x
+    assert grid.positions((row, column)) == pytest.approx((2.0 - 0.75, 3.0 + 0.25))
+
+
+def test_same_file_gives_the_same_grid(tmp_path: Path) -> None:
+    path = str(small_map(tmp_path))
+    first, second = RosMap(path, known=True), RosMap(path, known=False)
+    assert first.world(0, 0).grid is second.world(7, 3).grid
+    assert first.world(0, 0).known
+    assert not second.world(0, 0).known
+    assert first.world(0, 0).name == f"{tmp_path.name}/site"
+
+
+def test_changed_image_is_read_again(tmp_path: Path) -> None:
+    path = small_map(tmp_path)
+    before = load_map(path)
+    Image.fromarray(np.full((2, 3), 254, np.uint8)).save(tmp_path / "map.pgm")
+    os.utime(tmp_path / "map.pgm", (1, 1))
+    after = load_map(path)
+    assert before.occupied.any()
+    assert not after.occupied.any()
+
+
+def test_path_must_be_given() -> None:
+    with pytest.raises(ConfigurationError, match=r"world\.path is null; allowed: .*world\.path=site\.yaml"):
+        RosMap(None, known=True)
