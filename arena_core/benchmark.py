@@ -20,7 +20,7 @@ from arena_core.recording import Recorder, write_grid
 from arena_core.registry import Registry
 from arena_core.robot import Robot
 
-NOT_PART_OF_A_CELL = ("seed", "episodes", "executor", "resume", "report", "metrics", "experiment")
+NOT_PART_OF_A_CELL = ("seed", "episodes", "executor", "resume", "report", "metrics", "recording", "experiment", "choices")
 
 
 @dataclass(frozen=True, slots=True)

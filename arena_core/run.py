@@ -122,7 +122,10 @@ def _prepare(request: RunRequest, registry: Registry) -> _Run:
     run = _Run(config, folder, benchmark.metrics)
     if (folder / "provenance.json").exists():
         _continue(run)
-    write_text_whole(folder / "provenance.json", json.dumps(provenance(config), indent=2, sort_keys=True) + "\n")
+    facts = provenance(config)
+    for note in facts["untuned"]:
+        print(note, file=sys.stderr)
+    write_text_whole(folder / "provenance.json", json.dumps(facts, indent=2, sort_keys=True) + "\n")
     run.write()
     return run
 
@@ -168,13 +171,19 @@ def provenance(config: Mapping[str, Any]) -> dict[str, Any]:
         "python": platform.python_version(),
         "commit": _commit(),
         "machine": {"system": platform.platform(), "processor": platform.machine()},
-        "untuned": untuned(config),
+        "untuned": untuned(config.get("choices", {})),
     }
 
 
-def untuned(config: Mapping[str, Any]) -> str:
-    """Return a note when the planner has tunings but none for this robot."""
-    return ""
+def untuned(choices: Mapping[str, str]) -> list[str]:
+    """Return a note for every optional tuning that a chosen component asks for and no file holds."""
+    from hydra.core.global_hydra import GlobalHydra
+
+    if not GlobalHydra.instance().is_initialized():
+        return []
+    options = GlobalHydra.instance().config_loader().get_group_options
+    tunings = [(group.partition("@")[0], option) for group, option in choices.items() if "_tuning" in group]
+    return [f"{group.rpartition('/')[2].removesuffix('_tuning')}: untuned for {o}" for group, o in tunings if o not in options(group)]
 
 
 def _commit() -> str:

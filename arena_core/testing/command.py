@@ -31,7 +31,7 @@ class CheckCommand(Command):
         parser.add_argument("request", nargs="+", metavar="KIND=NAME", help="a component, then overrides; or: all")
         given = parser.parse_args(list(arguments)).request
         if given == ["all"]:
-            return max(_check_preset(kind, preset, []) for kind in CHECKS for preset in presets(load_registry(), kind))
+            return max(_check_or_say_why_not(kind, preset) for kind in CHECKS for preset in presets(load_registry(), kind))
         kind, _, preset = given[0].partition("=")
         if kind not in CHECKS:
             raise UnknownComponent(unknown("kind", kind, list(CHECKS)))
@@ -40,16 +40,27 @@ class CheckCommand(Command):
         return _check_preset(kind, preset, given[1:])
 
 
+def _check_or_say_why_not(kind: str, preset: str) -> int:
+    """Check one preset; one that cannot be built without values from its user (a file, say) is named and passed over."""
+    try:
+        return _check_preset(kind, preset, [])
+    except ConfigurationError as error:
+        print(f"-- {kind}={preset} needs values: {error}")
+        return 0
+
+
 def _check_preset(kind: str, preset: str, overrides: Sequence[str]) -> int:
     """Check one preset on every kind of robot that matters to it and print what held."""
-    for kinematics in BODIES.get(kind, ("differential",)):
+    bodies = BODIES.get(kind, ("differential",))
+    for kinematics in bodies:
         body = robot(kinematics)
         try:
             facts = check(kind, component(kind, preset, overrides, **_context(kind, body)), body)
         except ContractViolation as violation:
             print(f"BROKEN {kind}={preset} ({kinematics}): {violation}")
             return 1
-        print(f"ok {kind}={preset} ({kinematics}): {len(facts)} facts hold")
+        on = f" on a robot with {kinematics} drive" if len(bodies) > 1 else ""
+        print(f"ok {kind}={preset}: {len(facts)} facts hold{on}")
     return 0
 
 
