@@ -1,0 +1,164 @@
+"""Map grids: how far every cell of the window is from the path and from the last path point inside, around obstacles."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from arena_dwa.parameters import Body, FloatArray, MapGrids, Window
+
+UNSEEN = -1
+WALL = -2
+
+
+@njit(cache=True)
+def nearest_index(path: FloatArray, x: float, y: float) -> int:
+    """Return the row of ``path`` (M, 3) nearest to (x, y)."""
+    best, best_squared = 0, np.inf
+    for i in range(len(path)):
+        squared = (path[i, 0] - x) ** 2 + (path[i, 1] - y) ** 2
+        if squared < best_squared:
+            best, best_squared = i, squared
+    return best
+
+
+@njit(cache=True)
+def bordered_index(window: Window, x: float, y: float) -> int:
+    """Return the index of a position in the window's flat grid with a border of one cell; -1 outside the window."""
+    rows, columns = window.distance.shape
+    column = int(np.floor((x - window.origin_x) / window.resolution))
+    row = int(np.floor((y - window.origin_y) / window.resolution))
+    if row < 0 or row >= rows or column < 0 or column >= columns:
+        return -1
+    return (row + 1) * (columns + 2) + column + 1  # type: ignore[no-any-return]
+
+
+@njit(cache=True)
+def clamped_index(window: Window, x: float, y: float) -> int:
+    """Return the index of the window's cell nearest to a position, in the flat grid with its border."""
+    rows, columns = window.distance.shape
+    half = 0.5 * window.resolution
+    inside_x = min(max(x, window.origin_x + half), window.origin_x + columns * window.resolution - half)
+    inside_y = min(max(y, window.origin_y + half), window.origin_y + rows * window.resolution - half)
+    return bordered_index(window, inside_x, inside_y)
+
+
+@njit(cache=True)
+def path_cells(path: FloatArray, window: Window, x: float, y: float) -> tuple[NDArray[np.int64], bool]:
+    """Return the cells that the path covers from abreast of (x, y) until it first leaves the window, and whether it ends inside."""
+    first = nearest_index(path, x, y)
+    cells = [clamped_index(window, path[first, 0], path[first, 1])]
+    for i in range(first, len(path)):
+        before = max(i - 1, first)
+        step_x, step_y = path[i, 0] - path[before, 0], path[i, 1] - path[before, 1]
+        parts = max(1, int(np.ceil(np.hypot(step_x, step_y) / window.resolution)))
+        for k in range(1, parts + 1):
+            cell = bordered_index(window, path[before, 0] + step_x * k / parts, path[before, 1] + step_y * k / parts)
+            if cell < 0:
+                return np.array(cells), False
+            if cell != cells[-1]:
+                cells.append(cell)
+    return np.array(cells), True
+
+
+@njit(cache=True)
+def blocked_cells(window: Window, body: Body, x: float, y: float) -> NDArray[np.int32]:
+    """Return the flat bordered grid: WALL where the robot's centre cannot be, UNSEEN elsewhere and under the robot itself."""
+    rows, columns = window.distance.shape
+    cells = np.full((rows + 2) * (columns + 2), WALL, np.int32)
+    least = np.float32(body.inscribed_radius)
+    for row in range(rows):
+        start = (row + 1) * (columns + 2) + 1
+        for column in range(columns):
+            if window.distance[row, column] >= least:
+                cells[start + column] = UNSEEN
+    reach = int(np.ceil(body.inscribed_radius / window.resolution))
+    centre = clamped_index(window, x, y)
+    centre_row, centre_column = centre // (columns + 2), centre % (columns + 2)
+    for row in range(max(1, centre_row - reach), min(rows, centre_row + reach) + 1):
+        for column in range(max(1, centre_column - reach), min(columns, centre_column + reach) + 1):
+            if (row - centre_row) ** 2 + (column - centre_column) ** 2 <= reach * reach:
+                cells[row * (columns + 2) + column] = UNSEEN
+    return cells
+
+
+@njit(cache=True)
+def spread(steps: NDArray[np.int32], stride: int, seeds: NDArray[np.int64]) -> int:
+    """Number the UNSEEN cells of ``steps`` in place with their steps from the nearest seed and return the first number not used.
+
+    Steps to four and to eight neighbours alternate, which makes the front an octagon: within 11 % of the Euclidean distance
+    (Rosenfeld, Pfaltz: Distance functions on digital pictures, 1968), where the diamond of ROS's map grid is off by 41 %.
+    """
+    queue = np.empty(len(steps), np.int32)
+    offsets = np.array((1, -1, stride, -stride, stride + 1, stride - 1, 1 - stride, -stride - 1))
+    begin, end, ring = 0, 0, 0
+    for seed in seeds:
+        if steps[seed] != 0:
+            steps[seed] = 0
+            queue[end] = seed
+            end += 1
+    while begin < end:
+        ring_end, neighbours = end, 4 if ring % 2 == 0 else 8
+        ring += 1
+        for i in range(begin, ring_end):
+            for k in range(neighbours):
+                cell = queue[i] + offsets[k]
+                if steps[cell] == UNSEEN:
+                    steps[cell] = ring
+                    queue[end] = cell
+                    end += 1
+        begin = ring_end
+    return ring
+
+
+@njit(cache=True)
+def map_grid(blocked: NDArray[np.int32], stride: int, seeds: NDArray[np.int64], robot: int) -> NDArray[np.int32]:
+    """Return every cell's steps from the nearest seed round walls; walls and what is cut off count as one step beyond the last.
+
+    Where the robot itself is cut off, walls are ignored, so that it comes near and waits.
+    """
+    steps = blocked.copy()
+    ring = spread(steps, stride, seeds)
+    if steps[robot] < 0:
+        steps = np.full(len(blocked), WALL, np.int32)
+        steps.reshape((-1, stride))[1:-1, 1:-1] = UNSEEN
+        ring = spread(steps, stride, seeds)
+    for i in range(len(steps)):
+        if steps[i] < 0:
+            steps[i] = ring
+    return steps
+
+
+@njit(cache=True)
+def map_grids(window: Window, body: Body, path: FloatArray, x: float, y: float, forward_point_distance: float) -> MapGrids:
+    """Return the grids of a robot at (x, y).
+
+    The front's goal lies ``forward_point_distance`` beyond the path's end, seen from the robot, as in ROS: else the robot would
+    stop that far short of it.
+    """
+    cells, ends_inside = path_cells(path, window, x, y)
+    blocked = blocked_cells(window, body, x, y)
+    stride, robot = window.distance.shape[1] + 2, clamped_index(window, x, y)
+    goal = map_grid(blocked, stride, cells[-1:], robot)
+    goal_front = goal
+    if ends_inside:
+        bearing = np.arctan2(path[-1, 1] - y, path[-1, 0] - x)
+        beyond_x = path[-1, 0] + forward_point_distance * np.cos(bearing)
+        beyond_y = path[-1, 1] + forward_point_distance * np.sin(bearing)
+        goal_front = map_grid(blocked, stride, np.full(1, clamped_index(window, beyond_x, beyond_y)), robot)
+    return MapGrids(map_grid(blocked, stride, cells, robot), goal, goal_front)
+
+
+@njit(cache=True)
+def grid_distance(steps: NDArray[np.int32], window: Window, x: float, y: float) -> float:
+    """Return a map grid's distance at a position, m, interpolated between the four cells around it."""
+    rows, columns = window.distance.shape
+    u = min(max((x - window.origin_x) / window.resolution - 0.5, 0.0), columns - 1.0)
+    v = min(max((y - window.origin_y) / window.resolution - 0.5, 0.0), rows - 1.0)
+    column, row = min(int(u), columns - 2), min(int(v), rows - 2)
+    u, v = u - column, v - row
+    i = (row + 1) * (columns + 2) + column + 1
+    below = steps[i] * (1.0 - u) + steps[i + 1] * u
+    above = steps[i + columns + 2] * (1.0 - u) + steps[i + columns + 3] * u
+    return (below * (1.0 - v) + above * v) * window.resolution  # type: ignore[no-any-return]

@@ -1,0 +1,114 @@
+"""The obstacle critic: follows a sample's arc with the robot's outline over the window's distance field."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from arena_dwa.parameters import Body, FloatArray, Limits, RollOut, Window
+
+REJECTED = -1.0
+
+
+@njit(cache=True)
+def advance(pose: tuple[float, float, float], vx: float, vy: float, wz: float, time: float) -> tuple[float, float, float]:
+    """Return the pose after ``time`` s at constant velocity: an exact circular arc (Fox, Burgard, Thrun 1997, eq. 10-12)."""
+    x, y, theta = pose
+    turn = wz * time
+    if abs(turn) < 1e-6:
+        along, aside = vx * time, vy * time
+    else:
+        s, c = np.sin(turn), 1.0 - np.cos(turn)
+        along, aside = (vx * s - vy * c) / wz, (vx * c + vy * s) / wz
+    s, c = np.sin(theta), np.cos(theta)
+    return x + c * along - s * aside, y + s * along + c * aside, theta + turn
+
+
+@njit(cache=True)
+def cell_distance(window: Window, x: float, y: float) -> float:
+    """Return the distance from a position to the edge of the nearest lethal cell, m; outside the window -inf."""
+    rows, columns = window.distance.shape
+    column = int(np.floor((x - window.origin_x) / window.resolution))
+    row = int(np.floor((y - window.origin_y) / window.resolution))
+    if row < 0 or row >= rows or column < 0 or column >= columns:
+        return -np.inf
+    return window.distance[row, column] - 0.5 * window.resolution  # type: ignore[no-any-return]
+
+
+@njit(cache=True)
+def cell_cost(window: Window, x: float, y: float) -> float:
+    """Return the cost of the cell at a position inside the window."""
+    return float(window.costs[int((y - window.origin_y) / window.resolution), int((x - window.origin_x) / window.resolution)])
+
+
+@njit(cache=True)
+def clearance(window: Window, body: Body, x: float, y: float, theta: float, enough: float) -> float:
+    """Return how far the outline is from the nearest lethal cell, m, negative in collision; beyond ``enough`` a lower bound will do."""
+    centre = cell_distance(window, x, y)
+    if len(body.outline_xy) == 0 or centre - body.radius > enough:
+        return centre - body.radius
+    least = centre - body.inscribed_radius
+    s, c = np.sin(theta), np.cos(theta)
+    for i in range(len(body.outline_xy)):
+        px, py = body.outline_xy[i]
+        least = min(least, cell_distance(window, x + c * px - s * py, y + s * px + c * py))
+    return least
+
+
+@njit(cache=True)
+def outline_growth(body: Body, limits: Limits, speed: float) -> float:
+    """Return how far the outline is widened at ``speed``, m: ROS's scaling_speed and max_scaling_factor."""
+    if speed <= body.scaling_speed or limits.trans_max <= body.scaling_speed:
+        return 0.0
+    return body.inscribed_radius * body.max_scaling_factor * (speed - body.scaling_speed) / (limits.trans_max - body.scaling_speed)
+
+
+@njit(cache=True)
+def stopping_time(vx: float, vy: float, wz: float, limits: Limits) -> float:
+    """Return how long the robot brakes from a velocity, s."""
+    time = max(abs(vx) / limits.ax_max, abs(wz) / limits.alpha_max)
+    return max(time, abs(vy) / limits.ay_max) if limits.ay_max > 0.0 else time
+
+
+@njit(cache=True)
+def obstacle_cost(
+    window: Window,
+    body: Body,
+    limits: Limits,
+    roll_out: RollOut,
+    period: float,
+    pose: tuple[float, float, float],
+    sample: tuple[float, float, float],
+    start_clearance: float,
+    mean: bool,
+) -> float:
+    """Return the greatest (or mean) cell cost under the robot's centre along the arc; REJECTED where the outline would touch.
+
+    REJECTED too where the arc leaves the window. It lasts ``sim_time``, or as long as the robot needs to stop, with
+    ``stop_time_buffer`` to spare. A robot that stands closer than its padding may drive as long as it comes no closer still.
+    """
+    vx, vy, wz = sample
+    speed = np.hypot(vx, vy)
+    allowed = outline_growth(body, limits, speed) + min(body.padding, start_clearance - 1e-6)
+    time = max(roll_out.sim_time, period + stopping_time(vx, vy, wz, limits) + roll_out.stop_time_buffer)
+    steps = max(1, int(np.ceil(max(speed * time / roll_out.sim_granularity, abs(wz) * time / roll_out.angular_sim_granularity))))
+    total, greatest = 0.0, 0.0
+    for _ in range(steps):
+        pose = advance(pose, vx, vy, wz, time / steps)
+        if clearance(window, body, pose[0], pose[1], pose[2], allowed) < allowed:
+            return REJECTED
+        cost = cell_cost(window, pose[0], pose[1])
+        total += cost
+        greatest = max(greatest, cost)
+    return total / steps if mean else greatest
+
+
+@njit(cache=True)
+def footprint_outline(vertices_xy: FloatArray, spacing: float) -> FloatArray:
+    """Return points along a polygon's edges, at most ``spacing`` m apart, (S, 2)."""
+    points = [(0.0, 0.0)]
+    for i in range(len(vertices_xy)):
+        a, b = vertices_xy[i], vertices_xy[(i + 1) % len(vertices_xy)]
+        parts = int(np.ceil(np.hypot(b[0] - a[0], b[1] - a[1]) / spacing))
+        points.extend([(a[0] + (b[0] - a[0]) * k / parts, a[1] + (b[1] - a[1]) * k / parts) for k in range(parts)])
+    return np.array(points[1:]).reshape(-1, 2)

@@ -1,0 +1,147 @@
+"""The dynamic window approach of Fox, Burgard and Thrun (1997), in the manner of ROS's dwa_local_planner."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal
+
+import numpy as np
+
+from arena_core import (
+    Bounds,
+    ConfigurationError,
+    EpisodeStart,
+    NonNegative,
+    NonNegativeInt,
+    NoValidCommand,
+    Observation,
+    Planner,
+    Positive,
+    PositiveInt,
+    Robot,
+    Twist,
+)
+from arena_dwa.obstacles import footprint_outline
+from arena_dwa.oscillation import OscillationFlags
+from arena_dwa.parameters import Body, FloatArray, Limits, RollOut, Scales, Window
+from arena_dwa.search import best_velocity
+
+OUTLINE_SPACING = 0.05  # m, the side of a usual costmap cell: no cell slips between two points
+
+
+class DwaPlanner(Planner):
+    """Samples velocities of the dynamic window, follows each for ``sim_time`` and drives the cheapest that does not collide."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        vx_min: Annotated[float, Bounds(high=0.0)] | None,
+        vx_max: Positive | None,
+        vy_max: NonNegative | None,
+        wz_max: Positive | None,
+        trans_min: NonNegative,
+        trans_max: Positive | None,
+        theta_min: NonNegative,
+        ax_max: Positive | None,
+        ay_max: NonNegative | None,
+        alpha_max: Positive | None,
+        sim_time: Positive,
+        sim_granularity: Positive,
+        angular_sim_granularity: Positive,
+        vx_samples: PositiveInt,
+        vy_samples: NonNegativeInt,
+        vth_samples: PositiveInt,
+        path_distance_bias: NonNegative,
+        goal_distance_bias: NonNegative,
+        occdist_scale: NonNegative,
+        occdist_over: Literal["max", "mean"],
+        forward_point_distance: NonNegative,
+        twirling_scale: NonNegative,
+        reverse_scale: NonNegative,
+        escape_scale: NonNegative,
+        stop_time_buffer: NonNegative,
+        footprint_padding: NonNegative,
+        scaling_speed: NonNegative,
+        max_scaling_factor: NonNegative,
+        oscillation_reset_dist: NonNegative,
+        oscillation_reset_angle: NonNegative,
+    ) -> None:
+        own = robot.limits
+        self._limits = Limits(
+            vx_min=_or(vx_min, own.vx_min),
+            vx_max=_or(vx_max, own.vx_max),
+            vy_max=_or(vy_max, own.vy_max) if robot.holonomic else 0.0,
+            wz_max=_or(wz_max, own.wz_max),
+            trans_min=trans_min,
+            trans_max=_or(trans_max, max(own.vx_max, own.vy_max)),
+            theta_min=theta_min,
+            ax_max=_or(ax_max, own.ax_max),
+            ay_max=_or(ay_max, own.ay_max),
+            alpha_max=_or(alpha_max, own.alpha_max),
+            turn_radius=_turn_radius(robot),
+        )
+        if trans_min > self._limits.trans_max:
+            raise ConfigurationError(f"dwa: trans_min is {trans_min}; allowed: at most trans_max {self._limits.trans_max} (m/s)")
+        self._roll_out = RollOut(sim_time, sim_granularity, angular_sim_granularity, stop_time_buffer, vx_samples, vy_samples, vth_samples)
+        self._body = _body(robot, footprint_padding, scaling_speed, max_scaling_factor)
+        self._scales = Scales(
+            path_distance_bias,
+            goal_distance_bias,
+            occdist_scale,
+            occdist_over == "mean",
+            forward_point_distance,
+            twirling_scale,
+            reverse_scale,
+            escape_scale,
+        )
+        self._oscillation = OscillationFlags(oscillation_reset_dist, oscillation_reset_angle, trans_min)
+        self._period = robot.control_period
+
+    def reset(self, episode: EpisodeStart) -> None:
+        """Forget the directions driven before."""
+        self._period = episode.control_period
+        self._oscillation.clear()
+
+    def compute_velocity(self, observation: Observation) -> Twist:
+        """Return the cheapest admissible velocity of the window; raise NoValidCommand when every one is rejected."""
+        vx, vy, wz, cost = best_velocity(
+            _window(observation),
+            observation.path.poses,
+            _state(observation),
+            self._period,
+            self._limits,
+            self._roll_out,
+            self._body,
+            self._scales,
+            self._oscillation.only,
+        ).tolist()
+        if math.isinf(cost):
+            raise NoValidCommand("dwa: every velocity of the window collides, oscillates or is too slow")
+        command = Twist(vx, vy, wz)
+        self._oscillation.note(observation.pose, command)
+        return command
+
+
+def _or(value: float | None, otherwise: float) -> float:
+    return float(otherwise if value is None else value)
+
+
+def _turn_radius(robot: Robot) -> float:
+    return robot.wheelbase / math.tan(robot.steering_max) if robot.kinematics == "ackermann" else 0.0
+
+
+def _body(robot: Robot, padding: float, scaling_speed: float, max_scaling_factor: float) -> Body:
+    footprint = robot.footprint
+    outline = np.empty((0, 2)) if footprint.is_circle else footprint_outline(footprint.vertices_xy, OUTLINE_SPACING)
+    return Body(footprint.radius, footprint.inscribed_radius, outline, padding, scaling_speed, max_scaling_factor)
+
+
+def _window(observation: Observation) -> Window:
+    costmap = observation.local_map
+    x, y = costmap.origin_xy.tolist()
+    return Window(costmap.costs, costmap.distance, float(costmap.resolution), x, y)
+
+
+def _state(observation: Observation) -> FloatArray:
+    pose, twist = observation.pose, observation.twist
+    return np.array((pose.x, pose.y, pose.theta, twist.vx, twist.vy, twist.wz))

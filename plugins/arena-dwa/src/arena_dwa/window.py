@@ -1,0 +1,60 @@
+"""The dynamic window: which velocities the robot can have one control period from now, and which of them are tried."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from arena_dwa.parameters import FloatArray, Limits
+
+TOLERANCE = 1e-4  # speeds this close to a minimum count as fast enough, as in ROS
+
+
+@njit(cache=True)
+def reachable(speed: float, low: float, high: float, acceleration: float, period: float) -> tuple[float, float]:
+    """Return the least and greatest speed on one axis after ``period`` s; a speed beyond the limits is led back to them."""
+    now = min(max(speed, low), high)
+    return max(low, now - acceleration * period), min(high, now + acceleration * period)
+
+
+@njit(cache=True)
+def dynamic_window(twist: FloatArray, limits: Limits, period: float) -> FloatArray:
+    """Return the window V_d of Fox, Burgard, Thrun (1997), eq. 14, cut to the limits: (3, 2) lows and highs of vx, vy, wz."""
+    window = np.empty((3, 2))
+    window[0] = reachable(twist[0], limits.vx_min, limits.vx_max, limits.ax_max, period)
+    window[1] = reachable(twist[1], -limits.vy_max, limits.vy_max, limits.ay_max, period)
+    window[2] = reachable(twist[2], -limits.wz_max, limits.wz_max, limits.alpha_max, period)
+    return window
+
+
+@njit(cache=True)
+def axis_samples(low: float, high: float, count: int) -> FloatArray:
+    """Return ``count`` evenly spaced speeds from low to high, and 0 with them where it lies between (1 or 0: the one nearest to rest)."""
+    if count < 2 or high - low < 1e-9:
+        return np.full(1, min(max(0.0, low), high))
+    samples = np.linspace(low, high, count)
+    middle = np.searchsorted(samples, 0.0)
+    if middle == 0 or middle == count:
+        return samples
+    if samples[middle] < 1e-9 or -samples[middle - 1] < 1e-9:
+        samples[middle if samples[middle] < 1e-9 else middle - 1] = 0.0
+        return samples
+    return np.concatenate((samples[:middle], np.zeros(1), samples[middle:]))
+
+
+@njit(cache=True)
+def turn_samples(vx: float, window: FloatArray, limits: Limits, count: int) -> FloatArray:
+    """Return the turning speeds to try with ``vx``: those of the window, for an Ackermann robot only what its steering allows."""
+    low, high = window[2, 0], window[2, 1]
+    if limits.turn_radius > 0.0:
+        steered = abs(vx) / limits.turn_radius
+        low, high = min(max(low, -steered), steered), max(min(high, steered), -steered)
+    return axis_samples(low, high, count)
+
+
+@njit(cache=True)
+def driven(vx: float, vy: float, wz: float, limits: Limits) -> bool:
+    """Tell whether a sample is neither too slow nor, along its direction, too fast."""
+    speed = np.hypot(vx, vy)
+    slow = speed + TOLERANCE < limits.trans_min and abs(wz) + TOLERANCE < limits.theta_min
+    return not slow and speed - TOLERANCE <= limits.trans_max

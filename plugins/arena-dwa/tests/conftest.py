@@ -1,0 +1,126 @@
+"""Robots, costmaps and observations made by hand, and planners built from the presets that are shipped."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from importlib.resources import files
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+from numpy.typing import ArrayLike, NDArray
+
+from arena_core import (
+    NO_TRACKS,
+    Costmap,
+    EpisodeStart,
+    Footprint,
+    LaserScan,
+    Lidar,
+    Observation,
+    OdometryModel,
+    Path,
+    Pose,
+    Robot,
+    Tracks,
+    Twist,
+    VelocityLimits,
+)
+from arena_dwa.planner import DwaPlanner
+from arena_kernels.distance import distance_field
+
+LIDAR = Lidar(360, 0.0, 2.0 * math.pi / 360, 0.12, 3.5, 0.1, 0.01, Pose(0.0, 0.0))
+ODOMETRY = OdometryModel(0.02, 0.0, 0.0, 0.0, 0.0)
+REST = Twist(0.0)
+JACKAL_BODY = Footprint.polygon([[0.21, -0.165], [0.21, 0.165], [-0.21, 0.165], [-0.21, -0.165]])
+
+ROBOTS = {
+    "turtlebot3": Robot(
+        "turtlebot3", "differential", Footprint.circle(0.113), VelocityLimits(-0.22, 0.22, 0.0, 2.84, 2.5, 0.0, 3.2), LIDAR, ODOMETRY, 0.1
+    ),
+    "jackal": Robot("jackal", "differential", JACKAL_BODY, VelocityLimits(-2.0, 2.0, 0.0, 4.0, 10.0, 0.0, 20.0), LIDAR, ODOMETRY, 0.1),
+    "robotino": Robot(
+        "robotino", "omnidirectional", Footprint.circle(0.225), VelocityLimits(-2.78, 2.78, 2.78, 1.0, 2.5, 2.5, 3.2), LIDAR, ODOMETRY, 0.1
+    ),
+    "jackal_ackermann": Robot(
+        "jackal_ackermann",
+        "ackermann",
+        Footprint.polygon([[0.341, -0.165], [0.341, 0.165], [-0.079, 0.165], [-0.079, -0.165]]),
+        VelocityLimits(-2.0, 2.0, 0.0, 4.0, 10.0, 0.0, 20.0),
+        LIDAR,
+        ODOMETRY,
+        0.1,
+        0.262,
+        0.5,
+    ),
+    "stranger": Robot(
+        "stranger", "differential", Footprint.circle(0.3), VelocityLimits(-0.2, 0.8, 0.0, 1.5, 0.8, 0.0, 2.0), LIDAR, ODOMETRY, 0.1
+    ),
+}
+
+
+def preset_values(preset: str, robot: str) -> dict[str, Any]:
+    """Read a preset and its tuning for a robot, as Hydra merges them."""
+    folder = files("arena_dwa.conf") / "planner"
+    values = yaml.safe_load((folder / f"{preset}.yaml").read_text())
+    tunings = {"dwa": "dwa_tuning", "dwa_as_released": "dwa_released"}[preset]
+    tuning = folder / tunings / f"{robot}.yaml"
+    if tuning.is_file():
+        values |= yaml.safe_load(tuning.read_text())
+    return {key: value for key, value in values.items() if key not in ("defaults", "name")}
+
+
+@pytest.fixture(scope="session")
+def build() -> Callable[..., DwaPlanner]:
+    """Give a function that builds and resets a planner: robot's name, preset, changed values."""
+
+    def _build(robot: str = "turtlebot3", preset: str = "dwa", **changes: Any) -> DwaPlanner:
+        planner = DwaPlanner(ROBOTS[robot], **(preset_values(preset, robot) | changes))
+        planner.reset(EpisodeStart(None, Pose(0.0, 0.0), 0.1, np.random.default_rng(0)))
+        return planner
+
+    return _build
+
+
+def _inflate(lethal: NDArray[np.bool_], resolution: float = 0.05, inscribed: float = 0.113) -> Costmap:
+    distance = distance_field(lethal, resolution)
+    costs = np.where(distance <= inscribed, 253.0, 252.0 * np.exp(-3.0 * (distance - inscribed)))
+    costs = np.where(lethal, 254.0, np.where(distance > 1.0, 0.0, costs))
+    half = 0.5 * resolution * np.array(lethal.shape[::-1])
+    return Costmap(costs.astype(np.uint8), distance, resolution, -half)
+
+
+@pytest.fixture(scope="session")
+def inflate() -> Callable[..., Costmap]:
+    """Give a function that inflates lethal cells (H, W) to a costmap centred on the origin, as costmap_2d does."""
+    return _inflate
+
+
+@pytest.fixture(scope="session")
+def costmap() -> Callable[..., Costmap]:
+    """Give a function that makes a costmap, 6 m wide, the origin in the middle, of boxes (x_min, x_max, y_min, y_max) in m."""
+
+    def _costmap(*boxes: tuple[float, float, float, float], cells: int = 121) -> Costmap:
+        lethal = np.zeros((cells, cells), np.bool_)
+        centres = (np.arange(cells) - 0.5 * (cells - 1)) * 0.05
+        for x_min, x_max, y_min, y_max in boxes:
+            lethal |= ((centres >= y_min) & (centres <= y_max))[:, None] & ((centres >= x_min) & (centres <= x_max))[None, :]
+        return _inflate(lethal)
+
+    return _costmap
+
+
+@pytest.fixture(scope="session")
+def observe() -> Callable[..., Observation]:
+    """Give a function that makes an observation of a costmap, pose, path rows (x, y) and twist."""
+
+    def _observe(costmap: Costmap, pose: Pose, path_xy: ArrayLike, twist: Twist = REST, tracks: Tracks = NO_TRACKS) -> Observation:
+        rows = np.asarray(path_xy, dtype=np.float64)
+        path = Path(np.column_stack((rows, np.zeros(len(rows)))))
+        scan = LaserScan(0.0, 0.0, 0.1, 0.12, 3.5, np.full(4, np.inf, np.float32), Pose(0.0, 0.0))
+        goal = Pose.of(path.poses[-1])
+        return Observation(0.0, pose, np.zeros((3, 3)), twist, scan, goal, goal, path, None, lambda: costmap, lambda: tracks)
+
+    return _observe

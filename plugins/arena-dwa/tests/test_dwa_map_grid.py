@@ -1,0 +1,77 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from arena_dwa.map_grid import UNSEEN, blocked_cells, grid_distance, map_grids, path_cells, spread
+from arena_dwa.parameters import Body, Window
+
+BODY = Body(0.113, 0.113, np.empty((0, 2)), 0.03, 0.25, 0.2)
+
+
+def window_of(costmap):
+    return Window(costmap.costs, costmap.distance, costmap.resolution, *costmap.origin_xy.tolist())
+
+
+def path(*points):
+    rows = np.array(points, dtype=np.float64)
+    return np.column_stack((rows, np.zeros(len(rows))))
+
+
+@settings(derandomize=True, deadline=None)
+@given(st.integers(0, 30), st.integers(0, 40), st.integers(0, 30), st.integers(0, 40))
+def test_free_space_distance_is_within_an_eighth_of_euclidean(row, column, seed_row, seed_column):
+    cells = np.full((33, 43), UNSEEN, np.int32)
+    cells[[0, -1]] = cells[:, [0, -1]] = -2
+    spread(cells.reshape(-1), 43, np.array([(seed_row + 1) * 43 + seed_column + 1]))
+    straight = np.hypot(row - seed_row, column - seed_column)
+    assert 0.89 * straight - 1e-9 <= cells[row + 1, column + 1] <= straight + 1.0
+
+
+def test_wave_goes_round_a_wall(costmap):
+    window = window_of(costmap((-0.05, 0.05, -3.0, 2.0)))
+    goal = map_grids(window, BODY, path((1.0, 0.0), (1.1, 0.0)), -1.0, 0.0, 0.325).goal
+    assert grid_distance(goal, window, -1.0, 0.0) > 4.0
+    assert grid_distance(goal, window, -1.0, 0.0) > grid_distance(goal, window, -1.0, 1.0) + 0.6
+
+
+def test_wave_goes_through_a_wall_that_cuts_the_robot_off(costmap):
+    window = window_of(costmap((-0.05, 0.05, -3.1, 3.1)))
+    goal = map_grids(window, BODY, path((1.0, 0.0), (1.1, 0.0)), -1.0, 0.0, 0.325).goal
+    assert grid_distance(goal, window, -1.0, 0.0) == pytest.approx(2.1)
+
+
+def test_front_is_led_beyond_the_goal(costmap):
+    window = window_of(costmap())
+    grids = map_grids(window, BODY, path((0.0, 0.0), (1.0, 0.0)), 0.0, 0.0, 0.3)
+    assert grid_distance(grids.goal, window, 1.0, 0.0) < 1e-9
+    assert grid_distance(grids.goal_front, window, 1.3, 0.0) < 1e-9
+
+
+def test_path_is_followed_from_abreast_of_the_robot_to_where_it_leaves_the_window(costmap):
+    window = window_of(costmap())
+    cells, inside = path_cells(path((-2.0, 0.0), (2.0, 0.0), (10.0, 0.0)), window, 1.9, 0.3)
+    assert not inside
+    columns = cells % (window.distance.shape[1] + 2) - 1
+    assert columns[0] == 100  # x = 2 m, the pose nearest to the robot
+    assert columns[-1] == 120
+    assert (np.diff(columns) == 1).all()
+
+
+def test_robot_off_its_path_is_led_to_the_windows_edge(costmap):
+    window = window_of(costmap())
+    cells, _ = path_cells(path((20.0, 0.0), (21.0, 0.0)), window, 0.0, 0.0)
+    assert cells.tolist() == [61 * 123 + 121]
+
+
+def test_cells_under_the_robot_stay_open_when_it_stands_in_an_obstacles_reach(costmap):
+    window = window_of(costmap((0.05, 0.3, -0.1, 0.1)))
+    cells = blocked_cells(window, BODY, 0.0, 0.0).reshape(123, 123)
+    assert cells[61, 61] == UNSEEN
+    assert cells[61, 67] != UNSEEN
+
+
+def test_distance_between_cells_is_interpolated(costmap):
+    window = window_of(costmap())
+    goal = map_grids(window, BODY, path((0.0, 0.0), (2.0, 0.0)), 0.0, 0.0, 0.3).goal
+    assert abs(grid_distance(goal, window, 0.0, 0.0) - grid_distance(goal, window, 0.02, 0.0) - 0.02) < 1e-9
