@@ -1,0 +1,114 @@
+"""The global planner A* on the inflated map."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core import INSCRIBED, LETHAL, GlobalPlanner, NonNegative, NonNegativeInt, NoPath, OccupancyGrid, Path, Pose, Positive, Robot
+from arena_navigation.escape import free_cells_near, ways_out
+from arena_navigation.inflation import InflatedCosts, Inflation
+from arena_navigation.search import Cell, CostToGo, MoveCosts
+from arena_navigation.smoothing import refine
+
+Costs = NDArray[np.uint8]
+Cells = NDArray[np.int64]
+Floats = NDArray[np.float64]
+
+
+class AstarPlanner(GlobalPlanner):
+    """Finds the cheapest 8-connected way through the inflated map, then straightens and smooths it (docs/navigation.md)."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        inflation_radius: NonNegative,
+        cost_scaling_factor: NonNegative,
+        neutral_cost: Positive,
+        cost_factor: NonNegative,
+        allow_unknown: bool,
+        tolerance: NonNegative,
+        spacing: Positive,
+        smoothing_rounds: NonNegativeInt,
+    ) -> None:
+        inflation = Inflation(robot.footprint.inscribed_radius, inflation_radius, cost_scaling_factor)
+        self._inflated = InflatedCosts(inflation, allow_unknown)
+        self._moves = MoveCosts(neutral_cost, cost_factor)
+        self._weights = neutral_cost + cost_factor * np.arange(256.0)
+        self._tolerance = tolerance
+        self._spacing = spacing
+        self._smoothing_rounds = smoothing_rounds
+        self._last: tuple[OccupancyGrid, CostToGo] | None = None
+
+    def plan(self, grid: OccupancyGrid, start: Pose, goal: Pose) -> Path:
+        """Return the path; raise NoPath if start or goal is blocked or no way joins them."""
+        costs = grid.derive(self._inflated)
+        start_cell, goal_cell = _cell_of(grid, start, "start"), _cell_of(grid, goal, "goal")
+        if costs[start_cell] >= LETHAL:
+            raise NoPath(f"the start {_at(start)} lies in an occupied or unknown cell; a free one is needed")
+        found = self._cheapest_cells(grid, costs, start_cell, goal_cell)
+        if found is None:
+            raise NoPath(self._reason(costs, start, goal, goal_cell))
+        cells, pinned = found
+        points = cells[:, ::-1] + 0.5
+        points[0] = _to_cells(grid, start)
+        if tuple(cells[-1]) == goal_cell:
+            points[-1] = _to_cells(grid, goal)
+        if len(points) == 1:
+            points = np.stack((_to_cells(grid, start), points[0]))
+        return _path(grid, refine(costs, self._weights, points, pinned, self._spacing / grid.resolution, self._smoothing_rounds), start)
+
+    def _cheapest_cells(self, grid: OccupancyGrid, costs: Costs, start: Cell, goal: Cell) -> tuple[Cells, int] | None:
+        """Return the way as (K, 2) cells and how many of them lead out of the inscribed zone, None if there is none."""
+        ways = ways_out(costs, start, 2 + math.ceil(2.0 * self._inflated.inflation.inscribed_radius / grid.resolution))
+        exhausted: list[CostToGo] = []
+        for target in free_cells_near(costs, goal, self._tolerance / grid.resolution) if ways else ():
+            if any(math.isfinite(search(target)) for search in exhausted):
+                continue  # shut in with a target that was tried
+            search = self._search(grid, costs, target, ways[0][-1])
+            for way in ways:
+                if math.isfinite(search(way[-1])):
+                    return np.concatenate((np.array(way, np.int64), search.cells_from(way[-1])[1:])), len(way) - 1
+            exhausted.append(search)
+        return None
+
+    def _search(self, grid: OccupancyGrid, costs: Costs, goal: Cell, anchor: Cell) -> CostToGo:
+        """Return the search for this goal, the one of the last query if grid and goal are the same."""
+        if self._last is None or self._last[0] is not grid or self._last[1].goal != goal:
+            self._last = grid, CostToGo(costs, self._moves, goal, anchor)
+        return self._last[1]
+
+    def _reason(self, costs: Costs, start: Pose, goal: Pose, goal_cell: Cell) -> str:
+        radius = self._inflated.inflation.inscribed_radius
+        if costs[goal_cell] >= INSCRIBED:
+            return f"the goal {_at(goal)} and all within {self._tolerance} m of it is blocked or cannot be reached by a robot of {radius:.3f} m"
+        return f"no way leads from {_at(start)} to {_at(goal)} for a robot of {radius:.3f} m inscribed radius"
+
+
+def _at(pose: Pose) -> str:
+    return f"({pose.x:.2f}, {pose.y:.2f})"
+
+
+def _cell_of(grid: OccupancyGrid, pose: Pose, role: str) -> Cell:
+    """Return the cell of a position; raise NoPath outside the grid."""
+    cell = grid.cells((pose.x, pose.y))
+    if not grid.contains(cell):
+        raise NoPath(f"the {role} {_at(pose)} lies outside the map of {grid.data.shape[1]} x {grid.data.shape[0]} cells")
+    return int(cell[0]), int(cell[1])
+
+
+def _to_cells(grid: OccupancyGrid, pose: Pose) -> Floats:
+    """Return a position of ``map`` as (column, row) in cells."""
+    x, y = pose.x - grid.origin.x, pose.y - grid.origin.y
+    c, s = math.cos(grid.origin.theta), math.sin(grid.origin.theta)
+    return np.array((c * x + s * y, c * y - s * x)) / grid.resolution
+
+
+def _path(grid: OccupancyGrid, points: Floats, start: Pose) -> Path:
+    """Turn (column, row) points in cells into poses in ``map``, each heading for the next, the last as the one before."""
+    positions = grid.positions(points[:, ::-1] - 0.5)
+    steps = np.diff(positions, axis=0)
+    headings = np.arctan2(steps[:, 1], steps[:, 0])
+    return Path(np.column_stack((positions, np.append(headings, headings[-1]))))

@@ -1,0 +1,179 @@
+"""From a chain of cells to a drivable path: straight lines where they cost no more, evenly spaced points, rounded corners.
+
+Positions are (column, row) in cells, so that cell (r, c) covers [c, c + 1) x [r, r + 1).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from arena_core import INSCRIBED
+
+_GROWTH = 1.3  # a longer line is tried this much farther ahead each time
+_SLACK = 1.0 + 1e-9  # a straight line along straight moves costs the same but for rounding
+_PULL = 0.25  # of the way to the middle of its neighbours that a point moves at once
+
+
+@njit(cache=True)
+def refine(
+    costs: NDArray[np.uint8], weights: NDArray[np.float64], points: NDArray[np.float64], pinned: int, spacing: float, rounds: int
+) -> NDArray[np.float64]:
+    """Return points (M, 2) at most ``spacing`` cells apart along a path no costlier than ``points`` (K, 2), which lead from cell to cell.
+
+    ``weights`` (256,) is the cost of one cell of way by cell cost. The first ``pinned`` points are kept, and may lie in
+    the inscribed zone. No line leaves the free cells, and smoothing moves no point by more than a cell.
+    """
+    lines = _pull_tight(costs, weights, points, pinned)
+    lines = _pull_tight(costs, weights, lines, pinned)  # now from corner to corner
+    even = _resample(lines, spacing)
+    return _smooth(costs, weights, even, pinned, rounds)
+
+
+@njit(cache=True)
+def line_cost(costs: NDArray[np.uint8], weights: NDArray[np.float64], x0: float, y0: float, x1: float, y1: float) -> float:
+    """Return the cost of a straight line, the sum over the cells it crosses of length times weight; inf if one is blocked.
+
+    Cells are visited in order (Amanatides and Woo 1987); through a corner, both cells beside it must be free.
+    """
+    column, row = math.floor(x0), math.floor(y0)
+    last_column, last_row = math.floor(x1), math.floor(y1)
+    dx, dy = x1 - x0, y1 - y0
+    length = math.hypot(dx, dy)
+    step_column, step_row = (1 if dx > 0 else -1), (1 if dy > 0 else -1)
+    per_column = abs(1.0 / dx) if dx != 0.0 else math.inf
+    per_row = abs(1.0 / dy) if dy != 0.0 else math.inf
+    next_column = (column + (dx > 0) - x0) / dx if dx != 0.0 else math.inf
+    next_row = (row + (dy > 0) - y0) / dy if dy != 0.0 else math.inf
+    at, total = 0.0, 0.0
+    for _ in range(abs(last_column - column) + abs(last_row - row) + 1):
+        if costs[row, column] >= INSCRIBED:
+            return math.inf
+        leave = min(next_column, next_row, 1.0)
+        total += (leave - at) * length * weights[costs[row, column]]
+        at = leave
+        if row == last_row and column == last_column:
+            break
+        if abs(next_column - next_row) < 1e-9 and row != last_row and column != last_column:
+            if costs[row + step_row, column] >= INSCRIBED or costs[row, column + step_column] >= INSCRIBED:
+                return math.inf
+            column, row = column + step_column, row + step_row
+            next_column, next_row = next_column + per_column, next_row + per_row
+        elif (next_column < next_row and column != last_column) or row == last_row:
+            column, next_column = column + step_column, next_column + per_column
+        else:
+            row, next_row = row + step_row, next_row + per_row
+    return total
+
+
+@njit(cache=True)
+def _pull_tight(
+    costs: NDArray[np.uint8], weights: NDArray[np.float64], points: NDArray[np.float64], pinned: int
+) -> NDArray[np.float64]:
+    """Keep the points between which a straight line costs no more than the way along the cells, from each the farthest found."""
+    count = len(points)
+    along = np.zeros(count)
+    for i in range(pinned + 1, count):
+        along[i] = along[i - 1] + line_cost(costs, weights, points[i - 1, 0], points[i - 1, 1], points[i, 0], points[i, 1])
+    kept = np.empty(count, np.int64)
+    last = min(pinned, count - 1)
+    for i in range(last + 1):
+        kept[i] = i
+    number = last + 1
+    while last < count - 1:
+        last = _farthest(costs, weights, points, along, last)
+        kept[number] = last
+        number += 1
+    lines = np.empty((number, 2))
+    for i in range(number):
+        lines[i, 0], lines[i, 1] = points[kept[i], 0], points[kept[i], 1]
+    return lines
+
+
+@njit(cache=True)
+def _farthest(
+    costs: NDArray[np.uint8], weights: NDArray[np.float64], points: NDArray[np.float64], along: NDArray[np.float64], start: int
+) -> int:
+    """Return the farthest point found that a line from ``start`` reaches as cheaply: ever longer leaps, then bisection."""
+    end = len(points) - 1
+    best, failed = start + 1, end + 1
+    leap = 2.0
+    while best < end:
+        tried = min(start + int(leap), end)
+        leap *= _GROWTH
+        if tried <= best:
+            continue
+        if _as_cheap(costs, weights, points, along, start, tried):
+            best = tried
+        else:
+            failed = tried
+            break
+    while failed - best > 1:
+        tried = (best + failed) // 2
+        if _as_cheap(costs, weights, points, along, start, tried):
+            best = tried
+        else:
+            failed = tried
+    return best
+
+
+@njit(cache=True)
+def _as_cheap(
+    costs: NDArray[np.uint8], weights: NDArray[np.float64], points: NDArray[np.float64], along: NDArray[np.float64], i: int, j: int
+) -> bool:
+    direct = line_cost(costs, weights, points[i, 0], points[i, 1], points[j, 0], points[j, 1])
+    return direct <= (along[j] - along[i]) * _SLACK
+
+
+@njit(cache=True)
+def _resample(lines: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
+    """Divide each line evenly, corners included."""
+    pieces = np.ones(len(lines), np.int64)
+    total = 1
+    for i in range(1, len(lines)):
+        length = math.hypot(lines[i, 0] - lines[i - 1, 0], lines[i, 1] - lines[i - 1, 1])
+        pieces[i] = max(1, math.ceil(length / spacing - 1e-9))
+        total += pieces[i]
+    points = np.empty((total, 2))
+    points[0, 0], points[0, 1] = lines[0, 0], lines[0, 1]
+    number = 1
+    for i in range(1, len(lines)):
+        for piece in range(1, pieces[i] + 1):
+            share = piece / pieces[i]
+            points[number, 0] = (1.0 - share) * lines[i - 1, 0] + share * lines[i, 0]
+            points[number, 1] = (1.0 - share) * lines[i - 1, 1] + share * lines[i, 1]
+            number += 1
+    return points
+
+
+@njit(cache=True)
+def _smooth(
+    costs: NDArray[np.uint8], weights: NDArray[np.float64], even: NDArray[np.float64], pinned: int, rounds: int
+) -> NDArray[np.float64]:
+    """Pull every free point towards the middle of its neighbours, up to a cell away; undo what leads through blocked cells."""
+    points = even.copy()
+    for _ in range(rounds):
+        for i in range(pinned + 1, len(points) - 1):
+            x = points[i, 0] + _PULL * (points[i - 1, 0] + points[i + 1, 0] - 2.0 * points[i, 0])
+            y = points[i, 1] + _PULL * (points[i - 1, 1] + points[i + 1, 1] - 2.0 * points[i, 1])
+            near = (x - even[i, 0]) ** 2 + (y - even[i, 1]) ** 2 <= 1.0
+            if near and costs[math.floor(y), math.floor(x)] < INSCRIBED:
+                points[i, 0], points[i, 1] = x, y
+    undone = True
+    while undone:
+        undone = False
+        for i in range(pinned + 1, len(points)):
+            moved = _differ(points, even, i - 1) or _differ(points, even, i)
+            if moved and line_cost(costs, weights, points[i - 1, 0], points[i - 1, 1], points[i, 0], points[i, 1]) == math.inf:
+                for k in (i - 1, i):
+                    points[k, 0], points[k, 1] = even[k, 0], even[k, 1]
+                undone = True
+    return points
+
+
+@njit(cache=True)
+def _differ(a: NDArray[np.float64], b: NDArray[np.float64], i: int) -> bool:
+    return a[i, 0] != b[i, 0] or a[i, 1] != b[i, 1]
