@@ -10,6 +10,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from arena_kernels.distance import Grid, grid_distance
+from arena_kernels.scalars import Integer
 
 
 class GridStack(NamedTuple):
@@ -105,7 +106,7 @@ def _largest_squares(blocked: NDArray[np.uint8], reach: NDArray[np.uint8]) -> No
 
 
 @njit(cache=True)
-def to_grid(stack: GridStack, g: int, x: float, y: float) -> tuple[float, float]:
+def to_grid(stack: GridStack, g: Integer, x: float, y: float) -> tuple[float, float]:
     """Return a position of ``map`` in the frame of grid ``g``, in cells (column, row)."""
     dx, dy = x - stack.origins[g, 0], y - stack.origins[g, 1]
     c, s = stack.rotations[g, 0], stack.rotations[g, 1]
@@ -113,7 +114,7 @@ def to_grid(stack: GridStack, g: int, x: float, y: float) -> tuple[float, float]
 
 
 @njit(cache=True)
-def is_blocked(stack: GridStack, g: int, x: float, y: float) -> bool:
+def is_blocked(stack: GridStack, g: Integer, x: float, y: float) -> bool:
     """Tell whether a position of ``map`` lies in an occupied cell of grid ``g``; outside the grid nothing is."""
     u, v = to_grid(stack, g, x, y)
     rows, columns = stack.shapes[g, 0], stack.shapes[g, 1]
@@ -123,7 +124,7 @@ def is_blocked(stack: GridStack, g: int, x: float, y: float) -> bool:
 
 
 @njit(cache=True)
-def distance_and_gradient(stack: GridStack, g: int, x: float, y: float) -> tuple[float, float, float]:
+def distance_and_gradient(stack: GridStack, g: Integer, x: float, y: float) -> tuple[float, float, float]:
     """Return the distance to the nearest wall's surface, m, and its gradient in ``map``, interpolated between cell centres.
 
     Half a cell is taken off the distance between centres, so the error is at most about half a cell. Without any wall the

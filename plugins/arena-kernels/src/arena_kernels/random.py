@@ -5,13 +5,12 @@ Philox4x32-10 of Salmon, Moraes, Dror and Shaw, Parallel Random Numbers: As Easy
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-Integer = int | np.integer[Any]
+from arena_kernels.scalars import Integer
+
 _MULTIPLIER_0 = np.uint64(0xD2511F53)
 _MULTIPLIER_1 = np.uint64(0xCD9E8D57)
 _WEYL_0 = np.uint64(0x9E3779B9)

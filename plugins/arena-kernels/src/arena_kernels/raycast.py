@@ -8,16 +8,16 @@ for Ray Tracing, Eurographics 1987. So the cell that is hit, and where, is what 
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 from arena_kernels.grids import GridStack, to_grid
+from arena_kernels.scalars import Integer
 
-Index = int | np.signedinteger[Any]
-Ray = tuple[Index, float, float, float, float, float, float]
+Ray = tuple[Integer, float, float, float, float, float, float]
 
 
 class Beams(NamedTuple):
@@ -46,7 +46,7 @@ def scan_grids(
 
 
 @njit(cache=True, error_model="numpy")
-def cast_grid(stack: GridStack, g: int, x: float, y: float, theta: float, beams: Beams, ranges: NDArray[np.float32]) -> None:
+def cast_grid(stack: GridStack, g: Integer, x: float, y: float, theta: float, beams: Beams, ranges: NDArray[np.float32]) -> None:
     """Fill ``ranges`` (B,) with the distances to the occupied cells of grid ``g``, seen from a pose in ``map``; +inf: nothing hit."""
     u, v = to_grid(stack, g, x, y)
     resolution = stack.resolutions[g]
@@ -91,7 +91,9 @@ def _directions(beams: Beams, yaw: float) -> NDArray[np.float64]:
 
 
 @njit(cache=True, error_model="numpy")
-def _begin(stack: GridStack, g: int, u: float, v: float, directions: NDArray[np.float64], i: int) -> tuple[Ray, float, Index, Index]:
+def _begin(
+    stack: GridStack, g: Integer, u: float, v: float, directions: NDArray[np.float64], i: int
+) -> tuple[Ray, float, Integer, Integer]:
     """Return ray i, mirrored to run to higher columns and rows, and where it is at first: distance, column, row (all in cells)."""
     rows, columns = stack.shapes[g, 0], stack.shapes[g, 1]
     left, down = directions[0, i] < 0.0, directions[1, i] < 0.0
@@ -109,14 +111,14 @@ def _begin(stack: GridStack, g: int, u: float, v: float, directions: NDArray[np.
 
 
 @njit(cache=True)
-def _side(reach: NDArray[np.uint8], width: int, limit: float, ray: Ray, t: float, column: Index, row: Index) -> Index:
+def _side(reach: NDArray[np.uint8], width: int, limit: float, ray: Ray, t: float, column: Integer, row: Integer) -> Integer:
     """Return the side of the empty square ahead; 0 when the ray has ended."""
     side = np.int64(reach[ray[0] + row * width + column])
     return side if t < limit else 0
 
 
 @njit(cache=True)
-def _leap(ray: Ray, side: Index, t: float, column: Index, row: Index) -> tuple[float, Index, Index]:
+def _leap(ray: Ray, side: Integer, t: float, column: Integer, row: Integer) -> tuple[float, Integer, Integer]:
     """Return where the ray leaves the empty square, without branches; a ray that has ended (side 0) stays."""
     _, x, y, dx, dy, inverse_x, inverse_y = ray
     right, top = column + side, row + side
@@ -131,19 +133,19 @@ def _leap(ray: Ray, side: Index, t: float, column: Index, row: Index) -> tuple[f
 
 
 @njit(cache=True)
-def _clamp(value: Index, low: Index, high: Index) -> Index:
+def _clamp(value: Integer, low: Integer, high: Integer) -> Integer:
     return max(min(value, high), low)
 
 
 @njit(cache=True)
-def _range(stack: GridStack, g: int, limit: float, t: float, column: Index, row: Index) -> float:
+def _range(stack: GridStack, g: Integer, limit: float, t: float, column: Integer, row: Integer) -> float:
     """Return the range in m; +inf beyond the maximum range and where the ray left the grid."""
     inside = column < stack.shapes[g, 1] and row < stack.shapes[g, 0]
     return t * stack.resolutions[g] if inside and t < limit else np.inf
 
 
 @njit(cache=True, error_model="numpy")
-def plain_dda(stack: GridStack, g: int, x: float, y: float, theta: float, beams: Beams, ranges: NDArray[np.float32]) -> None:
+def plain_dda(stack: GridStack, g: Integer, x: float, y: float, theta: float, beams: Beams, ranges: NDArray[np.float32]) -> None:
     """Fill ``ranges`` like ``cast_grid``, cell by cell (Amanatides and Woo 1987): the yardstick of tests and benchmarks."""
     u, v = to_grid(stack, g, x, y)
     rows, columns = stack.shapes[g, 0], stack.shapes[g, 1]

@@ -1,0 +1,225 @@
+"""Exact gaps between a body and cells, discs, segments and polygons.
+
+A body is the convex hull of ``hull`` (V, 2), in ``map``, counter-clockwise, grown by ``rounding`` m: one point with a rounding is a
+disc, three or more points without are a polygon. A gap is ``(gap, nx, ny, px, py)``: the distance in m (negative: how deep the two
+overlap), the unit normal from the body to the other, and the other's nearest point. ``NOTHING`` stands for nothing in reach.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from arena_kernels.grids import GridStack, to_grid
+from arena_kernels.scalars import Integer
+
+Gap = tuple[float, float, float, float, float]
+Points = NDArray[np.float64]
+
+NOTHING: Gap = (math.inf, 0.0, 0.0, math.inf, math.inf)
+
+
+@njit(cache=True)
+def place(vertices: Points, x: float, y: float, theta: float, hull: Points) -> None:
+    """Write the vertices (V, 2) of a body at a pose into ``hull``; a disc has no vertices, its hull is the one point (x, y)."""
+    if len(vertices) == 0:
+        hull[0, 0], hull[0, 1] = x, y
+    c, s = math.cos(theta), math.sin(theta)
+    for i in range(len(vertices)):
+        hull[i, 0] = x + c * vertices[i, 0] - s * vertices[i, 1]
+        hull[i, 1] = y + s * vertices[i, 0] + c * vertices[i, 1]
+
+
+@njit(cache=True)
+def gap_to_disc(hull: Points, rounding: float, x: float, y: float, radius: float) -> Gap:
+    """Return the gap between a body and a disc."""
+    gap, nx, ny = _point_gap(hull, x, y)
+    return gap - rounding - radius, nx, ny, x - radius * nx, y - radius * ny
+
+
+@njit(cache=True)
+def gap_to_convex(hull: Points, rounding: float, other: Points) -> Gap:
+    """Return the gap between a body and the convex hull of ``other`` (K, 2), counter-clockwise: a segment or a polygon."""
+    depth_a, ax, ay = _separation(hull, other)
+    depth_b, bx, by = _separation(other, hull)
+    if max(depth_a, depth_b) <= 0.0:
+        depth, nx, ny = (depth_a, ax, ay) if depth_a > depth_b else (depth_b, -bx, -by)
+        i = _support(other, -nx, -ny)
+        return depth - rounding, nx, ny, other[i, 0], other[i, 1]
+    best = NOTHING
+    for i in range(len(other)):
+        gap, nx, ny = _point_gap(hull, other[i, 0], other[i, 1])
+        if gap < best[0]:
+            best = (gap, nx, ny, other[i, 0], other[i, 1])
+    for i in range(len(hull)):
+        gap, nx, ny = _point_gap(other, hull[i, 0], hull[i, 1])
+        if gap < best[0]:
+            best = (gap, -nx, -ny, hull[i, 0] - gap * nx, hull[i, 1] - gap * ny)
+    return best[0] - rounding, best[1], best[2], best[3], best[4]
+
+
+@njit(cache=True)
+def gap_to_polygon(hull: Points, rounding: float, ring: Points) -> Gap:
+    """Return the gap between a body and a simple polygon ``ring`` (K, 2), convex or not."""
+    best = NOTHING
+    edge = np.empty((2, 2))
+    for i in range(len(ring)):
+        edge[0], edge[1] = ring[i - 1], ring[i]
+        found = gap_to_convex(hull, rounding, edge)
+        if found[0] < best[0]:
+            best = found
+    if best[0] > -rounding and _inside(ring, hull[0, 0], hull[0, 1]):
+        return -best[0] - 2.0 * rounding, -best[1], -best[2], best[3], best[4]
+    return best
+
+
+@njit(cache=True)
+def gap_to_cells(stack: GridStack, g: Integer, hull: Points, rounding: float, x: float, y: float, radius: float, within: float) -> Gap:
+    """Return the gap between a body and the nearest occupied cell of grid ``g``, ``NOTHING`` unless it is less than ``within``.
+
+    The body lies in the disc of ``radius`` about its reference point (x, y).
+    """
+    rows, columns = stack.shapes[g, 0], stack.shapes[g, 1]
+    resolution = stack.resolutions[g]
+    u, v = to_grid(stack, g, x, y)
+    column = np.int64(min(max(u, 0.0), columns - 1.0))
+    row = np.int64(min(max(v, 0.0), rows - 1.0))
+    nearest = stack.distance[stack.offsets[g] + row * columns + column] / resolution
+    away = math.hypot(u - column - 0.5, v - row - 0.5)
+    if nearest - away - 0.7072 >= (within + radius) / resolution:
+        return NOTHING
+    return _search_cells(stack, g, hull, rounding, u, v, radius / resolution, min(within / resolution, nearest + away + 1e-6))
+
+
+@njit(cache=True)
+def _search_cells(stack: GridStack, g: Integer, hull: Points, rounding: float, u: float, v: float, radius: float, within: float) -> Gap:
+    """Walk the rows outwards from (u, v), and each row outwards, leaping by the distance field; lengths in cells."""
+    rows, columns = stack.shapes[g, 0], stack.shapes[g, 1]
+    resolution = stack.resolutions[g]
+    body = np.empty_like(hull)
+    for i in range(len(hull)):
+        body[i, 0], body[i, 1] = to_grid(stack, g, hull[i, 0], hull[i, 1])
+    first_row = np.int64(min(max(v, 0.0), rows - 1.0))
+    first_column = np.int64(min(max(u, 0.0), columns - 1.0))
+    best = (within, 0.0, 0.0, np.inf, np.inf)
+    found = False
+    for side in range(-1, 2, 2):
+        row = first_row if side > 0 else first_row - 1
+        while 0 <= row < rows:
+            dy = max(row - v, v - row - 1.0, 0.0)
+            if dy >= best[0] + radius:
+                break
+            start = stack.offsets[g] + row * columns
+            for way in range(-1, 2, 2):
+                column = first_column if way > 0 else first_column - 1
+                while 0 <= column < columns:
+                    dx = max(column - u, u - column - 1.0, 0.0)
+                    if dx * dx + dy * dy >= (best[0] + radius) ** 2:
+                        break
+                    free = stack.distance[start + column]
+                    if free > 0.0:
+                        column += way * int(max(free / resolution, 1.0))
+                        continue
+                    gap = _gap_to_cell(body, rounding / resolution, column, row)
+                    if gap[0] < best[0]:
+                        best, found = gap, True
+                    column += way
+            row += side
+    return _to_map(stack, g, best) if found else NOTHING
+
+
+@njit(cache=True)
+def _gap_to_cell(body: Points, rounding: float, column: Integer, row: Integer) -> Gap:
+    """Return the gap between a body and a cell, both in cells."""
+    square = np.empty((4, 2))
+    square[0, 0], square[0, 1] = column, row
+    square[1, 0], square[1, 1] = column + 1, row
+    square[2, 0], square[2, 1] = column + 1, row + 1
+    square[3, 0], square[3, 1] = column, row + 1
+    if len(body) > 1:
+        return gap_to_convex(body, rounding, square)
+    x, y = body[0, 0], body[0, 1]
+    gap, nx, ny = _point_gap(square, x, y)
+    return gap - rounding, -nx, -ny, x - gap * nx, y - gap * ny
+
+
+@njit(cache=True)
+def _to_map(stack: GridStack, g: Integer, gap: Gap) -> Gap:
+    """Turn a gap from the grid's frame in cells to ``map`` in m."""
+    c, s = stack.rotations[g, 0], stack.rotations[g, 1]
+    resolution = stack.resolutions[g]
+    distance, nx, ny, px, py = gap
+    x = stack.origins[g, 0] + resolution * (c * px - s * py)
+    y = stack.origins[g, 1] + resolution * (s * px + c * py)
+    return distance * resolution, c * nx - s * ny, s * nx + c * ny, x, y
+
+
+@njit(cache=True)
+def _point_gap(hull: Points, x: float, y: float) -> tuple[float, float, float]:
+    """Return the signed distance from a convex hull to a point and the unit normal towards the point; negative inside."""
+    best, bx, by = np.inf, 0.0, 0.0
+    inner, ix, iy = -np.inf, 0.0, 0.0
+    for i in range(len(hull)):
+        ax, ay = hull[i - 1, 0], hull[i - 1, 1]
+        ex, ey = hull[i, 0] - ax, hull[i, 1] - ay
+        dx, dy = x - ax, y - ay
+        length = ex * ex + ey * ey
+        share = min(max((dx * ex + dy * ey) / length, 0.0), 1.0) if length > 0.0 else 0.0
+        qx, qy = dx - share * ex, dy - share * ey
+        squared = qx * qx + qy * qy
+        if squared < best:
+            best, bx, by = squared, qx, qy
+        if length > 0.0:
+            norm = math.sqrt(length)
+            outside = (dx * ey - dy * ex) / norm
+            if outside > inner:
+                inner, ix, iy = outside, ey / norm, -ex / norm
+    if len(hull) > 2 and inner <= 0.0:
+        return inner, ix, iy
+    distance = math.sqrt(best)
+    if distance > 0.0:
+        return distance, bx / distance, by / distance
+    return 0.0, ix, iy
+
+
+@njit(cache=True)
+def _separation(hull: Points, other: Points) -> tuple[float, float, float]:
+    """Return the widest separation of two hulls along the edge normals of the first, and that normal."""
+    best, nx, ny = -np.inf, 0.0, 0.0
+    for i in range(len(hull) if len(hull) > 2 else 2 * (len(hull) - 1)):  # a segment has a normal on either side, a point none
+        j, k = (i - 1, i) if len(hull) > 2 else (i, 1 - i)
+        ex, ey = hull[k, 0] - hull[j, 0], hull[k, 1] - hull[j, 1]
+        length = math.sqrt(ex * ex + ey * ey)
+        if length == 0.0:
+            continue
+        ux, uy = ey / length, -ex / length
+        s = _support(other, -ux, -uy)
+        separation = (other[s, 0] - hull[k, 0]) * ux + (other[s, 1] - hull[k, 1]) * uy
+        if separation > best:
+            best, nx, ny = separation, ux, uy
+    return best, nx, ny
+
+
+@njit(cache=True)
+def _support(points: Points, nx: float, ny: float) -> int:
+    """Return which point lies farthest along (nx, ny)."""
+    best, index = -np.inf, 0
+    for i in range(len(points)):
+        along = points[i, 0] * nx + points[i, 1] * ny
+        if along > best:
+            best, index = along, i
+    return index
+
+
+@njit(cache=True)
+def _inside(ring: Points, x: float, y: float) -> bool:
+    """Tell whether a point lies inside a simple polygon (crossing number)."""
+    inside = False
+    for i in range(len(ring)):
+        ax, ay, bx, by = ring[i - 1, 0], ring[i - 1, 1], ring[i, 0], ring[i, 1]
+        if (ay > y) != (by > y) and x < ax + (y - ay) * (bx - ax) / (by - ay):
+            inside = not inside
+    return inside
