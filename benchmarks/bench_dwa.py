@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
-from arena_dwa.map_grid import map_grids
-from arena_dwa.parameters import Body, Limits, RollOut, Scales, Window
-from arena_dwa.search import best_velocity
-from arena_dwa.window import axis_samples
-from arena_kernels.distance import distance_field
 from timing import interleave
+
+from arena_dwa.map_grid import map_grids
+from arena_dwa.parameters import Body, Limits, MapGrids, RollOut, Scales, Window
+from arena_dwa.search import best_velocity, cheapest_sample
+from arena_dwa.window import axis_samples, dynamic_window
+from arena_kernels.distance import distance_field
 
 LIMITS = Limits(-0.5, 1.0, 0.0, 2.0, 0.0, 1.0, 0.0, 100.0, 0.0, 100.0, 0.0)
 ROLL_OUT = RollOut(1.7, 0.1, 0.2, 0.2, 20, 1, 40)
@@ -19,10 +22,11 @@ BODY = Body(0.2, 0.2, np.empty((0, 2)), 0.02, 0.25, 0.2)
 SCALES = Scales(32.0, 20.0, 0.02, True, 0.325, 0.0, 30.0, 100.0)
 STEPS = 17  # of 0.1 s
 NO_FLAGS = np.zeros(3, np.int8)
+CALLS = 20  # a timing
 
 
-def scene() -> tuple[Window, np.ndarray, np.ndarray]:
-    """Return a 6 m window with boxes beside the way, a path through it, and the robot's state."""
+def scene() -> tuple[Window, np.ndarray, np.ndarray, MapGrids]:
+    """Return a 6 m window with boxes beside the way, a path through it, the robot's state and the map grids."""
     lethal = np.zeros((120, 120), np.bool_)
     generator = np.random.default_rng(1)
     for row, column in generator.integers(0, 112, (12, 2)):
@@ -31,17 +35,54 @@ def scene() -> tuple[Window, np.ndarray, np.ndarray]:
     distance = distance_field(lethal, 0.05)
     costs = np.where(distance <= 0.2, 253.0, np.where(distance > 1.0, 0.0, 252.0 * np.exp(-3.0 * (distance - 0.2)))).astype(np.uint8)
     path = np.column_stack((np.linspace(0.0, 5.0, 51), np.zeros(51), np.zeros(51)))
-    return Window(costs, distance, 0.05, -3.0, -3.0), path, np.array((0.0, 0.0, 0.2, 0.5, 0.0, 0.0))
+    window, state = Window(costs, distance, 0.05, -3.0, -3.0), np.array((0.0, 0.0, 0.2, 0.5, 0.0, 0.0))
+    return window, path, state, map_grids(window, BODY, path, 0.0, 0.0, SCALES.forward_point_distance)
 
 
-def compiled(window: Window, path: np.ndarray, state: np.ndarray) -> np.ndarray:
-    """Choose a velocity with the planner's own search."""
+def step(window: Window, path: np.ndarray, state: np.ndarray, grids: MapGrids) -> np.ndarray:
+    """Choose a velocity as the planner does, map grids included."""
     return best_velocity(window, path, state, 0.1, LIMITS, ROLL_OUT, BODY, SCALES, NO_FLAGS)
 
 
-def vectorised(window: Window, path: np.ndarray, state: np.ndarray) -> np.ndarray:
-    """Choose a velocity with the same critics, all samples at once, in numpy; the map grids are the compiled ones."""
-    grids = map_grids(window, BODY, path, state[0], state[1], SCALES.forward_point_distance)
+def search(window: Window, path: np.ndarray, state: np.ndarray, grids: MapGrids) -> np.ndarray:
+    """Choose a velocity with the planner's own search."""
+    velocities = dynamic_window(state[3:], LIMITS, 0.1)
+    return cheapest_sample(window, grids, path, state, velocities, 0.1, LIMITS, ROLL_OUT, BODY, SCALES, NO_FLAGS)
+
+
+def vectorised_step(window: Window, path: np.ndarray, state: np.ndarray, grids: MapGrids) -> np.ndarray:
+    """Choose a velocity in numpy, map grids included."""
+    seeds = grids.path == 0, grids.goal == 0
+    blocked = np.pad(window.distance < BODY.inscribed_radius, 1, constant_values=True)
+    waves = [_dilate(blocked, seed.reshape(blocked.shape)) for seed in seeds]
+    return vectorised_search(window, path, state, MapGrids(waves[0].ravel(), waves[1].ravel(), waves[1].ravel()))
+
+
+def _dilate(blocked: np.ndarray, front: np.ndarray) -> np.ndarray:
+    """Return the octagonal wave from ``front``, ring by ring."""
+    steps, ring, free = np.where(front, 0, -1), 0, ~blocked & ~front
+    while front.any():
+        grown = front.copy()
+        if ring % 2:
+            grown[:, 1:] |= front[:, :-1]
+            grown[:, :-1] |= front[:, 1:]
+            sideways = grown.copy()
+            grown[1:] |= sideways[:-1]
+            grown[:-1] |= sideways[1:]
+        else:
+            grown[:, 1:] |= front[:, :-1]
+            grown[:, :-1] |= front[:, 1:]
+            grown[1:] |= front[:-1]
+            grown[:-1] |= front[1:]
+        ring += 1
+        front = grown & free
+        free &= ~front
+        steps[front] = ring
+    return np.where(steps < 0, ring, steps).astype(np.int32)
+
+
+def vectorised_search(window: Window, path: np.ndarray, state: np.ndarray, grids: MapGrids) -> np.ndarray:
+    """Choose a velocity with the same critics in numpy, all samples at once."""
     speeds = axis_samples(LIMITS.vx_min, LIMITS.vx_max, ROLL_OUT.vx_samples)
     turns = axis_samples(-LIMITS.wz_max, LIMITS.wz_max, ROLL_OUT.vth_samples)
     vx, wz = (axis.ravel() for axis in np.meshgrid(speeds, turns, indexing="ij"))
@@ -86,34 +127,31 @@ def _lookup(window: Window, steps: np.ndarray, x: np.ndarray, y: np.ndarray) -> 
 
 
 def measure() -> list[dict[str, Any]]:
-    """Return the median user CPU time of a control step, of the peer, and their ratio."""
+    """Return the median user CPU time of a control step and of its search alone, each with its peer."""
     arguments = scene()
-    np.testing.assert_allclose(compiled(*arguments)[:3], vectorised(*arguments)[:3], atol=1e-9)
-    times = interleave({"ours": lambda: _repeat(compiled, arguments), "numpy": lambda: _repeat(vectorised, arguments)}, repeats=15)
-    ours, peer = (float(np.median(times[name])) / REPEATS * 1e3 for name in ("ours", "numpy"))
+    functions = {"step": step, "numpy step": vectorised_step, "search": search, "numpy search": vectorised_search}
+    choices = [function(*arguments)[:3] for function in functions.values()]
+    np.testing.assert_allclose(choices, np.tile(choices[0], (4, 1)), atol=1e-9)
+    times = interleave({name: partial(_repeat, function, arguments) for name, function in functions.items()}, repeats=11)
+    ms = {name: float(np.median(seconds)) / CALLS * 1e3 for name, seconds in times.items()}
+    whole, alone = "DWA control step, 21 x 41 samples, 120 x 120 cells", "DWA search alone, map grids given"
     return [
-        {
-            "what": "DWA control step, 21 x 41 samples, 120 x 120 cells",
-            "ours_ms": ours,
-            "peer": "vectorised numpy",
-            "peer_ms": peer,
-            "ratio": ours / peer,
-            "goal": 1.0 / 7.0,
-            "unit": "x peer",
-        },
-        {"what": "the same, absolute", "ours_ms": ours, "peer": None, "peer_ms": None, "ratio": None, "goal": 0.5, "unit": "ms"},
+        _row(whole, ms["step"], "vectorised numpy", ms["numpy step"]),
+        _row(alone, ms["search"], "vectorised numpy", ms["numpy search"]),
+        {"what": whole + ", at most", "ours_ms": ms["step"], "peer": None, "peer_ms": None, "ratio": None, "goal": 0.5, "unit": "ms"},
     ]
 
 
-REPEATS = 20
+def _row(what: str, ours: float, peer: str, theirs: float) -> dict[str, Any]:
+    return {"what": what, "ours_ms": ours, "peer": peer, "peer_ms": theirs, "ratio": ours / theirs, "goal": 1.0 / 7.0, "unit": "x peer"}
 
 
-def _repeat(choose: Any, arguments: Any) -> None:
-    for _ in range(REPEATS):
+def _repeat(choose: Callable[..., np.ndarray], arguments: tuple[Any, ...]) -> None:
+    for _ in range(CALLS):
         choose(*arguments)
 
 
 if __name__ == "__main__":
     for row in measure():
-        ratio = f"{row['ratio']:.3f} (goal {row['goal']:.3f})" if row["peer"] else f"goal {row['goal']} ms"
-        print(f"{row['what']:55} {row['ours_ms']:.3f} ms   {row['peer'] or '':18} {row['peer_ms'] or 0.0:.3f} ms   {ratio}")
+        peer = f"{row['peer']} {row['peer_ms']:.3f} ms, ratio {row['ratio']:.3f}" if row["peer"] else ""
+        print(f"{row['what']:62} {row['ours_ms']:.3f} ms  {peer:45} goal {row['goal']:.3f} {row['unit']}")

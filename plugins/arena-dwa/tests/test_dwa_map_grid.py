@@ -3,10 +3,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_dwa.map_grid import UNSEEN, blocked_cells, grid_distance, map_grids, path_cells, spread
-from arena_dwa.parameters import Body, Window
+from arena_dwa.map_grid import UNSEEN, blocked_cells, cost_fields, interpolated, map_grids, path_cells, spread
+from arena_dwa.parameters import Body, Scales, Window
 
 BODY = Body(0.113, 0.113, np.empty((0, 2)), 0.03, 0.25, 0.2)
+
+
+GOAL_ONLY = Scales(0.0, 2.0, 0.0, True, 0.325, 0.0, 0.0, 0.0)
+
+
+def goal_distance(grids, window, x, y, of_front=False):
+    return interpolated(cost_fields(grids, window, GOAL_ONLY, False)[int(of_front)], window, x, y)
 
 
 def window_of(costmap):
@@ -30,22 +37,22 @@ def test_free_space_distance_is_within_an_eighth_of_euclidean(row, column, seed_
 
 def test_wave_goes_round_a_wall(costmap):
     window = window_of(costmap((-0.05, 0.05, -3.0, 2.0)))
-    goal = map_grids(window, BODY, path((1.0, 0.0), (1.1, 0.0)), -1.0, 0.0, 0.325).goal
-    assert grid_distance(goal, window, -1.0, 0.0) > 4.0
-    assert grid_distance(goal, window, -1.0, 0.0) > grid_distance(goal, window, -1.0, 1.0) + 0.6
+    grids = map_grids(window, BODY, path((1.0, 0.0), (1.1, 0.0)), -1.0, 0.0, 0.325)
+    assert goal_distance(grids, window, -1.0, 0.0) > 4.0
+    assert goal_distance(grids, window, -1.0, 0.0) > goal_distance(grids, window, -1.0, 1.0) + 0.6
 
 
 def test_wave_goes_through_a_wall_that_cuts_the_robot_off(costmap):
     window = window_of(costmap((-0.05, 0.05, -3.1, 3.1)))
-    goal = map_grids(window, BODY, path((1.0, 0.0), (1.1, 0.0)), -1.0, 0.0, 0.325).goal
-    assert grid_distance(goal, window, -1.0, 0.0) == pytest.approx(2.1)
+    grids = map_grids(window, BODY, path((1.0, 0.0), (1.1, 0.0)), -1.0, 0.0, 0.325)
+    assert goal_distance(grids, window, -1.0, 0.0) == pytest.approx(2.1, abs=1e-5)
 
 
 def test_front_is_led_beyond_the_goal(costmap):
     window = window_of(costmap())
     grids = map_grids(window, BODY, path((0.0, 0.0), (1.0, 0.0)), 0.0, 0.0, 0.3)
-    assert grid_distance(grids.goal, window, 1.0, 0.0) < 1e-9
-    assert grid_distance(grids.goal_front, window, 1.3, 0.0) < 1e-9
+    assert goal_distance(grids, window, 1.0, 0.0) < 1e-5
+    assert goal_distance(grids, window, 1.3, 0.0, of_front=True) < 1e-5
 
 
 def test_path_is_followed_from_abreast_of_the_robot_to_where_it_leaves_the_window(costmap):
@@ -73,5 +80,13 @@ def test_cells_under_the_robot_stay_open_when_it_stands_in_an_obstacles_reach(co
 
 def test_distance_between_cells_is_interpolated(costmap):
     window = window_of(costmap())
-    goal = map_grids(window, BODY, path((0.0, 0.0), (2.0, 0.0)), 0.0, 0.0, 0.3).goal
-    assert abs(grid_distance(goal, window, 0.0, 0.0) - grid_distance(goal, window, 0.02, 0.0) - 0.02) < 1e-9
+    grids = map_grids(window, BODY, path((0.0, 0.0), (2.0, 0.0)), 0.0, 0.0, 0.3)
+    assert abs(goal_distance(grids, window, 0.0, 0.0) - goal_distance(grids, window, 0.02, 0.0) - 0.02) < 1e-5
+
+
+def test_alignment_counts_only_away_from_the_goal(costmap):
+    window = window_of(costmap())
+    grids = map_grids(window, BODY, path((0.0, 0.0), (2.0, 0.0)), 0.0, 0.0, 0.3)
+    path_only = GOAL_ONLY._replace(path_distance_bias=2.0, goal_distance_bias=0.0)
+    assert interpolated(cost_fields(grids, window, path_only, True)[1], window, 0.0, 1.0) == pytest.approx(1.0, abs=1e-5)
+    assert interpolated(cost_fields(grids, window, path_only, False)[1], window, 0.0, 1.0) == 0.0

@@ -2,17 +2,17 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
-from arena_dwa.obstacles import REJECTED, advance, clearance, footprint_outline, obstacle_cost, outline_growth
+from arena_dwa.obstacles import REJECTED, clearance, footprint_outline, obstacle_cost, outline_growth
 from arena_dwa.parameters import Body, Limits, RollOut, Window
+from arena_dwa.trajectory import stand_at
 
 LIMITS = Limits(-0.22, 0.22, 0.0, 2.84, 0.0, 0.22, 0.0, 2.5, 0.0, 3.2, 0.0)
 ROLL_OUT = RollOut(1.5, 0.05, 0.2, 0.2, 20, 0, 40)
 DISC = Body(0.113, 0.113, np.empty((0, 2)), 0.03, 0.25, 0.2)
 JACKAL = np.array([[0.21, -0.165], [0.21, 0.165], [-0.21, 0.165], [-0.21, -0.165]])
 BOX = Body(math.hypot(0.21, 0.165), 0.165, footprint_outline(JACKAL, 0.05), 0.02, 0.25, 0.2)
+ORIGIN = stand_at(0.0, 0.0, 0.0)
 
 
 def window_of(costmap):
@@ -20,20 +20,9 @@ def window_of(costmap):
 
 
 def cost(window, body, sample, pose=(0.0, 0.0, 0.0), mean=False):
-    start = clearance(window, body, *pose, 1.0)
-    return obstacle_cost(window, body, LIMITS, ROLL_OUT, 0.1, pose, sample, start, mean)
-
-
-@settings(derandomize=True, deadline=None)
-@given(st.floats(-3.0, 3.0), st.floats(-1.0, 1.0), st.floats(-1.0, 1.0), st.floats(-3.0, 3.0), st.floats(0.0, 2.0))
-def test_arc_equals_many_small_steps(theta, vx, vy, wz, time):
-    x, y, heading = 0.3, -0.2, theta
-    for k in range(2000):
-        middle = theta + wz * time * (k + 0.5) / 2000
-        x += (vx * math.cos(middle) - vy * math.sin(middle)) * time / 2000
-        y += (vx * math.sin(middle) + vy * math.cos(middle)) * time / 2000
-    heading = theta + wz * time
-    assert advance((0.3, -0.2, theta), vx, vy, wz, time) == pytest.approx((x, y, heading), abs=1e-4)
+    stand = stand_at(*pose)
+    start = clearance(window, body, stand, 1.0)
+    return obstacle_cost(window, body, LIMITS, ROLL_OUT, 0.1, stand, sample, start, mean)
 
 
 def test_sample_that_reaches_a_wall_within_its_time_is_rejected(costmap):
@@ -53,26 +42,26 @@ def test_fast_sample_is_followed_until_it_could_have_stopped(costmap):
     window = window_of(costmap((0.9, 1.0, -1.0, 1.0)))
     slow_brakes = LIMITS._replace(vx_max=1.0, trans_max=1.0, ax_max=0.5)
     short = ROLL_OUT._replace(sim_time=0.2)
-    assert obstacle_cost(window, DISC, slow_brakes, short, 0.1, (0.0, 0.0, 0.0), (0.3, 0.0, 0.0), 1.0, False) != REJECTED
-    assert obstacle_cost(window, DISC, slow_brakes, short, 0.1, (0.0, 0.0, 0.0), (0.9, 0.0, 0.0), 1.0, False) == REJECTED
+    assert obstacle_cost(window, DISC, slow_brakes, short, 0.1, stand_at(0.0, 0.0, 0.0), (0.3, 0.0, 0.0), 1.0, False) != REJECTED
+    assert obstacle_cost(window, DISC, slow_brakes, short, 0.1, stand_at(0.0, 0.0, 0.0), (0.9, 0.0, 0.0), 1.0, False) == REJECTED
 
 
 def test_polygon_passes_a_gap_that_its_circumscribed_disc_does_not(costmap):
     window = window_of(costmap((-1.0, 1.0, 0.25, 0.6), (-1.0, 1.0, -0.6, -0.25)))
     disc = BOX._replace(outline_xy=np.empty((0, 2)), inscribed_radius=BOX.radius)
     assert cost(window, BOX, (0.2, 0.0, 0.0)) > 0.0
-    assert clearance(window, disc, 0.0, 0.0, 0.0, 1.0) < 0.0 < clearance(window, BOX, 0.0, 0.0, 0.0, 1.0)
+    assert clearance(window, disc, ORIGIN, 1.0) < 0.0 < clearance(window, BOX, ORIGIN, 1.0)
 
 
 def test_polygon_across_a_gap_is_in_collision(costmap):
     window = window_of(costmap((-1.0, 1.0, 0.2, 0.6), (-1.0, 1.0, -0.6, -0.2)))
-    assert clearance(window, BOX, 0.0, 0.0, 0.0, 1.0) > 0.0
-    assert clearance(window, BOX, 0.0, 0.0, math.pi / 2, 1.0) < 0.0
+    assert clearance(window, BOX, ORIGIN, 1.0) > 0.0
+    assert clearance(window, BOX, stand_at(0.0, 0.0, math.pi / 2), 1.0) < 0.0
 
 
 def test_robot_in_contact_may_drive_away_but_not_on(costmap):
     window = window_of(costmap((0.1, 0.5, -1.0, 1.0)))
-    assert clearance(window, DISC, 0.0, 0.0, 0.0, 1.0) < 0.0
+    assert clearance(window, DISC, ORIGIN, 1.0) < 0.0
     assert cost(window, DISC, (-0.1, 0.0, 0.0)) > 0.0
     assert cost(window, DISC, (0.1, 0.0, 0.0)) == REJECTED
 

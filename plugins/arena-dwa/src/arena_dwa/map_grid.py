@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from arena_dwa.parameters import Body, FloatArray, MapGrids, Window
+from arena_dwa.parameters import Body, FieldArray, FloatArray, MapGrids, Scales, Window
 
 UNSEEN = -1
 WALL = -2
@@ -151,14 +151,32 @@ def map_grids(window: Window, body: Body, path: FloatArray, x: float, y: float, 
 
 
 @njit(cache=True)
-def grid_distance(steps: NDArray[np.int32], window: Window, x: float, y: float) -> float:
-    """Return a map grid's distance at a position, m, interpolated between the four cells around it."""
+def cost_fields(grids: MapGrids, window: Window, scales: Scales, aligning: bool) -> tuple[FieldArray, FieldArray]:
+    """Return what the robot's place and the place of its front cost, (H, W) each: path and goal, alignment and goal-front critics.
+
+    As in ROS each pair of critics shares its bias. ``aligning`` is false near the goal, where the front is past the path's end.
+    """
     rows, columns = window.distance.shape
-    u = min(max((x - window.origin_x) / window.resolution - 0.5, 0.0), columns - 1.0)
-    v = min(max((y - window.origin_y) / window.resolution - 0.5, 0.0), rows - 1.0)
-    column, row = min(int(u), columns - 2), min(int(v), rows - 2)
-    u, v = u - column, v - row
-    i = (row + 1) * (columns + 2) + column + 1
-    below = steps[i] * (1.0 - u) + steps[i + 1] * u
-    above = steps[i + columns + 2] * (1.0 - u) + steps[i + columns + 3] * u
-    return (below * (1.0 - v) + above * v) * window.resolution  # type: ignore[no-any-return]
+    to_path = np.float32(0.5 * scales.path_distance_bias * window.resolution)
+    to_goal = np.float32(0.5 * scales.goal_distance_bias * window.resolution)
+    align = to_path if aligning else np.float32(0.0)
+    place, front = np.empty((rows, columns), np.float32), np.empty((rows, columns), np.float32)
+    for row in range(rows):
+        start = (row + 1) * (columns + 2) + 1
+        for column in range(columns):
+            off_path = np.float32(grids.path[start + column])
+            place[row, column] = to_path * off_path + to_goal * np.float32(grids.goal[start + column])
+            front[row, column] = align * off_path + to_goal * np.float32(grids.goal_front[start + column])
+    return place, front
+
+
+@njit(cache=True)
+def interpolated(field: FieldArray, window: Window, x: float, y: float) -> float:
+    """Return a field's value at a position, between the centres of the four cells around it; beyond the edge the edge's."""
+    rows, columns = field.shape
+    u, v = (x - window.origin_x) / window.resolution - 0.5, (y - window.origin_y) / window.resolution - 0.5
+    column, row = min(max(int(u), 0), columns - 2), min(max(int(v), 0), rows - 2)
+    u, v = min(max(u - column, 0.0), 1.0), min(max(v - row, 0.0), 1.0)
+    below = field[row, column] * (1.0 - u) + field[row, column + 1] * u
+    above = field[row + 1, column] * (1.0 - u) + field[row + 1, column + 1] * u
+    return below * (1.0 - v) + above * v  # type: ignore[no-any-return]

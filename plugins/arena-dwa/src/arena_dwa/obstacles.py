@@ -6,22 +6,9 @@ import numpy as np
 from numba import njit
 
 from arena_dwa.parameters import Body, FloatArray, Limits, RollOut, Window
+from arena_dwa.trajectory import Stand, arc, moved
 
 REJECTED = -1.0
-
-
-@njit(cache=True)
-def advance(pose: tuple[float, float, float], vx: float, vy: float, wz: float, time: float) -> tuple[float, float, float]:
-    """Return the pose after ``time`` s at constant velocity: an exact circular arc (Fox, Burgard, Thrun 1997, eq. 10-12)."""
-    x, y, theta = pose
-    turn = wz * time
-    if abs(turn) < 1e-6:
-        along, aside = vx * time, vy * time
-    else:
-        s, c = np.sin(turn), 1.0 - np.cos(turn)
-        along, aside = (vx * s - vy * c) / wz, (vx * c + vy * s) / wz
-    s, c = np.sin(theta), np.cos(theta)
-    return x + c * along - s * aside, y + s * along + c * aside, theta + turn
 
 
 @njit(cache=True)
@@ -42,13 +29,13 @@ def cell_cost(window: Window, x: float, y: float) -> float:
 
 
 @njit(cache=True)
-def clearance(window: Window, body: Body, x: float, y: float, theta: float, enough: float) -> float:
+def clearance(window: Window, body: Body, stand: Stand, enough: float) -> float:
     """Return how far the outline is from the nearest lethal cell, m, negative in collision; beyond ``enough`` a lower bound will do."""
+    x, y, c, s = stand
     centre = cell_distance(window, x, y)
     if len(body.outline_xy) == 0 or centre - body.radius > enough:
         return centre - body.radius
     least = centre - body.inscribed_radius
-    s, c = np.sin(theta), np.cos(theta)
     for i in range(len(body.outline_xy)):
         px, py = body.outline_xy[i]
         least = min(least, cell_distance(window, x + c * px - s * py, y + s * px + c * py))
@@ -77,7 +64,7 @@ def obstacle_cost(
     limits: Limits,
     roll_out: RollOut,
     period: float,
-    pose: tuple[float, float, float],
+    stand: Stand,
     sample: tuple[float, float, float],
     start_clearance: float,
     mean: bool,
@@ -92,12 +79,13 @@ def obstacle_cost(
     allowed = outline_growth(body, limits, speed) + min(body.padding, start_clearance - 1e-6)
     time = max(roll_out.sim_time, period + stopping_time(vx, vy, wz, limits) + roll_out.stop_time_buffer)
     steps = max(1, int(np.ceil(max(speed * time / roll_out.sim_granularity, abs(wz) * time / roll_out.angular_sim_granularity))))
+    step = arc(vx, vy, wz, time / steps)
     total, greatest = 0.0, 0.0
     for _ in range(steps):
-        pose = advance(pose, vx, vy, wz, time / steps)
-        if clearance(window, body, pose[0], pose[1], pose[2], allowed) < allowed:
+        stand = moved(stand, step)
+        if clearance(window, body, stand, allowed) < allowed:
             return REJECTED
-        cost = cell_cost(window, pose[0], pose[1])
+        cost = cell_cost(window, stand[0], stand[1])
         total += cost
         greatest = max(greatest, cost)
     return total / steps if mean else greatest

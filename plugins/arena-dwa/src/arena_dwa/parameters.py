@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
+FieldArray = NDArray[np.float32]
 
 
 class Limits(NamedTuple):
@@ -72,7 +73,7 @@ class Window(NamedTuple):
     """A rolling costmap: ``costs`` (H, W) uint8, ``distance`` (H, W) m, and where its lower left corner lies in ``map``, m."""
 
     costs: NDArray[np.uint8]
-    distance: NDArray[np.float32]
+    distance: FieldArray
     resolution: float
     origin_x: float
     origin_y: float

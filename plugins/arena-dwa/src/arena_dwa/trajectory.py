@@ -1,0 +1,32 @@
+"""Trajectories at constant velocity: circular arcs, followed without trigonometry from one pose to the next."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+Stand = tuple[float, float, float, float]  # x, y (m, map) and cosine and sine of the heading
+
+
+@njit(cache=True)
+def stand_at(x: float, y: float, theta: float) -> Stand:
+    """Return a pose with its heading as cosine and sine."""
+    return x, y, np.cos(theta), np.sin(theta)
+
+
+@njit(cache=True)
+def arc(vx: float, vy: float, wz: float, time: float) -> Stand:
+    """Return the pose after ``time`` s at constant velocity, seen from where it began (Fox, Burgard, Thrun 1997, eq. 10-12)."""
+    turn = wz * time
+    c, s = np.cos(turn), np.sin(turn)
+    if abs(turn) < 1e-6:
+        return vx * time, vy * time, c, s
+    return (vx * s - vy * (1.0 - c)) / wz, (vx * (1.0 - c) + vy * s) / wz, c, s
+
+
+@njit(cache=True)
+def moved(stand: Stand, step: Stand) -> Stand:
+    """Return the pose that ``step``, seen from ``stand``, has in the frame of ``stand``."""
+    x, y, c, s = stand
+    along, aside, turn_c, turn_s = step
+    return x + c * along - s * aside, y + s * along + c * aside, c * turn_c - s * turn_s, s * turn_c + c * turn_s
