@@ -107,7 +107,11 @@ class Footprint:
         turns = np.cross(np.pad(edges, ((0, 0), (0, 1))), np.pad(np.roll(edges, -1, axis=0), ((0, 0), (0, 1))))[:, 2]
         if (turns < 0).all():
             return Footprint.polygon(vertices[::-1])
-        if not (turns > 0).all():
+        headings = np.arctan2(edges[:, 1], edges[:, 0])
+        winds_once = (
+            wrap_angle(np.diff(headings, append=headings[0])).sum() < 3.0 * math.pi
+        )  # a star turns left throughout, but twice round
+        if not ((turns > 0).all() and winds_once):
             raise ConfigurationError("footprint polygon must be convex, without repeated or collinear vertices")
         if _inscribed_radius(vertices) <= 0.0:
             raise ConfigurationError("footprint polygon must contain the origin of base_link")
