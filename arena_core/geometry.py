@@ -110,7 +110,7 @@ class Footprint:
         headings = np.arctan2(edges[:, 1], edges[:, 0])
         winds_once = (
             wrap_angle(np.diff(headings, append=headings[0])).sum() < 3.0 * math.pi
-        )  # a star turns left throughout, but twice round
+        )  # a star turns left throughout, but twice
         if not ((turns > 0).all() and winds_once):
             raise ConfigurationError("footprint polygon must be convex, without repeated or collinear vertices")
         if _inscribed_radius(vertices) <= 0.0:
