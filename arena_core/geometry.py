@@ -108,10 +108,8 @@ class Footprint:
         if (turns < 0).all():
             return Footprint.polygon(vertices[::-1])
         headings = np.arctan2(edges[:, 1], edges[:, 0])
-        winds_once = (
-            wrap_angle(np.diff(headings, append=headings[0])).sum() < 3.0 * math.pi
-        )  # a star turns left throughout, but twice
-        if not ((turns > 0).all() and winds_once):
+        turning = wrap_angle(np.diff(headings, append=headings[0])).sum()
+        if not ((turns > 0).all() and turning < 3.0 * math.pi):  # a star turns left throughout, but twice round
             raise ConfigurationError("footprint polygon must be convex, without repeated or collinear vertices")
         if _inscribed_radius(vertices) <= 0.0:
             raise ConfigurationError("footprint polygon must contain the origin of base_link")
