@@ -1,1 +1,22 @@
 """Metric packs and the report of the arena suite."""
+
+from arena_core import Register, hookimpl
+
+
+@hookimpl
+def register_metrics(register: Register) -> None:
+    """Offer metrics in SI units and those of the original release."""
+    register("si", "arena_metrics.si:SiMetrics")
+    register("paper_legacy", "arena_metrics.paper_legacy:PaperLegacyMetrics")
+
+
+@hookimpl
+def register_commands(register: Register) -> None:
+    """Offer ``arena report``."""
+    register("report", "arena_metrics.report:ReportCommand")
+
+
+@hookimpl
+def config_package() -> str:
+    """Name the configuration package."""
+    return "arena_metrics.conf"

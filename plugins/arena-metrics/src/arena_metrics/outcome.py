@@ -1,0 +1,101 @@
+"""How an episode ended: success, collisions, goal error, time, and what the navigator met on the way."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from arena_core import EpisodeRecord
+from arena_metrics.motion import polyline_length
+
+
+def collisions(record: EpisodeRecord) -> float:
+    """Count contacts by their rising edges."""
+    return float(len(record["contact_stamp"]))
+
+
+def collisions_caused(record: EpisodeRecord) -> float:
+    """Count contacts in which the robot moved into the other."""
+    return float(np.count_nonzero(record["contact_caused"]))
+
+
+def contact_time(record: EpisodeRecord) -> float:
+    """Return the time in contact, s."""
+    return float(record["contact_time"].sum())
+
+
+def impact_speed(record: EpisodeRecord) -> float:
+    """Return the highest closing speed at a contact, m/s; NaN without contact."""
+    speeds = record["contact_speed"]
+    return float(speeds.max()) if len(speeds) else math.nan
+
+
+def goal_error(record: EpisodeRecord) -> float:
+    """Return the true distance to the goal at the end, m."""
+    goal = record.meta["scenario"]["goal"]
+    return float(math.dist(record["pose"][-1, :2], goal[:2]))
+
+
+def duration(record: EpisodeRecord) -> float:
+    """Return the length of the episode, s."""
+    return float(record["stamp"][-1] - record["stamp"][0])
+
+
+def time_to_goal(record: EpisodeRecord) -> float:
+    """Return the time until arrival, s; NaN unless the goal was reached."""
+    return duration(record) if record.meta["outcome"] == "goal_reached" else math.nan
+
+
+def success(record: EpisodeRecord, arrival_slack: float, collisions_allowed: int) -> float:
+    """Return 1 for an arrival near the true goal, in time, with few enough collisions, else 0."""
+    scenario = record.meta["scenario"]
+    arrived = record.meta["outcome"] == "goal_reached" and goal_error(record) <= scenario["goal_radius"] + arrival_slack
+    in_time = record["stamp"][-1] <= scenario["time_limit"] + 1e-9
+    return float(arrived and in_time and collisions(record) <= collisions_allowed)
+
+
+def spl(record: EpisodeRecord, arrival_slack: float, collisions_allowed: int) -> float:
+    """Return success weighted by path length (Anderson et al. 2018, section 3.1), the first global path being the shortest one."""
+    if not success(record, arrival_slack, collisions_allowed):
+        return 0.0
+    shortest = _first_path_length(record)
+    longest = max(polyline_length(record["pose"][:, :2]), shortest)
+    return shortest / longest if longest > 0.0 else 1.0
+
+
+def _first_path_length(record: EpisodeRecord) -> float:
+    """Return the length of the first global path, m, or of the straight line where no path was recorded."""
+    offsets = record["path_offsets"]
+    if len(offsets) > 1:
+        return polyline_length(record["path_poses"][offsets[0] : offsets[1], :2])
+    return float(math.dist(record.meta["scenario"]["start"][:2], record.meta["scenario"]["goal"][:2]))
+
+
+def refusals(record: EpisodeRecord) -> float:
+    """Count the control steps in which the planner had no valid command."""
+    return float(sum(event["kind"] == "no_valid_command" for event in record.meta["events"]))
+
+
+def replans(record: EpisodeRecord) -> float:
+    """Count the requests for a new global path after the first one."""
+    return float(sum(event["kind"] == "replan" and event["detail"] != "start" for event in record.meta["events"]))
+
+
+def planning_time_mean(record: EpisodeRecord) -> float:
+    """Return the mean wall time of the local planner, ms; NaN without timing."""
+    seconds = record.timing.get("planner_seconds", np.empty(0))
+    return 1e3 * float(seconds.mean()) if len(seconds) else math.nan
+
+
+def planning_time_p95(record: EpisodeRecord) -> float:
+    """Return the 95th percentile of the local planner's wall time, ms; NaN without timing."""
+    seconds = record.timing.get("planner_seconds", np.empty(0))
+    return 1e3 * float(np.percentile(seconds, 95)) if len(seconds) else math.nan
+
+
+def localization_error(record: EpisodeRecord) -> float:
+    """Return the mean distance between estimated and true position, m; NaN without an estimate."""
+    errors = np.hypot(*(record["estimate"][:, :2] - record["pose"][:, :2]).T)
+    known = errors[np.isfinite(errors)]
+    return float(known.mean()) if len(known) else math.nan

@@ -1,0 +1,94 @@
+"""The pack ``si``: every figure in SI units, from the truth, with its edge cases defined (docs/metrics.md)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Literal
+
+from arena_core import EpisodeRecord, Metric, MetricPack, NonNegative, NonNegativeInt, Positive
+from arena_metrics import motion, outcome, proximity
+
+Better = Literal["higher", "lower", "neither"]
+
+
+def _path(name: str, unit: str, better: Better, description: str, compute: Callable[[EpisodeRecord], float]) -> Metric:
+    """Make a metric of the path driven, which says little where the episode failed."""
+    return Metric(name, unit, better, description, compute, path_metric=True)
+
+
+class SiMetrics(MetricPack):
+    """Metrics in SI units."""
+
+    def __init__(
+        self,
+        arrival_slack: NonNegative,
+        collisions_allowed: NonNegativeInt,
+        path_step: Positive,
+        derivative_period: Positive,
+        personal_space: Positive,
+        encounter_distance: Positive,
+    ) -> None:
+        self._arrival_slack = arrival_slack
+        self._collisions_allowed = collisions_allowed
+        self._path_step = path_step
+        self._derivative_period = derivative_period
+        self._personal_space = personal_space
+        self._encounter_distance = encounter_distance
+
+    def metrics(self) -> Sequence[Metric]:
+        """Return outcome, motion, proximity and navigation metrics."""
+        return [*self._outcome(), *self._motion(), *self._proximity(), *self._navigation()]
+
+    def _outcome(self) -> list[Metric]:
+        success = partial(outcome.success, arrival_slack=self._arrival_slack, collisions_allowed=self._collisions_allowed)
+        strict = partial(outcome.success, arrival_slack=self._arrival_slack, collisions_allowed=0)
+        spl = partial(outcome.spl, arrival_slack=self._arrival_slack, collisions_allowed=self._collisions_allowed)
+        return [
+            Metric("success", "0/1", "higher", "goal truly reached, in time, with few enough collisions", success),
+            Metric("strict_success", "0/1", "higher", "success without any collision", strict),
+            Metric("spl", "-", "higher", "success weighted by path length", spl),
+            Metric("collisions", "-", "lower", "contacts with walls, obstacles and people", outcome.collisions),
+            Metric("collisions_caused", "-", "lower", "contacts in which the robot moved into the other", outcome.collisions_caused),
+            Metric("contact_time", "s", "lower", "time in contact", outcome.contact_time),
+            Metric("impact_speed", "m/s", "lower", "highest closing speed at a contact", outcome.impact_speed),
+            Metric("goal_error", "m", "lower", "true distance to the goal at the end", outcome.goal_error),
+            _path("time_to_goal", "s", "lower", "time until arrival, where the goal was reached", outcome.time_to_goal),
+        ]
+
+    def _motion(self) -> list[Metric]:
+        step, period = self._path_step, self._derivative_period
+        return [
+            _path("path_length", "m", "lower", "length of the true path", motion.path_length),
+            _path("velocity", "m/s", "higher", "path length over time", motion.velocity),
+            _path("acceleration", "m/s^2", "lower", "mean acceleration", partial(motion.acceleration, derivative_period=period)),
+            _path("jerk", "m/s^3", "lower", "mean jerk", partial(motion.jerk, derivative_period=period)),
+            _path("curvature_mean", "1/m", "lower", "mean Menger curvature", partial(motion.curvature_mean, path_step=step)),
+            _path("curvature_max", "1/m", "lower", "greatest Menger curvature", partial(motion.curvature_max, path_step=step)),
+            _path("curvature_min", "1/m", "neither", "least Menger curvature", partial(motion.curvature_min, path_step=step)),
+            _path("curvature_normalised", "-", "lower", "curvature times chords", partial(motion.curvature_normalised, path_step=step)),
+            _path("angle_over_length", "rad/m", "lower", "change of heading per metre", partial(motion.angle_over_length, path_step=step)),
+            _path("roughness", "-", "lower", "height over base of the path's triangles", partial(motion.roughness, path_step=step)),
+        ]
+
+    def _proximity(self) -> list[Metric]:
+        intrusion = partial(proximity.personal_space_time, personal_space=self._personal_space)
+        encounters = partial(proximity.encounters, encounter_distance=self._encounter_distance)
+        return [
+            _path("clearance_mean", "m", "higher", "mean distance from footprint to nearest thing", proximity.clearance_mean),
+            _path("clearance_max", "m", "neither", "greatest distance from footprint to nearest thing", proximity.clearance_max),
+            _path("clearance_min", "m", "higher", "least distance from footprint to nearest thing", proximity.clearance_min),
+            _path("clearance_normalised", "-", "higher", "mean clearance in robot radii", proximity.clearance_normalised),
+            _path("clearance_people_min", "m", "higher", "least distance from footprint to a person", proximity.clearance_people_min),
+            _path("personal_space_time", "s", "lower", "time within a person's personal space", intrusion),
+            _path("encounters", "-", "neither", "times that a person came near", encounters),
+        ]
+
+    def _navigation(self) -> list[Metric]:
+        return [
+            Metric("no_valid_command", "-", "lower", "control steps without a valid command", outcome.refusals),
+            Metric("replans", "-", "lower", "global paths asked for after the first", outcome.replans),
+            Metric("localization_error", "m", "lower", "mean distance between estimated and true position", outcome.localization_error),
+            Metric("planning_time_mean", "ms", "lower", "mean wall time of the local planner", outcome.planning_time_mean),
+            Metric("planning_time_p95", "ms", "lower", "95th percentile of the local planner's wall time", outcome.planning_time_p95),
+        ]

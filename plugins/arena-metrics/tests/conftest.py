@@ -1,0 +1,119 @@
+"""Synthetic records whose figures can be worked out by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from importlib.resources import files
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+from numpy.typing import ArrayLike
+
+from arena_core import EpisodeRecord
+from arena_metrics.paper_legacy import PaperLegacyMetrics
+from arena_metrics.si import SiMetrics
+
+RecordMaker = Callable[..., EpisodeRecord]
+
+
+def preset(name: str) -> dict[str, Any]:
+    values: dict[str, Any] = yaml.safe_load((files("arena_metrics.conf") / "metrics" / f"{name}.yaml").read_text())
+    return {key: value for key, value in values.items() if key != "name"}
+
+
+def make_record(poses: ArrayLike, dt: float = 0.1, meta: Mapping[str, Any] | None = None, **arrays: ArrayLike) -> EpisodeRecord:
+    """Make a record from poses (T, 3); the twist follows from them, everything else is uneventful unless given."""
+    pose = np.asarray(poses, dtype=float).reshape(-1, 3)
+    steps = len(pose)
+    usual = {
+        "stamp": dt * np.arange(steps),
+        "pose": pose,
+        "twist": twists(pose, dt),
+        "estimate": pose.copy(),
+        "estimate_covariance": np.zeros((steps, 3, 3), np.float32),
+        "command": np.zeros((steps, 3)),
+        "waypoint": pose.copy(),
+        "clearance": np.ones(steps),
+        "clearance_people": np.full(steps, np.inf),
+        "scan_min": np.concatenate((np.ones(steps - 1), [np.nan])),
+        "in_contact": np.zeros(steps, bool),
+        "contact_time": np.zeros(steps),
+        "pedestrian_ids": np.empty(0, np.int32),
+        "pedestrian_radii": np.empty(0),
+        "pedestrian_positions": np.empty((steps, 0, 2), np.float32),
+        "pedestrian_velocities": np.empty((steps, 0, 2), np.float32),
+        "pedestrian_states": np.empty((steps, 0), np.int8),
+        "contact_stamp": np.empty(0),
+        "contact_kind": np.empty(0, np.int8),
+        "contact_person": np.empty(0, np.int32),
+        "contact_speed": np.empty(0),
+        "contact_caused": np.empty(0, bool),
+        "contact_position": np.empty((0, 2)),
+        "path_poses": np.empty((0, 3)),
+        "path_offsets": np.zeros(1, np.int64),
+        "path_stamps": np.empty(0),
+    }
+    scenario = {
+        "name": "s0",
+        "seed": 0,
+        "start": pose[0].tolist(),
+        "goal": pose[-1].tolist(),
+        "goal_radius": 0.3,
+        "time_limit": 180.0,
+        "obstacles": [],
+    }
+    robot = {"name": "turtlebot3", "kinematics": "differential", "footprint": {"radius": 0.2, "vertices_xy": []}, "control_period": dt}
+    usual_meta = {"format": 1, "outcome": "goal_reached", "error": "", "scenario": scenario, "robot": robot, "events": []}
+    timing = {"planner_seconds": np.full(max(steps - 1, 0), 0.002)}
+    merged = {name: np.asarray(arrays[name]) if name in arrays else value for name, value in usual.items()}
+    return EpisodeRecord(merged, {**usual_meta, **(meta or {})}, timing)
+
+
+def twists(pose: np.ndarray, dt: float) -> np.ndarray:
+    """Return the body velocities that lead from each pose to the next; the last is repeated."""
+    if len(pose) < 2:
+        return np.zeros((len(pose), 3))
+    delta = np.diff(pose, axis=0) / dt
+    c, s = np.cos(pose[:-1, 2]), np.sin(pose[:-1, 2])
+    body = np.stack((c * delta[:, 0] + s * delta[:, 1], -s * delta[:, 0] + c * delta[:, 1], delta[:, 2]), axis=1)
+    return np.concatenate((body, body[-1:]))
+
+
+def straight(length: float = 4.0, speed: float = 0.5, dt: float = 0.1) -> np.ndarray:
+    """Return poses along x at constant speed, from the origin."""
+    x = np.arange(round(length / (speed * dt)) + 1) * speed * dt
+    return np.stack((x, np.zeros_like(x), np.zeros_like(x)), axis=1)
+
+
+def circle(radius: float = 2.0, speed: float = 0.5, dt: float = 0.1, turns: float = 1.0) -> np.ndarray:
+    """Return poses on a circle about the origin, counter-clockwise, heading along it and wrapped to [-pi, pi)."""
+    angle = np.arange(round(turns * 2.0 * np.pi * radius / (speed * dt)) + 1) * speed * dt / radius
+    heading = (angle + 1.5 * np.pi) % (2.0 * np.pi) - np.pi
+    return np.stack((radius * np.cos(angle), radius * np.sin(angle), heading), axis=1)
+
+
+@pytest.fixture(scope="session")
+def record_of() -> RecordMaker:
+    return make_record
+
+
+@pytest.fixture(scope="session")
+def straight_line() -> Callable[..., np.ndarray]:
+    return straight
+
+
+@pytest.fixture(scope="session")
+def round_trip() -> Callable[..., np.ndarray]:
+    return circle
+
+
+@pytest.fixture(scope="session")
+def si() -> dict[str, Callable[[EpisodeRecord], float]]:
+    return {metric.name: metric.compute for metric in SiMetrics(**preset("si")).metrics()}
+
+
+@pytest.fixture(scope="session")
+def legacy() -> dict[str, Callable[[EpisodeRecord], float]]:
+    return {metric.name: metric.compute for metric in PaperLegacyMetrics(**preset("paper_legacy")).metrics()}

@@ -1,0 +1,250 @@
+"""The figures of pack si, each worked out by hand."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from arena_metrics.motion import curvatures, resample_by_length, velocities_map
+
+GEOMETRY = ["path_length", "curvature_mean", "curvature_max", "curvature_min", "curvature_normalised", "angle_over_length", "roughness"]
+
+
+def scenario(**changes):
+    base = {"name": "s", "seed": 0, "start": [0, 0, 0], "goal": [4.0, 0.0, 0.0], "goal_radius": 0.3, "time_limit": 180.0, "obstacles": []}
+    return {"scenario": base | changes}
+
+
+def contacts(count, caused=None, speeds=None):
+    return {
+        "contact_stamp": np.arange(count, dtype=float),
+        "contact_caused": np.zeros(count, bool) if caused is None else np.array(caused),
+        "contact_speed": np.zeros(count) if speeds is None else np.array(speeds),
+    }
+
+
+def test_straight_line_has_its_length_speed_and_no_bend(si, record_of, straight_line):
+    record = record_of(straight_line(length=4.0, speed=0.5))
+    values = {name: compute(record) for name, compute in si.items()}
+    assert values["path_length"] == pytest.approx(4.0)
+    assert values["velocity"] == pytest.approx(0.5)
+    assert values["time_to_goal"] == pytest.approx(8.0)
+    zero = ["acceleration", "jerk", "curvature_mean", "curvature_max", "curvature_min", "angle_over_length", "roughness", "goal_error"]
+    assert {name: values[name] for name in zero} == pytest.approx(dict.fromkeys(zero, 0.0), abs=1e-9)
+
+
+def test_circle_has_curvature_one_over_radius_and_centripetal_acceleration(si, record_of, round_trip):
+    radius, speed = 2.0, 0.5
+    record = record_of(round_trip(radius, speed))
+    for name in ("curvature_mean", "curvature_max", "curvature_min", "angle_over_length"):
+        assert si[name](record) == pytest.approx(1.0 / radius, rel=1e-2)
+    assert si["acceleration"](record) == pytest.approx(speed**2 / radius, rel=1e-2)
+    assert si["jerk"](record) == pytest.approx(speed**3 / radius**2, rel=1e-2)
+
+
+def test_normalised_curvature_and_roughness_of_a_circle_follow_from_the_step(si, record_of, round_trip):
+    step, radius = 0.1, 2.0
+    record = record_of(round_trip(radius))
+    assert si["curvature_normalised"](record) == pytest.approx(2.0 * step / radius, rel=1e-2)
+    assert si["roughness"](record) == pytest.approx(math.tan(step / radius / 2.0) / 2.0, rel=1e-2)
+
+
+def test_full_turn_crossing_pi_counts_two_pi(si, record_of, round_trip):
+    record = record_of(round_trip(radius=1.0, turns=1.0))
+    assert si["angle_over_length"](record) * si["path_length"](record) == pytest.approx(2.0 * math.pi, rel=1e-2)
+
+
+def test_stop_and_go_acceleration_is_speed_change_over_time(si, record_of, straight_line):
+    """2 s at 0.6 m/s, 2 s standing, 2 s at 0.6 m/s: two changes of 0.6 m/s in 6 s are 0.2 m/s^2 on average."""
+    pose = straight_line(length=3.6, speed=0.6)
+    vx = np.repeat([0.6, 0.0, 0.6], [20, 20, 21])
+    record = record_of(pose, twist=np.stack((vx, 0 * vx, 0 * vx), axis=1))
+    assert si["acceleration"](record) == pytest.approx(1.2 / 6.0)
+    # each change is an acceleration of 3 m/s^2 in one 0.2 s sample: four jerks of 15 m/s^3 in 29
+    assert si["jerk"](record) == pytest.approx(4 * 15.0 / 29)
+
+
+def test_standing_robot_has_no_curvature_and_no_angle_over_length(si, record_of):
+    turning = np.zeros((50, 3))
+    turning[:, 2] = np.linspace(0, 3, 50)
+    record = record_of(turning)
+    for name in ("curvature_mean", "curvature_max", "curvature_min", "curvature_normalised", "angle_over_length", "roughness"):
+        assert math.isnan(si[name](record))
+    assert si["path_length"](record) == 0.0
+    assert si["velocity"](record) == 0.0
+
+
+def test_standing_still_on_the_way_leaves_the_path_as_it_is(si, record_of, round_trip):
+    pose = round_trip()
+    waiting = np.concatenate((pose[:40], np.repeat(pose[40:41], 30, axis=0), pose[40:]))
+    for name in GEOMETRY:
+        assert si[name](record_of(waiting)) == pytest.approx(si[name](record_of(pose)))
+
+
+def test_reversal_counts_the_limit_and_stays_finite():
+    there_and_back = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 0.0]])
+    curvature, _ = curvatures(there_and_back, step=0.1)
+    assert curvature.max() == pytest.approx(20.0)
+    assert np.count_nonzero(curvature > 1e-6) == 1
+
+
+def test_there_and_back_roughness_counts_one_for_the_reversal(si, record_of):
+    x = np.concatenate((np.linspace(0, 1, 21), np.linspace(1, 0, 21)[1:]))
+    record = record_of(np.stack((x, 0 * x, 0 * x), axis=1))
+    assert si["roughness"](record) == pytest.approx(1.0 / 19)
+
+
+def test_success_needs_arrival_truth_time_and_few_collisions(si, record_of, straight_line):
+    pose = straight_line()
+    assert si["success"](record_of(pose)) == 1.0
+    assert si["success"](record_of(pose, meta={"outcome": "time_out"})) == 0.0
+    assert si["success"](record_of(pose, meta={"outcome": "error"})) == 0.0
+    assert si["success"](record_of(pose, meta=scenario(goal=[4.54, 0.0, 0.0]))) == 1.0
+    assert si["success"](record_of(pose, meta=scenario(goal=[4.56, 0.0, 0.0]))) == 0.0
+    assert si["success"](record_of(pose, meta=scenario(time_limit=7.9))) == 0.0
+    assert si["success"](record_of(pose, **contacts(1))) == 1.0
+    assert si["success"](record_of(pose, **contacts(2))) == 0.0
+
+
+def test_strict_success_allows_no_collision(si, record_of, straight_line):
+    assert si["strict_success"](record_of(straight_line())) == 1.0
+    assert si["strict_success"](record_of(straight_line(), **contacts(1))) == 0.0
+
+
+def test_contacts_are_counted_timed_and_their_speed_is_the_greatest(si, record_of, straight_line):
+    pose = straight_line()
+    seconds = np.zeros(len(pose))
+    seconds[[10, 11, 40]] = 0.1, 0.03, 0.05
+    record = record_of(pose, contact_time=seconds, **contacts(3, [True, False, True], [0.2, 0.7, 0.1]))
+    assert si["collisions"](record) == 3.0
+    assert si["collisions_caused"](record) == 2.0
+    assert si["contact_time"](record) == pytest.approx(0.18)
+    assert si["impact_speed"](record) == pytest.approx(0.7)
+
+
+def test_impact_speed_is_undefined_without_contact(si, record_of, straight_line):
+    assert math.isnan(si["impact_speed"](record_of(straight_line())))
+
+
+def test_time_to_goal_is_undefined_unless_the_goal_was_reached(si, record_of, straight_line):
+    assert math.isnan(si["time_to_goal"](record_of(straight_line(), meta={"outcome": "false_arrival"})))
+
+
+def test_goal_error_is_the_true_distance_not_the_estimated_one(si, record_of, straight_line):
+    pose = straight_line()
+    record = record_of(pose, meta=scenario(goal=[4.3, 0.4, 0.0]), estimate=pose + 9.0)
+    assert si["goal_error"](record) == pytest.approx(0.5)
+
+
+def test_spl_is_first_path_over_path_driven(si, record_of, straight_line):
+    pose = straight_line(length=4.0)
+    paths = {"path_poses": [[0, 0, 0], [3, 0, 0], [0, 0, 0], [9, 0, 0]], "path_offsets": np.array([0, 2, 4])}
+    assert si["spl"](record_of(pose, **paths)) == pytest.approx(0.75)
+    assert si["spl"](record_of(pose, meta={"outcome": "time_out"}, **paths)) == 0.0
+    assert si["spl"](record_of(pose)) == pytest.approx(1.0)
+
+
+def test_clearance_leaves_out_steps_without_anything_near(si, record_of, straight_line):
+    pose = straight_line()
+    clearance = np.full(len(pose), np.inf)
+    assert math.isnan(si["clearance_mean"](record_of(pose, clearance=clearance)))
+    clearance[:4] = 0.5, 1.0, 2.0, 0.5
+    record = record_of(pose, clearance=clearance)
+    assert (si["clearance_mean"](record), si["clearance_max"](record), si["clearance_min"](record)) == (1.0, 2.0, 0.5)
+    assert si["clearance_normalised"](record) == pytest.approx(1.0 / 0.2)
+
+
+def test_personal_space_is_timed_and_encounters_are_counted_by_their_begin(si, record_of, straight_line):
+    pose = straight_line()
+    near = np.full(len(pose), 5.0)
+    near[10:21] = 1.1  # 1.0 s between the stamps, and half a step at either end
+    near[15:17] = 0.9
+    near[40] = 0.3
+    record = record_of(pose, clearance_people=near)
+    assert si["personal_space_time"](record) == pytest.approx(1.1 + 0.1)
+    assert si["encounters"](record) == 2.0
+    assert si["clearance_people_min"](record) == pytest.approx(0.3)
+
+
+def test_first_plan_is_no_replan_and_refusals_are_counted_apart(si, record_of, straight_line):
+    kinds = [("replan", "start"), ("replan", "blocked"), ("no_valid_command", "boxed in"), ("replan", "period")]
+    events = [{"stamp": float(i), "kind": kind, "detail": detail} for i, (kind, detail) in enumerate(kinds)]
+    record = record_of(straight_line(), meta={"events": events})
+    assert si["replans"](record) == 2.0
+    assert si["no_valid_command"](record) == 1.0
+
+
+def test_planning_time_is_in_milliseconds_and_undefined_without_timing(si, record_of, straight_line):
+    record = record_of(straight_line())
+    record.timing["planner_seconds"][:] = np.linspace(0.0, 0.1, len(record.timing["planner_seconds"]))
+    assert si["planning_time_mean"](record) == pytest.approx(50.0)
+    assert si["planning_time_p95"](record) == pytest.approx(95.0)
+    record.timing.clear()
+    assert math.isnan(si["planning_time_mean"](record))
+
+
+def test_localization_error_is_the_mean_over_steps_with_an_estimate(si, record_of, straight_line):
+    pose = straight_line()
+    estimate = pose + np.array([0.3, 0.4, 0.0])
+    estimate[-1] = np.nan
+    assert si["localization_error"](record_of(pose, estimate=estimate)) == pytest.approx(0.5)
+    assert math.isnan(si["localization_error"](record_of(pose, estimate=np.full_like(pose, np.nan))))
+
+
+@pytest.mark.parametrize("rows", [1, 2])
+def test_episode_that_ended_at_once_gives_figures_or_nan(si, legacy, record_of, straight_line, rows):
+    record = record_of(straight_line()[:rows], meta={"outcome": "error", "error": "boom"})
+    for compute in [*si.values(), *legacy.values()]:
+        value = compute(record)
+        assert isinstance(value, float)
+        assert not math.isinf(value)
+
+
+def test_velocities_are_turned_into_the_map_frame(straight_line):
+    pose = straight_line()
+    pose[:, 2] = math.pi / 2
+    sampled = velocities_map(0.1 * np.arange(len(pose)), pose, np.tile([0.5, 0.2, 0.0], (len(pose), 1)), 0.2)
+    assert sampled == pytest.approx(np.tile([-0.2, 0.5], (len(sampled), 1)))
+
+
+turns = st.lists(st.floats(-0.4, 0.4), min_size=10, max_size=60)
+
+
+def winding(angles):
+    heading = np.cumsum(angles)
+    position = 0.06 * np.cumsum(np.stack((np.cos(heading), np.sin(heading)), axis=1), axis=0)
+    return np.concatenate((position, ((heading + np.pi) % (2 * np.pi) - np.pi)[:, None]), axis=1)
+
+
+@settings(derandomize=True, deadline=None, max_examples=60)
+@given(turns, st.floats(-3.1, 3.1), st.floats(-50, 50), st.floats(-50, 50))
+def test_rotating_and_shifting_the_world_changes_no_figure(si, record_of, angles, rotation, x, y):
+    pose = winding(angles)
+    c, s = math.cos(rotation), math.sin(rotation)
+    moved = pose.copy()
+    moved[:, :2] = pose[:, :2] @ np.array([[c, s], [-s, c]]) + (x, y)
+    moved[:, 2] = (pose[:, 2] + rotation + np.pi) % (2 * np.pi) - np.pi
+    for name in [*GEOMETRY, "velocity", "acceleration", "jerk"]:
+        assert si[name](record_of(moved)) == pytest.approx(si[name](record_of(pose)), rel=1e-5, abs=1e-6, nan_ok=True)
+
+
+@settings(derandomize=True, deadline=None, max_examples=60)
+@given(turns, st.floats(0.2, 5.0))
+def test_driving_the_same_path_slower_keeps_geometry_and_scales_speed(si, record_of, angles, factor):
+    pose = winding(angles)
+    usual, slow = record_of(pose, dt=0.1), record_of(pose, dt=0.1 * factor)
+    for name in GEOMETRY:
+        assert si[name](slow) == pytest.approx(si[name](usual), nan_ok=True)
+    assert si["velocity"](slow) == pytest.approx(si["velocity"](usual) / factor)
+
+
+@settings(derandomize=True, deadline=None, max_examples=60)
+@given(turns, st.floats(0.02, 0.3))
+def test_resampled_points_lie_a_step_apart_along_the_path(angles, step):
+    points = winding(angles)[:, :2]
+    sampled = resample_by_length(points, step)
+    gaps = np.hypot(*np.diff(sampled, axis=0).T)
+    assert (gaps <= step + 1e-9).all()
+    assert sampled[0] == pytest.approx(points[0])
