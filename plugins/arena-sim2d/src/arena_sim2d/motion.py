@@ -1,0 +1,68 @@
+"""How a robot moves: commands within its limits, and the arc that it drives in a tick."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from arena_sim2d.bodies import Chassis
+
+DIFFERENTIAL, OMNIDIRECTIONAL, ACKERMANN = 0, 1, 2
+Velocity = tuple[float, float, float]
+
+
+@njit(cache=True)
+def next_velocity(chassis: Chassis, velocity: NDArray[np.float64], command: NDArray[np.float64], dt: float) -> Velocity:
+    """Return the velocity (vx, vy, wz) after a tick: the command within the speed limits, approached within the acceleration limits."""
+    vx = _towards(velocity[0], _clip(command[0], chassis.vx_min, chassis.vx_max), chassis.ax_max * dt)
+    if chassis.kinematics == ACKERMANN:
+        return vx, 0.0, _turn_of_wheels(chassis, velocity[2], vx, command, dt)
+    wz = _towards(velocity[2], _clip(command[2], -chassis.wz_max, chassis.wz_max), chassis.alpha_max * dt)
+    if chassis.kinematics == DIFFERENTIAL:
+        return vx, 0.0, wz
+    return vx, _towards(velocity[1], _clip(command[1], -chassis.vy_max, chassis.vy_max), chassis.ay_max * dt), wz
+
+
+@njit(cache=True, error_model="numpy")
+def _turn_of_wheels(chassis: Chassis, wz: float, vx: float, command: NDArray[np.float64], dt: float) -> float:
+    """Return the turn rate of a car that steers along the commanded arc; it never turns tighter than its steering allows.
+
+    A car that brakes in a bend turns more slowly at once, so there the angular acceleration may exceed ``alpha_max``.
+    """
+    curvature = _clip(command[2] / command[0], -chassis.curvature_max, chassis.curvature_max) if command[0] != 0.0 else 0.0
+    tightest = chassis.curvature_max * abs(vx)
+    wanted = _clip(curvature * vx, -chassis.wz_max, chassis.wz_max)
+    return _clip(_towards(wz, wanted, chassis.alpha_max * dt), -tightest, tightest)
+
+
+@njit(cache=True)
+def drive(x: float, y: float, theta: float, velocity: Velocity, dt: float) -> tuple[float, float, float]:
+    """Return the pose after ``dt`` seconds at a constant velocity in ``base_link``: an exact arc."""
+    vx, vy, wz = velocity
+    turn = wz * dt
+    if abs(turn) < 1e-4:  # series to the order that doubles can hold
+        ahead, aside = 1.0 - turn * turn / 6.0, turn / 2.0 - turn * turn * turn / 24.0
+    else:
+        ahead, aside = math.sin(turn) / turn, (1.0 - math.cos(turn)) / turn
+    dx, dy = dt * (vx * ahead - vy * aside), dt * (vx * aside + vy * ahead)
+    c, s = math.cos(theta), math.sin(theta)
+    return x + c * dx - s * dy, y + s * dx + c * dy, wrap(theta + turn)
+
+
+@njit(cache=True)
+def wrap(angle: float) -> float:
+    """Wrap an angle to [-pi, pi)."""
+    return angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
+
+
+@njit(cache=True)
+def _towards(value: float, wanted: float, change: float) -> float:
+    return value + _clip(wanted - value, -change, change)
+
+
+@njit(cache=True)
+def _clip(value: float, low: float, high: float) -> float:
+    return min(max(value, low), high)
