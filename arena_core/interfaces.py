@@ -100,8 +100,11 @@ class LocalMap(ABC):
         """Take in one scan seen from ``pose`` (base_link in ``map`` at the scan's stamp) and return the window."""
 
     @abstractmethod
-    def planning_grid(self) -> OccupancyGrid:
-        """Return the static map with the window's marks on it; without a map, all that scans have shown so far, unknown cells free."""
+    def planning_grid(self, goal: Pose) -> OccupancyGrid:
+        """Return the static map with the window's marks on it; without a map, all that scans have shown so far, unknown cells free.
+
+        A grid without a map beneath holds ``goal``.
+        """
 
 
 class Tracker(ABC):

@@ -195,7 +195,7 @@ class Navigator:
         if self.mission.map is not None and reason != "blocked":
             return self.mission.map
         local_map()
-        return self.local_map.planning_grid()
+        return self.local_map.planning_grid(self.mission.goal)
 
     def _next_waypoint(self, pose: Pose, stamp: float) -> tuple[Pose, int]:
         assert self._path is not None

@@ -159,7 +159,10 @@ def check_local_map(local_map: LocalMap, body: Robot) -> Facts:
                 and window.costs[cells[1, 1], cells[1, 0]] < LETHAL
             ),
         )
-        yield "a planning grid comes from it", isinstance(local_map.planning_grid(), OccupancyGrid)
+        goal = Pose(-4.0, 0.0)
+        planning = local_map.planning_grid(goal)
+        holds_goal = isinstance(planning, OccupancyGrid) and bool(planning.contains(planning.cells((goal.x, goal.y))))
+        yield "a planning grid that holds the goal comes from it", holds_goal
 
 
 def check_tracker(tracker: Tracker, body: Robot) -> Facts:

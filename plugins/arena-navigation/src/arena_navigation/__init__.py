@@ -30,9 +30,10 @@ def register_trackers(register: Register) -> None:
 
 @hookimpl
 def register_localizers(register: Register) -> None:
-    """Offer adaptive Monte Carlo localisation and the exact pose."""
+    """Offer adaptive Monte Carlo localisation, dead reckoning and the exact pose."""
     register("ground_truth", "arena_navigation.localizers:GroundTruthLocalizer")
     register("amcl", "arena_navigation.amcl:AmclLocalizer")
+    register("odometry", "arena_navigation.localizers:OdometryLocalizer")
 
 
 @hookimpl

@@ -52,7 +52,7 @@ class AstarPlanner(GlobalPlanner):
         if found is None:
             raise NoPath(self._reason(costs, start, goal, goal_cell))
         cells, pinned = found
-        points = cells[:, ::-1] + 0.5
+        points: Floats = cells[:, ::-1].astype(np.float64) + 0.5
         points[0] = _to_cells(grid, start)
         if tuple(cells[-1]) == goal_cell:
             points[-1] = _to_cells(grid, goal)
@@ -83,8 +83,8 @@ class AstarPlanner(GlobalPlanner):
     def _reason(self, costs: Costs, start: Pose, goal: Pose, goal_cell: Cell) -> str:
         radius = self._inflated.inflation.inscribed_radius
         if costs[goal_cell] >= INSCRIBED:
-            return f"the goal {_at(goal)} and all within {self._tolerance} m of it is blocked or cannot be reached by a robot of {radius:.3f} m"
-        return f"no way leads from {_at(start)} to {_at(goal)} for a robot of {radius:.3f} m inscribed radius"
+            return f"the goal {_at(goal)} is blocked, no way leads within {self._tolerance} m of it (inscribed radius {radius:.3f} m)"
+        return f"no way leads from {_at(start)} to {_at(goal)} (inscribed radius {radius:.3f} m)"
 
 
 def _at(pose: Pose) -> str:

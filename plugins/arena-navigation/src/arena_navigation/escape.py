@@ -34,7 +34,7 @@ def ways_out(costs: NDArray[np.uint8], start: Cell, reach: int) -> list[list[Cel
         for row, column in _MOVES:
             neighbour = cell[0] + row, cell[1] + column
             near = max(abs(neighbour[0] - start[0]), abs(neighbour[1] - start[1])) <= reach
-            if near and _passable(costs, neighbour) and _passable(costs, (cell[0], neighbour[1])) and _passable(costs, (neighbour[0], cell[1])):
+            if near and all(_passable(costs, beside) for beside in (neighbour, (cell[0], neighbour[1]), (neighbour[0], cell[1]))):
                 heapq.heappush(queue, (length + (DIAGONAL if row and column else STRAIGHT), neighbour, cell))
     return ways
 

@@ -108,7 +108,7 @@ def _new_queue(dearest: int) -> _Queue:
 def _estimate(row: int, column: int, anchor: NDArray[np.int64]) -> int:
     """Return the octile distance to the anchor, the least that any way there can cost."""
     rows, columns = abs(row - anchor[0]), abs(column - anchor[1])
-    return STRAIGHT * max(rows, columns) + (DIAGONAL - STRAIGHT) * min(rows, columns)
+    return int(STRAIGHT * max(rows, columns) + (DIAGONAL - STRAIGHT) * min(rows, columns))
 
 
 @njit(cache=True)
@@ -151,7 +151,7 @@ def _pop(queue: _Queue, bucket: int) -> int:
     queue.following[entry] = state[FREE]
     state[FREE] = entry
     state[LENGTH] -= 1
-    return queue.cells[entry]
+    return int(queue.cells[entry])
 
 
 @njit(cache=True)

@@ -125,7 +125,7 @@ def _as_cheap(
     costs: NDArray[np.uint8], weights: NDArray[np.float64], points: NDArray[np.float64], along: NDArray[np.float64], i: int, j: int
 ) -> bool:
     direct = line_cost(costs, weights, points[i, 0], points[i, 1], points[j, 0], points[j, 1])
-    return direct <= (along[j] - along[i]) * _SLACK
+    return bool(direct <= (along[j] - along[i]) * _SLACK)
 
 
 @njit(cache=True)
@@ -176,4 +176,4 @@ def _smooth(
 
 @njit(cache=True)
 def _differ(a: NDArray[np.float64], b: NDArray[np.float64], i: int) -> bool:
-    return a[i, 0] != b[i, 0] or a[i, 1] != b[i, 1]
+    return bool(a[i, 0] != b[i, 0] or a[i, 1] != b[i, 1])

@@ -1,0 +1,133 @@
+"""Cells marked by scan hits, and cleared where a later beam passes through: an array (H, W) of when each was last hit, s, or NEVER.
+
+Cell (r, c) covers [column0 + c, column0 + c + 1) x [row0 + r, row0 + r + 1) times the resolution, in ``map``: whichever part of
+the plane an array covers, cells are the same.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from arena_core import LaserScan, Pose
+
+NEVER = np.float32(-np.inf)
+
+
+class Reach(NamedTuple):
+    """How far beams count, m: hits up to ``marking``, free space up to ``clearing``; and what is forgotten.
+
+    Hits within ``body`` of the robot's centre are its own and do not count. Marks that were not hit again for ``forget_after`` s go.
+    """
+
+    marking: float
+    clearing: float
+    body: float
+    forget_after: float
+
+
+class Beams(NamedTuple):
+    """A scan in ``map``: the sensor's and the robot's pose (x, y, heading), and the scan's own figures."""
+
+    ranges: NDArray[np.float32]
+    angle_min: float
+    angle_increment: float
+    range_min: float
+    range_max: float
+    stamp: float
+    sensor: tuple[float, float, float]
+    robot: tuple[float, float]
+
+    @staticmethod
+    def of(scan: LaserScan, pose: Pose) -> Beams:
+        """Place a scan that was taken from ``pose`` (base_link in ``map``)."""
+        sensor = pose.compose(scan.mount)
+        return Beams(
+            np.ascontiguousarray(scan.ranges, np.float32),
+            float(scan.angle_min),
+            float(scan.angle_increment),
+            float(scan.range_min),
+            float(scan.range_max),
+            float(scan.stamp),
+            (float(sensor.x), float(sensor.y), float(sensor.theta)),
+            (float(pose.x), float(pose.y)),
+        )
+
+
+@njit(cache=True)
+def take_in(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: Beams, reach: Reach) -> None:
+    """Forget, clear and mark, in this order, so that what is hit now stays."""
+    if reach.forget_after < math.inf:
+        _forget(hit_at, np.float32(beams.stamp - reach.forget_after))
+    _clear(hit_at, row0, column0, resolution, beams, reach)
+    _mark(hit_at, row0, column0, resolution, beams, reach)
+
+
+@njit(cache=True)
+def _forget(hit_at: NDArray[np.float32], oldest: np.float32) -> None:
+    for row in range(hit_at.shape[0]):
+        for column in range(hit_at.shape[1]):
+            if hit_at[row, column] < oldest:
+                hit_at[row, column] = NEVER
+
+
+@njit(cache=True)
+def _clear(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: Beams, reach: Reach) -> None:
+    """Clear marks under the robot, and those that a beam passes.
+
+    Instead of following every beam through all its cells, look up for each marked cell, of which there are few, the beams that
+    cross the disc inside it: the marks that ray tracing clears, without those whose corner is merely grazed.
+    """
+    first_row = max(math.floor((beams.sensor[1] - reach.clearing) / resolution) - row0, 0)
+    last_row = min(math.floor((beams.sensor[1] + reach.clearing) / resolution) - row0, hit_at.shape[0] - 1)
+    first_column = max(math.floor((beams.sensor[0] - reach.clearing) / resolution) - column0, 0)
+    last_column = min(math.floor((beams.sensor[0] + reach.clearing) / resolution) - column0, hit_at.shape[1] - 1)
+    for row in range(first_row, last_row + 1):
+        y = (row0 + row + 0.5) * resolution
+        for column in range(first_column, last_column + 1):
+            if hit_at[row, column] == NEVER:
+                continue
+            x = (column0 + column + 0.5) * resolution
+            beneath = math.hypot(x - beams.robot[0], y - beams.robot[1]) < reach.body
+            if beneath or _seen_through(x - beams.sensor[0], y - beams.sensor[1], 0.5 * resolution, beams, reach.clearing):
+                hit_at[row, column] = NEVER
+
+
+@njit(cache=True)
+def _seen_through(dx: float, dy: float, radius: float, beams: Beams, clearing: float) -> bool:
+    """Tell whether a beam crosses the disc of ``radius`` at (dx, dy) from the sensor and ends behind it."""
+    away = math.hypot(dx, dy)
+    if away <= radius or away + radius > min(clearing, beams.range_max):
+        return False
+    turn = 2.0 * math.pi
+    bearing = (math.atan2(dy, dx) - beams.sensor[2] - beams.angle_min) % turn
+    half_width = math.asin(radius / away)
+    for centre in (bearing, bearing - turn):  # the disc may lie astride the first beam
+        first = max(math.ceil((centre - half_width) / beams.angle_increment), 0)
+        last = min(math.floor((centre + half_width) / beams.angle_increment), len(beams.ranges) - 1)
+        for beam in range(first, last + 1):
+            if beams.ranges[beam] >= away + radius:
+                return True
+    return False
+
+
+@njit(cache=True)
+def _mark(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: Beams, reach: Reach) -> None:
+    """Note the stamp in every cell that a beam ends in."""
+    farthest = min(reach.marking, beams.range_max)
+    for beam in range(len(beams.ranges)):
+        distance = beams.ranges[beam]
+        if not beams.range_min <= distance <= farthest:
+            continue
+        angle = beams.sensor[2] + beams.angle_min + beam * beams.angle_increment
+        x = beams.sensor[0] + distance * math.cos(angle)
+        y = beams.sensor[1] + distance * math.sin(angle)
+        if math.hypot(x - beams.robot[0], y - beams.robot[1]) < reach.body:
+            continue
+        row, column = math.floor(y / resolution) - row0, math.floor(x / resolution) - column0
+        if 0 <= row < hit_at.shape[0] and 0 <= column < hit_at.shape[1]:
+            hit_at[row, column] = beams.stamp

@@ -1,0 +1,86 @@
+"""How far each robot has come along its path: never backwards, and never by a leap to where the path passes near itself."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+_LOOK_AHEAD = 1.0  # m of path that are searched for the nearest pose: more than a robot drives in a control period
+
+
+class Progress(NamedTuple):
+    """One entry a robot: ``place`` (N,) is the index of its pose on the path, ``travelled`` (N,) the way to there, m.
+
+    ``paths`` (N, 3) is the sum of a path's poses' number, x and y, by which a new path is noticed. ``advance`` (N,) is the
+    farthest that the robot has come, m, and ``since`` (N,) the stamp of when that was noted, s.
+    """
+
+    place: NDArray[np.int64]
+    travelled: FloatArray
+    paths: FloatArray
+    advance: FloatArray
+    since: FloatArray
+
+    @staticmethod
+    def of(total: int) -> Progress:
+        """Make the state of ``total`` robots without paths."""
+        return Progress(np.zeros(total, np.int64), np.zeros(total), np.full((total, 3), -1.0), np.zeros(total), np.zeros(total))
+
+
+@njit(cache=True)
+def follow(progress: Progress, k: int, path: FloatArray, robot: FloatArray, stamp: float) -> bool:
+    """Move robot k's place to the nearest pose not far ahead; return True if the path is a new one."""
+    sum_x, sum_y = 0.0, 0.0
+    for i in range(len(path)):
+        sum_x += path[i, 0]
+        sum_y += path[i, 1]
+    same = progress.paths[k, 0] == len(path) and progress.paths[k, 1] == sum_x and progress.paths[k, 2] == sum_y
+    if not same:
+        progress.paths[k, 0], progress.paths[k, 1], progress.paths[k, 2] = len(path), sum_x, sum_y
+        progress.place[k], progress.travelled[k] = 0, 0.0
+        progress.advance[k], progress.since[k] = -math.inf, stamp
+    _move_to_nearest(progress, k, path, robot, _LOOK_AHEAD if same else math.inf)
+    return not same
+
+
+@njit(cache=True)
+def _move_to_nearest(progress: Progress, k: int, path: FloatArray, robot: FloatArray, look_ahead: float) -> None:
+    i = progress.place[k]
+    nearest = distance(path, i, robot)
+    way = 0.0
+    start = progress.travelled[k]
+    while i + 1 < len(path) and way < look_ahead:
+        i += 1
+        way += math.hypot(path[i, 0] - path[i - 1, 0], path[i, 1] - path[i - 1, 1])
+        away = distance(path, i, robot)
+        if away < nearest:
+            nearest = away
+            progress.place[k], progress.travelled[k] = i, start + way
+
+
+@njit(cache=True)
+def distance(path: FloatArray, i: int, robot: FloatArray) -> float:
+    """Return the distance of the robot from pose i, m."""
+    return math.hypot(path[i, 0] - robot[0], path[i, 1] - robot[1])
+
+
+@njit(cache=True)
+def in_time(progress: Progress, k: int, path: FloatArray, robot: FloatArray, stamp: float, t_lim: float, min_progress: float) -> bool:
+    """Tell whether robot k has come ``min_progress`` m farther along its path (less its distance beside it) within ``t_lim`` s.
+
+    After False the clock starts anew: a path that is kept is not complained about at every step.
+    """
+    advance = progress.travelled[k] - distance(path, progress.place[k], robot)
+    late = stamp - progress.since[k] >= t_lim - 1e-9
+    if advance >= progress.advance[k] + min_progress:
+        progress.advance[k], progress.since[k] = advance, stamp
+        return True
+    if late:
+        progress.since[k] = stamp
+    return not late
