@@ -47,7 +47,7 @@ def convert(value: Any, annotation: Any, key: str, context: Mapping[str, Any], n
     if origin is Annotated:
         return _bounded(value, arguments, key, context, nested)
     if origin is Literal:
-        return _check(value in arguments, value, key, "one of " + ", ".join(map(str, arguments)))
+        return _check(any(value == a and type(value) is type(a) for a in arguments), value, key, "one of " + ", ".join(map(str, arguments)))
     if origin in (Union, types.UnionType):
         return _optional(value, arguments, key, context, nested)
     if dataclasses.is_dataclass(annotation):

@@ -23,6 +23,8 @@ class Bounds:
             return f"> {self.above:g}" + ("" if self.high == float("inf") else f" and <= {self.high:g}")
         if self.high == float("inf"):
             return f">= {self.low:g}"
+        if self.low == float("-inf"):
+            return f"<= {self.high:g}"
         return f"{self.low:g} .. {self.high:g}"
 
 

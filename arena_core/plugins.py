@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable
 from importlib.metadata import EntryPoint, entry_points
+from importlib.resources import files
 
 import pluggy
 
@@ -27,7 +28,7 @@ def load_plugins() -> pluggy.PluginManager:
     try:
         manager.check_pending()
     except pluggy.PluginValidationError as error:
-        raise _broken(str(getattr(error.plugin, "__name__", error.plugin)), error) from error
+        raise broken(str(getattr(error.plugin, "__name__", error.plugin)), error) from error
     return manager
 
 
@@ -40,16 +41,26 @@ def enabled_entry_points() -> list[EntryPoint]:
 def config_packages(manager: pluggy.PluginManager) -> dict[str, str]:
     """Return the configuration package of each plugin that has one, by plugin name."""
     implementations: Iterable[pluggy.HookImpl] = manager.hook.config_package.get_hookimpls()
-    return dict(sorted((i.plugin_name, str(i.function())) for i in implementations))
+    return dict(sorted((i.plugin_name, _config_package(i)) for i in implementations))
+
+
+def broken(name: str, error: Exception) -> BrokenPlugin:
+    """Return the error for a plugin that failed, with the reason and how to switch it off."""
+    reason = " ".join(str(error).split()) or type(error).__name__
+    return BrokenPlugin(f"plugin {name} cannot be loaded ({reason}); mend it, or switch it off with {DISABLED}={name}")
 
 
 def _register(manager: pluggy.PluginManager, entry_point: EntryPoint) -> None:
     try:
         manager.register(entry_point.load(), name=entry_point.name)
     except Exception as error:
-        raise _broken(entry_point.name, error) from error
+        raise broken(entry_point.name, error) from error
 
 
-def _broken(name: str, error: Exception) -> BrokenPlugin:
-    reason = " ".join(str(error).split()) or type(error).__name__
-    return BrokenPlugin(f"plugin {name} cannot be loaded ({reason}); mend it, or switch it off with {DISABLED}={name}")
+def _config_package(implementation: pluggy.HookImpl) -> str:
+    try:
+        package = str(implementation.function())
+        files(package)
+    except Exception as error:
+        raise broken(implementation.plugin_name, error) from error
+    return package

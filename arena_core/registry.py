@@ -14,7 +14,7 @@ from arena_core import interfaces
 from arena_core.conversion import build
 from arena_core.errors import BrokenPlugin, ConfigurationError, DuplicateComponent, UnknownComponent
 from arena_core.hookspecs import Factory
-from arena_core.plugins import enabled_entry_points, load_plugins
+from arena_core.plugins import broken, enabled_entry_points, load_plugins
 from arena_core.robot import Robot
 
 HOOKS = {
@@ -126,7 +126,12 @@ class Registry:
                 raise DuplicateComponent(f"{kind} {name} is offered by two plugins: {known[name].plugin} and {plugin}")
             known[name] = Component(kind, name, factory, plugin)
 
-        implementation.function(register=register)
+        try:
+            implementation.function(register=register)
+        except DuplicateComponent:
+            raise
+        except Exception as error:
+            raise broken(plugin, error) from error
 
 
 def load_registry() -> Registry:
