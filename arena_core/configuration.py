@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from difflib import get_close_matches
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 from pathlib import Path
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from arena_core.errors import ArenaError, ConfigurationError, DuplicateComponent
 from arena_core.plugins import config_packages, load_plugins
+from arena_core.registry import unknown
 
 if TYPE_CHECKING:
     from omegaconf import DictConfig
@@ -95,23 +97,36 @@ def _options(folder: Traversable, group: str = "") -> Iterator[str]:
 
 
 def _one_line(error: BaseException) -> str:
+    from hydra.errors import MissingConfigException, OverrideParseException
+
     text = str(error)
-    missing = re.search(r"Could not find '([^']+)/([^'/]+)'.*?Available options in '[^']+':\s*(.*?)(?:\nConfig search path|\Z)", text, re.S)
-    if missing:
-        group, option, available = missing.groups()
-        return f"unknown {group} {option!r} (possible: {', '.join(available.split())})"
-    nothing = re.search(r"Could not find '([^']+)'", text)
-    if nothing:
-        return f"there is no {nothing.group(1)}; `arena list` shows what is installed"
+    if isinstance(error, MissingConfigException):
+        return _missing(error.missing_cfg_file or "", error.options)
+    if isinstance(error, OverrideParseException):
+        reason = _joined(text.splitlines()[0])
+        return f"{error.override} cannot be read: {reason}; allowed: KEY=VALUE, lists as [a,b], texts with spaces in quotes"
     override = re.search(r"Could not override '([^']+)'", text)
     if override:
-        return f"{override.group(1)} is no key of the configuration{_siblings(override.group(1))}"
-    cause = error.__cause__
-    lines = [line for line in (text, str(cause) if cause else "") if line]
-    return re.sub(r"\s+", " ", " ".join(lines)).strip()
+        return _no_key(override.group(1), getattr(error.__cause__, "parent_node", None))
+    return _joined(f"{text} {error.__cause__ or ''}")
 
 
-def _siblings(key: str) -> str:
-    """Return the keys that stand where ``key`` was looked for, if the defaults tell."""
-    parent = key.rpartition(".")[0]
-    return f"; `arena list {parent.split('.')[0]}` shows the parameters" if parent else "; `arena list` shows what there is"
+def _missing(file: str, options: Sequence[str] | None) -> str:
+    """Return the line for an option that no configuration source has; Hydra does not always say which there are."""
+    group, _, option = file.rpartition("/")
+    if options is None:
+        return f"there is no {file}; `arena list {group}` shows what is installed"
+    return unknown(group, option, list(options))
+
+
+def _joined(text: str) -> str:
+    return re.sub(r"\s+", " ", text).strip()
+
+
+def _no_key(key: str, parent: Any) -> str:
+    """Return the line for a key that the configuration lacks, with the nearest one and all that stand beside it."""
+    place, _, name = key.rpartition(".")
+    beside = sorted(str(k) for k in parent if k != "hydra") if isinstance(parent, Mapping) else []
+    near = get_close_matches(name, beside, n=1)
+    hint = f"; did you mean {near[0]}?" if near else ""
+    return f"{place or 'the configuration'} has no key {name}{hint} (possible: {', '.join(beside) or 'none'})"
