@@ -77,6 +77,10 @@ def one_line_errors() -> Iterator[None]:
         chain = [error, error.__cause__, error.__context__]
         own = next((e for e in chain if isinstance(e, ArenaError)), None)
         raise own or ConfigurationError(_one_line(error)) from error
+    except ValueError as error:
+        if "Config group override" not in str(error):  # Hydra's word for planner=null and planner=3
+            raise
+        raise ConfigurationError("an override chooses no component; allowed: KIND=NAME, such as planner=dwa") from error
 
 
 def plain(config: Any) -> dict[str, Any]:
