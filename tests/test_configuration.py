@@ -1,0 +1,139 @@
+import pytest
+from hydra import initialize
+from hydra.core.global_hydra import GlobalHydra
+
+from arena_core import ConfigurationError, DuplicateComponent
+from arena_core.configuration import compose, conf_directory, plain, search_path
+
+PLUGIN = """
+    from arena_core import hookimpl
+
+    @hookimpl
+    def config_package():
+        return "{name}.conf"
+"""
+TUNED = """
+    defaults:
+      - _self_
+      - optional tuned_tuning@_here_: ${robot}
+    name: tuned
+    speed: 1.0
+"""
+
+
+@pytest.fixture
+def tuned(third_party):
+    third_party.package(
+        "tuned",
+        PLUGIN.format(name="tuned"),
+        {"planner/tuned": TUNED, "planner/tuned_tuning/jackal": "speed: 2.0\n", "experiment/slow": SLOW},
+    )
+
+
+SLOW = """
+    # @package _global_
+    defaults:
+      - override /planner: tuned
+      - override /robot: jackal
+    planner:
+      speed: 0.1
+"""
+
+
+def component(*overrides):
+    return plain(compose(overrides, config_name="component"))
+
+
+def test_composing_inside_a_hydra_application_leaves_that_application_alone():
+    with initialize(version_base="1.3", config_path=None):
+        before = GlobalHydra.instance().hydra
+        assert before is not None
+        assert component("executor=serial")["executor"] == {"name": "serial"}
+        assert GlobalHydra.instance().hydra is before
+
+
+def test_composing_leaves_nothing_behind_outside_one_and_after_an_error():
+    GlobalHydra.instance().clear()
+    component("executor=serial")
+    with pytest.raises(ConfigurationError):
+        compose(["executor=seriall"])
+    assert not GlobalHydra.instance().is_initialized()
+
+
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        ("executor=serail", r"unknown executor 'serail'; did you mean serial\? \(possible: processes, serial\)"),
+        ("experiment=smoek", r"unknown experiment 'smoek'; did you mean smoke\? \(possible: .*smoke"),
+        ("metrics=[sii]", r"there is no metrics/sii; `arena list metrics` shows what is installed"),
+        ("episode=3", r"the configuration has no key episode; did you mean episodes\? \(possible: episodes, "),
+        ("timing.mod=ideal", r"timing has no key mod; did you mean mode\? \(possible: latency, mode\)"),
+        ("episodes=[", r"episodes=\[ cannot be read: .*; allowed: KEY=VALUE"),
+        ("episodes", r"episodes cannot be read: .*; allowed: KEY=VALUE"),
+        ("planner=null", r"an override chooses no component; allowed: KIND=NAME"),
+        ("planner=3", r"an override chooses no component; allowed: KIND=NAME"),
+        ("seed=${nowhere}", r"Interpolation key 'nowhere' not found"),
+    ],
+)
+def test_a_wrong_override_is_one_line_that_says_what_is_possible(override, message):
+    with pytest.raises(ConfigurationError, match=f"^{message}") as caught:
+        plain(compose([override]))
+    assert "\n" not in str(caught.value)
+
+
+def test_a_missing_value_is_one_line_that_names_the_key(third_party):
+    third_party.package("gap", PLUGIN.format(name="gap"), {"planner/gap": "name: gap\nspeed: ???\n"})
+    with pytest.raises(ConfigurationError, match="speed") as caught:
+        component("planner=gap")
+    assert "\n" not in str(caught.value)
+
+
+def test_no_experiment_is_chosen_by_default():
+    assert "experiment" not in plain(compose())
+
+
+def test_an_experiment_overrides_components_and_their_numbers(tuned):
+    config = plain(compose(["experiment=slow"]))
+    assert (config["planner"], config["robot"]["name"]) == ({"name": "tuned", "speed": 0.1}, "jackal")
+
+
+def test_the_command_line_overrides_the_experiment(tuned):
+    assert plain(compose(["experiment=slow", "planner.speed=0.7"]))["planner"]["speed"] == 0.7
+
+
+def test_a_planner_is_tuned_by_the_name_of_the_robot(tuned):
+    assert component("planner=tuned", "robot=jackal")["planner"]["speed"] == 2.0
+
+
+def test_a_planner_without_a_tuning_for_the_robot_keeps_its_own_numbers(tuned):
+    assert component("planner=tuned", "robot=turtlebot3")["planner"]["speed"] == 1.0
+
+
+def test_an_option_that_two_plugins_offer_is_an_error_that_names_both(tuned, third_party):
+    third_party.package("thief", PLUGIN.format(name="thief"), {"planner/tuned": "name: tuned\n"})
+    with pytest.raises(DuplicateComponent, match="option planner/tuned is offered by two plugins: thief and tuned"):
+        search_path()
+
+
+def test_an_option_that_two_plugins_offer_is_found_when_composing_too(tuned, third_party):
+    third_party.package("thief", PLUGIN.format(name="thief"), {"planner/tuned": "name: tuned\n"})
+    with pytest.raises(DuplicateComponent, match="offered by two plugins"):
+        component("planner=tuned")
+
+
+def test_the_conf_folder_of_the_working_directory_is_searched(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "conf" / "executor").mkdir(parents=True)
+    (tmp_path / "conf" / "executor" / "two.yaml").write_text("name: processes\nworkers: 2\n")
+    assert component("executor=two")["executor"] == {"name": "processes", "workers": 2}
+
+
+def test_in_a_checkout_its_own_conf_is_searched_once(monkeypatch):
+    monkeypatch.chdir(conf_directory().parent)
+    assert "working-directory" not in dict(search_path())
+
+
+def test_sources_come_in_order_of_the_plugins_names(tuned):
+    providers = [provider for provider, _ in search_path()]
+    assert providers == sorted(providers)
+    assert dict(search_path())["tuned"] == "pkg://tuned.conf"
