@@ -131,6 +131,7 @@ class Navigator:
             return Decision(BRAKE, estimate, self.mission.goal, None, True, (), 0.0)
         scan_pose = _pose_at_scan(estimate.pose, sensors)
         local_map: Callable[[], Costmap] = cache(lambda: self.local_map.update(sensors.scan, scan_pose))
+        before = self._path
         path, waypoint, events = self._plan(estimate.pose, sensors.stamp, local_map)
         observation = Observation(
             sensors.stamp,
@@ -146,7 +147,7 @@ class Navigator:
             cache(lambda: self.tracker.update(sensors.scan, scan_pose, sensors.stamp)),
         )
         command, refusals, seconds = self._ask_planner(observation)
-        planned = path if events else None
+        planned = path if path is not before else None
         return Decision(command, estimate, waypoint, planned, False, events + refusals, seconds)
 
     def _plan(self, pose: Pose, stamp: float, local_map: Callable[[], Costmap]) -> tuple[Path, Pose, tuple[Event, ...]]:
