@@ -1,1 +1,15 @@
 """Social-force crowd for the arena suite."""
+
+from arena_core import Register, hookimpl
+
+
+@hookimpl
+def register_pedestrian_models(register: Register) -> None:
+    """Offer the social-force crowd."""
+    register("social_force", "arena_pedsim.model:SocialForceModel")
+
+
+@hookimpl
+def config_package() -> str:
+    """Name the configuration package."""
+    return "arena_pedsim.conf"

@@ -1,0 +1,74 @@
+"""How people who see the robot keep out of its way (``reaction: yield``)."""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import Any
+
+from arena_pedsim.compiled import compiled
+from arena_pedsim.ground import Ground, clearance
+
+
+@compiled
+def detour(
+    ground: Ground,
+    x: float,
+    y: float,
+    heading_x: float,
+    heading_y: float,
+    goal_distance: float,
+    radius: float,
+    robot: Any,
+    parameters: Any,
+) -> tuple[float, float]:
+    """Return the heading that passes the robot when it stands in the way, else the heading itself; ``robot`` is (x, y, vx, vy, radius).
+
+    The heading turns to the tangent of the disc that must stay free, on the nearer side (the right if both are near), or on the other if
+    a wall leaves no room there. Without room on either side the heading stays, and ``hold_back`` stops the person.
+    """
+    dx, dy = robot[0] - x, robot[1] - y
+    separation = sqrt(dx * dx + dy * dy)
+    free = radius + robot[4] + parameters.giving_way_margin
+    ahead = heading_x * dx + heading_y * dy
+    aside = heading_x * dy - heading_y * dx  # > 0: the robot is to the left
+    in_the_way = ahead > 0.0 and abs(aside) < free and ahead < goal_distance and separation < free + parameters.giving_way_distance
+    if not in_the_way:
+        return heading_x, heading_y
+    side = -1.0 if aside >= 0.0 else 1.0  # -1: pass with the robot on the left
+    for turn in (side, -side):
+        tx, ty = _tangent(dx / separation, dy / separation, min(free / separation, 1.0), turn)
+        beside_x, beside_y = robot[0] - turn * free * ty, robot[1] + turn * free * tx
+        if clearance(ground, beside_x, beside_y) >= radius:
+            return tx, ty
+    return heading_x, heading_y
+
+
+@compiled
+def _tangent(ux: float, uy: float, sine: float, turn: float) -> tuple[float, float]:
+    """Turn a unit vector by the angle with this sine, to the left if ``turn`` is 1, to the right if -1."""
+    cosine = sqrt(1.0 - sine * sine)
+    return ux * cosine - turn * sine * uy, turn * sine * ux + uy * cosine
+
+
+@compiled
+def hold_back(x: float, y: float, vx: float, vy: float, radius: float, robot: Any, parameters: Any) -> tuple[float, float]:
+    """Return the velocity without what would close the gap to the robot sooner than in ``time``; within the margin this is a step back."""
+    dx, dy = robot[0] - x, robot[1] - y
+    separation = sqrt(dx * dx + dy * dy)
+    if not separation > 0.0:
+        return vx, vy
+    ux, uy = dx / separation, dy / separation
+    gap = separation - radius - robot[4] - 0.5 * parameters.giving_way_margin
+    excess = (vx - robot[2]) * ux + (vy - robot[3]) * uy - gap / parameters.giving_way_time
+    if excess <= 0.0:
+        return vx, vy
+    return vx - excess * ux, vy - excess * uy
+
+
+@compiled
+def keeps_off(x: float, y: float, new_x: float, new_y: float, radius: float, robot: Any, parameters: Any) -> bool:
+    """Tell whether a move leaves a gap to where the robot is now, or at least makes it no smaller: walls and other people push, too."""
+    gap = sqrt((robot[0] - new_x) ** 2 + (robot[1] - new_y) ** 2) - radius - robot[4]
+    if gap >= 0.25 * parameters.giving_way_margin:
+        return True
+    return gap >= sqrt((robot[0] - x) ** 2 + (robot[1] - y) ** 2) - radius - robot[4]

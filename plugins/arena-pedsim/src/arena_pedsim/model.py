@@ -1,0 +1,98 @@
+"""The social-force crowd: N worlds of people, stepped in one compiled call."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core import Crowd, PedestrianModel, Positive, RobotBatch, Scenario
+from arena_pedsim.crowd_step import step_crowds
+from arena_pedsim.obstacles import with_obstacles
+from arena_pedsim.parameters import ForceFactors, GivingWay, SocialInteraction, WallForce, Wayfinding, parameter_record
+from arena_pedsim.population import Population
+from arena_pedsim.terrain import Terrain
+from arena_pedsim.trips import grant_wishes
+
+
+class SocialForceModel(PedestrianModel):
+    """People who walk from waypoint to waypoint, and whom other people, walls and (if they yield) robots push aside.
+
+    Positions and velocities come from the crowd that ``step`` is given; only ways and clocks are remembered between steps.
+    """
+
+    def __init__(
+        self,
+        reaction: Literal["ignore", "yield"],
+        relaxation_time: Positive,
+        longest_step: Positive,
+        factors: ForceFactors,
+        social: SocialInteraction,
+        walls: WallForce,
+        wayfinding: Wayfinding,
+        giving_way: GivingWay,
+    ) -> None:
+        self._factors = factors
+        self._cell = wayfinding.cell
+        self._parameters = parameter_record(
+            reaction, relaxation_time, longest_step, social=social, walls=walls, wayfinding=wayfinding, giving_way=giving_way
+        )
+        self._population = Population(0)
+        self._terrain = Terrain(self._cell)
+
+    def reset(self, slots: NDArray[np.int64], scenarios: Sequence[Scenario], total: int) -> Crowd:
+        """Begin ``scenarios`` in these slots; worlds in other slots are returned as ``step`` left them.
+
+        Raises ImpossibleScenario for somebody who starts in a wall or off the map.
+        """
+        if total != len(self._population):
+            self._population = Population(total)
+            self._terrain = Terrain(self._cell)
+        grids = [with_obstacles(scenario.world.grid, scenario.obstacles) for scenario in scenarios]
+        self._terrain.replace(slots, grids, total)
+        for slot, scenario, grid in zip(slots, scenarios, grids, strict=True):
+            self._population.settle(int(slot), scenario, grid, self._factors)
+        self._grant_wishes(self._population.crowd)
+        return self._population.crowd
+
+    def step(self, crowd: Crowd, robots: RobotBatch, ticks: NDArray[np.int64], dt: float) -> Crowd:
+        """Return the crowd ``dt`` seconds later; with ``reaction: ignore`` nothing of ``robots`` is read."""
+        population, terrain = self._population, self._terrain
+        positions, velocities, states, wishes = step_crowds(
+            crowd.counts,
+            crowd.positions,
+            crowd.velocities,
+            crowd.radii,
+            crowd.states,
+            population.people,
+            population.corners,
+            terrain.index,
+            terrain.stack,
+            robots.poses,
+            robots.velocities_xy,
+            float(robots.radius),
+            float(dt),
+            self._parameters,
+        )
+        population.crowd = Crowd(crowd.counts, crowd.ids, positions, velocities, crowd.radii, states)
+        if wishes:
+            self._grant_wishes(population.crowd)
+        return population.crowd
+
+    def _grant_wishes(self, crowd: Crowd) -> None:
+        population, terrain = self._population, self._terrain
+        grant_wishes(
+            crowd.counts,
+            crowd.positions,
+            crowd.radii,
+            population.people,
+            population.waypoints,
+            population.corners,
+            terrain.index,
+            terrain.stack,
+            terrain.rooms,
+            terrain.nodes,
+            self._parameters,
+        )

@@ -1,0 +1,79 @@
+"""The model's numbers as the configuration gives them, and as the kernels read them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core import Fraction, NonNegative, Positive
+
+
+@dataclass(frozen=True, slots=True)
+class ForceFactors:
+    """Weights of the four accelerations; ``force_factor_*`` of a person's behaviour overrides them."""
+
+    desired: NonNegative
+    social: NonNegative
+    obstacle: NonNegative
+    robot: NonNegative
+
+
+@dataclass(frozen=True, slots=True)
+class SocialInteraction:
+    """The constants of Moussaid et al. 2009; ``range`` (m, between centres) is where the force is cut off."""
+
+    lambda_importance: NonNegative
+    gamma: Positive
+    n: NonNegative
+    n_prime: NonNegative
+    epsilon: NonNegative
+    rear_weight: Fraction
+    range: Positive
+
+
+@dataclass(frozen=True, slots=True)
+class WallForce:
+    """The repulsion of walls: exp(-gap / sigma), or 1 / gap up to ``limit``; none beyond ``range`` m."""
+
+    form: Literal["exponential", "inverse"]
+    sigma: Positive
+    limit: Positive
+    range: Positive
+
+
+@dataclass(frozen=True, slots=True)
+class Wayfinding:
+    """How people follow their waypoints: distances in m, periods in s, ``stuck_speed`` as a fraction of a person's own maximum."""
+
+    routing: Literal["around_walls", "straight"]
+    cell: Positive
+    waypoint_radius: Positive
+    corner_radius: Positive
+    look_period: Positive
+    stuck_period: Positive
+    stuck_speed: Fraction
+
+
+@dataclass(frozen=True, slots=True)
+class GivingWay:
+    """How people who see robots keep out of their way: ``margin`` and ``distance`` in m, ``time`` in s."""
+
+    margin: NonNegative
+    distance: NonNegative
+    time: Positive
+
+
+CODES = {"ignore": 0, "yield": 1, "exponential": 0, "inverse": 1, "straight": 0, "around_walls": 1}
+
+
+def parameter_record(reaction: str, relaxation_time: float, longest_step: float, **groups: Any) -> NDArray[np.void]:
+    """Flatten the groups to one record (shape (1,)) with fields such as ``social_gamma``; words become their CODES."""
+    values = {"reaction": reaction, "relaxation_time": relaxation_time, "longest_step": longest_step}
+    for name, group in groups.items():
+        values.update({f"{name}_{field.name}": getattr(group, field.name) for field in fields(group)})
+    row = tuple(CODES[value] if isinstance(value, str) else float(value) for value in values.values())
+    dtype = [(key, np.int64 if isinstance(value, str) else np.float64) for key, value in values.items()]
+    return np.array([row], dtype=dtype)

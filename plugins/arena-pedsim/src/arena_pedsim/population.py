@@ -1,0 +1,85 @@
+"""The people of N worlds: the crowd, and what the model remembers of each person."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core import Crowd, ImpossibleScenario, OccupancyGrid, PedestrianSpec, Scenario
+from arena_pedsim.parameters import ForceFactors
+from arena_pedsim.people import MAX_CORNERS, PERSON, remember
+from arena_pedsim.states import NONE, STANDING, WALKING
+
+
+class Population:
+    """N worlds with P slots for people each: ``people`` (N, P), ``waypoints`` (N, P, W, 2) and ``corners`` (N, P, C, 2), m."""
+
+    def __init__(self, worlds: int) -> None:
+        self.crowd = Crowd(
+            np.zeros(worlds, np.int32),
+            np.full((worlds, 0), -1, np.int32),
+            np.full((worlds, 0, 2), np.nan),
+            np.full((worlds, 0, 2), np.nan),
+            np.zeros((worlds, 0)),
+            np.full((worlds, 0), NONE, np.int8),
+        )
+        self.people = np.zeros((worlds, 0), PERSON)
+        self.waypoints = np.zeros((worlds, 0, 1, 2))
+        self.corners = np.zeros((worlds, 0, MAX_CORNERS, 2))
+
+    def __len__(self) -> int:
+        return len(self.people)
+
+    def settle(self, slot: int, scenario: Scenario, grid: OccupancyGrid, factors: ForceFactors) -> None:
+        """Put a scenario's people in a slot, in place of those who were there; raise ImpossibleScenario if somebody starts in a wall."""
+        specs = scenario.pedestrians
+        self._make_room(len(specs), max((len(spec.waypoints_xy) for spec in specs), default=0))
+        crowd, people = self.crowd, len(specs)
+        counts, ids, radii, states = crowd.counts.copy(), crowd.ids.copy(), crowd.radii.copy(), crowd.states.copy()
+        positions, velocities = crowd.positions.copy(), crowd.velocities.copy()
+        counts[slot] = people
+        ids[slot], radii[slot], states[slot] = -1, 0.0, NONE
+        positions[slot], velocities[slot] = np.nan, np.nan
+        velocities[slot, :people] = 0.0
+        for i, spec in enumerate(specs):
+            _check_start(spec, scenario, grid)
+            ids[slot, i], radii[slot, i], positions[slot, i] = spec.id, spec.radius, spec.position_xy
+            states[slot, i] = WALKING if len(spec.waypoints_xy) else STANDING
+            self.people[slot, i] = remember(spec, factors)
+            self.waypoints[slot, i, : len(spec.waypoints_xy)] = spec.waypoints_xy
+        self.crowd = Crowd(counts, ids, positions, velocities, radii, states)
+
+    def _make_room(self, people: int, waypoints: int) -> None:
+        """Widen the arrays where these do not fit."""
+        crowd, missing = self.crowd, max(people - self.people.shape[1], 0)
+        if missing:
+            self.crowd = Crowd(
+                crowd.counts,
+                _widened(crowd.ids, missing, -1),
+                _widened(crowd.positions, missing, np.nan),
+                _widened(crowd.velocities, missing, np.nan),
+                _widened(crowd.radii, missing, 0.0),
+                _widened(crowd.states, missing, NONE),
+            )
+            self.people = np.concatenate((self.people, np.zeros((len(self), missing), PERSON)), axis=1)
+            self.corners = _widened(self.corners, missing, 0.0)
+            self.waypoints = _widened(self.waypoints, missing, 0.0)
+        extra = max(waypoints - self.waypoints.shape[2], 0)
+        self.waypoints = np.pad(self.waypoints, ((0, 0), (0, 0), (0, extra), (0, 0)))
+
+
+def _widened(array: NDArray[Any], missing: int, value: float) -> NDArray[Any]:
+    """Add empty slots for people."""
+    shape = (len(array), missing, *array.shape[2:])
+    return np.concatenate((array, np.full(shape, value, array.dtype)), axis=1)
+
+
+def _check_start(spec: PedestrianSpec, scenario: Scenario, grid: OccupancyGrid) -> None:
+    cell = grid.cells(spec.position_xy)
+    x, y = spec.position_xy
+    if not grid.contains(cell):
+        raise ImpossibleScenario(f"scenario {scenario.name}: person {spec.id} starts at ({x:g}, {y:g}), off the map")
+    if grid.occupied[tuple(cell)]:
+        raise ImpossibleScenario(f"scenario {scenario.name}: person {spec.id} starts at ({x:g}, {y:g}), inside a wall or an obstacle")

@@ -1,0 +1,77 @@
+"""A coarse grid on which people find their way: how much room each cell has, and where in the cell that is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core import OccupancyGrid
+from arena_kernels.distance import grid_distance
+from arena_pedsim.compiled import compiled
+
+
+class Rooms(NamedTuple):
+    """One map in coarse cells of ``factor`` x ``factor`` of its own: ``room`` (h, w) m, and ``place`` (h, w), the flat map cell that has it."""
+
+    room: NDArray[np.float32]
+    place: NDArray[np.int32]
+    factor: int
+
+
+class RoomStack(NamedTuple):
+    """The coarse grids of a GridStack in its order, packed: cell (row, column) of g is at ``offsets[g] + row * shapes[g, 1] + column``."""
+
+    room: NDArray[np.float32]
+    place: NDArray[np.int32]
+    factors: NDArray[np.int64]
+    offsets: NDArray[np.int64]
+    shapes: NDArray[np.int64]
+
+
+def stack_rooms(grids: Sequence[OccupancyGrid], cell: float) -> RoomStack:
+    """Pack the coarse grids (cells of about ``cell`` m) of these distinct grids."""
+    rooms = [grid.derive(make_rooms(cell)) for grid in grids]
+    return RoomStack(
+        np.concatenate([each.room.ravel() for each in rooms]),
+        np.concatenate([each.place.ravel() for each in rooms]),
+        np.array([each.factor for each in rooms], np.int64),
+        np.cumsum([0, *(each.room.size for each in rooms)], dtype=np.int64)[:-1],
+        np.array([each.room.shape for each in rooms], np.int64),
+    )
+
+
+@cache  # one function object for each cell size: it is the key under which a grid keeps the result
+def make_rooms(cell: float) -> Callable[[OccupancyGrid], Rooms]:
+    """Return the function that makes the coarse grid of a map."""
+
+    def rooms(grid: OccupancyGrid) -> Rooms:
+        factor = max(round(cell / grid.resolution), 1)
+        return Rooms(*_roomiest(grid.derive(grid_distance), factor, 0.5 * grid.resolution), factor)
+
+    return rooms
+
+
+@compiled
+def _roomiest(distance: NDArray[np.float32], factor: int, half_cell: float) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+    rows, columns = distance.shape
+    shape = ((rows + factor - 1) // factor, (columns + factor - 1) // factor)
+    room, place = np.full(shape, np.float32(-1.0)), np.zeros(shape, np.int32)
+    for row in range(rows):
+        for column in range(columns):
+            r, c = row // factor, column // factor
+            here = np.float32(distance[row, column] - half_cell)
+            if here > room[r, c]:
+                room[r, c], place[r, c] = here, row * columns + column
+    return room, place
+
+
+@compiled
+def rooms_of(stack: Any, g: int) -> Rooms:
+    """Return coarse grid ``g`` of a RoomStack."""
+    rows, columns, first = stack.shapes[g, 0], stack.shapes[g, 1], stack.offsets[g]
+    last = first + rows * columns
+    return Rooms(stack.room[first:last].reshape((rows, columns)), stack.place[first:last].reshape((rows, columns)), stack.factors[g])

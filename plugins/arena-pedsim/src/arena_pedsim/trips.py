@@ -1,0 +1,69 @@
+"""From one waypoint to the next: which comes next, and the route there."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_pedsim.compiled import compiled
+from arena_pedsim.ground import Ground, clearance, ground_of
+from arena_pedsim.people import NEXT_WAYPOINT, NOTHING
+from arena_pedsim.route_grid import Rooms, rooms_of
+from arena_pedsim.routes import find_corners, nearest_room
+from arena_pedsim.walls import SIGHT, is_visible
+
+Floats = NDArray[np.float64]
+
+
+@compiled
+def grant_wishes(
+    counts: NDArray[np.int32],
+    positions: Floats,
+    radii: Floats,
+    people: NDArray[np.void],
+    waypoints: Floats,
+    corners: Floats,
+    grids: NDArray[np.int64],
+    stack: Any,
+    rooms: Any,
+    nodes: NDArray[np.int32],
+    parameters: NDArray[np.void],
+) -> None:
+    """Give everybody who wishes for it the next of the ``waypoints`` (N, P, W, 2), and a route there in ``corners`` (N, P, C, 2)."""
+    for world in range(len(counts)):
+        ground, world_rooms = ground_of(stack, grids[world]), rooms_of(rooms, grids[world])
+        for i in range(counts[world]):
+            person = people[world, i]
+            if person.wish == NOTHING:
+                continue
+            x, y = positions[world, i, 0], positions[world, i, 1]
+            if person.wish == NEXT_WAYPOINT:
+                person.waypoint = (person.waypoint + 1) % person.waypoints
+                person.anchor_x, person.anchor_y, person.stuck_clock = x, y, 0.0
+            person.wish, person.look_clock = NOTHING, 0.0
+            person.goal_x, person.goal_y = waypoints[world, i, person.waypoint, 0], waypoints[world, i, person.waypoint, 1]
+            person.corner, person.corners, person.lost = 0, 0, 0
+            if parameters[0].wayfinding_routing == 1:
+                _find_route(person, x, y, radii[world, i], corners[world, i], ground, world_rooms, nodes)
+
+
+@compiled
+def _find_route(
+    person: Any, x: float, y: float, radius: float, corners: Floats, ground: Ground, rooms: Rooms, nodes: NDArray[np.int32]
+) -> None:
+    """Write a person's corners; a waypoint without room is moved to the nearest place with room."""
+    goal_x, goal_y = person.goal_x, person.goal_y
+    if clearance(ground, goal_x, goal_y) < SIGHT * radius:
+        goal_x, goal_y, _ = nearest_room(ground, rooms, goal_x, goal_y, radius)
+    person.goal_x, person.goal_y = goal_x, goal_y
+    if is_visible(ground, x, y, goal_x, goal_y, SIGHT * radius):
+        return
+    _, _, start = nearest_room(ground, rooms, x, y, radius)
+    _, _, goal = nearest_room(ground, rooms, goal_x, goal_y, radius)
+    found = -1
+    if start >= 0 and goal >= 0:
+        found = find_corners(ground, rooms, (x, y, start), (goal_x, goal_y, goal), radius, nodes, corners)
+    person.corners = max(found, 0)
+    person.lost = 1 if found < 0 else 0
