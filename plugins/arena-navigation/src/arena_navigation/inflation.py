@@ -12,6 +12,7 @@ from arena_core import INSCRIBED, LETHAL, UNKNOWN, ConfigurationError, Occupancy
 from arena_kernels.distance import grid_distance
 
 NO_INFORMATION = 255
+_ROUNDING = 1e-9  # m: six cells of 0.1 m are within 0.6 m
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,8 +37,8 @@ class Inflation:
     def costs_at(self, distances: NDArray[np.float64]) -> NDArray[np.uint8]:
         """Return the cost at distances (m) of any shape."""
         decayed = (INSCRIBED - 1) * np.exp(-self.cost_scaling_factor * np.maximum(distances - self.inscribed_radius, 0.0))
-        costs = np.where(distances <= self.inscribed_radius, INSCRIBED, np.floor(decayed))
-        costs = np.where(distances > self.inflation_radius, 0, costs)
+        costs = np.where(distances <= self.inscribed_radius + _ROUNDING, INSCRIBED, np.floor(decayed))
+        costs = np.where(distances > self.inflation_radius + _ROUNDING, 0, costs)
         return np.where(distances == 0.0, LETHAL, costs).astype(np.uint8)
 
     def table(self, resolution: float) -> NDArray[np.uint8]:

@@ -15,7 +15,7 @@ from arena_core import INSCRIBED
 
 _GROWTH = 1.3  # a longer line is tried this much farther ahead each time
 _SLACK = 1.0 + 1e-9  # a straight line along straight moves costs the same but for rounding
-_PULL = 0.25  # of the way to the middle of its neighbours that a point moves at once
+_PULL, _HOLD = 0.4, 0.2  # of the bend at a point, and of its way back, that it moves by at once: rounds corners over some 0.15 m
 
 
 @njit(cache=True)
@@ -27,9 +27,9 @@ def refine(
     ``weights`` (256,) is the cost of one cell of way by cell cost. The first ``pinned`` points are kept, and may lie in
     the inscribed zone. No line leaves the free cells, and smoothing moves no point by more than a cell.
     """
-    lines = _pull_tight(costs, weights, points, pinned)
-    lines = _pull_tight(costs, weights, lines, pinned)  # now from corner to corner
-    even = _resample(lines, spacing)
+    lines = _resample(_pull_tight(costs, weights, points[pinned:]), spacing)
+    lines = _pull_tight(costs, weights, lines[::-1].copy())  # from the other end, to cut the corners that were left
+    even = np.concatenate((points[:pinned], _resample(lines[::-1].copy(), spacing)))
     return _smooth(costs, weights, even, pinned, rounds)
 
 
@@ -70,27 +70,20 @@ def line_cost(costs: NDArray[np.uint8], weights: NDArray[np.float64], x0: float,
 
 
 @njit(cache=True)
-def _pull_tight(
-    costs: NDArray[np.uint8], weights: NDArray[np.float64], points: NDArray[np.float64], pinned: int
-) -> NDArray[np.float64]:
-    """Keep the points between which a straight line costs no more than the way along the cells, from each the farthest found."""
+def _pull_tight(costs: NDArray[np.uint8], weights: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Keep the points between which a straight line costs no more than the way along all, from each the farthest found."""
     count = len(points)
     along = np.zeros(count)
-    for i in range(pinned + 1, count):
+    for i in range(1, count):
         along[i] = along[i - 1] + line_cost(costs, weights, points[i - 1, 0], points[i - 1, 1], points[i, 0], points[i, 1])
-    kept = np.empty(count, np.int64)
-    last = min(pinned, count - 1)
-    for i in range(last + 1):
-        kept[i] = i
-    number = last + 1
+    lines = np.empty((count, 2))
+    lines[0, 0], lines[0, 1] = points[0, 0], points[0, 1]
+    number, last = 1, 0
     while last < count - 1:
         last = _farthest(costs, weights, points, along, last)
-        kept[number] = last
+        lines[number, 0], lines[number, 1] = points[last, 0], points[last, 1]
         number += 1
-    lines = np.empty((number, 2))
-    for i in range(number):
-        lines[i, 0], lines[i, 1] = points[kept[i], 0], points[kept[i], 1]
-    return lines
+    return lines[:number]
 
 
 @njit(cache=True)
@@ -153,15 +146,14 @@ def _resample(lines: NDArray[np.float64], spacing: float) -> NDArray[np.float64]
 def _smooth(
     costs: NDArray[np.uint8], weights: NDArray[np.float64], even: NDArray[np.float64], pinned: int, rounds: int
 ) -> NDArray[np.float64]:
-    """Pull every free point towards the middle of its neighbours, up to a cell away; undo what leads through blocked cells."""
+    """Pull every free point towards its neighbours and, softly, back; undo what leads through blocked cells."""
     points = even.copy()
     for _ in range(rounds):
         for i in range(pinned + 1, len(points) - 1):
-            x = points[i, 0] + _PULL * (points[i - 1, 0] + points[i + 1, 0] - 2.0 * points[i, 0])
-            y = points[i, 1] + _PULL * (points[i - 1, 1] + points[i + 1, 1] - 2.0 * points[i, 1])
-            near = (x - even[i, 0]) ** 2 + (y - even[i, 1]) ** 2 <= 1.0
-            if near and costs[math.floor(y), math.floor(x)] < INSCRIBED:
-                points[i, 0], points[i, 1] = x, y
+            dx = points[i, 0] - even[i, 0] + _PULL * (points[i - 1, 0] + points[i + 1, 0] - 2.0 * points[i, 0])
+            dy = points[i, 1] - even[i, 1] + _PULL * (points[i - 1, 1] + points[i + 1, 1] - 2.0 * points[i, 1])
+            part = min(1.0 - _HOLD, 1.0 / max(math.hypot(dx, dy), 1e-9))  # at most a cell
+            points[i, 0], points[i, 1] = even[i, 0] + part * dx, even[i, 1] + part * dy
     undone = True
     while undone:
         undone = False

@@ -1,0 +1,190 @@
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from arena_core import INSCRIBED, LETHAL, ConfigurationError, Footprint, NoPath, OccupancyGrid, Path, Pose
+from arena_core.testing import component, robot, room
+from arena_navigation.astar import AstarPlanner
+from arena_navigation.inflation import InflatedCosts, Inflation
+
+BODY = robot()
+RADIUS = BODY.footprint.inscribed_radius
+
+
+def planner(**changes: Any) -> AstarPlanner:
+    parameters = {
+        "inflation_radius": 0.8,
+        "cost_scaling_factor": 3.0,
+        "neutral_cost": 50.0,
+        "cost_factor": 0.8,
+        "allow_unknown": False,
+        "tolerance": 0.25,
+        "spacing": 0.1,
+        "smoothing_rounds": 20,
+    }
+    return AstarPlanner(BODY, **(parameters | changes))
+
+
+def walled_room(theta: float = 0.0) -> OccupancyGrid:
+    """The 10 m room with a wall across its middle that has a door at its upper end."""
+    data = room().data.copy()
+    data[:160, 99:101] = 100
+    return OccupancyGrid(data, 0.05, Pose(-5.0, -5.0, theta))
+
+
+def cluttered(seed: int) -> OccupancyGrid:
+    data = room().data.copy()
+    for row, column in np.random.default_rng(seed).integers(0, 190, (40, 2)):
+        data[row : row + 10, column : column + 10] = 100
+    return OccupancyGrid(data, 0.05, Pose(-5.0, -5.0, 0.3))
+
+
+def costs_along(grid: OccupancyGrid, path: Path, inflation_radius: float = 0.8) -> list[int]:
+    costs = grid.derive(InflatedCosts(Inflation(RADIUS, inflation_radius, 3.0), False))
+    between = np.linspace(path.poses[:-1, :2], path.poses[1:, :2], 20).reshape(-1, 2)
+    cells = grid.cells(between)
+    return [int(c) for c in costs[cells[:, 0], cells[:, 1]]]
+
+
+@settings(derandomize=True, deadline=None, max_examples=40)
+@given(st.integers(0, 10**6))
+def test_paths_join_start_and_goal_without_touching_anything(seed: int) -> None:
+    grid = cluttered(seed)
+    free = np.argwhere(grid.derive(InflatedCosts(Inflation(RADIUS, 0.8, 3.0), False)) < INSCRIBED)
+    random = np.random.default_rng(seed)
+    start, goal = (Pose(*grid.positions(free[random.integers(len(free))]), 0.0) for _ in range(2))
+    start = replace(start, x=start.x + 0.01)
+    try:
+        path = planner().plan(grid, start, goal)
+    except NoPath:
+        return
+    assert path.poses[0, :2] == pytest.approx((start.x, start.y))
+    assert path.poses[-1, :2] == pytest.approx((goal.x, goal.y))
+    assert max(costs_along(grid, path)) < INSCRIBED
+
+
+def test_headings_point_along_the_path_and_are_not_those_of_the_grid() -> None:
+    path = planner().plan(room(), Pose(-4.0, -4.0, 1.0), Pose(4.0, -1.3))
+    steps = np.diff(path.poses[:, :2], axis=0)
+    assert path.poses[:-1, 2] == pytest.approx(np.arctan2(steps[:, 1], steps[:, 0]))
+    assert path.poses[-1, 2] == path.poses[-2, 2]
+    assert path.poses[:, 2] == pytest.approx(math.atan2(2.7, 8.0), abs=0.02)
+    assert path.length == pytest.approx(math.hypot(8.0, 2.7), rel=1e-3)
+
+
+def test_poses_are_evenly_spaced() -> None:
+    path = planner().plan(walled_room(), Pose(-3.0, -3.0), Pose(3.0, -3.0))
+    gaps = np.hypot(*np.diff(path.poses[:, :2], axis=0).T)
+    assert gaps.max() < 0.13
+    assert np.median(gaps) == pytest.approx(0.1, abs=0.02)
+
+
+def test_a_rotated_map_gives_the_rotated_path() -> None:
+    upright = planner().plan(walled_room(), Pose(-3.0, -3.0), Pose(3.0, -3.0)).poses
+    turned_grid = walled_room(0.5)
+    turn = Pose(-5.0, -5.0, 0.5)
+    ends = [turn.compose(Pose(x + 5.0, -3.0 + 5.0)) for x in (-3.0, 3.0)]
+    turned = planner().plan(turned_grid, *ends).poses
+    back = np.array([turn.relative(Pose(x, y, h)).array() for x, y, h in turned]) + (-5.0, -5.0, 0.0)
+    assert back == pytest.approx(upright, abs=1e-6)
+
+
+def test_the_door_is_passed_in_its_middle_rather_than_along_its_edge() -> None:
+    path = planner().plan(walled_room(), Pose(-3.0, 2.0), Pose(3.0, 2.0))
+    door = path.poses[np.abs(path.poses[:, 0]).argmin(), 1]
+    assert 3.6 < door < 4.4  # the door reaches from 3.0 to 4.95
+
+
+def test_a_start_too_near_a_wall_moves_out_first() -> None:
+    start = Pose(-4.85, 0.0)  # the wall's surface is 0.1 m away, the robot's radius 0.2 m
+    path = planner().plan(room(), start, Pose(4.0, 1.0))
+    costs = costs_along(room(), path)
+    assert costs[0] == INSCRIBED
+    assert max(costs) == INSCRIBED
+    assert (path.poses[0, 0], path.poses[0, 1]) == pytest.approx((-4.85, 0.0))
+    assert (room().derive(InflatedCosts(Inflation(RADIUS, 0.8, 3.0), False)) == LETHAL).any()
+    assert sum(np.array(costs) == INSCRIBED) * 0.1 / 20 < 0.35
+
+
+@pytest.mark.parametrize(
+    ("start", "goal", "message"),
+    [
+        (Pose(-4.99, 0.0), Pose(0.0, 0.0), r"the start \(-4.99, 0.00\) lies in an occupied or unknown cell; a free one is needed"),
+        (Pose(0.0, 0.0), Pose(-4.99, 0.0), r"the goal \(-4.99, 0.00\) is blocked, no way leads within 0.1 m of it"),
+        (Pose(0.0, 0.0), Pose(7.0, 0.0), r"the goal \(7.00, 0.00\) lies outside the map of 200 x 200 cells"),
+        (Pose(-9.0, 0.0), Pose(0.0, 0.0), r"the start \(-9.00, 0.00\) lies outside the map"),
+    ],
+)
+def test_an_impossible_query_is_refused_with_its_reason(start: Pose, goal: Pose, message: str) -> None:
+    with pytest.raises(NoPath, match=message) as refusal:
+        planner(tolerance=0.1).plan(room(), start, goal)
+    assert "\n" not in str(refusal.value)
+
+
+def test_a_closed_door_is_no_path() -> None:
+    data = walled_room().data.copy()
+    data[160:180, 99] = 100
+    grid = OccupancyGrid(data, 0.05, Pose(-5.0, -5.0))
+    assert planner().plan(grid, Pose(-3.0, 0.0), Pose(3.0, 0.0)).length > 6.0
+    data[180:192, 99] = 100  # what is left is narrower than the robot
+    with pytest.raises(NoPath, match=r"no way leads from \(-3.00, 0.00\) to \(3.00, 0.00\) \(inscribed radius 0.200 m\)"):
+        planner().plan(OccupancyGrid(data, 0.05, Pose(-5.0, -5.0)), Pose(-3.0, 0.0), Pose(3.0, 0.0))
+
+
+def test_a_blocked_goal_is_replaced_within_the_tolerance_only() -> None:
+    goal = Pose(4.85, 0.0)
+    end = planner(tolerance=0.25).plan(room(), Pose(0.0, 0.0), goal).poses[-1]
+    assert 0.0 < math.hypot(end[0] - goal.x, end[1] - goal.y) <= 0.25
+    with pytest.raises(NoPath):
+        planner(tolerance=0.05).plan(room(), Pose(0.0, 0.0), goal)
+
+
+def test_a_goal_cell_that_is_shut_in_gives_way_to_one_beside_it() -> None:
+    data = room().data.copy()
+    data[100:103, 100:103] = 100
+    data[101, 101] = 0
+    grid = OccupancyGrid(data, 0.05, Pose(-5.0, -5.0))
+    goal = Pose(0.075, 0.075)
+    path = planner(inflation_radius=0.0).plan(grid, Pose(-2.0, 0.0), goal)
+    assert 0.0 < math.hypot(path.poses[-1, 0] - goal.x, path.poses[-1, 1] - goal.y) <= 0.25
+
+
+def test_unknown_cells_are_crossed_only_if_allowed() -> None:
+    data = room().data.copy()
+    data[:, 95:105] = -1
+    grid = OccupancyGrid(data, 0.05, Pose(-5.0, -5.0))
+    with pytest.raises(NoPath):
+        planner().plan(grid, Pose(-3.0, 0.0), Pose(3.0, 0.0))
+    assert planner(allow_unknown=True).plan(grid, Pose(-3.0, 0.0), Pose(3.0, 0.0)).length == pytest.approx(6.0, abs=0.01)
+
+
+def test_a_path_within_one_cell_has_two_poses() -> None:
+    path = planner().plan(room(), Pose(0.01, 0.01), Pose(0.04, 0.03))
+    assert path.poses[:, :2] == pytest.approx(np.array(((0.01, 0.01), (0.04, 0.03))))
+    assert planner().plan(room(), Pose(0.01, 0.01), Pose(0.01, 0.01)).poses.shape == (2, 3)
+
+
+def test_what_was_planned_before_does_not_matter() -> None:
+    used, grid, goal = planner(), walled_room(), Pose(3.0, -3.0)
+    for start in (Pose(-3.0, -3.0), Pose(-1.0, 4.0), Pose(-4.0, 0.0), Pose(4.0, 4.0)):
+        again = used.plan(grid, start, goal).poses
+        assert (again == planner().plan(grid, start, goal).poses).all()
+    other = Pose(-3.0, 3.0)
+    assert (used.plan(grid, goal, other).poses == planner().plan(grid, goal, other).poses).all()
+    assert (used.plan(room(), goal, other).poses == planner().plan(room(), goal, other).poses).all()
+
+
+def test_the_longer_robot_needs_its_inscribed_radius() -> None:
+    body = replace(BODY, footprint=Footprint.polygon(((0.4, 0.1), (-0.4, 0.1), (-0.4, -0.1), (0.4, -0.1))))
+    with pytest.raises(ConfigurationError, match="0.100"):
+        AstarPlanner(body, 0.05, 3.0, 50.0, 0.8, False, 0.25, 0.1, 20)
+    assert AstarPlanner(body, 0.1, 3.0, 50.0, 0.8, False, 0.25, 0.1, 20).plan(room(), Pose(0.0, 0.0), Pose(1.0, 0.0)).length > 0.9
+
+
+def test_the_preset_builds_the_planner() -> None:
+    assert isinstance(component("global_planner", "astar", robot=BODY), AstarPlanner)
