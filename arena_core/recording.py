@@ -139,7 +139,7 @@ def _write_npz(file: IO[bytes], arrays: Mapping[str, NDArray[Any]]) -> None:
 
 def _read_npz(path: Path) -> dict[str, Any]:
     try:
-        with np.load(path, allow_pickle=False) as content:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as content:
             return {name: content[name] for name in content.files}
     except FileNotFoundError:
         raise InputFileError(f"{path}: no such file") from None
