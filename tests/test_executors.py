@@ -1,0 +1,96 @@
+import os
+import signal
+import time
+
+import pytest
+
+from arena_core import ConfigurationError, Job
+from arena_core.errors import RunStopped
+from arena_core.executors import ProcessExecutor, SerialExecutor
+from arena_core.registry import load_registry
+from arena_core.testing import check, robot
+from arena_core.testing.checks import echo
+
+JOBS = [Job({}, "", episode) for episode in range(5)]
+
+
+def numbers(executor, work=echo, jobs=JOBS):
+    return [row["episode"] for row in executor.map(work, jobs)]
+
+
+@pytest.mark.parametrize("executor", [SerialExecutor(), ProcessExecutor(2)])
+def test_keeps_the_contract_of_an_executor(executor):
+    assert check("executor", executor, robot())
+
+
+def test_serial_runs_in_order_and_only_what_is_asked_for():
+    begun = []
+
+    def work(job):
+        begun.append(job.episode)
+        return {"episode": job.episode}
+
+    rows = SerialExecutor().map(work, JOBS)
+    assert next(rows) == {"episode": 0}
+    assert begun == [0]
+
+
+def test_processes_give_the_rows_that_serial_gives():
+    assert sorted(numbers(ProcessExecutor(2))) == numbers(SerialExecutor())
+
+
+def test_a_single_job_needs_no_worker():
+    assert [row["pid"] for row in ProcessExecutor(8).map(lambda job: {"pid": os.getpid()}, JOBS[:1])] == [os.getpid()]
+
+
+def test_no_job_gives_no_row():
+    assert numbers(ProcessExecutor(2), jobs=[]) == []
+
+
+def test_without_a_number_there_is_one_worker_a_core():
+    assert ProcessExecutor(None).workers == os.cpu_count()
+
+
+@pytest.mark.parametrize("workers", [0, -1, 1.5, "many"])
+def test_an_impossible_number_of_workers_is_named(workers):
+    with pytest.raises(ConfigurationError, match=r"executor\.workers is .*; allowed: "):
+        load_registry().build("executor", {"name": "processes", "workers": workers})
+
+
+DYING = """
+    import os
+
+    def work(job):
+        if job.episode == 2:
+            os._exit(9)
+        return {"episode": job.episode}
+
+    def interrupt(job):
+        import signal, time
+        if job.episode == 1:
+            os.kill(os.getppid(), signal.SIGINT)
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(0.2)
+        return {"episode": job.episode}
+"""
+
+
+def test_a_worker_that_dies_stops_the_run_with_one_line(third_party):
+    third_party.write("dying.py", DYING)
+    import dying
+
+    with pytest.raises(RunStopped, match=r"a worker process died .*finished episodes are kept, resume=true continues"):
+        numbers(ProcessExecutor(2), dying.work)
+
+
+def test_ctrl_c_reaches_the_main_process_and_leaves_no_worker_behind(third_party):
+    third_party.write("dying.py", DYING)
+    import dying
+
+    def run():
+        numbers(ProcessExecutor(2), dying.interrupt)
+        time.sleep(5.0)  # the signal may come after the last row
+
+    with pytest.raises(KeyboardInterrupt):
+        run()
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler

@@ -1,0 +1,200 @@
+import errno
+import json
+import os
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import array_shapes, arrays
+
+from arena_core import EpisodeRecord, InputFileError, OccupancyGrid, Pose, RunFolderError, recording
+from arena_core.recording import Recorder, find_runs, read_record, write_grid, write_record, write_text_whole, write_whole
+from arena_core.testing import record, robot, room, scenario, sensors
+
+
+def files(folder):
+    return sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file())
+
+
+def test_a_record_is_read_back_as_it_was_written(tmp_path):
+    written = record(contact=True)
+    write_record(tmp_path, 7, written)
+    read = read_record(tmp_path / "records" / "0007.npz")
+    assert set(read.arrays) == set(written.arrays)
+    for name, array in written.arrays.items():
+        assert np.array_equal(read[name], array, equal_nan=array.dtype.kind == "f")
+        assert read[name].dtype == array.dtype
+    assert read.meta == json.loads(json.dumps(written.meta))
+    assert read.timing["planner_seconds"].tolist() == written.timing["planner_seconds"].tolist()
+
+
+@given(
+    floats=arrays(np.float64, array_shapes(max_dims=2, max_side=5)),
+    text=st.text(max_size=20),
+)
+def test_any_array_and_any_text_survive(tmp_path_factory, floats, text):
+    folder = tmp_path_factory.mktemp("run")
+    write_record(folder, 0, EpisodeRecord({"x": floats}, {"format": recording.FORMAT, "text": text}))
+    read = read_record(folder / "records" / "0000.npz")
+    assert np.array_equal(read["x"], floats, equal_nan=True)
+    assert read.meta["text"] == text
+
+
+def test_every_step_has_its_row_and_the_last_row_is_the_final_state():
+    steps = record(steps=31)
+    rows = {name: len(array) for name, array in steps.arrays.items() if not name.startswith(("contact_", "path_", "pedestrian_"))}
+    assert set(rows.values()) == {31}
+    assert len(steps["pedestrian_positions"]) == 31
+    assert steps["stamp"][-1] == pytest.approx(3.0)
+    assert np.isnan(steps["command"][-1]).all()
+
+
+def test_contacts_paths_and_events_are_kept(tmp_path):
+    steps = record(contact=True)
+    assert (steps["contact_stamp"].tolist(), steps["contact_kind"].tolist(), steps["contact_person"].tolist()) == ([1.5], [2], [1])
+    assert steps["path_offsets"].tolist() == [0, len(steps["path_poses"])]
+    assert steps["path_stamps"].tolist() == [0.0]
+    assert steps.meta["events"] == [{"stamp": 0.0, "kind": "replan", "detail": "start"}]
+
+
+def test_scans_are_kept_only_when_asked_for():
+    decision = recording.Decision(None, None, None, None, False, (), 0.0)
+    view = sensors(Pose(0.0, 0.0), robot())
+    for keep in (False, True):
+        recorder = Recorder(scenario(), robot(), {}, keep_scans=keep)
+        recorder.add(None, view, decision)
+        assert len(recorder._scans) == keep
+
+
+def test_the_same_record_is_written_as_the_same_bytes(tmp_path):
+    for folder in ("one", "other"):
+        write_record(tmp_path / folder, 0, record())
+    one, other = ((tmp_path / folder / "records" / "0000.npz").read_bytes() for folder in ("one", "other"))
+    assert one == other
+
+
+def test_wall_times_are_in_a_file_of_their_own(tmp_path):
+    write_record(tmp_path, 0, record())
+    assert files(tmp_path) == ["records/0000.npz", "timing/0000.npz"]
+    (tmp_path / "timing" / "0000.npz").unlink()
+    assert read_record(tmp_path / "records" / "0000.npz").timing == {}
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        (b"", "damaged"),
+        (b"no npz at all", "damaged"),
+        (b"PK\x03\x04 cut off", "damaged"),
+        (None, "no such file"),
+    ],
+)
+def test_a_damaged_record_is_named(tmp_path, content, reason):
+    path = tmp_path / "0000.npz"
+    if content is not None:
+        path.write_bytes(content)
+    with pytest.raises(InputFileError, match=f"{path}: {reason}"):
+        read_record(path)
+
+
+def test_a_record_that_was_cut_off_is_damaged(tmp_path):
+    write_record(tmp_path, 0, record())
+    path = tmp_path / "records" / "0000.npz"
+    path.write_bytes(path.read_bytes()[:-1000])
+    with pytest.raises(InputFileError, match="damaged"):
+        read_record(path)
+
+
+def test_arrays_without_meta_are_no_record(tmp_path):
+    np.savez(tmp_path / "0000.npz", x=np.zeros(3))
+    with pytest.raises(InputFileError, match="no record"):
+        read_record(tmp_path / "0000.npz")
+
+
+def test_a_record_of_another_format_says_which_is_allowed(tmp_path):
+    sample = record()
+    write_record(tmp_path, 0, replace(sample, meta={**sample.meta, "format": 99}))
+    with pytest.raises(InputFileError, match=f"format is 99; allowed: {recording.FORMAT}"):
+        read_record(tmp_path / "records" / "0000.npz")
+
+
+def test_pickles_are_never_loaded(tmp_path):
+    np.savez(tmp_path / "0000.npz", meta=np.array([{"format": 1}], dtype=object))
+    with pytest.raises(InputFileError, match="damaged"):
+        read_record(tmp_path / "0000.npz")
+
+
+def fail(number):
+    def write(file):
+        file.write(b"half")
+        raise OSError(number, os.strerror(number))
+
+    return write
+
+
+def test_a_full_disk_leaves_the_old_file_and_no_half_written_one(tmp_path):
+    write_text_whole(tmp_path / "a.txt", "old")
+    with pytest.raises(RunFolderError, match=r"cannot write .*a\.txt: No space left on device"):
+        write_whole(tmp_path / "a.txt", fail(errno.ENOSPC))
+    assert files(tmp_path) == ["a.txt"]
+    assert (tmp_path / "a.txt").read_text() == "old"
+
+
+def test_a_rename_that_fails_leaves_no_half_written_file(tmp_path, monkeypatch):
+    def no_rename(source, target):
+        raise OSError(errno.EROFS, os.strerror(errno.EROFS))
+
+    monkeypatch.setattr(os, "replace", no_rename)
+    with pytest.raises(RunFolderError, match="Read-only file system"):
+        write_text_whole(tmp_path / "a.txt", "new")
+    assert files(tmp_path) == []
+
+
+def test_ctrl_c_while_writing_leaves_no_half_written_file(tmp_path):
+    def interrupted(file):
+        file.write(b"half")
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        write_whole(tmp_path / "a.txt", interrupted)
+    assert files(tmp_path) == []
+
+
+def test_a_folder_below_a_file_cannot_be_written_to(tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(RunFolderError, match=r"cannot write .*file/run/a\.txt: Not a directory"):
+        write_text_whole(tmp_path / "file" / "run" / "a.txt", "text")
+
+
+def test_a_written_file_can_be_read_by_everyone(tmp_path):
+    write_text_whole(tmp_path / "a.txt", "ä")
+    assert (tmp_path / "a.txt").stat().st_mode & 0o777 == 0o644
+    assert (tmp_path / "a.txt").read_bytes() == "ä".encode()
+
+
+def test_a_map_is_written_once_and_other_maps_beside_it(tmp_path):
+    name = write_grid(tmp_path, room())
+    before = (tmp_path / name).stat().st_mtime_ns
+    assert write_grid(tmp_path, room()) == name
+    assert (tmp_path / name).stat().st_mtime_ns == before
+    moved = OccupancyGrid(room().data, room().resolution, Pose(1.0, 0.0))
+    assert write_grid(tmp_path, moved) != name
+    with np.load(tmp_path / name) as content:
+        assert (content["data"] == room().data).all()
+        assert float(content["resolution"]) == room().resolution
+        assert content["origin"].tolist() == [-5.0, -5.0, 0.0]
+
+
+def test_runs_are_found_at_and_below_a_folder(tmp_path):
+    for name in ("b", "a/0", "a/1"):
+        write_text_whole(tmp_path / name / "episodes.csv", "")
+    assert [str(path.relative_to(tmp_path)) for path in find_runs(tmp_path)] == ["a/0", "a/1", "b"]
+    assert find_runs(tmp_path / "b") == [tmp_path / "b"]
+
+
+@pytest.mark.parametrize("name", ["", "nowhere"])
+def test_a_folder_without_a_run_says_what_is_allowed(tmp_path, name):
+    with pytest.raises(InputFileError, match="allowed: a folder that `arena run` wrote, or one above it"):
+        find_runs(tmp_path / name)
