@@ -5,8 +5,9 @@ from arena_core import Register, hookimpl
 
 @hookimpl
 def register_task_modes(register: Register) -> None:
-    """Offer random problems."""
+    """Offer random problems, and problems from a file."""
     register("random", "arena_tasks.random_task:RandomTask")
+    register("scenario", "arena_tasks.scenario_task:ScenarioTask")
 
 
 @hookimpl

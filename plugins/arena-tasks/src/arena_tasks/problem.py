@@ -1,0 +1,38 @@
+"""A problem as a scenario file states it, before it meets a world."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from arena_core import Obstacle, PedestrianSpec, Pose
+
+
+@dataclass(frozen=True, slots=True)
+class PersonDefaults:
+    """What a person is where the file does not say: ``speed`` m/s, ``radius`` m."""
+
+    speed: float
+    radius: float
+
+
+@dataclass(frozen=True, slots=True)
+class Keys:
+    """Where in the file the parts of a problem stand, for errors: '{file}: {key}'."""
+
+    start: str
+    goal: str
+    people: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Problem:
+    """Start, goal, people and obstacles in ``map``; ``goal_radius`` (m) or ``time_limit`` (s) is None where the task decides."""
+
+    name: str
+    start: Pose
+    goal: Pose
+    pedestrians: tuple[PedestrianSpec, ...]
+    obstacles: tuple[Obstacle, ...]
+    goal_radius: float | None
+    time_limit: float | None
+    keys: Keys

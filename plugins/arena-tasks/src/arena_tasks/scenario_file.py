@@ -1,0 +1,141 @@
+"""Scenario files: our own JSON format (docs/scenarios.md), read and written, and which format a file has."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+
+from arena_core import InputFileError, Obstacle, PedestrianSpec, Pose, RunFolderError, Scenario
+from arena_tasks.arena_tools import is_arena_tools, read_arena_tools
+from arena_tasks.json_fields import Field, read_json
+from arena_tasks.problem import Keys, PersonDefaults, Problem
+
+FORMAT, VERSION = "arena-scenario", 1
+
+
+def read_scenarios(path: Path, defaults: PersonDefaults) -> tuple[Problem, ...]:
+    """Read all problems of a file in our format or that of arena-tools; raise InputFileError with file and key."""
+    root = read_json(path)
+    if root.has("format") and root["format"].value == FORMAT:
+        return _read_ours(root, defaults)
+    if is_arena_tools(root):
+        return (read_arena_tools(root, defaults),)
+    raise InputFileError(
+        f"{path}: has neither format: {FORMAT} nor pedsim_agents; allowed: a file as in docs/scenarios.md, or one of arena-tools"
+    )
+
+
+def save_scenarios(path: Path, scenarios: Sequence[Scenario]) -> None:
+    """Write scenarios in our format, beside the file first and then in its place; their worlds are not written."""
+    content = {"format": FORMAT, "version": VERSION, "scenarios": [_written(scenario) for scenario in scenarios]}
+    beside = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        beside.write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", "utf-8")
+        beside.replace(path)
+    except OSError as error:
+        beside.unlink(missing_ok=True)
+        raise RunFolderError(f"{path}: cannot be written ({error.strerror})") from None
+
+
+def _read_ours(root: Field, defaults: PersonDefaults) -> tuple[Problem, ...]:
+    root.only("format", "version", "scenarios")
+    if root["version"].value != VERSION:
+        raise root["version"].refused(f"{VERSION}")
+    problems = tuple(_problem(field, defaults) for field in root["scenarios"].items())
+    names = [problem.name for problem in problems]
+    for number, name in enumerate(names):
+        if name in names[:number]:
+            raise root["scenarios"].items()[number]["name"].refused("names that differ from each other")
+    if not problems:
+        raise root["scenarios"].refused("at least one scenario")
+    return problems
+
+
+def _problem(field: Field, defaults: PersonDefaults) -> Problem:
+    field.only("name", "start", "goal", "pedestrians", "obstacles", "goal_radius", "time_limit")
+    people = field["pedestrians"].items() if field.has("pedestrians") else []
+    obstacles = field["obstacles"].items() if field.has("obstacles") else []
+    return Problem(
+        name=field["name"].text(),
+        start=_pose(field["start"]),
+        goal=_pose(field["goal"]),
+        pedestrians=tuple(_person(number, person, defaults) for number, person in enumerate(people)),
+        obstacles=tuple(_obstacle(obstacle) for obstacle in obstacles),
+        goal_radius=field["goal_radius"].number(above=0.0) if field.has("goal_radius") else None,
+        time_limit=field["time_limit"].number(above=0.0) if field.has("time_limit") else None,
+        keys=Keys(field["start"].key, field["goal"].key, tuple(person.key for person in people)),
+    )
+
+
+def _pose(field: Field) -> Pose:
+    match field.items():
+        case [x, y]:
+            return Pose(x.coordinate(), y.coordinate())
+        case [x, y, theta]:
+            return Pose(x.coordinate(), y.coordinate(), theta.number())
+    raise field.refused("[x, y] or [x, y, theta] (m, m, rad)")
+
+
+def _person(number: int, field: Field, defaults: PersonDefaults) -> PedestrianSpec:
+    field.only("position", "waypoints", "max_speed", "radius", "behaviour")
+    return PedestrianSpec(
+        id=number,
+        position_xy=field["position"].position(),
+        waypoints_xy=field["waypoints"].positions() if field.has("waypoints") else np.empty((0, 2)),
+        max_speed=field["max_speed"].number(above=0.0) if field.has("max_speed") else defaults.speed,
+        radius=field["radius"].number(above=0.0) if field.has("radius") else defaults.radius,
+        behaviour={name: _behaviour(value) for name, value in field["behaviour"].entries()} if field.has("behaviour") else {},
+    )
+
+
+def _behaviour(field: Field) -> float | str:
+    return field.value if isinstance(field.value, str) else field.number()
+
+
+def _obstacle(field: Field) -> Obstacle:
+    if field.has("center"):
+        field.only("center", "radius")
+        return Obstacle(field["center"].position()[None], field["radius"].number(above=0.0))
+    field.only("vertices")
+    vertices = field["vertices"].positions()
+    if len(vertices) < 3:
+        raise field["vertices"].refused("three or more [x, y] (m)")
+    polygon = shapely.Polygon(vertices)
+    if not polygon.is_valid or polygon.area == 0.0:
+        raise InputFileError(
+            f"{field.file}: {field.key}.vertices: {shapely.is_valid_reason(polygon)}; allowed: a simple polygon with an area"
+        )
+    return Obstacle(vertices)
+
+
+def _written(scenario: Scenario) -> dict[str, Any]:
+    return {
+        "name": scenario.name,
+        "start": scenario.start.array().tolist(),
+        "goal": scenario.goal.array().tolist(),
+        "goal_radius": scenario.goal_radius,
+        "time_limit": scenario.time_limit,
+        "pedestrians": [
+            {
+                "position": person.position_xy.tolist(),
+                "waypoints": person.waypoints_xy.tolist(),
+                "max_speed": person.max_speed,
+                "radius": person.radius,
+                "behaviour": person.behaviour,
+            }
+            for person in scenario.pedestrians
+        ],
+        "obstacles": [_written_obstacle(obstacle) for obstacle in scenario.obstacles],
+    }
+
+
+def _written_obstacle(obstacle: Obstacle) -> dict[str, Any]:
+    if obstacle.radius > 0.0:
+        return {"center": obstacle.vertices_xy[0].tolist(), "radius": obstacle.radius}
+    return {"vertices": obstacle.vertices_xy.tolist()}

@@ -1,0 +1,136 @@
+"""The format of arena-tools is read as its authors meant it, and what cannot be kept is refused."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from arena_core import InputFileError, Pose, WorldSource
+from arena_core.testing import component
+from arena_tasks.problem import PersonDefaults
+from arena_tasks.scenario_file import read_scenarios, save_scenarios
+from arena_tasks.scenario_task import ScenarioTask
+
+DATA = Path(__file__).parents[3].parent / "shared" / "data"
+needs_data = pytest.mark.skipif(not DATA.is_dir(), reason="the collection of public maps and scenarios is not at ../shared/data")
+DEFAULTS = PersonDefaults(0.5, 0.3)
+AGENT: dict[str, Any] = {
+    "name": "1",
+    "id": 0,
+    "pos": [1.0, 2.0],
+    "type": "adult",
+    "yaml_file": "/somewhere/person.yaml",
+    "number_of_peds": 1,
+    "vmax": 0.2,
+    "force_factor_social": 5,
+    "waypoints": [[3.0, 2.0], [1.0, 2.0]],
+    "waypoint_mode": 0,
+}
+GOOD: dict[str, Any] = {
+    "pedsim_agents": [AGENT],
+    "static_obstacles": [],
+    "robot_position": [0.0, 0.0],
+    "robot_goal": [4.0, 0.0],
+    "resets": 30,
+    "map_path": "/somewhere/map.yaml",
+    "format": "arena-tools",
+}
+REAL = [("small_warehouse_obs05", "small_warehouse/map.yaml", 5), ("map5_obs05", "map5/map.yaml", 5)]
+
+
+def write(folder: Path, content: object) -> Path:
+    path = folder / "site.json"
+    path.write_text(json.dumps(content))
+    return path
+
+
+def test_every_used_key_is_read(tmp_path: Path) -> None:
+    (problem,) = read_scenarios(write(tmp_path, GOOD), DEFAULTS)
+    assert (problem.name, problem.start, problem.goal) == ("site", Pose(0.0, 0.0), Pose(4.0, 0.0))
+    (person,) = problem.pedestrians
+    assert (person.id, person.max_speed, person.radius) == (0, 0.2, 0.3)
+    assert person.position_xy.tolist() == [1.0, 2.0]
+    assert person.waypoints_xy.tolist() == [[3.0, 2.0], [1.0, 2.0]]
+    assert person.behaviour == {"type": "adult", "force_factor_social": 5}
+
+
+def test_it_is_recognised_by_its_content_when_it_says_no_format(tmp_path: Path) -> None:
+    assert len(read_scenarios(write(tmp_path, {k: v for k, v in GOOD.items() if k != "format"}), DEFAULTS)) == 1
+
+
+def test_a_group_stands_close_together_without_touching(tmp_path: Path) -> None:
+    agents = [{**AGENT, "number_of_peds": 12}, AGENT]
+    (problem,) = read_scenarios(write(tmp_path, {**GOOD, "pedsim_agents": agents}), DEFAULTS)
+    positions = np.array([p.position_xy for p in problem.pedestrians[:12]])
+    gaps = np.hypot(*(positions[:, None] - positions).transpose(2, 0, 1))[np.triu_indices(12, 1)]
+    assert gaps.min() >= 0.6
+    assert gaps.max() < 6.0
+    assert positions[0].tolist() == [1.0, 2.0]
+    assert [p.id for p in problem.pedestrians] == list(range(13))
+    assert problem.keys.people == ("pedsim_agents[0]",) * 12 + ("pedsim_agents[1]",)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ({**GOOD, "static_obstacles": [{"name": "shelf"}]}, r"static_obstacles is .*; allowed: an empty list.*docs/scenarios\.md"),
+        ({**GOOD, "robot_goal": [1]}, r"robot_goal is \[1\]; allowed: \[x, y\]"),
+        ({k: v for k, v in GOOD.items() if k != "robot_position"}, "robot_position is missing"),
+        ({**GOOD, "pedsim_agents": [{**AGENT, "waypoint_mode": 1}]}, r"pedsim_agents\[0\]\.waypoint_mode is 1; allowed: 0 \(in a loop\)"),
+        (
+            {**GOOD, "pedsim_agents": [{**AGENT, "number_of_peds": 0}]},
+            r"pedsim_agents\[0\]\.number_of_peds is 0; allowed: a whole number 1 \.\. 10000",
+        ),
+        ({**GOOD, "pedsim_agents": [{**AGENT, "vmax": 0}]}, r"pedsim_agents\[0\]\.vmax is 0; allowed: a number > 0"),
+        ({**GOOD, "pedsim_agents": {}}, r"pedsim_agents is \{\}; allowed: a list"),
+    ],
+)
+def test_what_cannot_be_kept_is_refused(tmp_path: Path, content: object, message: str) -> None:
+    with pytest.raises(InputFileError, match=rf"site\.json: {message}"):
+        read_scenarios(write(tmp_path, content), DEFAULTS)
+
+
+def world(name: str) -> WorldSource:
+    return component("world", "ros_map", [f"world.path={DATA / 'maps' / 'arena_bench' / name}"])  # type: ignore[no-any-return]
+
+
+@needs_data
+@pytest.mark.parametrize(("name", "map_name", "count"), REAL)
+def test_published_scenario_lies_in_free_cells_of_its_map(name: str, map_name: str, count: int) -> None:
+    (problem,) = read_scenarios(DATA / "scenarios" / f"{name}.json", DEFAULTS)
+    assert len(problem.pedestrians) == count
+    grid = world(map_name).world(0, 0).grid
+    ends = np.array([(problem.start.x, problem.start.y), (problem.goal.x, problem.goal.y)])
+    places = np.vstack((ends, *(np.vstack((person.position_xy, person.waypoints_xy)) for person in problem.pedestrians)))
+    assert len(places) >= 2 + 3 * count
+    assert (grid.data[tuple(grid.cells(places).T)] == 0).all()
+
+
+@needs_data
+@pytest.mark.parametrize("robot", ["turtlebot3", "jackal", "robotino", "jackal_ackermann"])
+@pytest.mark.parametrize(("name", "map_name", "count"), REAL)
+def test_published_scenario_can_be_run_by_every_robot(name: str, map_name: str, count: int, robot: str) -> None:
+    body = component("robot", robot)
+    task = ScenarioTask(body, world(map_name), str(DATA / "scenarios" / f"{name}.json"), 0.3, 0.3, 0.3, 180.0)
+    assert len(task.scenario(0, 0).pedestrians) == count
+
+
+@needs_data
+def test_published_scenario_survives_our_own_format(tmp_path: Path) -> None:
+    source = DATA / "scenarios" / "small_warehouse_obs05.json"
+    task = ScenarioTask(component("robot", "jackal"), world("small_warehouse/map.yaml"), str(source), 0.3, 0.3, 0.3, 180.0)
+    scenario = task.scenario(0, 0)
+    save_scenarios(tmp_path / "ours.json", [scenario])
+    (again,) = read_scenarios(tmp_path / "ours.json", DEFAULTS)
+    assert (again.start, again.goal, again.time_limit) == (Pose(-3.71, 9.21), Pose(1.73, -9.57), 180.0)
+    assert [p.waypoints_xy.tolist() for p in again.pedestrians] == [p.waypoints_xy.tolist() for p in scenario.pedestrians]
+    assert [p.behaviour for p in again.pedestrians] == [p.behaviour for p in scenario.pedestrians]
+
+
+@needs_data
+def test_example_of_arena_tools_is_read() -> None:
+    (problem,) = read_scenarios(DATA / "scenarios/arena_rosnav_configs/examples/example_scenario.json", DEFAULTS)
+    assert [p.max_speed for p in problem.pedestrians] == [1.0, 1.0]
+    assert problem.pedestrians[0].behaviour["type"] == "vehicle"
