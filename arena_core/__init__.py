@@ -1,5 +1,6 @@
 """The public core of the arena suite: values, interfaces and hook specifications for plugins and notebooks."""
 
+from arena_core.benchmark import build_metrics
 from arena_core.episode import (
     Contact,
     EpisodeRecord,
@@ -50,6 +51,8 @@ from arena_core.interfaces import (
     WorldSource,
 )
 from arena_core.parameters import Bounds, Fraction, NonNegative, NonNegativeInt, Positive, PositiveInt
+from arena_core.recording import find_runs, read_record
+from arena_core.registry import load_registry
 from arena_core.robot import Lidar, OdometryModel, Robot, VelocityLimits, make_robot
 from arena_core.sensing import NO_TRACKS, LaserScan, Observation, Odometry, PoseEstimate, Sensors, Tracks
 from arena_core.streams import generator, stream_key
@@ -147,9 +150,13 @@ __all__ = [
     "World",
     "WorldSource",
     "WorldState",
+    "build_metrics",
+    "find_runs",
     "generator",
     "hookimpl",
+    "load_registry",
     "make_robot",
+    "read_record",
     "stream_key",
     "wrap_angle",
 ]
