@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any, Protocol
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from arena_kernels.compiled import compiled
 
 
 class Grid(Protocol):
@@ -37,7 +38,7 @@ def grid_distance(grid: Grid) -> NDArray[np.float32]:
     return distance_field(grid.occupied, grid.resolution)
 
 
-@njit(cache=True)
+@compiled
 def _transform(cells: NDArray[np.uint8], resolution: float, field: NDArray[np.float32]) -> None:
     rows, columns = cells.shape
     none = rows + columns  # farther than any cell of the grid
@@ -48,7 +49,7 @@ def _transform(cells: NDArray[np.uint8], resolution: float, field: NDArray[np.fl
         _lower_envelope(along[row], none, sites, starts, resolution, field[row])
 
 
-@njit(cache=True)
+@compiled
 def _distance_along_columns(cells: NDArray[np.uint8], none: int) -> NDArray[np.int32]:
     """Return how many rows away the nearest blocked cell of the same column is, ``none`` when there is no such cell."""
     rows, columns = cells.shape
@@ -64,7 +65,7 @@ def _distance_along_columns(cells: NDArray[np.uint8], none: int) -> NDArray[np.i
     return away
 
 
-@njit(cache=True)
+@compiled
 def _lower_envelope(
     heights: NDArray[np.int32],
     none: int,

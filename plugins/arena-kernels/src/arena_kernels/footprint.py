@@ -1,18 +1,19 @@
 """Exact gaps between a body and cells, discs, segments and polygons.
 
-A body is the convex hull of ``hull`` (V, 2), in ``map``, counter-clockwise, grown by ``rounding`` m: one point with a rounding is a
-disc, three or more points without are a polygon. A gap is ``(gap, nx, ny, px, py)``: the distance in m (negative: how deep the two
-overlap), the unit normal from the body to the other, and the other's nearest point. ``NOTHING`` stands for nothing in reach.
+A gap is ``(gap, nx, ny, px, py)``: the distance in m (negative: how deep the two overlap), the unit normal from the body to the
+other, and the other's nearest point, in ``map``. ``NOTHING`` stands for nothing in reach. No kernel here allocates memory: what
+cannot raise is compiled without reference counting.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from arena_kernels.compiled import borrowing
 from arena_kernels.grids import GridStack, to_grid
 from arena_kernels.scalars import Integer
 
@@ -22,86 +23,101 @@ Points = NDArray[np.float64]
 NOTHING: Gap = (math.inf, 0.0, 0.0, math.inf, math.inf)
 
 
-@njit(cache=True)
-def place(vertices: Points, x: float, y: float, theta: float, hull: Points) -> None:
-    """Write the vertices (V, 2) of a body at a pose into ``hull``; a disc has no vertices, its hull is the one point (x, y)."""
-    if len(vertices) == 0:
-        hull[0, 0], hull[0, 1] = x, y
+class Body(NamedTuple):
+    """A disc or a convex polygon at a pose: the convex hull of ``hull`` (V, 2), counter-clockwise in ``map``, grown by ``rounding`` m.
+
+    One point with a rounding is a disc; three or more points without are a polygon. ``vertices`` (V, 2) are the polygon's in its own
+    frame, none for a disc. ``pose`` (3,) is where the body is, ``radius`` that of a disc around it. ``scratch`` (V + 4, 2) is the
+    kernels' own.
+    """
+
+    vertices: Points
+    rounding: float
+    radius: float
+    pose: NDArray[np.float64]
+    hull: Points
+    scratch: Points
+
+
+def make_body(vertices_xy: Points, radius: float) -> Body:
+    """Return a body at the origin: a disc of ``radius``, or the convex polygon ``vertices_xy`` (V, 2), counter-clockwise, inside it."""
+    vertices = np.array(vertices_xy, np.float64, order="C").reshape(-1, 2)
+    points = max(len(vertices), 1)
+    rounding = 0.0 if len(vertices) else float(radius)
+    body = Body(vertices, rounding, float(radius), np.zeros(3), np.zeros((points, 2)), np.zeros((points + 4, 2)))
+    place(body, 0.0, 0.0, 0.0)
+    return body
+
+
+@borrowing
+def disc_like(body: Body, radius: float) -> Body:
+    """Return a disc of ``radius`` that uses the arrays of another disc."""
+    return Body(body.vertices, radius, radius, body.pose, body.hull, body.scratch)
+
+
+@borrowing
+def place(body: Body, x: float, y: float, theta: float) -> None:
+    """Put a body at a pose."""
+    body.pose[0], body.pose[1], body.pose[2] = x, y, theta
+    if len(body.vertices) == 0:
+        body.hull[0, 0], body.hull[0, 1] = x, y
+        return
     c, s = math.cos(theta), math.sin(theta)
-    for i in range(len(vertices)):
-        hull[i, 0] = x + c * vertices[i, 0] - s * vertices[i, 1]
-        hull[i, 1] = y + s * vertices[i, 0] + c * vertices[i, 1]
+    for i in range(len(body.vertices)):
+        body.hull[i, 0] = x + c * body.vertices[i, 0] - s * body.vertices[i, 1]
+        body.hull[i, 1] = y + s * body.vertices[i, 0] + c * body.vertices[i, 1]
 
 
-@njit(cache=True)
-def gap_to_disc(hull: Points, rounding: float, x: float, y: float, radius: float) -> Gap:
+@borrowing
+def gap_to_disc(body: Body, x: float, y: float, radius: float) -> Gap:
     """Return the gap between a body and a disc."""
-    gap, nx, ny = _point_gap(hull, x, y)
-    return gap - rounding - radius, nx, ny, x - radius * nx, y - radius * ny
+    gap, nx, ny = _point_gap(body.hull, x, y)
+    return gap - body.rounding - radius, nx, ny, x - radius * nx, y - radius * ny
 
 
-@njit(cache=True)
-def gap_to_convex(hull: Points, rounding: float, other: Points) -> Gap:
+@borrowing
+def gap_to_convex(body: Body, other: Points) -> Gap:
     """Return the gap between a body and the convex hull of ``other`` (K, 2), counter-clockwise: a segment or a polygon."""
-    depth_a, ax, ay = _separation(hull, other)
-    depth_b, bx, by = _separation(other, hull)
-    if max(depth_a, depth_b) <= 0.0:
-        depth, nx, ny = (depth_a, ax, ay) if depth_a > depth_b else (depth_b, -bx, -by)
-        i = _support(other, -nx, -ny)
-        return depth - rounding, nx, ny, other[i, 0], other[i, 1]
-    best = NOTHING
-    for i in range(len(other)):
-        gap, nx, ny = _point_gap(hull, other[i, 0], other[i, 1])
-        if gap < best[0]:
-            best = (gap, nx, ny, other[i, 0], other[i, 1])
-    for i in range(len(hull)):
-        gap, nx, ny = _point_gap(other, hull[i, 0], hull[i, 1])
-        if gap < best[0]:
-            best = (gap, -nx, -ny, hull[i, 0] - gap * nx, hull[i, 1] - gap * ny)
-    return best[0] - rounding, best[1], best[2], best[3], best[4]
+    return _hull_gap(body.hull, body.rounding, other)
 
 
-@njit(cache=True)
-def gap_to_polygon(hull: Points, rounding: float, ring: Points) -> Gap:
-    """Return the gap between a body and a simple polygon ``ring`` (K, 2), convex or not."""
+@borrowing
+def gap_to_polygon(body: Body, ring: Points) -> Gap:
+    """Return the gap between a body and a simple polygon, convex or not; ``ring`` (K + 1, 2) ends with its first vertex."""
     best = NOTHING
-    edge = np.empty((2, 2))
-    for i in range(len(ring)):
-        edge[0], edge[1] = ring[i - 1], ring[i]
-        found = gap_to_convex(hull, rounding, edge)
+    for i in range(len(ring) - 1):
+        found = _hull_gap(body.hull, body.rounding, ring[i : i + 2])
         if found[0] < best[0]:
             best = found
-    if best[0] > -rounding and _inside(ring, hull[0, 0], hull[0, 1]):
-        return -best[0] - 2.0 * rounding, -best[1], -best[2], best[3], best[4]
+    if best[0] > -body.rounding and _inside(ring, body.hull[0, 0], body.hull[0, 1]):
+        return -best[0] - 2.0 * body.rounding, -best[1], -best[2], best[3], best[4]
     return best
 
 
-@njit(cache=True)
-def gap_to_cells(stack: GridStack, g: Integer, hull: Points, rounding: float, x: float, y: float, radius: float, within: float) -> Gap:
-    """Return the gap between a body and the nearest occupied cell of grid ``g``, ``NOTHING`` unless it is less than ``within``.
-
-    The body lies in the disc of ``radius`` about its reference point (x, y).
-    """
+@borrowing
+def gap_to_cells(stack: GridStack, g: Integer, body: Body, within: float) -> Gap:
+    """Return the gap between a body and the nearest occupied cell of grid ``g``, ``NOTHING`` unless it is less than ``within``."""
     rows, columns = stack.shapes[g, 0], stack.shapes[g, 1]
     resolution = stack.resolutions[g]
-    u, v = to_grid(stack, g, x, y)
+    u, v = to_grid(stack, g, body.pose[0], body.pose[1])
     column = np.int64(min(max(u, 0.0), columns - 1.0))
     row = np.int64(min(max(v, 0.0), rows - 1.0))
     nearest = stack.distance[stack.offsets[g] + row * columns + column] / resolution
-    away = math.hypot(u - column - 0.5, v - row - 0.5)
-    if nearest - away - 0.7072 >= (within + radius) / resolution:
+    away = math.sqrt((u - column - 0.5) ** 2 + (v - row - 0.5) ** 2)
+    if nearest - away - 0.7072 >= (within + body.radius) / resolution:
         return NOTHING
-    return _search_cells(stack, g, hull, rounding, u, v, radius / resolution, min(within / resolution, nearest + away + 1e-6))
+    return _search_cells(stack, g, body, u, v, min(within / resolution, nearest + away + 1e-6))
 
 
-@njit(cache=True)
-def _search_cells(stack: GridStack, g: Integer, hull: Points, rounding: float, u: float, v: float, radius: float, within: float) -> Gap:
+@borrowing
+def _search_cells(stack: GridStack, g: Integer, body: Body, u: float, v: float, within: float) -> Gap:
     """Walk the rows outwards from (u, v), and each row outwards, leaping by the distance field; lengths in cells."""
     rows, columns = stack.shapes[g, 0], stack.shapes[g, 1]
     resolution = stack.resolutions[g]
-    body = np.empty_like(hull)
+    radius, rounding = body.radius / resolution, body.rounding / resolution
+    hull, square = body.scratch[4:], body.scratch[:4]
     for i in range(len(hull)):
-        body[i, 0], body[i, 1] = to_grid(stack, g, hull[i, 0], hull[i, 1])
+        hull[i, 0], hull[i, 1] = to_grid(stack, g, body.hull[i, 0], body.hull[i, 1])
     first_row = np.int64(min(max(v, 0.0), rows - 1.0))
     first_column = np.int64(min(max(u, 0.0), columns - 1.0))
     best = (within, 0.0, 0.0, np.inf, np.inf)
@@ -123,7 +139,7 @@ def _search_cells(stack: GridStack, g: Integer, hull: Points, rounding: float, u
                     if free > 0.0:
                         column += way * int(max(free / resolution, 1.0))
                         continue
-                    gap = _gap_to_cell(body, rounding / resolution, column, row)
+                    gap = _gap_to_cell(hull, rounding, column, row, square)
                     if gap[0] < best[0]:
                         best, found = gap, True
                     column += way
@@ -131,22 +147,44 @@ def _search_cells(stack: GridStack, g: Integer, hull: Points, rounding: float, u
     return _to_map(stack, g, best) if found else NOTHING
 
 
-@njit(cache=True)
-def _gap_to_cell(body: Points, rounding: float, column: Integer, row: Integer) -> Gap:
-    """Return the gap between a body and a cell, both in cells."""
-    square = np.empty((4, 2))
+@borrowing
+def _gap_to_cell(hull: Points, rounding: float, column: Integer, row: Integer, square: Points) -> Gap:
+    """Return the gap between a body and a cell, both in cells; ``square`` (4, 2) is scratch."""
+    if len(hull) == 1:
+        x, y = hull[0, 0], hull[0, 1]
+        px, py = min(max(x, column), column + 1.0), min(max(y, row), row + 1.0)
+        gap = math.sqrt((px - x) ** 2 + (py - y) ** 2)
+        if gap > 0.0:
+            return gap - rounding, (px - x) / gap, (py - y) / gap, px, py
     square[0, 0], square[0, 1] = column, row
     square[1, 0], square[1, 1] = column + 1, row
     square[2, 0], square[2, 1] = column + 1, row + 1
     square[3, 0], square[3, 1] = column, row + 1
-    if len(body) > 1:
-        return gap_to_convex(body, rounding, square)
-    x, y = body[0, 0], body[0, 1]
-    gap, nx, ny = _point_gap(square, x, y)
-    return gap - rounding, -nx, -ny, x - gap * nx, y - gap * ny
+    return _hull_gap(hull, rounding, square)
 
 
-@njit(cache=True)
+@borrowing
+def _hull_gap(hull: Points, rounding: float, other: Points) -> Gap:
+    """Return the gap between two convex hulls: the separating axis if they overlap, else the nearest vertex and side."""
+    depth_a, ax, ay = _separation(hull, other)
+    depth_b, bx, by = _separation(other, hull)
+    if max(depth_a, depth_b) <= 0.0:
+        depth, nx, ny = (depth_a, ax, ay) if depth_a > depth_b else (depth_b, -bx, -by)
+        i = _support(other, -nx, -ny)
+        return depth - rounding, nx, ny, other[i, 0], other[i, 1]
+    best = NOTHING
+    for i in range(len(other)):
+        gap, nx, ny = _point_gap(hull, other[i, 0], other[i, 1])
+        if gap < best[0]:
+            best = (gap, nx, ny, other[i, 0], other[i, 1])
+    for i in range(len(hull)):
+        gap, nx, ny = _point_gap(other, hull[i, 0], hull[i, 1])
+        if gap < best[0]:
+            best = (gap, -nx, -ny, hull[i, 0] - gap * nx, hull[i, 1] - gap * ny)
+    return best[0] - rounding, best[1], best[2], best[3], best[4]
+
+
+@borrowing
 def _to_map(stack: GridStack, g: Integer, gap: Gap) -> Gap:
     """Turn a gap from the grid's frame in cells to ``map`` in m."""
     c, s = stack.rotations[g, 0], stack.rotations[g, 1]
@@ -157,7 +195,7 @@ def _to_map(stack: GridStack, g: Integer, gap: Gap) -> Gap:
     return distance * resolution, c * nx - s * ny, s * nx + c * ny, x, y
 
 
-@njit(cache=True)
+@borrowing
 def _point_gap(hull: Points, x: float, y: float) -> tuple[float, float, float]:
     """Return the signed distance from a convex hull to a point and the unit normal towards the point; negative inside."""
     best, bx, by = np.inf, 0.0, 0.0
@@ -185,7 +223,7 @@ def _point_gap(hull: Points, x: float, y: float) -> tuple[float, float, float]:
     return 0.0, ix, iy
 
 
-@njit(cache=True)
+@borrowing
 def _separation(hull: Points, other: Points) -> tuple[float, float, float]:
     """Return the widest separation of two hulls along the edge normals of the first, and that normal."""
     best, nx, ny = -np.inf, 0.0, 0.0
@@ -203,7 +241,7 @@ def _separation(hull: Points, other: Points) -> tuple[float, float, float]:
     return best, nx, ny
 
 
-@njit(cache=True)
+@borrowing
 def _support(points: Points, nx: float, ny: float) -> int:
     """Return which point lies farthest along (nx, ny)."""
     best, index = -np.inf, 0
@@ -214,7 +252,7 @@ def _support(points: Points, nx: float, ny: float) -> int:
     return index
 
 
-@njit(cache=True)
+@borrowing
 def _inside(ring: Points, x: float, y: float) -> bool:
     """Tell whether a point lies inside a simple polygon (crossing number)."""
     inside = False

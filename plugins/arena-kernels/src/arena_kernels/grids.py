@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from arena_kernels.compiled import borrowing
 from arena_kernels.distance import Grid, grid_distance
 from arena_kernels.scalars import Integer
 
@@ -94,7 +94,7 @@ def quadrant_reach(grid: Grid) -> NDArray[np.uint8]:
     return table.ravel()
 
 
-@njit(cache=True)
+@borrowing
 def _largest_squares(blocked: NDArray[np.uint8], reach: NDArray[np.uint8]) -> None:
     """Grow each square from those of the three neighbours that it would swallow."""
     rows, columns = blocked.shape
@@ -105,7 +105,7 @@ def _largest_squares(blocked: NDArray[np.uint8], reach: NDArray[np.uint8]) -> No
                 reach[row, column] = min(min(beside, reach[row + 1, column + 1]), 254) + 1
 
 
-@njit(cache=True)
+@borrowing
 def to_grid(stack: GridStack, g: Integer, x: float, y: float) -> tuple[float, float]:
     """Return a position of ``map`` in the frame of grid ``g``, in cells (column, row)."""
     dx, dy = x - stack.origins[g, 0], y - stack.origins[g, 1]
@@ -113,7 +113,7 @@ def to_grid(stack: GridStack, g: Integer, x: float, y: float) -> tuple[float, fl
     return (c * dx + s * dy) / stack.resolutions[g], (c * dy - s * dx) / stack.resolutions[g]
 
 
-@njit(cache=True)
+@borrowing
 def is_blocked(stack: GridStack, g: Integer, x: float, y: float) -> bool:
     """Tell whether a position of ``map`` lies in an occupied cell of grid ``g``; outside the grid nothing is."""
     u, v = to_grid(stack, g, x, y)
@@ -123,7 +123,7 @@ def is_blocked(stack: GridStack, g: Integer, x: float, y: float) -> bool:
     return bool(stack.cells[stack.offsets[g] + np.int64(v) * columns + np.int64(u)])
 
 
-@njit(cache=True)
+@borrowing
 def distance_and_gradient(stack: GridStack, g: Integer, x: float, y: float) -> tuple[float, float, float]:
     """Return the distance to the nearest wall's surface, m, and its gradient in ``map``, interpolated between cell centres.
 

@@ -6,9 +6,9 @@ Philox4x32-10 of Salmon, Moraes, Dror and Shaw, Parallel Random Numbers: As Easy
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from arena_kernels.compiled import borrowing
 from arena_kernels.scalars import Integer
 
 _MULTIPLIER_0 = np.uint64(0xD2511F53)
@@ -20,7 +20,7 @@ _HALF = np.uint64(32)
 _NORMALS = np.uint64(0x80000000)  # set in the counter's last word: uniform and normal never share a block
 
 
-@njit(cache=True)
+@borrowing
 def philox(
     c0: Integer, c1: Integer, c2: Integer, c3: Integer, k0: Integer, k1: Integer
 ) -> tuple[np.uint64, np.uint64, np.uint64, np.uint64]:
@@ -39,26 +39,26 @@ def philox(
     return a, b, c, d
 
 
-@njit(cache=True)
+@borrowing
 def _block(key: Integer, tick: Integer, index: Integer, domain: np.uint64) -> tuple[np.uint64, np.uint64, np.uint64, np.uint64]:
     k, t, i = np.uint64(key), np.uint64(tick), np.uint64(index)
     return philox(i & _LOW, i >> _HALF, t & _LOW, (t >> _HALF) ^ domain, k & _LOW, k >> _HALF)
 
 
-@njit(cache=True)
+@borrowing
 def _unit(high: np.uint64, low: np.uint64) -> float:
     """Return a float in [0, 1) with 53 random bits."""
     return (float(high >> np.uint64(5)) * 67108864.0 + float(low >> np.uint64(6))) / 9007199254740992.0
 
 
-@njit(cache=True)
+@borrowing
 def uniform(key: Integer, tick: Integer, index: Integer) -> float:
     """Return a uniform number in [0, 1)."""
     a, b, _, _ = _block(key, tick, index, np.uint64(0))
     return _unit(a, b)
 
 
-@njit(cache=True)
+@borrowing
 def _normal_pair(key: Integer, tick: Integer, pair: Integer) -> tuple[float, float]:
     """Return two standard normal numbers (Box and Muller 1958)."""
     a, b, c, d = _block(key, tick, pair, _NORMALS)
@@ -67,14 +67,14 @@ def _normal_pair(key: Integer, tick: Integer, pair: Integer) -> tuple[float, flo
     return radius * np.cos(angle), radius * np.sin(angle)
 
 
-@njit(cache=True)
+@borrowing
 def normal(key: Integer, tick: Integer, index: Integer) -> float:
     """Return a standard normal number; indices 2 i and 2 i + 1 share one block."""
     first, second = _normal_pair(key, tick, np.int64(index) >> 1)
     return second if np.int64(index) & 1 else first
 
 
-@njit(cache=True)
+@borrowing
 def normals(key: Integer, tick: Integer, out: NDArray[np.float64]) -> None:
     """Fill ``out`` (K,) with ``normal(key, tick, 0 .. K - 1)``, at half the price."""
     for pair in range(len(out) // 2):

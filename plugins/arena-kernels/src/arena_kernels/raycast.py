@@ -11,9 +11,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from arena_kernels.compiled import borrowing
 from arena_kernels.grids import GridStack, to_grid
 from arena_kernels.scalars import Integer
 
@@ -21,22 +21,26 @@ Ray = tuple[Integer, float, float, float, float, float, float]
 
 
 class Beams(NamedTuple):
-    """The B beams of a scanner in its own frame, counter-clockwise: unit vectors (B,), first angle and increment rad, maximum range m."""
+    """The B beams of a scanner in its own frame, counter-clockwise: unit vectors (B,), first angle and increment rad, maximum range m.
+
+    ``scratch`` (4, B) is the kernels' own: what cannot raise, as an allocation can, is compiled without reference counting.
+    """
 
     cosines: NDArray[np.float64]
     sines: NDArray[np.float64]
     angle_min: float
     angle_increment: float
     range_max: float
+    scratch: NDArray[np.float64]
 
 
 def make_beams(angle_min: float, angle_increment: float, count: int, range_max: float) -> Beams:
     """Return ``count`` beams from ``angle_min`` by ``angle_increment`` > 0."""
     angles = angle_min + angle_increment * np.arange(count)
-    return Beams(np.cos(angles), np.sin(angles), float(angle_min), float(angle_increment), float(range_max))
+    return Beams(np.cos(angles), np.sin(angles), float(angle_min), float(angle_increment), float(range_max), np.empty((4, count)))
 
 
-@njit(cache=True)
+@borrowing
 def scan_grids(
     stack: GridStack, grid_of: NDArray[np.int64], sensors: NDArray[np.float64], beams: Beams, ranges: NDArray[np.float32]
 ) -> None:
@@ -45,13 +49,14 @@ def scan_grids(
         cast_grid(stack, grid_of[k], sensors[k, 0], sensors[k, 1], sensors[k, 2], beams, ranges[k])
 
 
-@njit(cache=True, error_model="numpy")
+@borrowing
 def cast_grid(stack: GridStack, g: Integer, x: float, y: float, theta: float, beams: Beams, ranges: NDArray[np.float32]) -> None:
     """Fill ``ranges`` (B,) with the distances to the occupied cells of grid ``g``, seen from a pose in ``map``; +inf: nothing hit."""
     u, v = to_grid(stack, g, x, y)
     resolution = stack.resolutions[g]
     limit = beams.range_max / resolution
-    directions = _directions(beams, theta - stack.origins[g, 2])
+    directions = beams.scratch
+    _turn(beams, theta - stack.origins[g, 2], directions)
     last = len(ranges) - 1
     for i in range(0, last + 1, 4):  # four rays at once: their leaps wait for memory, not for each other
         i1, i2, i3 = min(i + 1, last), min(i + 2, last), min(i + 3, last)
@@ -77,20 +82,18 @@ def cast_grid(stack: GridStack, g: Integer, x: float, y: float, theta: float, be
         ranges[i3] = _range(stack, g, limit, t3, c3, r3)
 
 
-@njit(cache=True, error_model="numpy")
-def _directions(beams: Beams, yaw: float) -> NDArray[np.float64]:
-    """Return the beams' unit vectors turned by ``yaw``, and their inverses; (4, B)."""
+@borrowing
+def _turn(beams: Beams, yaw: float, out: NDArray[np.float64]) -> None:
+    """Write the beams' unit vectors turned by ``yaw``, and their inverses, into ``out`` (4, B)."""
     c, s = math.cos(yaw), math.sin(yaw)
-    out = np.empty((4, len(beams.cosines)))
     for i in range(len(beams.cosines)):
         out[0, i] = c * beams.cosines[i] - s * beams.sines[i] + 0.0  # turns -0 into 0: its inverse must be +inf
         out[1, i] = s * beams.cosines[i] + c * beams.sines[i] + 0.0
         out[2, i] = 1.0 / out[0, i]
         out[3, i] = 1.0 / out[1, i]
-    return out
 
 
-@njit(cache=True, error_model="numpy")
+@borrowing
 def _begin(
     stack: GridStack, g: Integer, u: float, v: float, directions: NDArray[np.float64], i: int
 ) -> tuple[Ray, float, Integer, Integer]:
@@ -110,14 +113,14 @@ def _begin(
     return ray, t, np.int64(min(column, columns)), np.int64(min(row, rows))
 
 
-@njit(cache=True)
+@borrowing
 def _side(reach: NDArray[np.uint8], width: int, limit: float, ray: Ray, t: float, column: Integer, row: Integer) -> Integer:
     """Return the side of the empty square ahead; 0 when the ray has ended."""
     side = np.int64(reach[ray[0] + row * width + column])
     return side if t < limit else 0
 
 
-@njit(cache=True)
+@borrowing
 def _leap(ray: Ray, side: Integer, t: float, column: Integer, row: Integer) -> tuple[float, Integer, Integer]:
     """Return where the ray leaves the empty square, without branches; a ray that has ended (side 0) stays."""
     _, x, y, dx, dy, inverse_x, inverse_y = ray
@@ -132,26 +135,27 @@ def _leap(ray: Ray, side: Integer, t: float, column: Integer, row: Integer) -> t
     return (t if ended else leave), (column if ended else new_column), (row if ended else new_row)
 
 
-@njit(cache=True)
+@borrowing
 def _clamp(value: Integer, low: Integer, high: Integer) -> Integer:
     return max(min(value, high), low)
 
 
-@njit(cache=True)
+@borrowing
 def _range(stack: GridStack, g: Integer, limit: float, t: float, column: Integer, row: Integer) -> float:
     """Return the range in m; +inf beyond the maximum range and where the ray left the grid."""
     inside = column < stack.shapes[g, 1] and row < stack.shapes[g, 0]
     return t * stack.resolutions[g] if inside and t < limit else np.inf
 
 
-@njit(cache=True, error_model="numpy")
+@borrowing
 def plain_dda(stack: GridStack, g: Integer, x: float, y: float, theta: float, beams: Beams, ranges: NDArray[np.float32]) -> None:
     """Fill ``ranges`` like ``cast_grid``, cell by cell (Amanatides and Woo 1987): the yardstick of tests and benchmarks."""
     u, v = to_grid(stack, g, x, y)
     rows, columns = stack.shapes[g, 0], stack.shapes[g, 1]
     cells = stack.cells[stack.offsets[g] : stack.offsets[g] + rows * columns].reshape((rows, columns))
     limit = beams.range_max / stack.resolutions[g]
-    directions = _directions(beams, theta - stack.origins[g, 2])
+    directions = beams.scratch
+    _turn(beams, theta - stack.origins[g, 2], directions)
     for i in range(len(ranges)):
         dx, dy = directions[0, i], directions[1, i]
         step_x, step_y = (1 if dx >= 0.0 else -1), (1 if dy >= 0.0 else -1)
@@ -172,7 +176,7 @@ def plain_dda(stack: GridStack, g: Integer, x: float, y: float, theta: float, be
         ranges[i] = t * stack.resolutions[g] if t < limit else np.inf
 
 
-@njit(cache=True)
+@borrowing
 def cast_discs(
     x: float, y: float, theta: float, beams: Beams, centres: NDArray[np.float64], radii: NDArray[np.float64], ranges: NDArray[np.float32]
 ) -> None:
@@ -199,7 +203,7 @@ def cast_discs(
                     _shorten(ranges, i, along - math.sqrt(chord), beams.range_max)
 
 
-@njit(cache=True)
+@borrowing
 def cast_segments(x: float, y: float, theta: float, beams: Beams, segments: NDArray[np.float64], ranges: NDArray[np.float32]) -> None:
     """Shorten ``ranges`` (B,) where ``segments`` (S, 4) of end points x, y, x, y in ``map`` stand before what was hit."""
     c, s = math.cos(theta), math.sin(theta)
@@ -222,7 +226,7 @@ def cast_segments(x: float, y: float, theta: float, beams: Beams, segments: NDAr
                     _shorten(ranges, i, (px * qy - py * qx) / cross, beams.range_max)
 
 
-@njit(cache=True)
+@borrowing
 def _window(beams: Beams, start: float, width: float) -> tuple[int, int]:
     """Return the half-open range of beams between the angles ``start`` and ``start + width``, a beam wider on both sides."""
     first = math.floor((start - beams.angle_min) / beams.angle_increment) - 1.0
@@ -231,7 +235,7 @@ def _window(beams: Beams, start: float, width: float) -> tuple[int, int]:
     return int(min(max(first, 0.0), count)), int(min(max(last, 0.0), count))
 
 
-@njit(cache=True)
+@borrowing
 def _shorten(ranges: NDArray[np.float32], i: int, t: float, range_max: float) -> None:
     if 0.0 <= t < range_max and t < ranges[i]:
         ranges[i] = t

@@ -9,17 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import Robot
+from arena_kernels.footprint import Body
+from arena_sim2d.scene import Scene
 
 Floats = NDArray[np.float64]
 KINEMATICS = {"differential": 0, "omnidirectional": 1, "ackermann": 2}
 
 
 class Chassis(NamedTuple):
-    """What never changes of a robot: its outline (``arena_kernels.footprint``), how it moves and its limits (SI)."""
+    """How a robot moves, and its limits (SI)."""
 
-    vertices: Floats
-    rounding: float
-    radius: float
     kinematics: int
     vx_min: float
     vx_max: float
@@ -64,14 +63,23 @@ class Touch(NamedTuple):
     first_person: int
 
 
+class Moving(NamedTuple):
+    """All that takes part in a tick: what stands, the robots and people, their contacts; ``body`` and ``person`` are put where needed."""
+
+    scene: Scene
+    chassis: Chassis
+    robots: Robots
+    people: People
+    touch: Touch
+    body: Body
+    person: Body
+
+
 def chassis(robot: Robot) -> Chassis:
-    """Return what the kernels need to know of a robot's body."""
-    footprint, limits = robot.footprint, robot.limits
+    """Return what the kernels need to know of how a robot moves."""
+    limits = robot.limits
     curvature = math.tan(robot.steering_max) / robot.wheelbase if robot.kinematics == "ackermann" else math.inf
     return Chassis(
-        np.ascontiguousarray(footprint.vertices_xy, dtype=np.float64),
-        float(footprint.radius) if footprint.is_circle else 0.0,
-        float(footprint.radius),
         KINEMATICS[robot.kinematics],
         float(limits.vx_min),
         float(limits.vx_max),

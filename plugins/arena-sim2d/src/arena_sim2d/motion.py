@@ -5,16 +5,17 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from arena_kernels.compiled import borrowing
 from arena_sim2d.bodies import Chassis
 
 DIFFERENTIAL, OMNIDIRECTIONAL, ACKERMANN = 0, 1, 2
 Velocity = tuple[float, float, float]
+Position = tuple[float, float, float]
 
 
-@njit(cache=True)
+@borrowing
 def next_velocity(chassis: Chassis, velocity: NDArray[np.float64], command: NDArray[np.float64], dt: float) -> Velocity:
     """Return the velocity (vx, vy, wz) after a tick: the command within the speed limits, approached within the acceleration limits."""
     vx = _towards(velocity[0], _clip(command[0], chassis.vx_min, chassis.vx_max), chassis.ax_max * dt)
@@ -26,7 +27,7 @@ def next_velocity(chassis: Chassis, velocity: NDArray[np.float64], command: NDAr
     return vx, _towards(velocity[1], _clip(command[1], -chassis.vy_max, chassis.vy_max), chassis.ay_max * dt), wz
 
 
-@njit(cache=True, error_model="numpy")
+@borrowing
 def _turn_of_wheels(chassis: Chassis, wz: float, vx: float, command: NDArray[np.float64], dt: float) -> float:
     """Return the turn rate of a car that steers along the commanded arc; it never turns tighter than its steering allows.
 
@@ -38,9 +39,10 @@ def _turn_of_wheels(chassis: Chassis, wz: float, vx: float, command: NDArray[np.
     return _clip(_towards(wz, wanted, chassis.alpha_max * dt), -tightest, tightest)
 
 
-@njit(cache=True)
-def drive(x: float, y: float, theta: float, velocity: Velocity, dt: float) -> tuple[float, float, float]:
+@borrowing
+def drive(pose: Position, velocity: Velocity, dt: float) -> Position:
     """Return the pose after ``dt`` seconds at a constant velocity in ``base_link``: an exact arc."""
+    x, y, theta = pose
     vx, vy, wz = velocity
     turn = wz * dt
     if abs(turn) < 1e-4:  # series to the order that doubles can hold
@@ -52,17 +54,17 @@ def drive(x: float, y: float, theta: float, velocity: Velocity, dt: float) -> tu
     return x + c * dx - s * dy, y + s * dx + c * dy, wrap(theta + turn)
 
 
-@njit(cache=True)
+@borrowing
 def wrap(angle: float) -> float:
     """Wrap an angle to [-pi, pi)."""
     return angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
 
 
-@njit(cache=True)
+@borrowing
 def _towards(value: float, wanted: float, change: float) -> float:
     return value + _clip(wanted - value, -change, change)
 
 
-@njit(cache=True)
+@borrowing
 def _clip(value: float, low: float, high: float) -> float:
     return min(max(value, low), high)

@@ -27,7 +27,7 @@ def pack_obstacles(scenarios: Sequence[Scenario]) -> Obstacles:
         np.array([_bound(ring) for ring in all_rings], np.float64).reshape(-1, 3),
         _starts([len(world) for world in rings]),
         np.concatenate([np.empty((0, 4)), *(_edges(ring) for ring in all_rings)]),
-        _starts([sum(len(ring) for ring in world) for world in rings]),
+        _starts([sum(len(ring) - 1 for ring in world) for world in rings]),
     )
 
 
@@ -36,12 +36,12 @@ def _starts(lengths: Sequence[int]) -> Offsets:
 
 
 def _ring(scenario: Scenario, obstacle: Obstacle) -> Floats:
-    """Return a polygon's outline, or raise ImpossibleScenario."""
+    """Return a polygon's outline, its first vertex again at the end, or raise ImpossibleScenario."""
     vertices = np.asarray(obstacle.vertices_xy, dtype=np.float64)
     reason = explain_validity(Polygon(vertices)) if len(vertices) > 2 else "fewer than 3 vertices"
     if reason != "Valid Geometry":
         raise ImpossibleScenario(f"{scenario.name}: obstacle {vertices.tolist()} is no simple polygon ({reason})")
-    return vertices
+    return np.vstack((vertices, vertices[:1]))
 
 
 def _bound(ring: Floats) -> tuple[float, float, float]:
@@ -50,4 +50,4 @@ def _bound(ring: Floats) -> tuple[float, float, float]:
 
 
 def _edges(ring: Floats) -> Floats:
-    return np.hstack((ring, np.roll(ring, -1, axis=0)))
+    return np.hstack((ring[:-1], ring[1:]))

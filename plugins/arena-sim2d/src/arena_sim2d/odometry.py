@@ -6,10 +6,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from arena_core import OdometryModel
+from arena_kernels.compiled import borrowing
 from arena_kernels.random import normal
 from arena_sim2d.bodies import Chassis, Floats, Robots
 from arena_sim2d.motion import OMNIDIRECTIONAL, wrap
@@ -42,7 +42,7 @@ def wheel_noise(model: OdometryModel, inner_step: float) -> WheelNoise:
     return WheelNoise(round(model.period / inner_step), float(model.alpha1), float(model.alpha2), float(model.alpha3), float(model.alpha4))
 
 
-@njit(cache=True)
+@borrowing
 def measure_motion(chassis: Chassis, noise: WheelNoise, robots: Robots, odometers: Odometers, k: int, tick: int, dt: float) -> None:
     """Add the noisy motion of robot k since its last odometry; ``dt`` is the length of a tick, s."""
     x, y, theta = odometers.true_poses[k, 0], odometers.true_poses[k, 1], odometers.true_poses[k, 2]
@@ -54,10 +54,11 @@ def measure_motion(chassis: Chassis, noise: WheelNoise, robots: Robots, odometer
         seen = _noisy_rotations(noise, step, odometers.keys[k], tick)
     _advance(odometers, k, seen, (tick - odometers.ticks[k]) * dt)
     odometers.ticks[k] = tick
-    odometers.true_poses[k] = robots.poses[k]
+    for axis in range(3):
+        odometers.true_poses[k, axis] = robots.poses[k, axis]
 
 
-@njit(cache=True)
+@borrowing
 def _noisy_rotations(noise: WheelNoise, step: Step, key: np.uint64, tick: int) -> Step:
     """Disturb a motion seen as rotation, translation, rotation; driving backwards is a translation backwards."""
     length = math.hypot(step[0], step[1])
@@ -71,7 +72,7 @@ def _noisy_rotations(noise: WheelNoise, step: Step, key: np.uint64, tick: int) -
     return moved * math.cos(first), moved * math.sin(first), first + second
 
 
-@njit(cache=True)
+@borrowing
 def _noisy_holonomic(noise: WheelNoise, step: Step, key: np.uint64, tick: int) -> Step:
     """Disturb a motion that needs no turning: both translations and the rotation, with the same four alphas."""
     squared, turning = step[0] * step[0] + step[1] * step[1], step[2] * step[2]
@@ -84,7 +85,7 @@ def _noisy_holonomic(noise: WheelNoise, step: Step, key: np.uint64, tick: int) -
     )
 
 
-@njit(cache=True)
+@borrowing
 def _advance(odometers: Odometers, k: int, step: Step, seconds: float) -> None:
     """Move the odometry pose by a step in its own frame; the twist is the mean velocity over that time."""
     theta = odometers.poses[k, 2]

@@ -6,24 +6,27 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from arena_core import Lidar
+from arena_kernels.compiled import borrowing
 from arena_kernels.random import normals
-from arena_kernels.raycast import Beams, cast_discs, cast_grid, cast_segments, make_beams
-from arena_sim2d.bodies import Floats, People, Robots
-from arena_sim2d.scene import Scene
+from arena_kernels.raycast import Beams, cast_discs, cast_grid, cast_segments
+from arena_sim2d.bodies import Floats, Moving
 
 
 class Scanner(NamedTuple):
-    """A lidar as the kernels read it: ``mount`` (3,) in ``base_link``, ``period`` in ticks, noise and minimum range in m."""
+    """A lidar as the kernels read it: ``mount`` (3,) in ``base_link``, ``period`` in ticks, noise and minimum range in m.
+
+    ``normals`` (B,) is the kernels' own.
+    """
 
     beams: Beams
     mount: Floats
     period: int
     range_min: float
     noise_std: float
+    normals: Floats
 
 
 class Scans(NamedTuple):
@@ -36,13 +39,15 @@ class Scans(NamedTuple):
 
 def scanner(lidar: Lidar, inner_step: float) -> Scanner:
     """Return what the kernels need to know of a lidar."""
-    beams = make_beams(lidar.angle_min, lidar.angle_increment, lidar.beams, lidar.range_max)
-    return Scanner(beams, lidar.mount.array(), round(lidar.period / inner_step), float(lidar.range_min), float(lidar.noise_std))
+    return Scanner(
+        beams, lidar.mount.array(), round(lidar.period / inner_step), float(lidar.range_min), float(lidar.noise_std), np.zeros(lidar.beams)
+    )
 
 
-@njit(cache=True)
-def scan(scene: Scene, device: Scanner, robots: Robots, people: People, scans: Scans, k: int, tick: int) -> None:
+@borrowing
+def scan(world: Moving, device: Scanner, scans: Scans, k: int, tick: int) -> None:
     """Take the scan of robot k at ``tick``."""
+    scene, robots, people = world.scene, world.robots, world.people
     theta = robots.poses[k, 2]
     c, s = math.cos(theta), math.sin(theta)
     x = robots.poses[k, 0] + c * device.mount[0] - s * device.mount[1]
@@ -58,12 +63,11 @@ def scan(scene: Scene, device: Scanner, robots: Robots, people: People, scans: S
     scans.ticks[k] = tick
 
 
-@njit(cache=True)
+@borrowing
 def _disturb(device: Scanner, key: np.uint64, tick: int, ranges: NDArray[np.float32]) -> None:
     """Add Gaussian noise to what was hit; what is nearer than the minimum range reads as the minimum range."""
-    noise = np.zeros(len(ranges))
     if device.noise_std > 0.0:
-        normals(key, tick, noise)
+        normals(key, tick, device.normals)
     for i in range(len(ranges)):
         if ranges[i] < math.inf:
-            ranges[i] = min(max(ranges[i] + device.noise_std * noise[i], device.range_min), device.beams.range_max)
+            ranges[i] = min(max(ranges[i] + device.noise_std * device.normals[i], device.range_min), device.beams.range_max)

@@ -16,7 +16,7 @@ Offsets = NDArray[np.int64]
 class Obstacles(NamedTuple):
     """Obstacles of N worlds, packed; world k has those from ``*_of[k]`` to ``*_of[k + 1]``.
 
-    Discs: ``centres`` (D, 2), ``radii`` (D,). Polygons: polygon r is ``points[ring_starts[r] : ring_starts[r + 1]]``, inside the
+    Discs: ``centres`` (D, 2), ``radii`` (D,). Polygons: polygon r is ``points[ring_starts[r] : ring_starts[r + 1]]``, closed, inside the
     circle ``bounds[r]`` (x, y, radius). ``edges`` (E, 4) are the polygons' sides x, y, x, y. All in ``map``, m.
     """
 

@@ -20,7 +20,7 @@ from arena_core import (
     Simulator,
     Snapshot,
 )
-from arena_sim2d.bodies import Floats, chassis
+from arena_sim2d.bodies import Floats
 from arena_sim2d.odometry import wheel_noise
 from arena_sim2d.scanning import scanner
 from arena_sim2d.starting import check_starts
@@ -39,7 +39,6 @@ class Sim2d(Simulator):
         _ticks(f"control_period of {robot.name}", robot.control_period, inner_step)
         _ticks(f"lidar.period of {robot.name}", robot.lidar.period, inner_step)
         _ticks(f"odometry.period of {robot.name}", robot.odometry.period, inner_step)
-        self._chassis = chassis(robot)
         self._wheels = wheel_noise(robot.odometry, inner_step)
         self._scanner = scanner(robot.lidar, inner_step)
         self._header = LaserScan(
@@ -60,14 +59,14 @@ class Sim2d(Simulator):
         if slots is None:
             slots = np.arange(len(scenarios))
             crowd = self._pedestrians.reset(slots, scenarios, len(scenarios))
-            self._worlds = Worlds(scenarios, crowd, self._robot.lidar.beams, (self._crowd_ticks + 1) // 2)
+            self._worlds = Worlds(self._robot, scenarios, crowd, self._crowd_ticks)
             self._contacts = [()] * len(scenarios)
             self._phase = 0
         else:
             self._reset_some(scenarios, np.asarray(slots, np.int64))
         worlds = self._worlds
-        check_starts(self._chassis, worlds, slots)
-        scan_slots(worlds.scene, self._scanner, worlds.robots, worlds.people, worlds.scans, slots)
+        check_starts(worlds, slots)
+        scan_slots(worlds.moving, self._scanner, worlds.scans, slots)
         return self._snapshot()
 
     def _reset_some(self, scenarios: Sequence[Scenario], slots: NDArray[np.int64]) -> None:
@@ -80,7 +79,7 @@ class Sim2d(Simulator):
     def advance(self, commands: Floats, ticks: int) -> Snapshot:
         """Hold ``commands`` (N, 3) for ``ticks`` inner steps and return what then is."""
         held = np.ascontiguousarray(commands, dtype=np.float64)
-        self._worlds.touch.ticks[:] = 0
+        self._worlds.moving.touch.ticks[:] = 0
         edges: list[list[Contact]] = [[] for _ in self._worlds.scenarios]
         left = ticks
         while left > 0:
@@ -97,25 +96,22 @@ class Sim2d(Simulator):
     def _ask_crowd(self) -> None:
         """Ask the pedestrian model where people want to be one crowd period later."""
         worlds = self._worlds
-        poses, velocities = worlds.robots.poses.copy(), worlds.robots.velocities
+        robots = worlds.moving.robots
+        poses, velocities, ticks = robots.poses.copy(), robots.velocities, robots.ticks.copy()
         c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
         in_map = np.stack((c * velocities[:, 0] - s * velocities[:, 1], s * velocities[:, 0] + c * velocities[:, 1]), axis=1)
-        robots = RobotBatch(poses, in_map, self._robot.footprint.radius)
+        batch = RobotBatch(poses, in_map, self._robot.footprint.radius)
         period = self._crowd_ticks * self.inner_step
-        worlds.follow(self._pedestrians.step(worlds.crowd(), robots, worlds.robots.ticks.copy(), period), self._crowd_ticks)
+        worlds.follow(self._pedestrians.step(worlds.crowd(), batch, ticks, period), self._crowd_ticks)
 
     def _run(self, commands: Floats, ticks: int, scan_within: int) -> None:
         worlds = self._worlds
-        worlds.touch.counts[:] = 0
+        worlds.moving.touch.counts[:] = 0
         run_ticks(
-            worlds.scene,
-            self._chassis,
+            worlds.moving,
             self._wheels,
-            self._scanner,
-            worlds.robots,
-            worlds.people,
-            worlds.touch,
             worlds.odometers,
+            self._scanner,
             worlds.scans,
             commands,
             ticks,
@@ -125,7 +121,7 @@ class Sim2d(Simulator):
 
     def _collect(self, edges: list[list[Contact]]) -> None:
         """Append the rising edges of the ticks just run."""
-        touch = self._worlds.touch
+        touch = self._worlds.moving.touch
         for slot in np.flatnonzero(touch.counts).tolist():
             for row in touch.edges[slot, : touch.counts[slot]].tolist():
                 edges[slot].append(self._contact(row))
@@ -137,9 +133,9 @@ class Sim2d(Simulator):
 
     def _snapshot(self) -> Snapshot:
         worlds = self._worlds
-        robots, odometers, scans, touch = worlds.robots, worlds.odometers, worlds.scans, worlds.touch
+        robots, touch, odometers, scans = worlds.moving.robots, worlds.moving.touch, worlds.odometers, worlds.scans
         clearances, to_people = np.empty(len(robots.ticks)), np.empty(len(robots.ticks))
-        measure_clearances(worlds.scene, self._chassis, robots, worlds.people, clearances, to_people)
+        measure_clearances(worlds.moving, clearances, to_people)
         return Snapshot(
             stamps=self._seconds(robots.ticks),
             poses=robots.poses.copy(),

@@ -5,29 +5,24 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from arena_kernels.compiled import borrowing
 from arena_kernels.footprint import place
-from arena_sim2d.bodies import Chassis, Floats, People, Robots, Touch
-from arena_sim2d.contact import release
+from arena_sim2d.bodies import Floats, Moving
+from arena_sim2d.contact import release_contacts
 from arena_sim2d.crossing import move_people, move_robot
 from arena_sim2d.gaps import gap_to_people, gap_to_things
 from arena_sim2d.odometry import Odometers, WheelNoise, measure_motion
 from arena_sim2d.scanning import Scanner, Scans, scan
-from arena_sim2d.scene import Scene
 
 
-@njit(cache=True)
+@borrowing
 def run_ticks(
-    scene: Scene,
-    chassis: Chassis,
+    world: Moving,
     wheels: WheelNoise,
-    device: Scanner,
-    robots: Robots,
-    people: People,
-    touch: Touch,
     odometers: Odometers,
+    device: Scanner,
     scans: Scans,
     commands: Floats,
     ticks: int,
@@ -35,39 +30,34 @@ def run_ticks(
     dt: float,
 ) -> None:
     """Step N worlds by ``ticks`` ticks of ``dt`` s; of the scans due within ``scan_within`` ticks only the newest is taken."""
-    hull = np.empty((max(len(chassis.vertices), 1), 2))
     for k in range(len(commands)):
-        end = robots.ticks[k] + scan_within
-        scan_tick = end - end % device.period
-        for tick in range(robots.ticks[k] + 1, robots.ticks[k] + ticks + 1):
-            place(chassis.vertices, robots.poses[k, 0], robots.poses[k, 1], robots.poses[k, 2], hull)
-            move_people(scene, chassis, robots, people, touch, k, tick, dt, hull)
-            move_robot(scene, chassis, robots, people, touch, k, tick, commands[k], dt, hull)
-            place(chassis.vertices, robots.poses[k, 0], robots.poses[k, 1], robots.poses[k, 2], hull)
-            if release(scene, chassis, people, touch, k, hull, robots.poses[k, 0], robots.poses[k, 1]):
-                touch.ticks[k] += 1
+        now = world.robots.ticks[k]
+        scan_tick = now + scan_within - (now + scan_within) % device.period
+        for tick in range(now + 1, now + ticks + 1):
+            move_people(world, k, tick, dt)
+            move_robot(world, k, tick, commands[k], dt)
+            world.touch.ticks[k] += release_contacts(world, k)
             if tick % wheels.period == 0:
-                measure_motion(chassis, wheels, robots, odometers, k, tick, dt)
+                measure_motion(world.chassis, wheels, world.robots, odometers, k, tick, dt)
             if tick == scan_tick:
-                scan(scene, device, robots, people, scans, k, tick)
-        robots.ticks[k] += ticks
+                scan(world, device, scans, k, tick)
+        world.robots.ticks[k] += ticks
 
 
-@njit(cache=True)
-def scan_slots(scene: Scene, device: Scanner, robots: Robots, people: People, scans: Scans, slots: NDArray[np.int64]) -> None:
+@borrowing
+def scan_slots(world: Moving, device: Scanner, scans: Scans, slots: NDArray[np.int64]) -> None:
     """Take the scans of the robots in these slots, at their present ticks."""
     for k in slots:
-        scan(scene, device, robots, people, scans, k, robots.ticks[k])
+        scan(world, device, scans, k, world.robots.ticks[k])
 
 
-@njit(cache=True)
-def measure_clearances(scene: Scene, chassis: Chassis, robots: Robots, people: People, clearances: Floats, to_people: Floats) -> None:
+@borrowing
+def measure_clearances(world: Moving, clearances: Floats, to_people: Floats) -> None:
     """Fill the clearances (N,) to anything and to people, m, 0 when touching."""
-    hull = np.empty((max(len(chassis.vertices), 1), 2))
     for k in range(len(clearances)):
-        x, y = robots.poses[k, 0], robots.poses[k, 1]
-        place(chassis.vertices, x, y, robots.poses[k, 2], hull)
-        person = gap_to_people(people.counts[k], people.positions[k], people.radii[k], hull, chassis.rounding, x, y, chassis.radius)
-        thing = gap_to_things(scene, k, hull, chassis.rounding, x, y, chassis.radius, math.inf)[0]
+        pose = world.robots.poses[k]
+        place(world.body, pose[0], pose[1], pose[2])
+        person = gap_to_people(world.people, k, world.body, math.inf)
+        thing = gap_to_things(world.scene, k, world.body, math.inf)[0]
         to_people[k] = max(person, 0.0)
         clearances[k] = max(min(thing, person), 0.0)
