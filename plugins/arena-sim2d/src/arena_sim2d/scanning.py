@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from arena_core import Lidar
 from arena_kernels.compiled import borrowing
 from arena_kernels.random import normals
-from arena_kernels.raycast import Beams, cast_discs, cast_grid, cast_segments
+from arena_kernels.raycast import Beams, cast_discs, cast_grid, cast_segments, make_beams
 from arena_sim2d.bodies import Floats, Moving
 
 
@@ -40,7 +40,12 @@ class Scans(NamedTuple):
 def scanner(lidar: Lidar, inner_step: float) -> Scanner:
     """Return what the kernels need to know of a lidar."""
     return Scanner(
-        beams, lidar.mount.array(), round(lidar.period / inner_step), float(lidar.range_min), float(lidar.noise_std), np.zeros(lidar.beams)
+        make_beams(lidar.angle_min, lidar.angle_increment, lidar.beams, lidar.range_max),
+        lidar.mount.array(),
+        round(lidar.period / inner_step),
+        float(lidar.range_min),
+        float(lidar.noise_std),
+        np.zeros(lidar.beams),
     )
 
 
