@@ -20,6 +20,8 @@ from arena_core.recording import Recorder, write_grid
 from arena_core.registry import Registry
 from arena_core.robot import Robot
 
+BRAIN = ("localizer", "global_planner", "waypoints", "local_map", "tracker")
+NEEDED = ("robot", "world", "task", "pedestrians", "simulator", *BRAIN, "planner", "executor", "replan", "timing", "recording")
 NOT_PART_OF_A_CELL = ("seed", "episodes", "executor", "resume", "report", "metrics", "recording", "experiment", "choices")
 
 
@@ -72,14 +74,15 @@ class Benchmark:
 
 def build_benchmark(config: Mapping[str, Any], registry: Registry) -> Benchmark:
     """Build every component; raise ConfigurationError for the first thing that is wrong, before anything runs."""
-    settings = convert({k: config[k] for k in RunSettings.__slots__}, RunSettings, "run", {}, _no_components)
+    _check_complete(config)
+    settings = convert({k: config[k] for k in RunSettings.__slots__}, RunSettings, "", {}, _no_components)
     robot = registry.build("robot", config["robot"])
     task = registry.build("task", config["task"], robot=robot, world=registry.build("world", config["world"]))
     pedestrians = registry.build("pedestrians", config["pedestrians"])
     simulator = registry.build("simulator", config["simulator"], robot=robot, pedestrians=pedestrians)
     control_period = _control_period(config, robot, simulator)
     replan = convert(config["replan"], ReplanRules, "replan", {}, _no_components)
-    parts = {k: registry.build(k, config[k], robot=robot) for k in ("localizer", "global_planner", "waypoints", "local_map", "tracker")}
+    parts = {k: registry.build(k, config[k], robot=robot) for k in BRAIN}
     planner = registry.build("planner", {k: v for k, v in config["planner"].items() if k != "control_period"}, robot=robot)
     navigator = Navigator(robot, **parts, planner=planner, replan=replan, control_period=control_period)
     timing = convert(config["timing"], Timing, "timing", {}, _no_components)
@@ -121,6 +124,12 @@ def identification(config: Mapping[str, Any]) -> dict[str, Any]:
         "localizer": config["localizer"]["name"],
         "timing": config["timing"]["mode"],
     }
+
+
+def _check_complete(config: Mapping[str, Any]) -> None:
+    lacking = [key for key in (*NEEDED, *RunSettings.__slots__) if key not in config]
+    if lacking:
+        raise ConfigurationError(f"the configuration lacks {', '.join(lacking)}; `arena list` shows what can be chosen")
 
 
 def _control_period(config: Mapping[str, Any], robot: Robot, simulator: Simulator) -> float:

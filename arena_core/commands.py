@@ -22,6 +22,7 @@ class RunTask:
 
     def __init__(self) -> None:
         self.status = 0
+        self.error: ArenaError | None = None
 
     def __call__(self, config: Any) -> int:
         """Run the composed configuration in the folder that Hydra made for it."""
@@ -30,8 +31,11 @@ class RunTask:
         return self.run([RunRequest(config, Path(HydraConfig.get().runtime.output_dir))])
 
     def run(self, requests: Sequence[RunRequest]) -> int:
-        """Run all requests and keep the worst exit status."""
-        self.status = max(self.status, run_all(requests))
+        """Run all requests and keep the worst exit status, or the error: Hydra would print lines of its own about it."""
+        try:
+            self.status = max(self.status, run_all(requests))
+        except ArenaError as error:
+            self.error = error
         return self.status
 
 
@@ -54,6 +58,8 @@ class RunCommand(Command):
             raise ConfigurationError(f"cannot use the run's folder {error.filename}: {error.strerror}") from error
         finally:
             sys.argv = before
+        if task.error is not None:
+            raise task.error
         return task.status
 
 

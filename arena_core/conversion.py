@@ -18,13 +18,13 @@ Nested = Callable[[Any, Any, str, Mapping[str, Any]], Any]
 def build(factory: Callable[..., Any], node: Mapping[str, Any], key: str, context: Mapping[str, Any], nested: Nested) -> Any:
     """Call ``factory`` with the values of ``node`` and those of ``context`` that its signature names.
 
-    ``key`` is the node's place in the configuration, for messages. ``nested`` builds components inside components.
+    ``key`` is the node's place in the configuration (empty for its top), for messages. ``nested`` builds components inside components.
     """
     expected = parameters(factory)
     given = {name: value for name, value in node.items() if name != "name" or "name" in expected}
     own = [name for name in expected if name not in context]
     _check_keys(given, own, key)
-    arguments = {name: convert(given[name], expected[name], f"{key}.{name}", context, nested) for name in own}
+    arguments = {name: convert(given[name], expected[name], f"{key}.{name}".lstrip("."), context, nested) for name in own}
     return factory(**arguments, **{name: value for name, value in context.items() if name in expected})
 
 
