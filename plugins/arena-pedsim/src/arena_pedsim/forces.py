@@ -50,6 +50,7 @@ def wall_force(gap: float, parameters: Any) -> float:
     """Return the size of a wall's repulsion at this gap (m) between body and wall."""
     if gap >= parameters.walls_range:
         return 0.0
+    limit: float = parameters.walls_limit
     if parameters.walls_form == 0:
-        return min(exp(-max(gap, 0.0) / parameters.walls_sigma), parameters.walls_limit)
-    return parameters.walls_limit if gap * parameters.walls_limit < 1.0 else 1.0 / gap
+        return min(exp(-max(gap, 0.0) / parameters.walls_sigma), limit)
+    return limit if gap * limit < 1.0 else 1.0 / gap

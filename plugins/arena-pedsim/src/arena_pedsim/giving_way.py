@@ -68,7 +68,7 @@ def hold_back(x: float, y: float, vx: float, vy: float, radius: float, robot: An
 @compiled
 def keeps_off(x: float, y: float, new_x: float, new_y: float, radius: float, robot: Any, parameters: Any) -> bool:
     """Tell whether a move leaves a gap to where the robot is now, or at least makes it no smaller: walls and other people push, too."""
-    gap = sqrt((robot[0] - new_x) ** 2 + (robot[1] - new_y) ** 2) - radius - robot[4]
-    if gap >= 0.25 * parameters.giving_way_margin:
+    separation = sqrt((robot[0] - new_x) ** 2 + (robot[1] - new_y) ** 2)
+    if separation >= radius + robot[4] + 0.25 * parameters.giving_way_margin:
         return True
-    return gap >= sqrt((robot[0] - x) ** 2 + (robot[1] - y) ** 2) - radius - robot[4]
+    return separation >= sqrt((robot[0] - x) ** 2 + (robot[1] - y) ** 2)

@@ -11,7 +11,7 @@ from arena_pedsim.compiled import compiled
 
 
 class Ground(NamedTuple):
-    """Distances ``field`` (H, W) between cell centres, m; ``x, y`` m, ``cosine, sine`` place the lower left corner; ``cell`` is a side, m."""
+    """``field`` (H, W): distances between cell centres, m; ``x, y``, ``cosine, sine``: pose of its lower left corner; ``cell`` m."""
 
     field: NDArray[np.float32]
     x: float
@@ -51,7 +51,10 @@ def clearance(ground: Ground, x: float, y: float) -> float:
 
 @compiled
 def clearance_and_gradient(ground: Ground, x: float, y: float) -> tuple[float, float, float]:
-    """Return the distance to the nearest wall's surface, m, and its gradient in ``map``: as ``arena_kernels.grids.distance_and_gradient``."""
+    """Return the distance to the nearest wall's surface, m, and its gradient in ``map``, interpolated between cell centres.
+
+    The same as ``arena_kernels.grids.distance_and_gradient``.
+    """
     rows, columns = ground.field.shape
     v, u = in_cells(ground, x, y)
     u, v = min(max(u - 0.5, 0.0), columns - 1.0), min(max(v - 0.5, 0.0), rows - 1.0)

@@ -16,7 +16,10 @@ _CELLS_A_SIDE = 512  # bounds the memory of the cell table when people are scatt
 
 @compiled
 def near_pairs(positions: NDArray[np.float64], reach: float, pairs: NDArray[np.int32]) -> tuple[NDArray[np.int32], int]:
-    """Return the pairs (earlier, later) of people nearer than ``reach`` m and their number; ``pairs`` is written, and grown when too small."""
+    """Return the pairs (earlier, later) of people nearer than ``reach`` m, and their number.
+
+    ``pairs`` (M, 2) is overwritten, or replaced when it is too small.
+    """
     if len(positions) < CELLS_FROM:
         return all_pairs(positions, reach, pairs)
     return pairs_by_cells(positions, reach, pairs)

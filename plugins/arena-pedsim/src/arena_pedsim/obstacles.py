@@ -11,7 +11,7 @@ from arena_core import OCCUPIED, Obstacle, OccupancyGrid
 
 
 def with_obstacles(grid: OccupancyGrid, obstacles: Sequence[Obstacle]) -> OccupancyGrid:
-    """Return the grid with every cell occupied whose centre an obstacle covers, or through which its outline runs; the grid itself without obstacles."""
+    """Return the grid with every cell occupied that an obstacle covers or its outline runs through; without obstacles the grid itself."""
     if not obstacles:
         return grid
     data = np.array(grid.data)
@@ -30,7 +30,7 @@ def _covered(grid: OccupancyGrid, obstacle: Obstacle) -> NDArray[np.int64]:
     cells = np.stack(np.meshgrid(*(np.arange(*ends) for ends in zip(first, last, strict=True)), indexing="ij"), axis=-1).reshape(-1, 2)
     centres = grid.positions(cells)
     inside = _in_disc(centres, obstacle) if obstacle.radius > 0.0 else _in_polygon(centres, obstacle.vertices_xy)
-    return cells[inside]  # type: ignore[no-any-return]
+    return cells[inside]
 
 
 def _in_disc(points: NDArray[np.float64], disc: Obstacle) -> NDArray[np.bool_]:
@@ -47,10 +47,10 @@ def _in_polygon(points: NDArray[np.float64], vertices: NDArray[np.float64]) -> N
 
 
 def _outline(obstacle: Obstacle, spacing: float) -> NDArray[np.float64]:
-    """Return points on a polygon's outline, no farther apart than ``spacing``; a disc has its centre, so that none is lost between cells."""
+    """Return points on a polygon's outline, no farther apart than ``spacing``, or a disc's centre: so no obstacle is lost between cells."""
     if obstacle.radius > 0.0:
         return obstacle.vertices_xy
     starts, ends = obstacle.vertices_xy, np.roll(obstacle.vertices_xy, -1, axis=0)
     steps = int(np.ceil(np.hypot(*(ends - starts).T).max() / spacing)) + 1
     share = np.linspace(0.0, 1.0, steps)[:, None, None]
-    return (starts + share * (ends - starts)).reshape(-1, 2)  # type: ignore[no-any-return]
+    return (starts + share * (ends - starts)).reshape(-1, 2)

@@ -13,12 +13,17 @@ from arena_core import Fraction, NonNegative, Positive
 
 @dataclass(frozen=True, slots=True)
 class ForceFactors:
-    """Weights of the four accelerations; ``force_factor_*`` of a person's behaviour overrides them."""
+    """Weights of the four accelerations; ``force_factor_*`` of a person's behaviour overrides them.
+
+    Repulsions were measured on people of ``reference_speed`` (m/s): others feel them in proportion to their own greatest speed, or
+    else slow people, whose drive is weak, could not pass anybody. None: everybody feels the same.
+    """
 
     desired: NonNegative
     social: NonNegative
     obstacle: NonNegative
     robot: NonNegative
+    reference_speed: Positive | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,9 +76,9 @@ CODES = {"ignore": 0, "yield": 1, "exponential": 0, "inverse": 1, "straight": 0,
 
 def parameter_record(reaction: str, relaxation_time: float, longest_step: float, **groups: Any) -> NDArray[np.void]:
     """Flatten the groups to one record (shape (1,)) with fields such as ``social_gamma``; words become their CODES."""
-    values = {"reaction": reaction, "relaxation_time": relaxation_time, "longest_step": longest_step}
+    values: dict[str, Any] = {"reaction": reaction, "relaxation_time": relaxation_time, "longest_step": longest_step}
     for name, group in groups.items():
         values.update({f"{name}_{field.name}": getattr(group, field.name) for field in fields(group)})
-    row = tuple(CODES[value] if isinstance(value, str) else float(value) for value in values.values())
+    row = tuple(CODES[value] if isinstance(value, str) else value for value in values.values())
     dtype = [(key, np.int64 if isinstance(value, str) else np.float64) for key, value in values.items()]
     return np.array([row], dtype=dtype)

@@ -38,12 +38,13 @@ PERSON = np.dtype(
 
 def remember(spec: PedestrianSpec, factors: ForceFactors) -> np.void:
     """Return the memory of somebody who is about to start; raise ConfigurationError for an impossible force factor."""
-    person = np.zeros(1, PERSON)[0]
+    person: np.void = np.zeros(1, PERSON)[0]
     person["max_speed"] = spec.max_speed
+    share = 1.0 if factors.reference_speed is None else spec.max_speed / factors.reference_speed
     person["factor_desired"] = _factor(spec, "force_factor_desired", factors.desired)
-    person["factor_social"] = _factor(spec, "force_factor_social", factors.social)
-    person["factor_obstacle"] = _factor(spec, "force_factor_obstacle", factors.obstacle)
-    person["factor_robot"] = _factor(spec, "force_factor_robot", factors.robot)
+    person["factor_social"] = share * _factor(spec, "force_factor_social", factors.social)
+    person["factor_obstacle"] = share * _factor(spec, "force_factor_obstacle", factors.obstacle)
+    person["factor_robot"] = share * _factor(spec, "force_factor_robot", factors.robot)
     person["goal_x"], person["goal_y"] = person["anchor_x"], person["anchor_y"] = spec.position_xy
     person["waypoints"] = len(spec.waypoints_xy)
     person["waypoint"] = -1

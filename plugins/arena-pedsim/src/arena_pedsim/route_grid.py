@@ -15,7 +15,7 @@ from arena_pedsim.compiled import compiled
 
 
 class Rooms(NamedTuple):
-    """One map in coarse cells of ``factor`` x ``factor`` of its own: ``room`` (h, w) m, and ``place`` (h, w), the flat map cell that has it."""
+    """A map in coarse cells of ``factor`` x ``factor`` of its own: ``room`` (h, w) m, ``place`` (h, w) the flat map cell that has it."""
 
     room: NDArray[np.float32]
     place: NDArray[np.int32]
