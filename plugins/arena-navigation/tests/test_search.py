@@ -1,5 +1,6 @@
 import gzip
 import math
+from itertools import pairwise
 from pathlib import Path as File
 
 import numpy as np
@@ -51,7 +52,7 @@ def way_cost(costs: Costs, way: NDArray[np.int64]) -> float:
     """The cost of a way, which must consist of legal moves."""
     allowed = {(a, b): w for a, b, w in legal_moves(costs)}
     numbers = way[:, 0] * costs.shape[1] + way[:, 1]
-    return sum(allowed[int(a), int(b)] for a, b in zip(numbers[:-1], numbers[1:], strict=True))
+    return sum(allowed[int(a), int(b)] for a, b in pairwise(numbers))
 
 
 @settings(derandomize=True, deadline=None, max_examples=60)

@@ -1,4 +1,5 @@
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -24,7 +25,7 @@ def random_costs(seed: int, share: float = 0.2) -> Costs:
 
 def sampled(points: Points, number: int = 400) -> Points:
     share = (np.arange(number) + 0.5)[:, None] / number
-    return np.concatenate([a + share * (b - a) for a, b in zip(points[:-1], points[1:], strict=True)])
+    return np.concatenate([a + share * (b - a) for a, b in pairwise(points)])
 
 
 def cell_costs(costs: Costs, positions: Points) -> Costs:
@@ -87,7 +88,7 @@ def test_straight_lines_cost_no_more_than_the_cells_they_replace(seed: int) -> N
         return
 
     def cost(path: Points) -> float:
-        return sum(line_cost(costs, WEIGHTS, *a, *b) for a, b in zip(path[:-1], path[1:], strict=True))
+        return sum(line_cost(costs, WEIGHTS, *a, *b) for a, b in pairwise(path))
 
     assert cost(refine(costs, WEIGHTS, points, 0, 2.0, 0)) <= cost(points) * (1.0 + 1e-6)
 

@@ -117,17 +117,21 @@ def _seen_through(dx: float, dy: float, radius: float, beams: Beams, clearing: f
 
 @njit(cache=True)
 def _mark(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: Beams, reach: Reach) -> None:
-    """Note the stamp in every cell that a beam ends in."""
+    """Note the stamp in the cell behind every beam's end.
+
+    A beam ends on a surface, which often is the very edge of a cell: half a cell farther lies what it belongs to.
+    """
     farthest = min(reach.marking, beams.range_max)
     for beam in range(len(beams.ranges)):
         distance = beams.ranges[beam]
         if not beams.range_min <= distance <= farthest:
             continue
         angle = beams.sensor[2] + beams.angle_min + beam * beams.angle_increment
-        x = beams.sensor[0] + distance * math.cos(angle)
-        y = beams.sensor[1] + distance * math.sin(angle)
-        if math.hypot(x - beams.robot[0], y - beams.robot[1]) < reach.body:
+        c, s = math.cos(angle), math.sin(angle)
+        if math.hypot(beams.sensor[0] + distance * c - beams.robot[0], beams.sensor[1] + distance * s - beams.robot[1]) < reach.body:
             continue
+        x = beams.sensor[0] + (distance + 0.5 * resolution) * c
+        y = beams.sensor[1] + (distance + 0.5 * resolution) * s
         row, column = math.floor(y / resolution) - row0, math.floor(x / resolution) - column0
         if 0 <= row < hit_at.shape[0] and 0 <= column < hit_at.shape[1]:
             hit_at[row, column] = beams.stamp

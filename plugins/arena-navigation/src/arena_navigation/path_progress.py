@@ -45,7 +45,8 @@ def follow(progress: Progress, k: int, path: FloatArray, robot: FloatArray, stam
         progress.paths[k, 0], progress.paths[k, 1], progress.paths[k, 2] = len(path), sum_x, sum_y
         progress.place[k], progress.travelled[k] = 0, 0.0
         progress.advance[k], progress.since[k] = -math.inf, stamp
-    _move_to_nearest(progress, k, path, robot, _LOOK_AHEAD if same else math.inf)
+    joins_later = not same and distance(path, 0, robot) > _LOOK_AHEAD
+    _move_to_nearest(progress, k, path, robot, math.inf if joins_later else _LOOK_AHEAD)
     return not same
 
 
@@ -72,11 +73,14 @@ def distance(path: FloatArray, i: int, robot: FloatArray) -> float:
 
 @njit(cache=True)
 def in_time(progress: Progress, k: int, path: FloatArray, robot: FloatArray, stamp: float, t_lim: float, min_progress: float) -> bool:
-    """Tell whether robot k has come ``min_progress`` m farther along its path (less its distance beside it) within ``t_lim`` s.
+    """Tell whether robot k has come ``min_progress`` m farther along its path, or nearer to it, within ``t_lim`` s.
 
     After False the clock starts anew: a path that is kept is not complained about at every step.
     """
-    advance = progress.travelled[k] - distance(path, progress.place[k], robot)
+    place = progress.place[k]
+    dx, dy = robot[0] - path[place, 0], robot[1] - path[place, 1]
+    along, beside = _rotated(dx, dy, path[place, 2])
+    advance = progress.travelled[k] + along - abs(beside)
     late = stamp - progress.since[k] >= t_lim - 1e-9
     if advance >= progress.advance[k] + min_progress:
         progress.advance[k], progress.since[k] = advance, stamp
@@ -84,3 +88,10 @@ def in_time(progress: Progress, k: int, path: FloatArray, robot: FloatArray, sta
     if late:
         progress.since[k] = stamp
     return not late
+
+
+@njit(cache=True)
+def _rotated(x: float, y: float, heading: float) -> tuple[float, float]:
+    """Return the components of (x, y) along ``heading`` and to its left."""
+    c, s = math.cos(heading), math.sin(heading)
+    return c * x + s * y, c * y - s * x

@@ -128,7 +128,7 @@ def _every(
     for k in range(len(robots)):
         path = packed[offsets[k] : offsets[k + 1]]
         if follow(progress, k, path, robots[k], stamps[k]):
-            current[k] = _further(path, progress.place[k], spacing)
+            current[k] = _further(path, 0, spacing)
         end = len(path) - 1
         while current[k] < end and (current[k] <= progress.place[k] or distance(path, current[k], robots[k]) <= reached_within):
             current[k] = _further(path, current[k], spacing)
