@@ -105,12 +105,13 @@ def _begin(
     inverse_x, inverse_y = abs(directions[2, i]), abs(directions[3, i])
     base = stack.reach_offsets[g] + (np.int64(left) + 2 * np.int64(down)) * (rows + 1) * (columns + 1)
     ray = (base, x, y, dx, dy, inverse_x, inverse_y)
-    if 0.0 <= x < columns and 0.0 <= y < rows:
-        return ray, 0.0, np.int64(x), np.int64(y)
+    if 0.0 <= u < columns and 0.0 <= v < rows:
+        column, row = np.int64(u), np.int64(v)
+        return ray, 0.0, (columns - 1 - column if left else column), (rows - 1 - row if down else row)
     t = max(-x * inverse_x if x < 0.0 else 0.0, -y * inverse_y if y < 0.0 else 0.0)
-    column = max(x + t * dx, 0.0) if t < np.inf else np.inf
-    row = max(y + t * dy, 0.0) if t < np.inf else np.inf
-    return ray, t, np.int64(min(column, columns)), np.int64(min(row, rows))
+    enter_x = max(x + t * dx, 0.0) if t < np.inf else np.inf
+    enter_y = max(y + t * dy, 0.0) if t < np.inf else np.inf
+    return ray, t, np.int64(min(enter_x, columns)), np.int64(min(enter_y, rows))
 
 
 @borrowing
@@ -221,7 +222,7 @@ def cast_segments(x: float, y: float, theta: float, beams: Beams, segments: NDAr
                 cross = beams.cosines[i] * qy - beams.sines[i] * qx
                 if cross == 0.0:
                     continue
-                share = (px * beams.sines[i] - py * beams.cosines[i]) / -cross
+                share = (px * beams.sines[i] - py * beams.cosines[i]) / cross
                 if -1e-9 <= share <= 1.0 + 1e-9:  # neighbouring edges overlap by this much, so no beam slips through a corner
                     _shorten(ranges, i, (px * qy - py * qx) / cross, beams.range_max)
 
