@@ -36,7 +36,8 @@ def sum_forces(
 
     ``headings`` (P, 4) gets the gap between body and walls in its last column.
     """
-    forces[:] = 0.0
+    for i in range(len(forces)):
+        forces[i, 0], forces[i, 1] = 0.0, 0.0
     rear = parameters.social_rear_weight
     for pair in range(found):
         i, j = pairs[pair, 0], pairs[pair, 1]

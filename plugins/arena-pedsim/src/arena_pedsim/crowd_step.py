@@ -37,12 +37,11 @@ def step_crowds(
     robot_radius: float,
     dt: float,
     parameters: NDArray[np.void],
-) -> tuple[Floats, Floats, NDArray[np.int8], int]:
-    """Return positions (N, P, 2), velocities (N, P, 2) and states (N, P) after ``dt`` s, and how many people wish for a route.
+) -> int:
+    """Move everybody by ``dt`` s, in place; return how many people wish for a route.
 
     ``people`` (N, P) and ``corners`` (N, P, C, 2) are the model's memory, ``grids`` (N,) says which of the stack's each world uses.
     """
-    new_positions, new_velocities, new_states = positions.copy(), velocities.copy(), states.copy()
     slots = positions.shape[1]
     headings, forces = np.empty((slots, 4)), np.empty((slots, 2))
     small = min(slots, CELLS_FROM)
@@ -57,10 +56,10 @@ def step_crowds(
         ground = ground_of(stack, grids[world])
         for _ in range(substeps):
             pairs = _step_crowd(
-                new_positions[world, :n],
-                new_velocities[world, :n],
+                positions[world, :n],
+                velocities[world, :n],
                 radii[world, :n],
-                new_states[world, :n],
+                states[world, :n],
                 people[world],
                 corners[world],
                 ground,
@@ -73,7 +72,7 @@ def step_crowds(
             )
         for i in range(n):
             wishes += people[world, i].wish != NOTHING
-    return new_positions, new_velocities, new_states, wishes
+    return wishes
 
 
 @compiled

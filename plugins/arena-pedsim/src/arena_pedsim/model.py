@@ -60,12 +60,13 @@ class SocialForceModel(PedestrianModel):
     def step(self, crowd: Crowd, robots: RobotBatch, ticks: NDArray[np.int64], dt: float) -> Crowd:
         """Return the crowd ``dt`` seconds later; with ``reaction: ignore`` nothing of ``robots`` is read."""
         population, terrain = self._population, self._terrain
-        positions, velocities, states, wishes = step_crowds(
+        positions, velocities, states = crowd.positions.copy(), crowd.velocities.copy(), crowd.states.copy()
+        wishes = step_crowds(
             crowd.counts,
-            crowd.positions,
-            crowd.velocities,
+            positions,
+            velocities,
             crowd.radii,
-            crowd.states,
+            states,
             population.people,
             population.corners,
             terrain.index,

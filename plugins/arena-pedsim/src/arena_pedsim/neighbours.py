@@ -43,11 +43,12 @@ def all_pairs(positions: NDArray[np.float64], reach: float, pairs: NDArray[np.in
 @compiled
 def pairs_by_cells(positions: NDArray[np.float64], reach: float, pairs: NDArray[np.int32]) -> tuple[NDArray[np.int32], int]:
     """Test only people in the same or a neighbouring square cell of side ``reach`` (or more, where people are scattered widely)."""
-    low_x, low_y = positions[:, 0].min(), positions[:, 1].min()
-    extent = max(positions[:, 0].max() - low_x, positions[:, 1].max() - low_y)
+    low_x, low_y, extent = _box(positions)
     side = max(reach, extent / (_CELLS_A_SIDE - 1))
     width = int(extent / side) + 3  # a rim of empty cells on each side
-    newest = np.full(width * width, -1, np.int32)
+    newest = np.empty(width * width, np.int32)
+    for cell in range(len(newest)):
+        newest[cell] = -1
     older = np.empty(len(positions), np.int32)
     found = 0
     for later in range(len(positions)):
@@ -56,16 +57,26 @@ def pairs_by_cells(positions: NDArray[np.float64], reach: float, pairs: NDArray[
         first = found
         for row in range(-width, width + 1, width):
             for cell in range(home + row - 1, home + row + 2):
-                earlier = newest[cell]
+                earlier = np.int64(newest[cell])
                 while earlier >= 0:
                     dx, dy = x - positions[earlier, 0], y - positions[earlier, 1]
                     if dx * dx + dy * dy < reach * reach:
                         pairs = _room(pairs, found + 1)
                         found = _insert(pairs, first, found, earlier, later)
-                    earlier = older[earlier]
+                    earlier = np.int64(older[earlier])
         older[later] = newest[home]
         newest[home] = later
     return pairs, found
+
+
+@compiled
+def _box(positions: NDArray[np.float64]) -> tuple[float, float, float]:
+    """Return the lower left corner of a square around all positions, and its side."""
+    low_x, low_y, high_x, high_y = np.inf, np.inf, -np.inf, -np.inf
+    for i in range(len(positions)):
+        low_x, high_x = min(low_x, positions[i, 0]), max(high_x, positions[i, 0])
+        low_y, high_y = min(low_y, positions[i, 1]), max(high_y, positions[i, 1])
+    return low_x, low_y, max(high_x - low_x, high_y - low_y)
 
 
 @compiled
@@ -84,5 +95,6 @@ def _room(pairs: NDArray[np.int32], wanted: int) -> NDArray[np.int32]:
     if wanted <= len(pairs):
         return pairs
     grown = np.empty((2 * wanted, 2), np.int32)
-    grown[: len(pairs)] = pairs
+    for pair in range(len(pairs)):  # as a slice this takes seconds to compile
+        grown[pair, 0], grown[pair, 1] = pairs[pair, 0], pairs[pair, 1]
     return grown

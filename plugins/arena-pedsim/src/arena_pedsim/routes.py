@@ -69,14 +69,16 @@ def find_corners(
 
     ``corners`` (C, 2) bounds their number: the way then ends at the last one.
     """
-    heads = np.full(_BUCKETS, -1, np.int32)
+    heads = np.empty(_BUCKETS, np.int32)
+    for bucket in range(_BUCKETS):
+        heads[bucket] = -1
     if not _search(rooms.room, goal[2], start[2], radius, nodes, heads):
         return -1
     found, cell = 0, start[2]
     from_x, from_y = start[0], start[1]
     last_x, last_y = place_of(ground, rooms, cell)
     while cell != goal[2]:
-        cell = nodes[cell, PARENT]
+        cell = np.int64(nodes[cell, PARENT])
         next_x, next_y = place_of(ground, rooms, cell)
         if cell == goal[2]:
             next_x, next_y = goal[0], goal[1]
@@ -106,7 +108,7 @@ def _search(room: NDArray[np.float32], start: int, goal: int, radius: float, nod
     _push(nodes, heads, start, level)
     queued = 1
     while queued > 0:
-        cell = heads[level % _BUCKETS]
+        cell = np.int64(heads[level % _BUCKETS])
         if cell < 0:
             level += 1
             continue

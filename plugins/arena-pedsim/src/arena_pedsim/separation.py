@@ -28,7 +28,8 @@ def push_apart(
             continue
         if not touching:
             touching = True
-            pushes[:] = 0.0
+            for k in range(len(pushes)):
+                pushes[k, 0], pushes[k, 1] = 0.0, 0.0
         separation = sqrt(squared)
         ux, uy = (dx / separation, dy / separation) if separation > 0.0 else (1.0, 0.0)
         half = 0.5 * (reach - separation)
