@@ -7,6 +7,7 @@ import platform
 import subprocess
 import sys
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
 from importlib.metadata import distributions
@@ -70,13 +71,20 @@ def run_all(requests: Sequence[RunRequest]) -> int:
             for row in executor.map(work, jobs):
                 by_folder[row["folder"]].take({k: v for k, v in row.items() if k != "folder"})
                 progress.add(row)
-    except RunFolderError as error:
+        _write_all(runs)
+    except BaseException as error:
+        with suppress(RunFolderError):  # where there is no room for a table either, the records are still there
+            _write_all(runs)
+        if not isinstance(error, RunFolderError):
+            raise
         raise RunStopped(f"{error}; finished episodes are kept, resume=true hydra.run.dir=DIR continues") from error
-    finally:
-        for run in runs:
-            run.write()
     _finish(runs, registry)
     return int(any(row["outcome"] == "error" for run in runs for row in run.rows.values()))
+
+
+def _write_all(runs: Iterable[_Run]) -> None:
+    for run in runs:
+        run.write()
 
 
 def work(job: Job) -> dict[str, Any]:
