@@ -1,0 +1,102 @@
+import json
+from pathlib import Path
+
+import pytest
+
+SWEEP = (
+    *("-m", "planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=8", "world.height=8", "task.pedestrians=0"),
+    *("localizer=ground_truth", "executor=serial", "report=false", "hydra.sweep.dir=sweep", "episodes=1"),
+)
+
+
+def provenance(job):
+    return json.loads(Path(f"sweep/{job}/provenance.json").read_text())
+
+
+def test_every_job_of_a_multirun_has_a_folder_of_its_own(arena):
+    answer = arena("run", *SWEEP, "planner.gain=1,2", "robot=jackal,robotino")
+    assert (answer.status, answer.errors) == (0, [])
+    jobs = [(provenance(k)["config"]["planner"]["gain"], provenance(k)["config"]["robot"]["name"]) for k in range(4)]
+    assert sorted(jobs) == [(1, "jackal"), (1, "robotino"), (2, "jackal"), (2, "robotino")]
+    assert len({provenance(k)["config_hash"] for k in range(4)}) == 4
+    for job in range(4):
+        assert Path(f"sweep/{job}/records/0000.npz").exists()
+        assert Path(f"sweep/{job}/.hydra/config.yaml").exists()
+
+
+def test_all_episodes_of_a_multirun_go_through_one_executor(third_party, arena):
+    third_party.package("counting", COUNTING, {"executor/counting": "name: counting\n"})
+    answer = arena("run", *SWEEP, "executor=counting", "planner.gain=1,2,3", "episodes=2")
+    assert answer.status == 0
+    assert answer.out.splitlines()[0] == "jobs: 0/0 0/1 1/0 1/1 2/0 2/1"
+
+
+COUNTING = """
+    from pathlib import Path
+
+    from arena_core import Executor, hookimpl
+
+    class Counting(Executor):
+        def map(self, work, jobs):
+            print("jobs:", *(f"{Path(job.folder).name}/{job.episode}" for job in jobs))
+            return map(work, jobs)
+
+    @hookimpl
+    def register_executors(register):
+        register("counting", Counting)
+
+    @hookimpl
+    def config_package():
+        return "counting.conf"
+"""
+
+
+@pytest.mark.parametrize(
+    ("sweep", "message"),
+    [
+        ("planner.gain=1,-1", "arena: planner.gain is -1; allowed: > 0"),
+        ("planner=pure_pursuit,dwaa", "arena: unknown planner 'dwaa'"),
+    ],
+)
+def test_one_wrong_job_stops_the_sweep_before_anything_runs(arena, sweep, message):
+    answer = arena("run", *SWEEP, sweep)
+    assert answer.status == 2
+    assert answer.line.startswith(message)
+    assert not list(Path().rglob("records"))
+
+
+def test_one_failed_episode_is_the_status_of_the_sweep(third_party, arena):
+    third_party.package("moody", MOODY, {"planner/moody": "name: moody\nbad: 0.0\n"})
+    answer = arena("run", *SWEEP, "planner=moody", "planner.bad=0.0,1.0")
+    assert (answer.status, answer.errors) == (1, ["episode 0 failed: ValueError: in a bad mood"])
+    assert all(Path(f"sweep/{job}/episodes.csv").exists() for job in range(2))
+
+
+MOODY = """
+    from arena_core import Planner, Robot, Twist, hookimpl
+
+    class Moody(Planner):
+        def __init__(self, robot: Robot, bad: float) -> None:
+            self.bad = bad
+
+        def compute_velocity(self, observation):
+            if self.bad:
+                raise ValueError("in a bad mood")
+            target = observation.pose.relative(observation.waypoint)
+            return Twist(0.5, 0.0, 2.0 * target.y)
+
+    @hookimpl
+    def register_planners(register):
+        register("moody", Moody)
+
+    @hookimpl
+    def config_package():
+        return "moody.conf"
+"""
+
+
+def test_a_swept_folder_that_cannot_be_made_is_named(arena):
+    Path("file").write_text("")
+    answer = arena("run", *SWEEP, "hydra.sweep.dir=file/sweep")
+    assert answer.status == 2
+    assert answer.line.startswith("arena: cannot use the run's folder file/sweep")
