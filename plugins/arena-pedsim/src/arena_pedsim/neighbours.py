@@ -57,13 +57,13 @@ def pairs_by_cells(positions: NDArray[np.float64], reach: float, pairs: NDArray[
         first = found
         for row in range(-width, width + 1, width):
             for cell in range(home + row - 1, home + row + 2):
-                earlier = np.int64(newest[cell])
+                earlier = int(newest[cell])
                 while earlier >= 0:
                     dx, dy = x - positions[earlier, 0], y - positions[earlier, 1]
                     if dx * dx + dy * dy < reach * reach:
                         pairs = _room(pairs, found + 1)
                         found = _insert(pairs, first, found, earlier, later)
-                    earlier = np.int64(older[earlier])
+                    earlier = int(older[earlier])
         older[later] = newest[home]
         newest[home] = later
     return pairs, found

@@ -78,7 +78,7 @@ def find_corners(
     from_x, from_y = start[0], start[1]
     last_x, last_y = place_of(ground, rooms, cell)
     while cell != goal[2]:
-        cell = np.int64(nodes[cell, PARENT])
+        cell = int(nodes[cell, PARENT])
         next_x, next_y = place_of(ground, rooms, cell)
         if cell == goal[2]:
             next_x, next_y = goal[0], goal[1]
@@ -108,7 +108,7 @@ def _search(room: NDArray[np.float32], start: int, goal: int, radius: float, nod
     _push(nodes, heads, start, level)
     queued = 1
     while queued > 0:
-        cell = np.int64(heads[level % _BUCKETS])
+        cell = int(heads[level % _BUCKETS])
         if cell < 0:
             level += 1
             continue
