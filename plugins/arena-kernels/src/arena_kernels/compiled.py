@@ -1,21 +1,25 @@
-"""How kernels are compiled."""
+"""How kernels are compiled, and when they are compiled anew."""
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
 from typing import Any, TypeVar
 
 from numba import njit
+from numba.core.caching import FunctionCache
 
 Kernel = TypeVar("Kernel", bound=Callable[..., Any])
 
 
 def compiled(kernel: Kernel) -> Kernel:
-    """Compile a kernel.
+    """Compile a kernel when it is first called, and keep it on disk.
 
     A division that cannot raise lets the compiler drop much of the reference counting of array arguments.
     """
-    return njit(cache=True, error_model="numpy")(kernel)  # type: ignore[return-value]
+    return _kept(njit(error_model="numpy")(kernel), kernel)
 
 
 def borrowing(kernel: Kernel) -> Kernel:
@@ -24,4 +28,27 @@ def borrowing(kernel: Kernel) -> Kernel:
     Counting is atomic, and was most of the time of short kernels that take whole named tuples of arrays. numba refuses to compile
     an allocation here.
     """
-    return njit(cache=True, error_model="numpy", _nrt=False)(kernel)  # type: ignore[call-overload, no-any-return]
+    return _kept(njit(error_model="numpy", _nrt=False)(kernel), kernel)  # type: ignore[call-overload]
+
+
+def _kept(dispatcher: Any, kernel: Kernel) -> Kernel:
+    dispatcher._cache = _KernelCache(kernel)
+    return dispatcher  # type: ignore[no-any-return]
+
+
+class _KernelCache(FunctionCache):
+    """numba's cache on disk, good for as long as neither the kernel's package nor this one changes.
+
+    numba looks at the kernel's own file only; a changed kernel in another file would go on being called as it was.
+    """
+
+    def __init__(self, kernel: Callable[..., Any]) -> None:
+        super().__init__(kernel)  # type: ignore[no-untyped-call]
+        self._cache_file._source_stamp = (_stamp(Path(inspect.getfile(kernel)).parent), _stamp(Path(__file__).parent))
+
+
+@lru_cache
+def _stamp(folder: Path) -> tuple[tuple[str, int, int], ...]:
+    """Return name, time of change and size of every module in a folder."""
+    files = ((path.name, path.stat()) for path in sorted(folder.glob("*.py")))
+    return tuple((name, status.st_mtime_ns, status.st_size) for name, status in files)

@@ -1,0 +1,103 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from arena_core import Pose
+from arena_core.testing import robot, scenario
+from arena_sim2d.bodies import chassis
+from arena_sim2d.motion import drive, next_velocity
+
+DT = 0.01
+speed = st.floats(-1e3, 1e3)
+commands = st.lists(st.tuples(speed, speed, speed), min_size=1, max_size=40)
+
+
+def follow(kinematics, commands):
+    """Return the velocities that a robot takes under commands, one a tick, starting at rest; (K + 1, 3)."""
+    body = chassis(robot(kinematics))
+    velocities = [np.zeros(3)]
+    for command in commands:
+        velocities.append(np.array(next_velocity(body, velocities[-1], np.array(command), DT)))
+    return np.array(velocities)
+
+
+@pytest.mark.parametrize("kinematics", ["differential", "omnidirectional", "ackermann"])
+@given(commands=commands)
+@settings(derandomize=True, deadline=None)
+def test_speeds_stay_within_the_limits_whatever_is_commanded(kinematics, commands):
+    limits = robot(kinematics).limits
+    vx, vy, wz = follow(kinematics, commands).T
+    assert limits.vx_min <= vx.min()
+    assert vx.max() <= limits.vx_max
+    assert np.abs(vy).max() <= limits.vy_max
+    assert np.abs(wz).max() <= limits.wz_max
+
+
+@pytest.mark.parametrize("kinematics", ["differential", "omnidirectional"])
+@given(commands=commands)
+@settings(derandomize=True, deadline=None)
+def test_accelerations_stay_within_the_limits_whatever_is_commanded(kinematics, commands):
+    limits = robot(kinematics).limits
+    ax, ay, alpha = np.abs(np.diff(follow(kinematics, commands), axis=0)).max(axis=0) / DT
+    assert ax <= limits.ax_max + 1e-9
+    assert ay <= limits.ay_max + 1e-9
+    assert alpha <= limits.alpha_max + 1e-9
+
+
+@given(commands=commands)
+@settings(derandomize=True, deadline=None)
+def test_car_never_turns_tighter_than_its_steering_allows(commands):
+    body = robot("ackermann")
+    velocities = follow("ackermann", commands)
+    radius = body.wheelbase / np.tan(body.steering_max)
+    assert (np.abs(velocities[:, 0]) >= radius * np.abs(velocities[:, 2]) - 1e-12).all()
+    assert np.abs(np.diff(velocities[:, 0])).max() <= body.limits.ax_max * DT + 1e-12
+
+
+def test_car_gathers_turn_rate_within_its_angular_acceleration():
+    velocities = follow("ackermann", [(1.0, 0.0, 2.0)] * 100)
+    assert np.diff(velocities[:, 2]).max() <= robot("ackermann").limits.alpha_max * DT + 1e-12
+    assert velocities[-1, 2] == pytest.approx(2.0)
+
+
+def test_car_does_not_turn_on_the_spot():
+    assert not follow("ackermann", [(0.0, 0.0, 2.0)] * 10).any()
+
+
+def test_car_keeps_the_commanded_curvature_while_it_speeds_up():
+    velocities = follow("ackermann", [(1.0, 0.0, 0.5)] * 30)[1:]
+    np.testing.assert_allclose(velocities[:, 2], 0.5 * velocities[:, 0])
+
+
+@given(st.tuples(*[st.floats(-3.0, 3.0)] * 3), st.floats(1e-3, 0.5))
+@settings(derandomize=True, deadline=None)
+def test_arc_is_that_of_many_small_steps(velocity, seconds):
+    x, y, theta = 1.0, 2.0, 0.5
+    count = 2000
+    h = seconds / count
+    for _ in range(count):
+        middle = theta + velocity[2] * h / 2
+        x += h * (np.cos(middle) * velocity[0] - np.sin(middle) * velocity[1])
+        y += h * (np.sin(middle) * velocity[0] + np.cos(middle) * velocity[1])
+        theta += velocity[2] * h
+    pose = drive((1.0, 2.0, 0.5), velocity, seconds)
+    assert pose[:2] == pytest.approx((x, y), abs=1e-6)
+    assert pose[2] == pytest.approx((theta + np.pi) % (2 * np.pi) - np.pi, abs=1e-9)
+
+
+def test_tiny_turn_joins_the_straight_line_smoothly():
+    near, far = (drive((0.0, 0.0, 0.0), (1.0, 0.5, turn), 1.0) for turn in (0.99999e-4, 1.00001e-4))
+    assert near[:2] == pytest.approx(far[:2], abs=3e-9)
+
+
+def test_commands_are_held_for_the_whole_advance(simulate):
+    one, many = simulate(robot()), simulate(robot())
+    one.reset([scenario(start=Pose(-1.5, 0.0, 0.3))])
+    many.reset([scenario(start=Pose(-1.5, 0.0, 0.3))])
+    command = np.array([[0.8, 0.0, 0.5]])
+    together = one.advance(command, 30)
+    for _ in range(30):
+        apart = many.advance(command, 1)
+    assert together.poses.tolist() == apart.poses.tolist()
+    assert together.stamps[0] == pytest.approx(0.3)
