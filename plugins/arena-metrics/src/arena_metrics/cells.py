@@ -1,0 +1,142 @@
+"""Cells: episodes of one composed configuration, named by what differs between the cells shown."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from arena_metrics.runs import Episode
+
+FACTORS = {  # columns that tell cells apart, in the order in which a reader wants them
+    "preset": "planner",
+    "robot": "robot",
+    "world": "world",
+    "n_pedestrians": "people",
+    "reaction": "reaction",
+    "pedestrian_model": "people model",
+    "task": "task",
+    "simulator": "simulator",
+    "localizer": "localiser",
+    "timing": "timing",
+}
+VARIANT = "variant"
+NOT_SHOWN = ("choices", "seed", "episodes", "executor", "resume", "report", "metrics", "experiment")
+NAMED_KEYS = 3  # differing keys that a variant's name spells out
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cell:
+    """One cell: its hash, its episodes in order, its configuration, and its value of every factor."""
+
+    hash: str
+    episodes: Sequence[Episode]
+    config: Mapping[str, Any]
+    factors: Mapping[str, str]
+
+    def values(self, column: str) -> list[float]:
+        """Return a metric of every episode, NaN where it is not defined or was not computed."""
+        return [float(episode.row.get(column, float("nan"))) for episode in self.episodes]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cells:
+    """The cells that a report shows, sorted; ``varying`` are the factors that differ, ``common`` those that do not."""
+
+    cells: Sequence[Cell]
+    varying: Sequence[str]
+    common: Mapping[str, str]
+
+    def name(self, cell: Cell) -> str:
+        """Return what tells this cell from the others."""
+        return (
+            ", ".join(_spoken(factor, cell.factors[factor]) for factor in self.varying if cell.factors[factor]) or cell.factors["planner"]
+        )
+
+    def planner(self, cell: Cell) -> str:
+        """Return the planner with its variant."""
+        variant = cell.factors[VARIANT]
+        return f"{cell.factors['planner']} ({variant})" if variant else cell.factors["planner"]
+
+    def condition(self, cell: Cell, without: Sequence[str] = ()) -> str:
+        """Return what differs beyond the planner."""
+        factors = [f for f in self.varying if f not in ("planner", VARIANT, *without)]
+        return ", ".join(_spoken(factor, cell.factors[factor]) for factor in factors if cell.factors[factor])
+
+
+def _spoken(factor: str, value: str) -> str:
+    return f"{value} people" if factor == "people" else value
+
+
+def cells_of(episodes: Sequence[Episode]) -> Cells:
+    """Group episodes by their composed configuration and name the groups."""
+    groups: dict[str, list[Episode]] = {}
+    for episode in episodes:
+        groups.setdefault(episode.row["config_hash"], []).append(episode)
+    plain = [_cell(name, sorted(group, key=lambda e: (e.row["seed"], e.row["episode"]))) for name, group in groups.items()]
+    cells = sorted(_with_variants(plain), key=lambda cell: [_natural(cell.factors[f]) for f in _sort_order()])
+    varying = [f for f in [*FACTORS.values(), VARIANT] if len({cell.factors[f] for cell in cells}) > 1]
+    return Cells(cells, varying, {f: cells[0].factors[f] for f in FACTORS.values() if f not in varying and cells[0].factors[f]})
+
+
+def _sort_order() -> list[str]:
+    """Return conditions ahead of the planner, so that planners stand together under one condition."""
+    return [*(f for f in FACTORS.values() if f != "planner"), "planner", VARIANT]
+
+
+def _natural(text: str) -> tuple[int, float, str]:
+    """Return a key that sorts numbers by value, ahead of texts."""
+    start = text.split("–")[0]
+    return (0, float(start), text) if start.replace(".", "", 1).isdigit() else (1, 0.0, text)
+
+
+def _cell(name: str, episodes: Sequence[Episode]) -> Cell:
+    config = episodes[0].run.provenance.get("config", {})
+    factors = {title: next((e.row[column] for e in episodes if e.row[column]), "") for column, title in FACTORS.items()}
+    return Cell(name, episodes, config, {**factors, FACTORS["n_pedestrians"]: _people(episodes, config), VARIANT: ""})
+
+
+def _people(episodes: Sequence[Episode], config: Mapping[str, Any]) -> str:
+    """Return the number of people, the range where it varies; what was asked for where no episode got so far as to have any."""
+    counts = [e.row["n_pedestrians"] for e in episodes if e.row["n_pedestrians"] >= 0] or [config.get("task", {}).get("pedestrians")]
+    if not all(isinstance(count, int) for count in counts):
+        return ""
+    return str(counts[0]) if min(counts) == max(counts) else f"{min(counts)}–{max(counts)}"
+
+
+def _with_variants(cells: Sequence[Cell]) -> Iterator[Cell]:
+    """Name the configuration keys that differ between cells which are otherwise called alike."""
+    alike: dict[tuple[str, ...], list[Cell]] = {}
+    for cell in cells:
+        alike.setdefault(tuple(cell.factors.values()), []).append(cell)
+    for group in alike.values():
+        differing = differences([cell.config for cell in group]) if len(group) > 1 else {}
+        for i, cell in enumerate(group):
+            variant = ", ".join(f"{_short(key, differing)}={values[i]}" for key, values in list(differing.items())[:NAMED_KEYS])
+            more = len(differing) > NAMED_KEYS or (len(group) > 1 and not differing)
+            yield Cell(
+                cell.hash, cell.episodes, cell.config, {**cell.factors, VARIANT: f"{variant} {cell.hash[:4]}".strip() if more else variant}
+            )
+
+
+def _short(key: str, others: Mapping[str, Any]) -> str:
+    """Return the last part of a key where that is unique among the others."""
+    last = key.rpartition(".")[2]
+    return last if sum(other.rpartition(".")[2] == last for other in others) == 1 else key
+
+
+def differences(configs: Sequence[Mapping[str, Any]]) -> dict[str, list[str]]:
+    """Return every configuration key that is not the same in all, with its value in each ("–" where it is absent)."""
+    flat = [dict(_flattened({k: v for k, v in config.items() if k not in NOT_SHOWN})) for config in configs]
+    keys = dict.fromkeys(key for config in flat for key in config)
+    table = {key: [config.get(key, "–") for config in flat] for key in keys}
+    return {key: values for key, values in table.items() if len(set(values)) > 1}
+
+
+def _flattened(node: Any, prefix: str = "") -> Iterator[tuple[str, str]]:
+    if isinstance(node, Mapping):
+        for key, value in node.items():
+            yield from _flattened(value, f"{prefix}{key}.")
+    else:
+        yield prefix.rstrip("."), node if isinstance(node, str) else json.dumps(node)

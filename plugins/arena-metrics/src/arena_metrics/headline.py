@@ -1,0 +1,204 @@
+"""What the first screen shows: sentences that answer, and the headline table with its bars and interval strips."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+
+import numpy as np
+
+from arena_metrics.cells import Cell, Cells
+from arena_metrics.intervals import Estimate, estimate
+from arena_metrics.runs import Column, Row
+from arena_metrics.summary import Over, Summary
+from arena_metrics.tables import decimals, headline_columns, interval_text, mean_text, unit_text
+
+OUTCOMES = {  # how an episode ended, in words, with the colour of its bar
+    "clean": ("success, no collision", "#0072B2"),
+    "success": ("success, one collision", "#7FB8DA"),
+    "reached": ("goal reached, too many collisions", "#E69F00"),
+    "collision": ("stopped at a collision", "#D55E00"),
+    "false_arrival": ("false arrival", "#B07AA1"),
+    "time_out": ("time-out", "#A6A6A6"),
+    "error": ("error", "#222222"),
+}
+SPOKEN = 6  # planners that the answering sentence names
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """One figure of the headline table: texts, and positions on the column's scale in percent (None where there is none)."""
+
+    mean: str
+    interval: str
+    n: int
+    at: float | None
+    low: float | None
+    high: float | None
+    best: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Segment:
+    """One part of an outcome bar."""
+
+    label: str
+    colour: str
+    share: float
+    count: int
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """One cell's row of the headline table."""
+
+    name: str
+    n: int
+    outcomes: Sequence[Segment]
+    figures: Sequence[Figure]
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """The rows of one condition."""
+
+    condition: str
+    lines: Sequence[Line]
+
+
+@dataclass(frozen=True, slots=True)
+class Heading:
+    """A column of the headline table."""
+
+    title: str
+    unit: str
+    over: Over
+    description: str
+
+
+def outcome(row: Row) -> str:
+    """Return how an episode ended, with its success where that is known."""
+    if row.get("success") == 1.0:
+        return "clean" if row.get("collisions") == 0.0 else "success"
+    ended = str(row["outcome"])
+    return ended if ended in OUTCOMES else "reached"
+
+
+def outcome_segments(cell: Cell) -> list[Segment]:
+    """Return the parts of a cell's outcome bar."""
+    ended = [outcome(episode.row) for episode in cell.episodes]
+    counts = {kind: ended.count(kind) for kind in OUTCOMES}
+    return [Segment(*OUTCOMES[kind], 100.0 * n / len(ended), n) for kind, n in counts.items() if n]
+
+
+def headings(summary: Summary) -> list[Heading]:
+    """Return the columns of the headline table."""
+    return [Heading(c.title, unit_text(c.unit), over, c.description) for c, over in headline_columns(summary)]
+
+
+def groups(summary: Summary) -> list[Group]:
+    """Return the headline table: cells grouped by condition, planners side by side."""
+    columns = headline_columns(summary)
+    places = [decimals(summary.get(cell, column, over) for cell in summary.cells.cells) for column, over in columns]
+    scales = [_scale(summary, column, over) for column, over in columns]
+    found = []
+    for condition, members in groupby(summary.cells.cells, key=summary.cells.condition):
+        cells = list(members)
+        best = [
+            _best([summary.get(cell, column, over) for cell in cells], cells, column, p)
+            for (column, over), p in zip(columns, places, strict=True)
+        ]
+        lines = []
+        for cell in cells:
+            of = [summary.get(cell, column, over) for column, over in columns]
+            figures = [_figure(e, cell, c, p, s, b) for e, (c, _), p, s, b in zip(of, columns, places, scales, best, strict=True)]
+            lines.append(Line(summary.cells.planner(cell), len(cell.episodes), outcome_segments(cell), figures))
+        found.append(Group(condition, lines))
+    return found
+
+
+def _scale(summary: Summary, column: Column, over: Over) -> float:
+    """Return the upper end of a column's strips; they begin at zero."""
+    if column.proportion:
+        return 1.0
+    found = [summary.get(cell, column, over) for cell in summary.cells.cells]
+    return max((x for e in found for x in (e.mean, e.high) if math.isfinite(x)), default=0.0) or 1.0
+
+
+def _best(found: Sequence[Estimate], cells: Sequence[Cell], column: Column, places: int) -> str:
+    """Return the best mean of a group as it is written, empty where there is nothing to compare.
+
+    Figures that are defined in less than half of a cell's episodes do not compete: they speak of the easy ones.
+    """
+    known = [e for e, cell in zip(found, cells, strict=True) if e.n and 2 * e.n >= len(cell.episodes)]
+    texts = {mean_text(e, column, places) for e in known}
+    if len(texts) < 2 or column.better == "neither":
+        return ""
+    choose = max if column.better == "higher" else min
+    return mean_text(choose(known, key=lambda e: e.mean), column, places)
+
+
+def _figure(found: Estimate, cell: Cell, column: Column, places: int, scale: float, best: str) -> Figure:
+    low, high = (found.low, found.high) if found.has_interval else (math.nan, math.nan)
+    at, low_at, high_at = (_percent(x / scale) for x in (found.mean, low, high))
+    mean = mean_text(found, column, places)
+    is_best = mean == best and 2 * found.n >= len(cell.episodes)
+    return Figure(mean, interval_text(found, column, places), found.n, at, low_at, high_at, is_best)
+
+
+def _percent(share: float) -> float | None:
+    return round(100.0 * min(1.0, max(0.0, share)), 2) if math.isfinite(share) else None
+
+
+def answers(summary: Summary) -> list[str]:
+    """Return the sentences that say what came out."""
+    if all(column.name != "success" for column in summary.columns):
+        return []
+    cells = summary.cells
+    planners = list(dict.fromkeys(cells.planner(cell) for cell in cells.cells))
+    if len(cells.cells) == 1:
+        return [_single(summary, cells.cells[0])]
+    if len(planners) == 1:
+        return [_spread(summary, planners[0])]
+    return [_ranking(cells, planners)]
+
+
+def _single(summary: Summary, cell: Cell) -> str:
+    found, strict = estimate(cell.values("success"), True), sum(v == 1.0 for v in cell.values("strict_success"))
+    succeeded = round(found.mean * found.n) if found.n else 0
+    if not found.n:
+        return f"{summary.cells.planner(cell)}: no episode could be judged."
+    range_text = f" (95 % interval {100 * found.low:.0f} to {100 * found.high:.0f} %)" if found.has_interval else ""
+    sentence = f"{summary.cells.planner(cell)} succeeded in {succeeded} of {found.n} episode{'s' * (found.n > 1)}{range_text}"
+    return sentence + (f", {strict or 'none'} of them without any collision." if succeeded else ".")
+
+
+def _spread(summary: Summary, planner: str) -> str:
+    means = [(estimate(cell.values("success"), True).mean, summary.cells.condition(cell)) for cell in summary.cells.cells]
+    known = sorted(pair for pair in means if math.isfinite(pair[0]))
+    if not known:
+        return f"{planner}: no episode could be judged."
+    (worst, where_worst), (best, where_best) = known[0], known[-1]
+    if worst == best:
+        return f"{planner} succeeded in {100 * best:.0f} % of the episodes in every cell."
+    return f"{planner} succeeded in {100 * worst:.0f} % ({where_worst}) to {100 * best:.0f} % ({where_best}) of the episodes."
+
+
+def _ranking(cells: Cells, planners: Sequence[str]) -> str:
+    """Compare planners over all conditions, or say that they did not face the same ones."""
+    conditions = {p: {cells.condition(c) for c in cells.cells if cells.planner(c) == p} for p in planners}
+    shared = set.intersection(*conditions.values())
+    if not shared:
+        return "The planners shown did not face the same conditions; compare within a condition only."
+    pooled = {p: _pooled(c for c in cells.cells if cells.planner(c) == p and cells.condition(c) in shared) for p in planners}
+    ranked = sorted((item for item in pooled.items() if item[1].n), key=lambda item: -item[1].mean)
+    texts = [f"{p} {100 * e.mean:.0f} %" + (f" ({100 * e.low:.0f} to {100 * e.high:.0f})" if e.has_interval else "") for p, e in ranked]
+    where = "" if len(shared) == 1 else f" over the {len(shared)} conditions that all planners faced"
+    more = f"; {len(texts) - SPOKEN} more below" if len(texts) > SPOKEN else ""
+    return f"Success{where}: {', '.join(texts[:SPOKEN])}{more}."
+
+
+def _pooled(cells: Iterable[Cell]) -> Estimate:
+    return estimate(np.concatenate([cell.values("success") for cell in cells]), True)

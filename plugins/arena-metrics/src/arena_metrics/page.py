@@ -1,0 +1,164 @@
+"""The report's page: one HTML file with everything inside it."""
+
+from __future__ import annotations
+
+import base64
+import json
+from collections.abc import Mapping, Sequence
+from importlib.resources import files
+from typing import Any
+
+from arena_metrics.cells import VARIANT, Cells, differences
+from arena_metrics.figures import Image
+from arena_metrics.headline import OUTCOMES, answers, groups, headings, outcome
+from arena_metrics.runs import IDENTIFICATION, Episode, Run
+from arena_metrics.summary import Summary
+from arena_metrics.tables import BLOCK, Table, headline_columns, metric_tables
+
+LINES = 60  # rows of the headline table before the rest is folded away
+LARGE = 1.5  # scale of a picture that stands alone
+PICTURES = 6  # pictures of cells before the rest is folded away
+TITLE = ("planner", "robot", "world", "people")  # what the title of a single cell says
+PICTURES_FIRST = 3  # most cells with which the pictures come ahead of the figures
+CELLS_IN_FULL = 4 * BLOCK  # cells whose every metric is on the page
+EPISODES = 600  # rows of the table of episodes
+KEYS = 80  # rows of the table of differing configuration keys
+CELLS_COMPARED = 12  # columns of that table
+PACKAGES = ("arena-", "numpy", "numba", "scipy", "shapely", "torch", "mujoco", "casadi", "ompl")
+
+
+def render(summary: Summary, runs: Sequence[Run], repeats: int, figures: Sequence[Image], pictures: Sequence[Image]) -> str:
+    """Return the page."""
+    from jinja2 import Environment, StrictUndefined
+
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    template = environment.from_string((files("arena_metrics") / "templates" / "report.html.j2").read_text(encoding="utf-8"))
+    first = {column.name for column, _ in headline_columns(summary)}
+    return template.render(
+        **_head(summary, runs, repeats),
+        style=(files("arena_metrics") / "templates" / "report.css").read_text(encoding="utf-8"),
+        figures=[_embedded(image) for image in figures if image.name in first],
+        more_figures=[_embedded(image) for image in figures if image.name not in first],
+        pictures=[_embedded(image, LARGE if len(pictures) == 1 else 1.0) for image in pictures[:PICTURES]],
+        more_pictures=[_embedded(image) for image in pictures[PICTURES:]],
+        pictures_first=len(summary.cells.cells) <= PICTURES_FIRST,
+        pictures_left_out=len(summary.cells.cells) - len(pictures),
+        tables=_tables(summary),
+        cells_in_full=CELLS_IN_FULL,
+        **_episodes(summary),
+        **_provenance(summary.cells, runs),
+    )
+
+
+def _head(summary: Summary, runs: Sequence[Run], repeats: int) -> dict[str, Any]:
+    cells = summary.cells
+    episodes = [episode for cell in cells.cells for episode in cell.episodes]
+    shown, folded = _folded(groups(summary))
+    return {
+        "title": _title(cells),
+        "common": {k: v for k, v in cells.common.items() if len(cells.cells) > 1 or k not in TITLE},
+        "counts": {"runs": len(runs), "cells": len(cells.cells), "episodes": len(episodes), "repeats": repeats},
+        "seeds": _numbers(sorted({episode.row["seed"] for episode in episodes})),
+        "answers": answers(summary),
+        "headings": headings(summary),
+        "groups": shown,
+        "folded": folded,
+        "outcomes": [OUTCOMES[kind] for kind in OUTCOMES if any(outcome(episode.row) == kind for episode in episodes)],
+        "failed": [episode for episode in episodes if episode.row["outcome"] == "error"],
+        "cells": cells,
+    }
+
+
+def _title(cells: Cells) -> str:
+    """Return what was compared, or what the one cell is."""
+    if len(cells.cells) == 1:
+        factors = cells.cells[0].factors
+        parts = [factors[f] for f in TITLE if f != "people"]
+        return " · ".join([*parts, f"{factors['people']} people"] if factors["people"] else parts)
+    nouns = {"planner": "planners", "robot": "robots", "world": "worlds", "people": "crowd sizes", VARIANT: "variants"}
+    counts = {f: len({cell.factors[f] for cell in cells.cells}) for f in cells.varying if f in nouns}
+    single = [cells.common[f] for f in ("planner", "robot", "world") if f in cells.common]
+    compared = " × ".join(f"{n} {nouns[f]}" for f, n in counts.items()) or f"{len(cells.cells)} cells"
+    return " · ".join([compared, *single])
+
+
+def _folded(all_groups: Sequence[Any]) -> tuple[list[Any], list[Any]]:
+    """Split the headline table where it grows too long for one screen or two."""
+    lines, end = 0, 0
+    for end, group in enumerate(all_groups, start=1):  # noqa: B007 - the end is what is wanted
+        lines += len(group.lines)
+        if lines >= LINES:
+            break
+    return list(all_groups[:end]), list(all_groups[end:])
+
+
+def _numbers(numbers: Sequence[int]) -> str:
+    """Return whole numbers in short, runs of them as a range."""
+    parts: list[list[int]] = []
+    for number in numbers:
+        if parts and number == parts[-1][-1] + 1:
+            parts[-1].append(number)
+        else:
+            parts.append([number])
+    return ", ".join(str(p[0]) if len(p) == 1 else f"{p[0]}–{p[-1]}" for p in parts)
+
+
+def _embedded(image: Image, scale: float = 1.0) -> dict[str, Any]:
+    return {"name": image.name, "caption": image.caption, "width": round(scale * image.width), "data": base64.b64encode(image.png).decode()}
+
+
+def _tables(summary: Summary) -> list[tuple[str, list[Table]]]:
+    shown = summary.cells.cells[:CELLS_IN_FULL]
+    return [
+        ("All episodes", metric_tables(summary, "all", shown)),
+        ("Successful episodes only", metric_tables(summary, "successful", shown)),
+    ]
+
+
+def _episodes(summary: Summary) -> dict[str, Any]:
+    """Return the table of episodes: what identifies each, how it ended, and the headline's metrics."""
+    columns = [column for column, _ in headline_columns(summary)] + [c for c in summary.columns if c.name in ("goal_error", "impact_speed")]
+    rows = [(cell, episode) for cell in summary.cells.cells for episode in cell.episodes]
+    return {"episode_columns": columns, "episode_rows": rows[:EPISODES], "episodes_left_out": max(0, len(rows) - EPISODES), "value": _value}
+
+
+def _value(episode: Episode, name: str) -> str:
+    number = episode.row.get(name, float("nan"))
+    return "–" if number != number else f"{number:.4g}"
+
+
+def _provenance(cells: Cells, runs: Sequence[Run]) -> dict[str, Any]:
+    compared = cells.cells[:CELLS_COMPARED]
+    differing = differences([cell.config for cell in compared]) if len(compared) > 1 else {}
+    versions: dict[str, set[str]] = {}
+    for run in runs:
+        for name, version in run.provenance.get("versions", {}).items():
+            versions.setdefault(name, set()).add(version)
+    known = {name: ", ".join(sorted(found)) for name, found in sorted(versions.items())}
+    return {
+        "runs": [_run_facts(run) for run in runs],
+        "versions": {name: version for name, version in known.items() if name.startswith(PACKAGES)},
+        "other_versions": {name: version for name, version in known.items() if not name.startswith(PACKAGES)},
+        "compared": compared,
+        "differing": dict(list(differing.items())[:KEYS]),
+        "differing_left_out": max(0, len(differing) - KEYS),
+        "configs": [(cells.name(cell), _config_text(cell.config)) for cell in compared],
+    }
+
+
+def _run_facts(run: Run) -> Mapping[str, str]:
+    known = run.provenance
+    hashes = dict.fromkeys(str(row[IDENTIFICATION[0]]) for row in run.rows)
+    return {
+        "folder": str(run.folder),
+        "cell": ", ".join(hashes) or str(known.get("config_hash", "–")),
+        "seed": str(known.get("seed", "–")),
+        "episodes": f"{len(run.rows)} of {known['episodes']}" if "episodes" in known else str(len(run.rows)),
+        "commit": known.get("commit") or "–",
+        "python": str(known.get("python", "–")),
+        "machine": " ".join(str(v) for v in known.get("machine", {}).values()) or "–",
+    }
+
+
+def _config_text(config: Mapping[str, Any]) -> str:
+    return json.dumps(config, indent=2, ensure_ascii=False)
