@@ -1,6 +1,7 @@
 """The public core of the arena suite: values, interfaces and hook specifications for plugins and notebooks."""
 
 from arena_core.benchmark import build_metrics
+from arena_core.configuration import compose
 from arena_core.episode import (
     Contact,
     EpisodeRecord,
@@ -151,6 +152,7 @@ __all__ = [
     "WorldSource",
     "WorldState",
     "build_metrics",
+    "compose",
     "find_runs",
     "generator",
     "hookimpl",
