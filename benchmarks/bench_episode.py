@@ -1,0 +1,76 @@
+"""A whole recorded DWA episode with AMCL against real time; the memory of a worker; the start of `arena list`."""
+
+from __future__ import annotations
+
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+from arena_core.benchmark import Benchmark, build_benchmark
+from arena_core.configuration import compose, plain
+from arena_core.evaluate import evaluate
+from arena_core.recording import write_record
+from arena_core.registry import load_registry
+
+EPISODES = 5
+MEMORY = """
+import resource, sys
+sys.path.insert(0, sys.argv[1])
+import bench_episode
+bench_episode.drive("turtlebot3", 2)
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
+"""
+
+
+def measure() -> list[dict[str, Any]]:
+    """Return one row a robot, then memory and start-up."""
+    rows = [_episode_row(robot) for robot in ("turtlebot3", "jackal", "robotino")]
+    here = str(Path(__file__).parent)
+    memory = float(subprocess.run([sys.executable, "-c", MEMORY, here], capture_output=True, text=True, check=True).stdout)
+    rows.append(_row("memory of a worker", memory, "MB", None, None, 400.0))
+    arena = str(Path(sys.executable).parent / "arena")
+    rows.append(_row("arena list", statistics.median(_wall([arena, "list"]) for _ in range(5)), "s", None, None, 1.0))
+    return rows
+
+
+def drive(robot: str, episodes: int) -> tuple[float, float]:
+    """Run, record and evaluate episodes after a warm-up; return (CPU seconds, simulated seconds)."""
+    benchmark = build_benchmark(plain(compose([f"robot={robot}", "executor=serial", "task.pedestrians=5"])), load_registry())
+    with tempfile.TemporaryDirectory() as folder:
+        _run(benchmark, 100, Path(folder))
+        began = time.process_time()
+        simulated = sum(_run(benchmark, episode, Path(folder)) for episode in range(episodes))
+        return time.process_time() - began, simulated
+
+
+def _run(benchmark: Benchmark, episode: int, folder: Path) -> float:
+    record = benchmark.run(episode, folder)
+    write_record(folder, episode, record)
+    evaluate(record, benchmark.metrics)
+    return float(record["stamp"][-1])
+
+
+def _episode_row(robot: str) -> dict[str, Any]:
+    seconds, simulated = drive(robot, EPISODES)
+    return _row(f"DWA episode, {robot}, per simulated s", 1e3 * seconds / simulated, "ms", "real time", 1e3, 100.0, simulated / seconds)
+
+
+def _row(
+    what: str, ours: float, unit: str, peer: str | None, peer_ms: float | None, goal: float, ratio: float | None = None
+) -> dict[str, Any]:
+    return {"what": what, "ours_ms": ours, "ours_unit": unit, "peer": peer, "peer_ms": peer_ms, "ratio": ratio, "goal": goal, "unit": "x peer"}
+
+
+def _wall(command: list[str]) -> float:
+    began = time.perf_counter()
+    subprocess.run(command, stdout=subprocess.DEVNULL, check=True)
+    return time.perf_counter() - began
+
+
+if __name__ == "__main__":
+    for row in measure():
+        print(f"{row['what']:45} {row['ours_ms']:10.3f} {row['ours_unit']:3} ratio {row['ratio']} goal {row['goal']}")

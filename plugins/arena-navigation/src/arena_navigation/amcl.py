@@ -1,0 +1,168 @@
+"""Adaptive Monte Carlo localisation, modelled on ROS amcl and named as there."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated
+
+import numpy as np
+from arena_core import (
+    Bounds,
+    ConfigurationError,
+    Fraction,
+    LaserScan,
+    Localizer,
+    NonNegative,
+    OccupancyGrid,
+    Pose,
+    PoseEstimate,
+    Positive,
+    PositiveInt,
+    Robot,
+    Sensors,
+)
+from numpy.typing import NDArray
+
+from arena_navigation.amcl_filter import Recovery, begin, cloud, filter_update
+from arena_navigation.amcl_motion import Alphas, OdometryModelType, motion
+from arena_navigation.amcl_resampling import FreeSpace, Limits
+from arena_navigation.amcl_sensor import BeamSkipping, LaserModelType, LikelihoodField, beam_ends, farthest
+from arena_navigation.odometry_history import OdometryHistory
+
+RangeLimit = Annotated[float, Bounds(low=-1.0)]
+
+
+class AmclLocalizer(Localizer):
+    """A particle filter over poses on a known map, fed by odometry and scans."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        min_particles: PositiveInt,
+        max_particles: PositiveInt,
+        kld_err: Positive,
+        kld_z: NonNegative,
+        update_min_d: NonNegative,
+        update_min_a: NonNegative,
+        resample_interval: PositiveInt,
+        recovery_alpha_slow: Fraction,
+        recovery_alpha_fast: Fraction,
+        initial_cov_xx: NonNegative,
+        initial_cov_yy: NonNegative,
+        initial_cov_aa: NonNegative,
+        laser_model_type: LaserModelType,
+        laser_min_range: RangeLimit,
+        laser_max_range: RangeLimit,
+        laser_max_beams: PositiveInt,
+        laser_z_hit: Fraction,
+        laser_z_rand: Fraction,
+        laser_sigma_hit: Positive,
+        laser_likelihood_max_dist: Positive,
+        do_beamskip: bool,
+        beam_skip_distance: Positive,
+        beam_skip_threshold: Fraction,
+        beam_skip_error_threshold: Fraction,
+        odom_model_type: OdometryModelType | None,
+        odom_alpha1: NonNegative,
+        odom_alpha2: NonNegative,
+        odom_alpha3: NonNegative,
+        odom_alpha4: NonNegative,
+        odom_alpha5: NonNegative,
+    ) -> None:
+        if min_particles > max_particles:
+            raise ConfigurationError(f"localizer amcl: min_particles is {min_particles}; allowed: at most max_particles {max_particles}")
+        self._limits = Limits(min_particles, max_particles, kld_err, kld_z)
+        self._recovery = Recovery(recovery_alpha_slow, recovery_alpha_fast)
+        self._least_motion = update_min_d, update_min_a
+        self._resample_interval = resample_interval
+        self._initial_covariance = np.diag((initial_cov_xx, initial_cov_yy, initial_cov_aa))
+        self._range_limits = laser_min_range, laser_max_range
+        self._max_beams = laser_max_beams
+        self._field = laser_model_type, laser_z_hit, laser_z_rand, laser_sigma_hit, laser_likelihood_max_dist
+        self._beam_skip = do_beamskip, beam_skip_threshold, beam_skip_error_threshold
+        self._beam_skip_distance = beam_skip_distance
+        self._odometry_model = odom_model_type or ("omni-corrected" if robot.holonomic else "diff-corrected")
+        self._alphas = Alphas(odom_alpha1, odom_alpha2, odom_alpha3, odom_alpha4, odom_alpha5)
+        self._cloud = cloud(max_particles)
+
+    def reset(self, grid: OccupancyGrid | None, start: Pose, random: np.random.Generator) -> None:
+        """Draw particles about ``start``; raise ConfigurationError in an unknown world."""
+        if grid is None:
+            raise ConfigurationError("localizer amcl needs a known map; use localizer=ground_truth or world.known=true")
+        self._grid = grid
+        self._free = grid.derive(free_space)
+        self._key = random.integers(0, 2**64, dtype=np.uint64)
+        self._updates = 0
+        self._history = OdometryHistory()
+        self._filtered_at = -math.inf
+        self._filtered_odometry: Pose | None = None
+        believed = grid.origin.relative(start)
+        begin(self._cloud, believed.array(), _rotation(-grid.origin.theta) @ np.sqrt(self._initial_covariance), self._key)
+        self._estimate, self._covariance = start, self._initial_covariance
+
+    def update(self, sensors: Sensors) -> PoseEstimate:
+        """Return the filter's latest pose, moved as odometry has moved since; use the scan if the robot has moved enough."""
+        self._history.add(sensors.odometry)
+        if self._filtered_odometry is None:
+            self._filtered_odometry = self._history.at(sensors.stamp)
+        if sensors.scan.stamp > self._filtered_at:
+            self._consider(sensors.scan, self._history.at(sensors.scan.stamp))
+        moved = self._filtered_odometry.relative(self._history.at(sensors.stamp))
+        return PoseEstimate(self._estimate.compose(moved), self._covariance)
+
+    @property
+    def particles(self) -> NDArray[np.float64]:
+        """Return the particles as rows of (x, y, theta) in ``map``, shape (N, 3)."""
+        poses = self._cloud.poses[:, : self._cloud.count[0]].T
+        return np.array([self._grid.origin.compose(Pose.of(pose)).array() for pose in poses])
+
+    def _consider(self, scan: LaserScan, odometry: Pose) -> None:
+        """Use a scan, seen when odometry said ``odometry``, if it is the first or the robot has moved enough since the last one."""
+        assert self._filtered_odometry is not None
+        displacement = self._filtered_odometry.relative(odometry)
+        distance, angle = self._least_motion
+        still = math.hypot(displacement.x, displacement.y) < distance and abs(displacement.theta) < angle
+        if self._updates > 0 and still:
+            return
+        self._filter(scan, displacement)
+        self._filtered_at, self._filtered_odometry = scan.stamp, odometry
+
+    def _filter(self, scan: LaserScan, displacement: Pose) -> None:
+        """Run one update of the filter and take its estimate to ``map``."""
+        self._updates += 1
+        likelihood = LikelihoodField(*self._field, farthest(scan, self._range_limits[1]))
+        least = float(likelihood.value(np.float32(self._beam_skip_distance)))
+        filter_update(
+            self._cloud,
+            motion(displacement, self._odometry_model, self._alphas),
+            beam_ends(scan, self._max_beams, *self._range_limits),
+            self._grid.derive(likelihood),
+            BeamSkipping(*self._beam_skip, least),
+            self._free,
+            self._limits,
+            self._recovery,
+            self._updates % self._resample_interval == 0,
+            self._key,
+            self._updates,
+        )
+        self._estimate = self._grid.origin.compose(Pose.of(self._cloud.mean))
+        self._covariance = _turned(self._cloud.covariance, self._grid.origin.theta)
+
+
+def free_space(grid: OccupancyGrid) -> FreeSpace:
+    """Return the cells known to be free; all that are not occupied where none is known."""
+    free = np.flatnonzero((grid.data >= 0) & ~grid.occupied)
+    cells = free if len(free) else np.flatnonzero(~grid.occupied)
+    return FreeSpace(cells.astype(np.int64), grid.data.shape[1], grid.resolution)
+
+
+def _turned(covariance: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
+    """Return a covariance over (x, y, theta) in axes that are turned back by ``angle``."""
+    rotation = _rotation(angle)
+    turned: NDArray[np.float64] = rotation @ covariance @ rotation.T
+    return turned
+
+
+def _rotation(angle: float) -> NDArray[np.float64]:
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array(((c, -s, 0.0), (s, c, 0.0), (0.0, 0.0, 1.0)))

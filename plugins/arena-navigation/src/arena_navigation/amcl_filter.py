@@ -1,0 +1,146 @@
+"""The particle filter: one compiled call for each scan that is used. Poses are in the grid's frame, so nothing depends on where ``map`` has its origin."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from arena_kernels.compiled import compiled
+from arena_kernels.random import normal
+from numpy.typing import NDArray
+
+from arena_navigation.amcl_clusters import Clusters, best_cluster
+from arena_navigation.amcl_histogram import histogram
+from arena_navigation.amcl_motion import Motion, move
+from arena_navigation.amcl_resampling import FreeSpace, Limits, accumulate, free_pose, needed, offset, scattered, systematic
+from arena_navigation.amcl_sensor import BeamSkipping, Field, believed, match, reweigh
+
+
+class Cloud(NamedTuple):
+    """The particles: the first ``count[0]`` columns of ``poses`` (3, P), and their normalised weights; then scratch space.
+
+    ``likelihoods`` are the slow and the fast running mean of how well a beam fits; ``mean`` and ``covariance`` are the estimate.
+    """
+
+    count: NDArray[np.int64]
+    poses: NDArray[np.float64]
+    weights: NDArray[np.float64]
+    likelihoods: NDArray[np.float64]
+    mean: NDArray[np.float64]
+    covariance: NDArray[np.float64]
+    clusters: Clusters
+    directions: NDArray[np.float64]
+    noise: NDArray[np.float64]
+    scores: NDArray[np.float64]
+    chosen: NDArray[np.int32]
+    drawn: NDArray[np.float64]
+
+
+class Recovery(NamedTuple):
+    """How fast the two running means follow, ``recovery_alpha_slow`` and ``recovery_alpha_fast``; zero: no recovery."""
+
+    alpha_slow: float
+    alpha_fast: float
+
+
+def cloud(capacity: int) -> Cloud:
+    """Return room for ``capacity`` particles."""
+    clusters = Clusters(
+        histogram(capacity),
+        np.empty(capacity, np.int64),
+        np.empty(capacity, np.int32),
+        np.empty(capacity, np.int32),
+        np.empty(capacity),
+        np.empty(capacity, np.int32),
+    )
+    return Cloud(
+        np.zeros(1, np.int64),
+        np.empty((3, capacity)),
+        np.empty(capacity),
+        np.zeros(2),
+        np.zeros(3),
+        np.zeros((3, 3)),
+        clusters,
+        np.empty((2, capacity)),
+        np.empty(3 * capacity),
+        np.empty(capacity),
+        np.empty(capacity, np.int32),
+        np.empty((3, capacity)),
+    )
+
+
+@compiled
+def begin(cloud: Cloud, mean: NDArray[np.float64], root: NDArray[np.float64], key: np.uint64) -> None:
+    """Draw all particles from a normal distribution; ``root`` (3, 3) times its transpose is the covariance. Takes tick 0."""
+    capacity = cloud.poses.shape[1]
+    cloud.count[0] = capacity
+    cloud.weights[:] = 1.0 / capacity
+    cloud.likelihoods[:] = 0.0
+    for i in range(capacity):
+        a, b, c = normal(key, 0, 3 * i), normal(key, 0, 3 * i + 1), normal(key, 0, 3 * i + 2)
+        for axis in range(3):
+            cloud.poses[axis, i] = mean[axis] + root[axis, 0] * a + root[axis, 1] * b + root[axis, 2] * c
+
+
+@compiled
+def filter_update(
+    cloud: Cloud,
+    motion: Motion,
+    beams: NDArray[np.float32],
+    field: Field,
+    skipping: BeamSkipping,
+    free: FreeSpace,
+    limits: Limits,
+    recovery: Recovery,
+    resample: bool,
+    key: np.uint64,
+    tick: int,
+) -> None:
+    """Move the particles, weigh them by the scan, estimate, and resample if it is time."""
+    count = cloud.count[0]
+    move(cloud.poses, cloud.directions, count, motion, key, tick, cloud.noise)
+    used = believed(cloud.poses, cloud.directions, count, beams, field, skipping)
+    match(cloud.poses, cloud.directions, count, used, field, cloud.scores)
+    likelihood = reweigh(cloud.weights, count, cloud.scores, used.shape[1], field.product)
+    occupied = best_cluster(cloud.poses, cloud.directions, cloud.weights, count, cloud.clusters, cloud.mean, cloud.covariance)
+    if beams.shape[1] > 0:
+        follow(cloud.likelihoods, likelihood, recovery)
+    if resample:
+        redraw(cloud, occupied, injection(cloud.likelihoods), free, limits, key, tick)
+
+
+@compiled
+def follow(likelihoods: NDArray[np.float64], likelihood: float, recovery: Recovery) -> None:
+    """Let the slow and the fast running mean follow (Probabilistic Robotics, table 8.3)."""
+    if likelihoods[0] == 0.0:
+        likelihoods[:] = likelihood
+    likelihoods[0] += recovery.alpha_slow * (likelihood - likelihoods[0])
+    likelihoods[1] += recovery.alpha_fast * (likelihood - likelihoods[1])
+
+
+@compiled
+def injection(likelihoods: NDArray[np.float64]) -> float:
+    """Return the share of particles to scatter: how much worse than usual the scans fit of late."""
+    return max(0.0, 1.0 - likelihoods[1] / likelihoods[0]) if likelihoods[0] > 0.0 else 0.0
+
+
+@compiled
+def redraw(cloud: Cloud, occupied: int, injection: float, free: FreeSpace, limits: Limits, key: np.uint64, tick: int) -> None:
+    """Replace the particles by as many as are needed, drawn by weight, a share of them anywhere on free space."""
+    before = cloud.count[0]
+    cumulative = cloud.scores
+    accumulate(cloud.weights, before, cumulative)
+    count = needed(cloud.clusters.keys, cumulative, before, occupied, injection, free, limits, cloud.clusters.bins, key, tick)
+    systematic(cumulative, before, offset(key, tick), cloud.chosen[:count])
+    for i in range(count):
+        if scattered(key, tick, i, injection):
+            cloud.drawn[0, i], cloud.drawn[1, i], cloud.drawn[2, i] = free_pose(free, key, tick, i)
+        else:
+            source = cloud.chosen[i]
+            cloud.drawn[0, i], cloud.drawn[1, i], cloud.drawn[2, i] = cloud.poses[0, source], cloud.poses[1, source], cloud.poses[2, source]
+    for i in range(count):
+        cloud.poses[0, i], cloud.poses[1, i], cloud.poses[2, i] = cloud.drawn[0, i], cloud.drawn[1, i], cloud.drawn[2, i]
+        cloud.weights[i] = 1.0 / count
+    cloud.count[0] = count
+    if injection > 0.0:
+        cloud.likelihoods[:] = 0.0  # else one bad moment would scatter ever more particles (ROS amcl)

@@ -1,0 +1,129 @@
+"""How many particles to keep (Fox 2003), which ones (systematic resampling), and when to scatter some over the map."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from arena_kernels.compiled import compiled
+from arena_kernels.random import uniform
+from numpy.typing import NDArray
+
+from arena_navigation.amcl_histogram import Histogram, add, bin_key, clear
+
+GOLDEN_RATIO = 0.6180339887498949
+_SYSTEMATIC, _FIRST_POINT, _SCATTER = 0, 1, 2  # first random index of each use, within one filter update
+
+
+class Limits(NamedTuple):
+    """How many particles are allowed, and what the sample may miss of the distribution: ``kld_err``, with quantile ``kld_z``."""
+
+    min_particles: int
+    max_particles: int
+    kld_err: float
+    kld_z: float
+
+
+class FreeSpace(NamedTuple):
+    """The cells where a lost robot may be, as flat indices into rows of ``columns`` cells of ``resolution`` m."""
+
+    cells: NDArray[np.int64]
+    columns: int
+    resolution: float
+
+
+@compiled
+def kld_bound(bins: int, limits: Limits) -> int:
+    """Return the number of particles for a distribution over ``bins`` bins, within the limits.
+
+    Fox, Adapting the Sample Size in Particle Filters Through KLD-Sampling, IJRR 22, 2003, equation 7 (Wilson and Hilferty's
+    approximation of the chi-square quantile). A single bin needs the fewest (ROS amcl draws the most).
+    """
+    if bins <= 1:
+        return limits.min_particles
+    degrees = bins - 1.0
+    share = 2.0 / (9.0 * degrees)
+    wanted = np.ceil(degrees / (2.0 * limits.kld_err) * (1.0 - share + np.sqrt(share) * limits.kld_z) ** 3)
+    return np.int64(min(max(wanted, float(limits.min_particles)), float(limits.max_particles)))
+
+
+@compiled
+def accumulate(weights: NDArray[np.float64], count: int, cumulative: NDArray[np.float64]) -> None:
+    """Write the running sum of normalised weights, the last one exactly 1."""
+    total = 0.0
+    for i in range(count):
+        total += weights[i]
+        cumulative[i] = total
+    cumulative[count - 1] = 1.0
+
+
+@compiled
+def systematic(cumulative: NDArray[np.float64], count: int, offset: float, chosen: NDArray[np.int32]) -> None:
+    """Choose ``len(chosen)`` of ``count`` particles at the points (k + offset) / len(chosen), one uniform number in all.
+
+    Kitagawa, Monte Carlo Filter and Smoother, Journal of Computational and Graphical Statistics 5, 1996.
+    """
+    i = 0
+    for k in range(len(chosen)):
+        point = (k + offset) / len(chosen)
+        while point >= cumulative[i] and i < count - 1:
+            i += 1
+        chosen[k] = i
+
+
+@compiled
+def needed(
+    keys: NDArray[np.int64],
+    cumulative: NDArray[np.float64],
+    count: int,
+    occupied: int,
+    injection: float,
+    free: FreeSpace,
+    limits: Limits,
+    bins: Histogram,
+    key: np.uint64,
+    tick: int,
+) -> int:
+    """Return how many particles the distribution needs: draw until the bins they fall into, by ``keys``, ask for no more.
+
+    ``occupied`` bins hold particles now; where even all of them ask for no more than the minimum, nothing need be drawn. The points drawn at are multiples of the golden ratio modulo 1: unlike systematic ones they are evenly spread wherever one stops.
+    """
+    if injection == 0.0 and kld_bound(occupied, limits) == limits.min_particles:
+        return limits.min_particles
+    first = uniform(key, tick, _FIRST_POINT)
+    filled, drawn, enough = 0, 0, limits.min_particles
+    while drawn < enough:
+        if scattered(key, tick, drawn, injection):
+            x, y, theta = free_pose(free, key, tick, drawn)
+            found = bin_key(x, y, theta)
+        else:
+            point = first + drawn * GOLDEN_RATIO
+            found = keys[np.searchsorted(cumulative[:count], point - np.floor(point), side="right")]
+        drawn += 1
+        if add(bins, found, filled) == filled:
+            filled += 1
+            enough = kld_bound(filled, limits)
+    clear(bins, filled)
+    return drawn
+
+
+@compiled
+def scattered(key: np.uint64, tick: int, i: int, injection: float) -> bool:
+    """Tell whether particle ``i`` is one of the share ``injection`` that is placed at random."""
+    return bool(injection > 0.0 and uniform(key, tick, _SCATTER + 5 * i) < injection)
+
+
+@compiled
+def free_pose(free: FreeSpace, key: np.uint64, tick: int, i: int) -> tuple[float, float, float]:
+    """Return the random pose on free space of particle ``i``, in the grid's frame."""
+    index = _SCATTER + 5 * i + 1
+    cell = free.cells[np.int64(uniform(key, tick, index) * len(free.cells))]
+    x = (cell % free.columns + uniform(key, tick, index + 1)) * free.resolution
+    y = (cell // free.columns + uniform(key, tick, index + 2)) * free.resolution
+    return x, y, (2.0 * uniform(key, tick, index + 3) - 1.0) * np.pi
+
+
+@compiled
+def offset(key: np.uint64, tick: int) -> float:
+    """Return this filter update's random number for ``systematic``."""
+    return uniform(key, tick, _SYSTEMATIC)
