@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import csv
+import json
+from collections.abc import Callable, Mapping, Sequence
 from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,8 +14,9 @@ import pytest
 import yaml
 from numpy.typing import ArrayLike
 
-from arena_core import EpisodeRecord
+from arena_core import EpisodeRecord, Metric
 from arena_metrics.paper_legacy import PaperLegacyMetrics
+from arena_metrics.runs import IDENTIFICATION
 from arena_metrics.si import SiMetrics
 
 RecordMaker = Callable[..., EpisodeRecord]
@@ -117,3 +121,95 @@ def si() -> dict[str, Callable[[EpisodeRecord], float]]:
 @pytest.fixture(scope="session")
 def legacy() -> dict[str, Callable[[EpisodeRecord], float]]:
     return {metric.name: metric.compute for metric in PaperLegacyMetrics(**preset("paper_legacy")).metrics()}
+
+
+def columns(planner: str, robot: str, people: int, variant: float) -> dict[str, Any]:
+    """Return the identification columns of a cell, whose hash follows from its factors."""
+    named = {"planner": planner, "preset": planner, "robot": robot, "n_pedestrians": people}
+    rest = {"simulator": "sim2d", "world": "hall", "task": "random", "pedestrian_model": "social_force", "reaction": "ignore"}
+    return {"config_hash": f"{planner}-{robot}-{people}-{variant}", **named, **rest, "localizer": "amcl", "timing": "ideal"}
+
+
+def write_run(
+    folder: Path,
+    planner: str = "dwa",
+    robot: str = "jackal",
+    people: int = 5,
+    episodes: int = 3,
+    seed: int = 0,
+    sim_time: float = 1.5,
+    errors: Sequence[int] = (),
+    packs: Sequence[str] = ("si",),
+    records: bool = True,
+    only: Sequence[str] = (),
+) -> Path:
+    """Write a run's folder as ``arena run`` leaves it; the robot drives straight lines, and reaches the goal in even episodes."""
+    base = columns(planner, robot, people, sim_time)
+    config = {
+        "planner": {"name": planner, "sim_time": sim_time},
+        "robot": {"name": robot},
+        "task": {"name": "random", "pedestrians": people},
+        "metrics": {pack: {"name": pack, **preset(pack)} for pack in packs},
+        "seed": seed,
+    }
+    folder.mkdir(parents=True)
+    rows = [
+        {**base, "episode": i, "seed": seed, "n_pedestrians": "", "outcome": "error", "error": "NoPath: <none>"}
+        if i in errors
+        else _episode_row(folder, {**base, "scenario": f"random/{i:04d}", "episode": i, "seed": seed}, packs, records)
+        for i in range(episodes)
+    ]
+    provenance = {"config_hash": base["config_hash"], "seed": seed, "episodes": episodes, "config": config, "commit": "abc123"}
+    provenance |= {"versions": {"arena-core": "0.1.0", "zlib": "1"}, "python": "3.11", "machine": {"system": "test"}}
+    (folder / "provenance.json").write_text(json.dumps(provenance))
+    names = [m.name if pack == "si" else f"{pack}.{m.name}" for pack in packs for m in PACKS[pack]]
+    names = [name for name in names if not only or name in only]
+    with (folder / "episodes.csv").open("w", newline="") as file:
+        writer = csv.DictWriter(file, [*IDENTIFICATION, *names], restval="", extrasaction="ignore", lineterminator="\n")
+        writer.writeheader()
+        writer.writerows({k: "" if v != v else v for k, v in row.items()} for row in rows)
+    return folder
+
+
+def _episode_row(folder: Path, base: dict[str, Any], packs: Sequence[str], records: bool) -> dict[str, Any]:
+    episode, people = base["episode"], base["n_pedestrians"]
+    pose = straight(length=4.0 + 0.5 * episode, speed=0.5)
+    outcome = "goal_reached" if episode % 2 == 0 else "time_out"
+    walking = np.tile(np.linspace((1.0, 2.0), (3.0, 2.0), len(pose))[:, None], (1, people, 1)).astype(np.float32)
+    meta = {"outcome": outcome, "columns": base, "world": {"name": "hall", "grid": "worlds/hall.npz"}}
+    crowd = {"pedestrian_ids": np.arange(people, dtype=np.int32), "pedestrian_positions": walking}
+    hit = {
+        "contact_stamp": [1.0],
+        "contact_kind": [episode % 3],
+        "contact_speed": [0.2],
+        "contact_caused": [True],
+        "contact_position": [[1, 0]],
+    }
+    record = make_record(pose, meta=meta, **crowd, **(hit if episode % 4 == 1 else {}))
+    if records:
+        _write_record(folder, record, episode)
+    metrics = {m.name if pack == "si" else f"{pack}.{m.name}": m.compute(record) for pack in packs for m in PACKS[pack]}
+    return {**base, "outcome": outcome, "error": "", **metrics}
+
+
+def _write_record(folder: Path, record: EpisodeRecord, episode: int) -> None:
+    for name in ("records", "timing", "worlds"):
+        (folder / name).mkdir(exist_ok=True)
+    np.savez(folder / "records" / f"{episode:04d}.npz", meta=np.array(json.dumps(record.meta)), **record.arrays)
+    np.savez(folder / "timing" / f"{episode:04d}.npz", **record.timing)
+    data = np.zeros((60, 120), np.int8)
+    data[0], data[:, 0] = 100, -1
+    np.savez(folder / "worlds" / "hall.npz", data=data, resolution=np.array(0.1), origin=np.array([-2.0, -1.0, 0.2]))
+
+
+PACKS = {"si": list(SiMetrics(**preset("si")).metrics()), "paper_legacy": list(PaperLegacyMetrics(**preset("paper_legacy")).metrics())}
+
+
+@pytest.fixture(scope="session")
+def run_folder() -> Callable[..., Path]:
+    return write_run
+
+
+@pytest.fixture(scope="session")
+def pack_metrics() -> Mapping[str, Sequence[Metric]]:
+    return {"si": PACKS["si"]}

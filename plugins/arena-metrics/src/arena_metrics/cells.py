@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -85,10 +86,10 @@ def _sort_order() -> list[str]:
     return [*(f for f in FACTORS.values() if f != "planner"), "planner", VARIANT]
 
 
-def _natural(text: str) -> tuple[int, float, str]:
-    """Return a key that sorts numbers by value, ahead of texts."""
-    start = text.split("–")[0]
-    return (0, float(start), text) if start.replace(".", "", 1).isdigit() else (1, 0.0, text)
+def _natural(text: str) -> list[tuple[int, float, str]]:
+    """Return a key that sorts the numbers in texts by value, ahead of words."""
+    parts = [part for part in re.split(r"(\d+(?:\.\d+)?)", text) if part]
+    return [(0, float(part), "") if part[0].isdigit() else (1, 0.0, part) for part in parts]
 
 
 def _cell(name: str, episodes: Sequence[Episode]) -> Cell:

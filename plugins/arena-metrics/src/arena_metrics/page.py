@@ -10,7 +10,7 @@ from typing import Any
 
 from arena_metrics.cells import VARIANT, Cells, differences
 from arena_metrics.figures import Image
-from arena_metrics.headline import OUTCOMES, answers, groups, headings, outcome
+from arena_metrics.headline import OUTCOMES, Group, answers, groups, headings, outcome
 from arena_metrics.runs import IDENTIFICATION, Episode, Run
 from arena_metrics.summary import Summary
 from arena_metrics.tables import BLOCK, Table, headline_columns, metric_tables
@@ -82,14 +82,18 @@ def _title(cells: Cells) -> str:
     return " · ".join([compared, *single])
 
 
-def _folded(all_groups: Sequence[Any]) -> tuple[list[Any], list[Any]]:
-    """Split the headline table where it grows too long for one screen or two."""
-    lines, end = 0, 0
-    for end, group in enumerate(all_groups, start=1):  # noqa: B007 - the end is what is wanted
-        lines += len(group.lines)
-        if lines >= LINES:
-            break
-    return list(all_groups[:end]), list(all_groups[end:])
+def _folded(all_groups: Sequence[Group]) -> tuple[list[Group], list[Group]]:
+    """Split the headline table where it grows too long, inside a group if need be."""
+    shown: list[Group] = []
+    folded: list[Group] = []
+    room = LINES
+    for group in all_groups:
+        if group.lines[:room]:
+            shown.append(Group(group.condition, group.lines[:room]))
+        if group.lines[room:]:
+            folded.append(Group(group.condition, group.lines[room:]))
+        room = max(0, room - len(group.lines))
+    return shown, folded
 
 
 def _numbers(numbers: Sequence[int]) -> str:

@@ -79,7 +79,8 @@ def estimate_text(estimate: Estimate, column: Column, places: int) -> str:
 def headline_columns(summary: Summary) -> list[tuple[Column, Over]]:
     """Return the metrics of the headline; the first six where the usual ones are not there."""
     by_name = {column.name: column for column in summary.columns}
-    usual = [(by_name[name], over) for name, over in HEADLINE.items() if name in by_name]
+    known = [(by_name[name], over) for name, over in HEADLINE.items() if name in by_name]
+    usual: list[tuple[Column, Over]] = [(column, over if column.path_metric else "all") for column, over in known]
     return usual or [(column, "all") for column in summary.columns[: len(HEADLINE)]]
 
 

@@ -1,0 +1,251 @@
+"""arena report: from folders to tables, figures and a page."""
+
+import csv
+import json
+import re
+
+import numpy as np
+import pytest
+
+from arena_core import InputFileError, RunFolderError
+from arena_metrics.cells import cells_of
+from arena_metrics.report import ReportCommand
+from arena_metrics.runs import columns_of, metric_columns, pooled, read_runs
+from arena_metrics.summary import summarise, write_summary
+from arena_metrics.tables import headline, latex, markdown, metric_tables
+from arena_metrics.trajectories import scale_bar_length
+
+FEW = ("success", "strict_success", "collisions", "path_length", "jerk")  # metrics enough to draw
+
+
+def summary_of(*folders):
+    runs = read_runs(folders)
+    episodes, _ = pooled(runs)
+    return summarise(cells_of(episodes), metric_columns(runs))
+
+
+def names(summary):
+    return [summary.cells.name(cell) for cell in summary.cells.cells]
+
+
+def report(*arguments):
+    return ReportCommand().run([str(argument) for argument in arguments])
+
+
+def test_cells_are_named_by_what_differs(run_folder, tmp_path):
+    run_folder(tmp_path / "a", planner="dwa", people=5)
+    run_folder(tmp_path / "b", planner="teb", people=10)
+    summary = summary_of(tmp_path)
+    assert names(summary) == ["dwa, 5 people", "teb, 10 people"]
+    assert summary.cells.common["robot"] == "jackal"
+
+
+def test_one_cell_is_named_by_its_planner(run_folder, tmp_path):
+    assert names(summary_of(run_folder(tmp_path / "a"))) == ["dwa"]
+
+
+def test_parameters_name_cells_that_are_otherwise_alike(run_folder, tmp_path):
+    run_folder(tmp_path / "a", sim_time=1.5)
+    run_folder(tmp_path / "b", sim_time=3.0)
+    run_folder(tmp_path / "c", sim_time=10.0)
+    assert names(summary_of(tmp_path)) == ["sim_time=1.5", "sim_time=3.0", "sim_time=10.0"]
+
+
+def test_people_are_sorted_as_numbers(run_folder, tmp_path):
+    for people in (10, 5, 0):
+        run_folder(tmp_path / str(people), people=people)
+    assert names(summary_of(tmp_path)) == ["0 people", "5 people", "10 people"]
+
+
+def test_seeds_of_one_configuration_are_one_cell_and_repeats_count_once(run_folder, tmp_path):
+    run_folder(tmp_path / "a", seed=0)
+    run_folder(tmp_path / "b", seed=1)
+    run_folder(tmp_path / "again", seed=1)
+    episodes, repeats = pooled(read_runs([tmp_path]))
+    assert (len(episodes), repeats, len(cells_of(episodes).cells)) == (6, 3, 1)
+
+
+def test_folder_given_twice_is_read_once(run_folder, tmp_path):
+    folder = run_folder(tmp_path / "a")
+    assert len(read_runs([tmp_path, folder])) == 1
+
+
+def test_path_metrics_are_summarised_over_all_and_over_successful_episodes(run_folder, tmp_path):
+    summary = summary_of(run_folder(tmp_path / "a", episodes=5))
+    cell = summary.cells.cells[0]
+    assert summary.of[cell.hash, "path_length", "all"].mean == pytest.approx(np.mean([4.0, 4.5, 5.0, 5.5, 6.0]))
+    assert summary.of[cell.hash, "path_length", "successful"].mean == pytest.approx(np.mean([4.0, 5.0, 6.0]))
+    assert (cell.hash, "collisions", "successful") not in summary.of
+
+
+def test_headline_holds_means_intervals_and_n(run_folder, tmp_path):
+    table = headline(summary_of(run_folder(tmp_path / "a", episodes=4, errors=[2])))
+    row = dict(zip(table.head, table.rows[0], strict=True))
+    assert row["n"] == "4"
+    assert row["success [%]"].startswith("33 [6 – 79] (n=3)")
+    assert row["path length [m], successful"] == "4.00 (n=1)"
+
+
+def test_other_packs_have_tables_of_their_own(run_folder, tmp_path):
+    summary = summary_of(run_folder(tmp_path / "a", packs=("si", "paper_legacy")))
+    tables = metric_tables(summary, "all")
+    assert [table.caption.partition(":")[0] for table in tables] == ["mean [95 % interval] (n) over all episodes", "paper_legacy"]
+    assert [row[0] for row in tables[1].rows][:3] == ["success", "collision", "time"]
+
+
+def test_columns_of_a_pack_that_is_not_installed_are_shown_without_unit(run_folder, tmp_path):
+    folder = run_folder(tmp_path / "a")
+    text = (folder / "episodes.csv").read_text().splitlines()
+    (folder / "episodes.csv").write_text("\n".join([text[0] + ",foreign.calm", *(line + ",1.5" for line in text[1:])]) + "\n")
+    column = metric_columns(read_runs([folder]))[-1]
+    assert (column.name, column.pack, column.unit) == ("foreign.calm", "foreign", "")
+
+
+def test_markdown_and_latex_escape_what_they_must(run_folder, tmp_path):
+    run_folder(tmp_path / "a", planner="dwa_as|released")
+    run_folder(tmp_path / "b", planner="teb")
+    table = headline(summary_of(tmp_path))
+    assert r"dwa_as\|released" in markdown([table])
+    assert r"dwa\_as|released" in latex([table])
+    assert r"success [\%]" in latex([table])
+    assert len({line.count("&") for line in latex([table]).splitlines() if "&" in line}) == 1
+
+
+def test_summary_of_rows_equals_that_of_the_table(run_folder, tmp_path, pack_metrics):
+    folder = run_folder(tmp_path / "a", errors=[1])
+    rows = [dict(row) for row in read_runs([folder])[0].rows]
+    write_summary(rows, pack_metrics, tmp_path / "summary.csv")
+    with (tmp_path / "summary.csv").open() as file:
+        lines = list(csv.DictReader(file))
+    success = next(line for line in lines if line["metric"] == "success")
+    assert (success["n"], success["mean"], success["interval"], success["unit"]) == ("2", "1.0", "Wilson", "0/1")
+    assert {line["over"] for line in lines if line["metric"] == "path_length"} == {"all", "successful"}
+    assert len(columns_of(pack_metrics)) == len({line["metric"] for line in lines})
+
+
+def test_report_writes_tables_figures_and_a_page_without_external_requests(run_folder, tmp_path, capsys):
+    for i, (planner, people) in enumerate([("dwa", 0), ("dwa", 5), ("teb", 0), ("teb", 5)]):
+        run_folder(tmp_path / str(i), planner=planner, people=people, episodes=4, errors=[3] if i == 3 else [], only=FEW)
+    assert report(tmp_path, "--pictures", "1") == 0
+    page = (tmp_path / "report" / "index.html").read_text()
+    assert "2 planners × 2 crowd sizes · jackal · hall" in page
+    assert "NoPath: &lt;none&gt;" in page
+    assert not re.search(r"""(src|href)\s*=\s*["'](?!data:|#)""", page)
+    assert "url(" not in page
+    made = {path.name for path in (tmp_path / "report" / "figures").iterdir()}
+    assert {"success.png", "success.pdf", "jerk.png", "jerk.pdf", "cell_dwa-jackal-0-1.5.png", "cell_dwa-jackal-0-1.5.pdf"} <= made
+    assert {path.name for path in (tmp_path / "report" / "tables").iterdir()} >= {"headline.tex", "headline.md", "headline.csv"}
+    assert all((tmp_path / str(i) / "summary.csv").exists() for i in range(4))
+    assert f"report: {tmp_path / 'report' / 'index.html'}" in capsys.readouterr().out
+
+
+def test_same_runs_give_the_same_report_byte_for_byte(run_folder, tmp_path):
+    folder = run_folder(tmp_path / "a", only=FEW)
+    report(folder, "--out", tmp_path / "first")
+    report(folder, "--out", tmp_path / "second")
+    files = sorted(path.relative_to(tmp_path / "first") for path in (tmp_path / "first").rglob("*") if path.is_file())
+    assert len(files) > 10
+    for path in files:
+        assert (tmp_path / "first" / path).read_bytes() == (tmp_path / "second" / path).read_bytes()
+
+
+def test_out_leaves_the_runs_untouched(run_folder, tmp_path):
+    folder = run_folder(tmp_path / "a")
+    before = sorted(folder.rglob("*"))
+    report(folder, "--out", tmp_path / "elsewhere", "--no-figures")
+    assert sorted(folder.rglob("*")) == before
+
+
+def test_single_episode_is_reported_without_interval(run_folder, tmp_path):
+    folder = run_folder(tmp_path / "a", episodes=1)
+    assert report(folder, "--no-figures") == 0
+    assert "succeeded in 1 of 1 episode," in (folder / "report" / "index.html").read_text()
+
+
+def test_cell_in_which_everything_failed_is_reported_with_its_errors(run_folder, tmp_path):
+    folder = run_folder(tmp_path / "a", episodes=2, errors=[0, 1])
+    assert report(folder) == 0
+    page = (folder / "report" / "index.html").read_text()
+    assert "no episode could be judged" in page
+    assert "5 people" in page
+
+
+def test_hundreds_of_cells_are_folded_away(run_folder, tmp_path):
+    for i in range(130):
+        run_folder(tmp_path / str(i), episodes=2, sim_time=1.0 + i, records=False)
+    assert report(tmp_path, "--no-figures") == 0
+    page = (tmp_path / "report" / "index.html").read_text()
+    assert "The other 70 cells" in page
+    assert "first 24 of 130 cells" in page
+
+
+def test_report_again_does_not_read_its_own_tables(run_folder, tmp_path):
+    folder = run_folder(tmp_path / "a")
+    report(folder, "--no-figures")
+    first = (folder / "report" / "summary.csv").read_text()
+    report(folder, "--no-figures")
+    assert (folder / "report" / "summary.csv").read_text() == first
+
+
+def test_folder_without_runs_is_refused(tmp_path):
+    with pytest.raises(InputFileError, match=r"no run below it"):
+        report(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "message"),
+    [
+        (lambda text: text.replace("config_hash", "hash", 1), "lacks the column config_hash"),
+        (lambda text: text.replace(",goal_reached,", ",goal_reached,,,,,,,", 1), "line 2 has another number of fields"),
+        (lambda text: text[:-60], "fields|could not convert"),
+        (lambda text: re.sub(r",4\.0\d*", ",four", text, count=1), "line 2: could not convert string to float: 'four'"),
+        (lambda text: text.splitlines()[0] + "\n", "holds no episode yet"),
+    ],
+)
+def test_broken_table_is_named_with_its_line(run_folder, tmp_path, spoil, message):
+    folder = run_folder(tmp_path / "a")
+    table = folder / "episodes.csv"
+    table.write_text(spoil(table.read_text()))
+    with pytest.raises(InputFileError, match=message):
+        report(folder, "--no-figures")
+
+
+def test_broken_provenance_is_named(run_folder, tmp_path):
+    folder = run_folder(tmp_path / "a")
+    (folder / "provenance.json").write_text("{")
+    with pytest.raises(InputFileError, match=r"provenance\.json"):
+        report(folder, "--no-figures")
+
+
+def test_missing_map_is_named(run_folder, tmp_path):
+    folder = run_folder(tmp_path / "a")
+    (folder / "worlds" / "hall.npz").unlink()
+    with pytest.raises(InputFileError, match=r"hall\.npz: no such file"):
+        report(folder)
+
+
+def test_unwritable_place_is_named_and_leaves_nothing_behind(run_folder, tmp_path):
+    folder = run_folder(tmp_path / "a")
+    (tmp_path / "file").write_text("")
+    with pytest.raises(RunFolderError, match="cannot write"):
+        report(folder, "--out", tmp_path / "file" / "below", "--no-figures")
+
+
+def test_run_without_provenance_is_reported(run_folder, tmp_path):
+    folder = run_folder(tmp_path / "a")
+    (folder / "provenance.json").unlink()
+    assert report(folder, "--no-figures") == 0
+
+
+def test_configuration_difference_is_in_the_page(run_folder, tmp_path):
+    run_folder(tmp_path / "a", sim_time=1.5)
+    run_folder(tmp_path / "b", sim_time=3.0)
+    report(tmp_path, "--no-figures")
+    page = (tmp_path / "report" / "index.html").read_text()
+    assert "<code>planner.sim_time</code>" in page
+    assert json.dumps(3.0) in page
+
+
+@pytest.mark.parametrize(("width", "bar"), [(4.0, 1.0), (20.0, 5.0), (19.0, 2.0), (400.0, 100.0), (0.9, 0.2)])
+def test_scale_bar_is_round_and_at_most_a_quarter(width, bar):
+    assert scale_bar_length(width) == pytest.approx(bar)
