@@ -64,7 +64,7 @@ def read_trajectories(path: Path, rate: float = 16.0) -> tuple[Floats, float]:
     opened = gzip.open if path.suffix == ".gz" else open
     try:
         with opened(path, "rt") as file:
-            rows = np.loadtxt(file, ndmin=2)
+            rows = np.array([line.split() for line in file], np.float64)
         people, frames = rows[:, 0].astype(np.int64), rows[:, 1].astype(np.int64)
         positions = np.full((int(np.ptp(frames)) + 1, int(np.ptp(people)) + 1, 2), np.nan)
         positions[frames - frames.min(), people - people.min()] = rows[:, 2:4] / 100.0

@@ -1,0 +1,79 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from arena_core import InputFileError
+from arena_pedsim.fundamental_diagram import Area, binned, measure, read_trajectories, weidmann
+from arena_pedsim.ring_corridor import MEASURED, RATE, people, walk_round
+
+JUELICH = Path(__file__).resolve().parents[4] / "shared" / "data" / "pedestrians" / "juelich"
+RECORDED = Area(0.0, 1.8, -1.0, 3.0)
+
+
+@pytest.fixture(scope="module")
+def recorded():
+    """Return binned density and speed of both recordings together."""
+    if not JUELICH.is_dir():
+        pytest.skip("the recorded trajectories are not beside the repository")
+    names = ("uo-050-180-180.txt", "uo-100-180-180.txt.gz")
+    densities, speeds = zip(*(measure(*read_trajectories(JUELICH / name), RECORDED) for name in names), strict=True)
+    return binned(np.concatenate(densities), np.concatenate(speeds), 0.25, 16)
+
+
+def simulated(model, numbers=(6, 15, 30, 45, 60, 75, 90, 105, 120, 140)):
+    walks = [walk_round(model, people(number, 1.48, 0.2, number), 40.0, 20.0) for number in numbers]
+    densities, speeds = zip(*(measure(walk, RATE, MEASURED) for walk in walks), strict=True)
+    return binned(np.concatenate(densities), np.concatenate(speeds), 0.25, 16)
+
+
+def test_speed_and_density_of_a_made_up_flow():
+    times = np.arange(0.0, 10.0, 0.1)
+    positions = np.stack((np.stack([2.0 * times - k for k in range(20)], axis=1), np.full((100, 20), 0.5)), axis=-1)
+    density, speed = measure(positions, 10.0, Area(2.25, 6.25, 0.0, 1.0))
+    assert speed == pytest.approx(2.0)
+    assert density[50] == 1.0
+    assert density.max() == 1.0
+
+
+def test_absent_people_do_not_count():
+    positions = np.full((20, 3, 2), np.nan)
+    positions[:, 1] = np.stack((np.linspace(0.0, 1.9, 20), np.ones(20)), axis=1)
+    density, speed = measure(positions, 10.0, Area(0.5, 1.5, 0.0, 2.0))
+    assert density == pytest.approx(0.5)
+    assert speed == pytest.approx(1.0)
+
+
+def test_weidmann_gives_his_own_figures():
+    assert weidmann(np.array([0.5, 1.0, 2.0, 3.0, 4.0])) == pytest.approx([1.30, 1.06, 0.61, 0.33, 0.16], abs=0.006)
+
+
+def test_recorded_speed_falls_with_density(recorded):
+    densities, speeds = recorded
+    assert densities[-1] > 1.2
+    assert speeds[0] - speeds[-1] > 0.25
+
+
+@pytest.mark.slow
+def test_simulated_speed_falls_with_density_as_recorded(recorded, make_model):
+    densities, speeds = simulated(make_model())
+    assert densities[-1] > 2.0
+    assert (np.diff(speeds[densities > 0.5]) < 0.0).all()
+    assert np.abs(np.interp(recorded[0], densities, speeds) - recorded[1]).max() < 0.16
+    assert np.abs(np.interp(recorded[0], densities, speeds) - recorded[1]).mean() < 0.09
+    beyond = densities > 1.3  # where nothing was recorded, Weidmann's curve for the same free speed
+    assert np.abs(speeds - weidmann(densities, 1.48))[beyond].max() < 0.15
+
+
+def test_without_sight_people_would_not_slow_down_as_recorded(recorded, make_model):
+    """Pushed from behind as much as from ahead, a queue does not brake: the reason for ``rear_weight``."""
+    densities, speeds = simulated(make_model(social={"rear_weight": 1.0}), (15, 105))
+    assert speeds[-1] - np.interp(densities[-1], *recorded) > 0.1
+
+
+@pytest.mark.parametrize("text", ["", "1 2 three 4 5", "1 2\n"])
+def test_a_malformed_recording_is_named(tmp_path, text):
+    path = tmp_path / "walk.txt"
+    path.write_text(text)
+    with pytest.raises(InputFileError, match=r"walk\.txt: .*allowed: rows of person, frame, x, y, z in cm"):
+        read_trajectories(path)
