@@ -161,7 +161,7 @@ def test_somebody_without_drive_stays(stage, make_model):
 @pytest.mark.parametrize("value", [-1.0, "much", float("nan")])
 def test_an_impossible_factor_is_named(stage, make_model, value):
     scenario = stage.scenario(stage.hall(5, 5), [stage.person(7, (2, 2), force_factor_social=value)])
-    with pytest.raises(ConfigurationError, match="person 7: force_factor_social is .* a number >= 0"):
+    with pytest.raises(ConfigurationError, match=r"person 7: force_factor_social is .* a number >= 0"):
         make_model().reset(np.zeros(1, int), [scenario], 1)
 
 

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from shapely import Point, Polygon
 
-from arena_core import ImpossibleScenario, Obstacle
+from arena_core import ImpossibleScenario, Obstacle, OccupancyGrid, Pose
 from arena_pedsim.obstacles import with_obstacles
 
 
@@ -15,8 +15,6 @@ def test_without_obstacles_it_is_the_same_grid(stage):
 
 @given(st.floats(0.5, 3.5), st.floats(0.5, 3.5), st.floats(0.06, 1.0))
 def test_a_disc_covers_the_cells_whose_centres_it_holds(x, y, radius):
-    from arena_core import OccupancyGrid, Pose
-
     grid = OccupancyGrid(np.zeros((80, 80), np.int8), 0.05, Pose(0.3, -0.2, 0.4))
     marked = with_obstacles(grid, [Obstacle(np.array([(x, y)]), radius)]).occupied
     centres = grid.positions(np.argwhere(np.ones((80, 80), bool))).reshape(80, 80, 2)

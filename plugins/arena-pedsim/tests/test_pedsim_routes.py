@@ -1,3 +1,5 @@
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -5,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
-from arena_core import OccupancyGrid, Pose
+from arena_core import Crowd, OccupancyGrid, Pose
 from arena_kernels.grids import stack_grids
 from arena_pedsim.ground import clearance, ground_of
 from arena_pedsim.route_grid import rooms_of, stack_rooms
@@ -60,7 +62,7 @@ def route(grid, start, goal, radius=0.3):
 def test_a_route_runs_from_corner_to_corner_in_sight(stage):
     way, ground = route(stage.hall(20, 20, stage.racks), (2.0, 6.0), (18.0, 14.0))
     assert len(way) > 2
-    for here, there in zip(way[:-1], way[1:], strict=True):
+    for here, there in pairwise(way):
         assert is_visible(ground, *here, *there, SIGHT * 0.3)
     length = np.hypot(*np.diff(way, axis=0).T).sum()
     assert length < 1.25 * np.hypot(16.0, 8.0)
@@ -113,8 +115,6 @@ def test_a_waypoint_that_cannot_be_reached_is_given_up(stage, make_model):
 
 
 def test_who_is_moved_out_of_sight_of_the_way_finds_another(stage, make_model):
-    from arena_core import Crowd
-
     hall = stage.hall(20, 20, stage.racks)
     model = make_model()
     crowd = list(stage.walk(model, stage.scenario(hall, [stage.person(0, (2.0, 6.0), (18.0, 2.0), (2.0, 6.0))]), 1.0))[-1]
