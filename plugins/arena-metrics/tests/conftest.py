@@ -213,3 +213,8 @@ def run_folder() -> Callable[..., Path]:
 @pytest.fixture(scope="session")
 def pack_metrics() -> Mapping[str, Sequence[Metric]]:
     return {"si": PACKS["si"]}
+
+
+@pytest.fixture(scope="session")
+def preset_of() -> Callable[[str], dict[str, Any]]:
+    return preset

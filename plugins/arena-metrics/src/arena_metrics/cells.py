@@ -23,7 +23,7 @@ FACTORS = {  # columns that tell cells apart, in the order in which a reader wan
     "timing": "timing",
 }
 VARIANT = "variant"
-NOT_SHOWN = ("choices", "seed", "episodes", "executor", "resume", "report", "metrics", "experiment")
+NOT_SHOWN = ("choices", "seed", "episodes", "executor", "resume", "report", "metrics", "recording", "experiment")
 NAMED_KEYS = 3  # differing keys that a variant's name spells out
 
 

@@ -60,6 +60,7 @@ def _head(summary: Summary, runs: Sequence[Run], repeats: int) -> dict[str, Any]
         "counts": {"runs": len(runs), "cells": len(cells.cells), "episodes": len(episodes), "repeats": repeats},
         "seeds": _numbers(sorted({episode.row["seed"] for episode in episodes})),
         "answers": answers(summary),
+        "untuned": sorted({note for run in runs for note in run.provenance.get("untuned") or []}),
         "headings": headings(summary),
         "groups": shown,
         "folded": folded,
