@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Sequence
 
@@ -9,19 +10,25 @@ from arena_core.errors import ArenaError, UnknownComponent
 from arena_core.registry import Registry, load_registry, unknown
 
 INTERRUPTED = 130  # what a shell reports for a process ended by Ctrl-C
+CUT_OFF = 141  # the same, when nobody reads its output any more (arena list | head)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return the exit status: 0 done, 1 some episode failed, 2 the request was wrong."""
     arguments = list(sys.argv[1:] if arguments is None else arguments)
     try:
-        return _dispatch(load_registry(), arguments)
+        status = _dispatch(load_registry(), arguments)
+        sys.stdout.flush()
+        return status
     except ArenaError as error:
         print(f"arena: {error}", file=sys.stderr)
         return error.exit_status
     except KeyboardInterrupt:
         print("arena: interrupted; finished episodes are kept, resume=true hydra.run.dir=DIR continues", file=sys.stderr)
         return INTERRUPTED
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python complains again when it flushes at its end
+        return CUT_OFF
 
 
 def _dispatch(registry: Registry, arguments: list[str]) -> int:
