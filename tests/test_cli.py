@@ -1,3 +1,4 @@
+import os
 import subprocess
 import sys
 
@@ -83,6 +84,16 @@ def test_listing_loads_no_heavy_library(tmp_path):
     code = f"import sys; from arena_core.cli import main; main(['list']); print([m for m in {ELSEWHERE} if m in sys.modules])"
     answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True, cwd=tmp_path)
     assert answer.stdout.splitlines()[-1] == "[]"
+
+
+def test_output_that_nobody_reads_is_no_error(tmp_path):
+    read, write = os.pipe()
+    os.close(read)
+    answer = subprocess.run(
+        [sys.executable, "-m", "arena_core.cli", "list"], stdout=write, stderr=subprocess.PIPE, timeout=60, cwd=tmp_path
+    )
+    os.close(write)
+    assert (answer.returncode, answer.stderr) == (141, b"")
 
 
 def test_importing_the_public_core_loads_numpy_and_pluggy_alone(tmp_path):
