@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arena_kernels.grids import stack_grids
-from arena_kernels.raycast import cast_discs, cast_grid, cast_segments, make_beams, plain_dda, scan_grids
+from arena_kernels.raycast import cast_disc, cast_grid, cast_segments, make_beams, plain_dda, scan_grids
 
 seeds = st.integers(0, 2**32 - 1)
 ROUND = make_beams(-np.pi, 2 * np.pi / 90, 90, 4.0)
@@ -94,14 +94,15 @@ def test_discs_shorten_exactly_the_beams_that_meet_them(seed, angle_min, field):
     centres = random.uniform(-5.0, 5.0, (6, 2))
     outside = np.hypot(*(centres - pose[:2]).T) > radii
     ranges = np.full(120, np.inf, np.float32)
-    cast_discs(*pose, beams, centres[outside], radii[outside], ranges)
+    for (x, y), radius in zip(centres[outside], radii[outside], strict=True):
+        cast_disc(*pose, beams, x, y, radius, ranges)
     expected = nearest_circle_hit(pose, beams, centres[outside], radii[outside])
     np.testing.assert_allclose(ranges, expected, atol=2e-4)
 
 
 def test_sensor_inside_a_disc_reads_zero():
     ranges = np.full(90, np.inf, np.float32)
-    cast_discs(0.0, 0.0, 0.0, ROUND, np.array([[0.1, 0.0]]), np.array([0.3]), ranges)
+    cast_disc(0.0, 0.0, 0.0, ROUND, 0.1, 0.0, 0.3, ranges)
     assert not ranges.any()
 
 
@@ -110,13 +111,13 @@ def test_sensor_inside_a_disc_reads_zero():
 def test_segments_shorten_exactly_the_beams_that_cross_them(seed):
     random = np.random.default_rng(seed)
     pose = tuple(random.uniform(-3.0, 3.0, 3))
-    segments = random.uniform(-3.0, 3.0, (5, 4))
+    segments = random.uniform(-3.0, 3.0, (5, 2, 2))
     ranges = np.full(90, np.inf, np.float32)
     cast_segments(*pose, ROUND, segments, ranges)
     angles = pose[2] + ROUND.angle_min + ROUND.angle_increment * np.arange(90)
     for i, angle in enumerate(angles):
         hits = [np.inf]
-        for ax, ay, bx, by in segments:
+        for (ax, ay), (bx, by) in segments:
             matrix = np.array([[np.cos(angle), ax - bx], [np.sin(angle), ay - by]])
             t, share = np.linalg.solve(matrix, (ax - pose[0], ay - pose[1]))
             if t >= 0.0 and 0.0 <= share <= 1.0 and t < 4.0:
@@ -128,5 +129,5 @@ def test_no_beam_slips_between_the_sides_of_a_polygon():
     corners = np.array([[1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]])
     beams = make_beams(0.0, np.pi / 4, 8, 5.0)
     ranges = np.full(8, np.inf, np.float32)
-    cast_segments(0.0, 0.0, 0.0, beams, np.hstack((corners, np.roll(corners, -1, axis=0))), ranges)
+    cast_segments(0.0, 0.0, 0.0, beams, np.stack((corners, np.roll(corners, -1, axis=0)), axis=1), ranges)
     assert ranges.tolist() == pytest.approx([1.0, 2**0.5] * 4, abs=1e-6)

@@ -5,8 +5,7 @@ from hypothesis import strategies as st
 
 from arena_core import Pose
 from arena_core.testing import robot, scenario
-from arena_sim2d.bodies import chassis
-from arena_sim2d.motion import drive, next_velocity
+from arena_sim2d.motion import chassis, drive, next_velocity
 
 DT = 0.01
 speed = st.floats(-1e3, 1e3)
@@ -18,7 +17,7 @@ def follow(kinematics, commands):
     body = chassis(robot(kinematics))
     velocities = [np.zeros(3)]
     for command in commands:
-        velocities.append(np.array(next_velocity(body, velocities[-1], np.array(command), DT)))
+        velocities.append(np.array(next_velocity(body, tuple(velocities[-1].tolist()), np.array(command), DT)))
     return np.array(velocities)
 
 

@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arena_core import Obstacle, OdometryModel, Pose, Robot
+from arena_core import Obstacle, OdometryModel, Pose, Robot, stream_key
 from arena_core.testing import robot, scan, scenario
 from arena_core.testing.samples import person
 from arena_kernels.random import normal
@@ -47,7 +47,7 @@ def test_noise_is_gaussian_and_keyed_by_scenario_tick_and_beam(simulate, alter):
     errors = np.array(scans) - exact
     assert abs(errors.mean()) < 0.002
     assert errors.std() == pytest.approx(0.05, rel=0.03)
-    key = simulator._worlds.scans.keys[0]
+    key = stream_key(0, "sample/0", "lidar")
     assert errors[3, 5] == pytest.approx(0.05 * normal(key, 30, 5), abs=1e-5)
     again = simulator.reset([scenario(start=Pose(0.0, 0.0, 0.0))])
     assert again.ranges[0].tolist() == scans[0].tolist()

@@ -46,6 +46,14 @@ class _KernelCache(FunctionCache):
         super().__init__(kernel)  # type: ignore[no-untyped-call]
         self._cache_file._source_stamp = (_stamp(Path(inspect.getfile(kernel)).parent), _stamp(Path(__file__).parent))
 
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Return what was compiled for a signature, None if there is nothing, or only what names types that have moved since."""
+        try:
+            return super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
+        except (ImportError, AttributeError):
+            self.flush()  # type: ignore[no-untyped-call]
+            return None
+
 
 @lru_cache
 def _stamp(folder: Path) -> tuple[tuple[str, int, int], ...]:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing
-from arena_kernels.grids import GridStack, to_grid
+from arena_kernels.grids import GridStack
 from arena_kernels.scalars import Integer
 
 Gap = tuple[float, float, float, float, float]
@@ -24,72 +24,97 @@ NOTHING: Gap = (math.inf, 0.0, 0.0, math.inf, math.inf)
 
 
 class Body(NamedTuple):
-    """A disc or a convex polygon at a pose: the convex hull of ``hull`` (V, 2), counter-clockwise in ``map``, grown by ``rounding`` m.
+    """A disc or a convex polygon: the convex hull of ``points[1, :corners]``, counter-clockwise in ``map``, grown by ``rounding`` m.
 
-    One point with a rounding is a disc; three or more points without are a polygon. ``vertices`` (V, 2) are the polygon's in its own
-    frame, none for a disc. ``pose`` (3,) is where the body is, ``radius`` that of a disc around it. ``scratch`` (V + 4, 2) is the
-    kernels' own.
+    One corner with a rounding is a disc; three or more corners without are a polygon, whose corners in its own frame are
+    ``points[0, :corners]``. ``at`` (2,) is where its origin is, ``radius`` that of a disc about the origin that holds it. The rest
+    of ``points`` (4, C, 2) is the kernels' own.
     """
 
-    vertices: Points
+    points: NDArray[np.float64]
+    at: NDArray[np.float64]
+    corners: int
     rounding: float
     radius: float
-    pose: NDArray[np.float64]
-    hull: Points
-    scratch: Points
+
+
+class Walls(NamedTuple):
+    """One grid of a stack: its distance field from ``offset`` on, its shape, and its place in ``map``."""
+
+    distance: NDArray[np.float32]
+    offset: Integer
+    rows: Integer
+    columns: Integer
+    resolution: float
+    x: float
+    y: float
+    cosine: float
+    sine: float
 
 
 def make_body(vertices_xy: Points, radius: float) -> Body:
     """Return a body at the origin: a disc of ``radius``, or the convex polygon ``vertices_xy`` (V, 2), counter-clockwise, inside it."""
-    vertices = np.array(vertices_xy, np.float64, order="C").reshape(-1, 2)
-    points = max(len(vertices), 1)
-    rounding = 0.0 if len(vertices) else float(radius)
-    body = Body(vertices, rounding, float(radius), np.zeros(3), np.zeros((points, 2)), np.zeros((points + 4, 2)))
-    place(body, 0.0, 0.0, 0.0)
-    return body
+    vertices = np.asarray(vertices_xy, np.float64).reshape(-1, 2)
+    corners = max(len(vertices), 1)
+    points = np.zeros((4, max(corners, 4), 2))
+    points[:2, : len(vertices)] = vertices
+    return Body(points, np.zeros(2), corners, 0.0 if len(vertices) else float(radius), float(radius))
 
 
 @borrowing
 def disc_like(body: Body, radius: float) -> Body:
     """Return a disc of ``radius`` that uses the arrays of another disc."""
-    return Body(body.vertices, radius, radius, body.pose, body.hull, body.scratch)
+    return Body(body.points, body.at, 1, radius, radius)
 
 
 @borrowing
 def place(body: Body, x: float, y: float, theta: float) -> None:
     """Put a body at a pose."""
-    body.pose[0], body.pose[1], body.pose[2] = x, y, theta
-    if len(body.vertices) == 0:
-        body.hull[0, 0], body.hull[0, 1] = x, y
-        return
-    c, s = math.cos(theta), math.sin(theta)
-    for i in range(len(body.vertices)):
-        body.hull[i, 0] = x + c * body.vertices[i, 0] - s * body.vertices[i, 1]
-        body.hull[i, 1] = y + s * body.vertices[i, 0] + c * body.vertices[i, 1]
+    body.at[0], body.at[1] = x, y
+    c, s = (math.cos(theta), math.sin(theta)) if body.corners > 1 else (1.0, 0.0)
+    for i in range(body.corners):
+        px, py = body.points[0, i, 0], body.points[0, i, 1]
+        body.points[1, i, 0], body.points[1, i, 1] = x + c * px - s * py, y + s * px + c * py
+
+
+@borrowing
+def walls_of(stack: GridStack, g: Integer) -> Walls:
+    """Return grid ``g`` of a stack."""
+    return Walls(
+        stack.distance,
+        stack.offsets[g],
+        stack.shapes[g, 0],
+        stack.shapes[g, 1],
+        stack.resolutions[g],
+        stack.origins[g, 0],
+        stack.origins[g, 1],
+        stack.rotations[g, 0],
+        stack.rotations[g, 1],
+    )
 
 
 @borrowing
 def gap_to_disc(body: Body, x: float, y: float, radius: float) -> Gap:
     """Return the gap between a body and a disc."""
-    gap, nx, ny = _point_gap(body.hull, x, y)
+    gap, nx, ny = _point_gap(body.points[1, : body.corners], x, y)
     return gap - body.rounding - radius, nx, ny, x - radius * nx, y - radius * ny
 
 
 @borrowing
 def gap_to_convex(body: Body, other: Points) -> Gap:
     """Return the gap between a body and the convex hull of ``other`` (K, 2), counter-clockwise: a segment or a polygon."""
-    return _hull_gap(body.hull, body.rounding, other)
+    return _hull_gap(body.points[1, : body.corners], body.rounding, other)
 
 
 @borrowing
-def gap_to_polygon(body: Body, ring: Points) -> Gap:
-    """Return the gap between a body and a simple polygon, convex or not; ``ring`` (K + 1, 2) ends with its first vertex."""
+def gap_to_polygon(body: Body, sides: NDArray[np.float64]) -> Gap:
+    """Return the gap between a body and a simple polygon, convex or not; ``sides`` (K, 2, 2) are its sides' end points in order."""
     best = NOTHING
-    for i in range(len(ring) - 1):
-        found = _hull_gap(body.hull, body.rounding, ring[i : i + 2])
+    for i in range(len(sides)):
+        found = gap_to_convex(body, sides[i])
         if found[0] < best[0]:
             best = found
-    if best[0] > -body.rounding and _inside(ring, body.hull[0, 0], body.hull[0, 1]):
+    if best[0] > -body.rounding and _inside(sides, body.points[1, 0, 0], body.points[1, 0, 1]):
         return -best[0] - 2.0 * body.rounding, -best[1], -best[2], best[3], best[4]
     return best
 
@@ -97,54 +122,62 @@ def gap_to_polygon(body: Body, ring: Points) -> Gap:
 @borrowing
 def gap_to_cells(stack: GridStack, g: Integer, body: Body, within: float) -> Gap:
     """Return the gap between a body and the nearest occupied cell of grid ``g``, ``NOTHING`` unless it is less than ``within``."""
-    rows, columns = stack.shapes[g, 0], stack.shapes[g, 1]
-    resolution = stack.resolutions[g]
-    u, v = to_grid(stack, g, body.pose[0], body.pose[1])
-    column = np.int64(min(max(u, 0.0), columns - 1.0))
-    row = np.int64(min(max(v, 0.0), rows - 1.0))
-    nearest = stack.distance[stack.offsets[g] + row * columns + column] / resolution
-    away = math.sqrt((u - column - 0.5) ** 2 + (v - row - 0.5) ** 2)
-    if nearest - away - 0.7072 >= (within + body.radius) / resolution:
-        return NOTHING
-    return _search_cells(stack, g, body, u, v, min(within / resolution, nearest + away + 1e-6))
+    return gap_to_walls(walls_of(stack, g), body, within)
 
 
 @borrowing
-def _search_cells(stack: GridStack, g: Integer, body: Body, u: float, v: float, within: float) -> Gap:
+def gap_to_walls(walls: Walls, body: Body, within: float) -> Gap:
+    """Return the gap between a body and the nearest occupied cell, ``NOTHING`` unless it is less than ``within``."""
+    u, v = _to_cells(walls, body.at[0], body.at[1])
+    column = np.int64(min(max(u, 0.0), walls.columns - 1.0))
+    row = np.int64(min(max(v, 0.0), walls.rows - 1.0))
+    nearest = walls.distance[walls.offset + row * walls.columns + column] / walls.resolution
+    away = math.sqrt((u - column - 0.5) ** 2 + (v - row - 0.5) ** 2)
+    if nearest - away - 0.7072 >= (within + body.radius) / walls.resolution:
+        return NOTHING
+    return _search(walls, body, u, v, min(within / walls.resolution, nearest + away + 1e-6))
+
+
+@borrowing
+def _to_cells(walls: Walls, x: float, y: float) -> tuple[float, float]:
+    dx, dy = (x - walls.x) / walls.resolution, (y - walls.y) / walls.resolution
+    return walls.cosine * dx + walls.sine * dy, walls.cosine * dy - walls.sine * dx
+
+
+@borrowing
+def _search(walls: Walls, body: Body, u: float, v: float, within: float) -> Gap:
     """Walk the rows outwards from (u, v), and each row outwards, leaping by the distance field; lengths in cells."""
-    rows, columns = stack.shapes[g, 0], stack.shapes[g, 1]
-    resolution = stack.resolutions[g]
-    radius, rounding = body.radius / resolution, body.rounding / resolution
-    hull, square = body.scratch[4:], body.scratch[:4]
-    for i in range(len(hull)):
-        hull[i, 0], hull[i, 1] = to_grid(stack, g, body.hull[i, 0], body.hull[i, 1])
-    first_row = np.int64(min(max(v, 0.0), rows - 1.0))
-    first_column = np.int64(min(max(u, 0.0), columns - 1.0))
+    radius, rounding = body.radius / walls.resolution, body.rounding / walls.resolution
+    hull = body.points[2, : body.corners]
+    for i in range(body.corners):
+        hull[i, 0], hull[i, 1] = _to_cells(walls, body.points[1, i, 0], body.points[1, i, 1])
+    first_row = np.int64(min(max(v, 0.0), walls.rows - 1.0))
+    first_column = np.int64(min(max(u, 0.0), walls.columns - 1.0))
     best = (within, 0.0, 0.0, np.inf, np.inf)
     found = False
     for side in range(-1, 2, 2):
         row = first_row if side > 0 else first_row - 1
-        while 0 <= row < rows:
+        while 0 <= row < walls.rows:
             dy = max(row - v, v - row - 1.0, 0.0)
             if dy >= best[0] + radius:
                 break
-            start = stack.offsets[g] + row * columns
+            start = walls.offset + row * walls.columns
             for way in range(-1, 2, 2):
                 column = first_column if way > 0 else first_column - 1
-                while 0 <= column < columns:
+                while 0 <= column < walls.columns:
                     dx = max(column - u, u - column - 1.0, 0.0)
                     if dx * dx + dy * dy >= (best[0] + radius) ** 2:
                         break
-                    free = stack.distance[start + column]
+                    free = walls.distance[start + column]
                     if free > 0.0:
-                        column += way * int(max(free / resolution, 1.0))
+                        column += way * np.int64(max(free / walls.resolution, 1.0))
                         continue
-                    gap = _gap_to_cell(hull, rounding, column, row, square)
+                    gap = _gap_to_cell(hull, rounding, column, row, body.points[3, :4])
                     if gap[0] < best[0]:
                         best, found = gap, True
                     column += way
             row += side
-    return _to_map(stack, g, best) if found else NOTHING
+    return _to_map(walls, best) if found else NOTHING
 
 
 @borrowing
@@ -185,14 +218,13 @@ def _hull_gap(hull: Points, rounding: float, other: Points) -> Gap:
 
 
 @borrowing
-def _to_map(stack: GridStack, g: Integer, gap: Gap) -> Gap:
+def _to_map(walls: Walls, gap: Gap) -> Gap:
     """Turn a gap from the grid's frame in cells to ``map`` in m."""
-    c, s = stack.rotations[g, 0], stack.rotations[g, 1]
-    resolution = stack.resolutions[g]
+    c, s = walls.cosine, walls.sine
     distance, nx, ny, px, py = gap
-    x = stack.origins[g, 0] + resolution * (c * px - s * py)
-    y = stack.origins[g, 1] + resolution * (s * px + c * py)
-    return distance * resolution, c * nx - s * ny, s * nx + c * ny, x, y
+    x = walls.x + walls.resolution * (c * px - s * py)
+    y = walls.y + walls.resolution * (s * px + c * py)
+    return distance * walls.resolution, c * nx - s * ny, s * nx + c * ny, x, y
 
 
 @borrowing
@@ -253,11 +285,11 @@ def _support(points: Points, nx: float, ny: float) -> int:
 
 
 @borrowing
-def _inside(ring: Points, x: float, y: float) -> bool:
+def _inside(sides: NDArray[np.float64], x: float, y: float) -> bool:
     """Tell whether a point lies inside a simple polygon (crossing number)."""
     inside = False
-    for i in range(len(ring)):
-        ax, ay, bx, by = ring[i - 1, 0], ring[i - 1, 1], ring[i, 0], ring[i, 1]
+    for i in range(len(sides)):
+        ax, ay, bx, by = sides[i, 0, 0], sides[i, 0, 1], sides[i, 1, 0], sides[i, 1, 1]
         if (ay > y) != (by > y) and x < ax + (y - ay) * (bx - ax) / (by - ay):
             inside = not inside
     return inside

@@ -70,7 +70,7 @@ def _normal_pair(key: Integer, tick: Integer, pair: Integer) -> tuple[float, flo
 @borrowing
 def normal(key: Integer, tick: Integer, index: Integer) -> float:
     """Return a standard normal number; indices 2 i and 2 i + 1 share one block."""
-    first, second = _normal_pair(key, tick, np.int64(index) >> 1)
+    first, second = _normal_pair(np.uint64(key), np.int64(tick), np.int64(index) >> 1)
     return second if np.int64(index) & 1 else first
 
 
@@ -78,6 +78,6 @@ def normal(key: Integer, tick: Integer, index: Integer) -> float:
 def normals(key: Integer, tick: Integer, out: NDArray[np.float64]) -> None:
     """Fill ``out`` (K,) with ``normal(key, tick, 0 .. K - 1)``, at half the price."""
     for pair in range(len(out) // 2):
-        out[2 * pair], out[2 * pair + 1] = _normal_pair(key, tick, pair)
+        out[2 * pair], out[2 * pair + 1] = _normal_pair(np.uint64(key), np.int64(tick), np.int64(pair))
     if len(out) % 2:
         out[-1] = normal(key, tick, len(out) - 1)

@@ -53,33 +53,49 @@ def scan_grids(
 def cast_grid(stack: GridStack, g: Integer, x: float, y: float, theta: float, beams: Beams, ranges: NDArray[np.float32]) -> None:
     """Fill ``ranges`` (B,) with the distances to the occupied cells of grid ``g``, seen from a pose in ``map``; +inf: nothing hit."""
     u, v = to_grid(stack, g, x, y)
-    resolution = stack.resolutions[g]
-    limit = beams.range_max / resolution
-    directions = beams.scratch
-    _turn(beams, theta - stack.origins[g, 2], directions)
-    last = len(ranges) - 1
+    _turn(beams, theta - stack.origins[g, 2], beams.scratch)
+    limit = beams.range_max / stack.resolutions[g]
+    _cast(stack.reach, stack.reach_offsets[g], stack.shapes[g, 0], stack.shapes[g, 1], u, v, beams.scratch, limit, ranges)
+    for i in range(len(ranges)):
+        ranges[i] *= stack.resolutions[g]
+
+
+@borrowing
+def _cast(
+    reach: NDArray[np.uint8],
+    offset: Integer,
+    rows: Integer,
+    columns: Integer,
+    u: float,
+    v: float,
+    directions: NDArray[np.float64],
+    limit: float,
+    ranges: NDArray[np.float32],
+) -> None:
+    """Fill ``ranges`` (B,) seen from column u, row v; all lengths in cells."""
+    width, last = columns + 1, len(ranges) - 1
     for i in range(0, last + 1, 4):  # four rays at once: their leaps wait for memory, not for each other
         i1, i2, i3 = min(i + 1, last), min(i + 2, last), min(i + 3, last)
-        ray0, t0, c0, r0 = _begin(stack, g, u, v, directions, i)
-        ray1, t1, c1, r1 = _begin(stack, g, u, v, directions, i1)
-        ray2, t2, c2, r2 = _begin(stack, g, u, v, directions, i2)
-        ray3, t3, c3, r3 = _begin(stack, g, u, v, directions, i3)
-        width = stack.shapes[g, 1] + 1
+        ray0, t0, c0, r0 = _begin(offset, rows, columns, u, v, directions, i)
+        ray1, t1, c1, r1 = _begin(offset, rows, columns, u, v, directions, i1)
+        ray2, t2, c2, r2 = _begin(offset, rows, columns, u, v, directions, i2)
+        ray3, t3, c3, r3 = _begin(offset, rows, columns, u, v, directions, i3)
         while True:
-            side0 = _side(stack.reach, width, limit, ray0, t0, c0, r0)
-            side1 = _side(stack.reach, width, limit, ray1, t1, c1, r1)
-            side2 = _side(stack.reach, width, limit, ray2, t2, c2, r2)
-            side3 = _side(stack.reach, width, limit, ray3, t3, c3, r3)
+            side0 = np.int64(reach[ray0[0] + r0 * width + c0]) if t0 < limit else 0
+            side1 = np.int64(reach[ray1[0] + r1 * width + c1]) if t1 < limit else 0
+            side2 = np.int64(reach[ray2[0] + r2 * width + c2]) if t2 < limit else 0
+            side3 = np.int64(reach[ray3[0] + r3 * width + c3]) if t3 < limit else 0
             if side0 | side1 | side2 | side3 == 0:
                 break
             t0, c0, r0 = _leap(ray0, side0, t0, c0, r0)
             t1, c1, r1 = _leap(ray1, side1, t1, c1, r1)
             t2, c2, r2 = _leap(ray2, side2, t2, c2, r2)
             t3, c3, r3 = _leap(ray3, side3, t3, c3, r3)
-        ranges[i] = _range(stack, g, limit, t0, c0, r0)
-        ranges[i1] = _range(stack, g, limit, t1, c1, r1)
-        ranges[i2] = _range(stack, g, limit, t2, c2, r2)
-        ranges[i3] = _range(stack, g, limit, t3, c3, r3)
+        # a ray that ended within reach, but in no cell of the grid, has left it
+        ranges[i] = t0 if t0 < limit and c0 < columns and r0 < rows else np.inf
+        ranges[i1] = t1 if t1 < limit and c1 < columns and r1 < rows else np.inf
+        ranges[i2] = t2 if t2 < limit and c2 < columns and r2 < rows else np.inf
+        ranges[i3] = t3 if t3 < limit and c3 < columns and r3 < rows else np.inf
 
 
 @borrowing
@@ -95,15 +111,14 @@ def _turn(beams: Beams, yaw: float, out: NDArray[np.float64]) -> None:
 
 @borrowing
 def _begin(
-    stack: GridStack, g: Integer, u: float, v: float, directions: NDArray[np.float64], i: int
+    offset: Integer, rows: Integer, columns: Integer, u: float, v: float, directions: NDArray[np.float64], i: int
 ) -> tuple[Ray, float, Integer, Integer]:
-    """Return ray i, mirrored to run to higher columns and rows, and where it is at first: distance, column, row (all in cells)."""
-    rows, columns = stack.shapes[g, 0], stack.shapes[g, 1]
+    """Return ray i, mirrored to run to higher columns and rows, and where it is at first: distance, column, row."""
     left, down = directions[0, i] < 0.0, directions[1, i] < 0.0
     x, y = (columns - u if left else u), (rows - v if down else v)
     dx, dy = abs(directions[0, i]), abs(directions[1, i])
     inverse_x, inverse_y = abs(directions[2, i]), abs(directions[3, i])
-    base = stack.reach_offsets[g] + (np.int64(left) + 2 * np.int64(down)) * (rows + 1) * (columns + 1)
+    base = offset + (np.int64(left) + 2 * np.int64(down)) * (rows + 1) * (columns + 1)
     ray = (base, x, y, dx, dy, inverse_x, inverse_y)
     if 0.0 <= u < columns and 0.0 <= v < rows:
         column, row = np.int64(u), np.int64(v)
@@ -112,13 +127,6 @@ def _begin(
     enter_x = max(x + t * dx, 0.0) if t < np.inf else np.inf
     enter_y = max(y + t * dy, 0.0) if t < np.inf else np.inf
     return ray, t, np.int64(min(enter_x, columns)), np.int64(min(enter_y, rows))
-
-
-@borrowing
-def _side(reach: NDArray[np.uint8], width: int, limit: float, ray: Ray, t: float, column: Integer, row: Integer) -> Integer:
-    """Return the side of the empty square ahead; 0 when the ray has ended."""
-    side = np.int64(reach[ray[0] + row * width + column])
-    return side if t < limit else 0
 
 
 @borrowing
@@ -139,13 +147,6 @@ def _leap(ray: Ray, side: Integer, t: float, column: Integer, row: Integer) -> t
 @borrowing
 def _clamp(value: Integer, low: Integer, high: Integer) -> Integer:
     return max(min(value, high), low)
-
-
-@borrowing
-def _range(stack: GridStack, g: Integer, limit: float, t: float, column: Integer, row: Integer) -> float:
-    """Return the range in m; +inf beyond the maximum range and where the ray left the grid."""
-    inside = column < stack.shapes[g, 1] and row < stack.shapes[g, 0]
-    return t * stack.resolutions[g] if inside and t < limit else np.inf
 
 
 @borrowing
@@ -178,39 +179,38 @@ def plain_dda(stack: GridStack, g: Integer, x: float, y: float, theta: float, be
 
 
 @borrowing
-def cast_discs(
-    x: float, y: float, theta: float, beams: Beams, centres: NDArray[np.float64], radii: NDArray[np.float64], ranges: NDArray[np.float32]
+def cast_disc(
+    x: float, y: float, theta: float, beams: Beams, centre_x: float, centre_y: float, radius: float, ranges: NDArray[np.float32]
 ) -> None:
-    """Shorten ``ranges`` (B,) where discs at ``centres`` (D, 2) in ``map`` stand before what was hit; only their beams are touched."""
+    """Shorten ``ranges`` (B,) where a disc in ``map`` stands before what was hit; only the beams towards it are touched."""
+    dx, dy = centre_x - x, centre_y - y
+    distance = math.sqrt(dx * dx + dy * dy)
+    if distance - radius >= beams.range_max:
+        return
+    if distance <= radius:
+        ranges[:] = 0.0
+        return
     c, s = math.cos(theta), math.sin(theta)
-    for k in range(len(radii)):
-        dx, dy, radius = centres[k, 0] - x, centres[k, 1] - y, radii[k]
-        distance = math.sqrt(dx * dx + dy * dy)
-        if distance - radius >= beams.range_max:
-            continue
-        if distance <= radius:
-            ranges[:] = 0.0
-            return
-        px, py = c * dx + s * dy, c * dy - s * dx
-        half = math.asin(radius / distance)
-        bearing = math.atan2(py, px)
-        for turn in range(-1, 2):
-            first, last = _window(beams, bearing - half + turn * 2.0 * math.pi, 2.0 * half)
-            for i in range(first, last):
-                along = px * beams.cosines[i] + py * beams.sines[i]
-                across = px * beams.sines[i] - py * beams.cosines[i]
-                chord = radius * radius - across * across
-                if chord >= 0.0 and along > 0.0:
-                    _shorten(ranges, i, along - math.sqrt(chord), beams.range_max)
+    px, py = c * dx + s * dy, c * dy - s * dx
+    half = math.asin(radius / distance)
+    bearing = math.atan2(py, px)
+    for turn in range(-1, 2):
+        first, last = _window(beams, bearing - half + turn * 2.0 * math.pi, 2.0 * half)
+        for i in range(first, last):
+            along = px * beams.cosines[i] + py * beams.sines[i]
+            across = px * beams.sines[i] - py * beams.cosines[i]
+            chord = radius * radius - across * across
+            if chord >= 0.0 and along > 0.0:
+                _shorten(ranges, i, along - math.sqrt(chord), beams.range_max)
 
 
 @borrowing
 def cast_segments(x: float, y: float, theta: float, beams: Beams, segments: NDArray[np.float64], ranges: NDArray[np.float32]) -> None:
-    """Shorten ``ranges`` (B,) where ``segments`` (S, 4) of end points x, y, x, y in ``map`` stand before what was hit."""
+    """Shorten ``ranges`` (B,) where ``segments`` (S, 2, 2), end points in ``map``, stand before what was hit."""
     c, s = math.cos(theta), math.sin(theta)
     for k in range(len(segments)):
-        ax, ay = segments[k, 0] - x, segments[k, 1] - y
-        bx, by = segments[k, 2] - x, segments[k, 3] - y
+        ax, ay = segments[k, 0, 0] - x, segments[k, 0, 1] - y
+        bx, by = segments[k, 1, 0] - x, segments[k, 1, 1] - y
         px, py = c * ax + s * ay, c * ay - s * ax
         qx, qy = c * bx + s * by - px, c * by - s * bx - py
         bearing = math.atan2(py, px)

@@ -1,92 +1,78 @@
-"""The arrays that the kernels step: N worlds, structure of arrays, passed to compiled code as named tuples."""
+"""The state that the kernels step: one row a robot, one row a person, and what stands around them."""
 
 from __future__ import annotations
 
-import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Robot
-from arena_kernels.footprint import Body
-from arena_sim2d.scene import Scene
+from arena_kernels.footprint import Body, Walls
+from arena_kernels.grids import GridStack
 
 Floats = NDArray[np.float64]
-KINEMATICS = {"differential": 0, "omnidirectional": 1, "ackermann": 2}
+Rows = NDArray[np.void]
+Row = Any  # one row of the tables below; its fields read and write as attributes in compiled code
+
+ROBOT = np.dtype(
+    [
+        *((name, np.float64) for name in ("x", "y", "theta")),  # in map
+        *((name, np.float64) for name in ("vx", "vy", "wz")),  # in base_link
+        ("tick", np.int64),  # inner steps since the episode began
+        ("people", np.int64),  # how many there are
+        ("obstacles", np.int64),
+        ("contact_ticks", np.int64),  # in contact, since it was last set to zero
+        ("contacts", np.int64),  # rising edges noted, likewise
+        *((name, np.float64) for name in ("odometry_x", "odometry_y", "odometry_theta")),  # in odom
+        *((name, np.float64) for name in ("odometry_vx", "odometry_vy", "odometry_wz")),
+        *((name, np.float64) for name in ("odometry_from_x", "odometry_from_y", "odometry_from_theta")),  # the true pose then
+        ("odometry_tick", np.int64),
+        ("odometry_key", np.uint64),
+        ("scan_tick", np.int64),
+        ("scan_key", np.uint64),
+    ]
+)
+PERSON = np.dtype(
+    [("id", np.int64), *((name, np.float64) for name in ("x", "y", "vx", "vy", "radius", "dx", "dy"))]
+)  # dx, dy: a tick's way
+CONTACT = np.dtype(
+    [*((name, np.int64) for name in ("tick", "thing", "person", "caused")), *((name, np.float64) for name in ("speed", "x", "y"))]
+)
+# A disc (no sides: first == last), or a polygon within that disc with the sides from first to last.
+OBSTACLE = np.dtype([*((name, np.float64) for name in ("x", "y", "radius")), ("first", np.int64), ("last", np.int64)])
 
 
-class Chassis(NamedTuple):
-    """How a robot moves, and its limits (SI)."""
+class Worlds(NamedTuple):
+    """N worlds: ``robots`` (N,), ``people`` (N, P), ``obstacles`` (N, O) with ``sides`` (S, 2, 2), and grid ``grid_of[k]`` of a stack.
 
-    kinematics: int
-    vx_min: float
-    vx_max: float
-    vy_max: float
-    wz_max: float
-    ax_max: float
-    ay_max: float
-    alpha_max: float
-    curvature_max: float
-
-
-class Robots(NamedTuple):
-    """N robots: ``poses`` (N, 3) in ``map``, ``velocities`` (N, 3) in ``base_link``, ``ticks`` (N,) since each episode began."""
-
-    poses: Floats
-    velocities: Floats
-    ticks: NDArray[np.int64]
-
-
-class People(NamedTuple):
-    """The people of N worlds in P slots: as in a Crowd, and ``strides`` (N, P, 2), the way that each wants to go a tick, m."""
-
-    counts: NDArray[np.int32]
-    ids: NDArray[np.int32]
-    positions: Floats
-    velocities: Floats
-    radii: Floats
-    strides: Floats
-
-
-class Touch(NamedTuple):
-    """Contacts of N robots: ``held`` (N, M), which things each touches, ``ticks`` (N,) in contact, and the rising edges.
-
-    Things are numbered: 0 the walls, then obstacles (discs, polygons), from ``first_person`` on people. ``edges`` (N, E, 7) has
-    ``counts`` (N,) rows of tick, thing, closing speed, caused, x, y, person.
+    ``touching`` (N, M) tells which things each robot touches: 0 the walls, then its obstacles, from ``first_person`` on its people.
+    ``contacts`` (N, E) are the rising edges. ``body`` and ``person`` are put wherever a gap is asked for.
     """
 
-    held: NDArray[np.bool_]
-    ticks: NDArray[np.int64]
-    edges: Floats
-    counts: NDArray[np.int64]
+    stack: GridStack
+    grid_of: NDArray[np.int64]
+    obstacles: Rows
+    sides: Floats
+    robots: Rows
+    people: Rows
+    touching: NDArray[np.bool_]
+    contacts: Rows
     first_person: int
-
-
-class Moving(NamedTuple):
-    """All that takes part in a tick: what stands, the robots and people, their contacts; ``body`` and ``person`` are put where needed."""
-
-    scene: Scene
-    chassis: Chassis
-    robots: Robots
-    people: People
-    touch: Touch
     body: Body
     person: Body
 
 
-def chassis(robot: Robot) -> Chassis:
-    """Return what the kernels need to know of how a robot moves."""
-    limits = robot.limits
-    curvature = math.tan(robot.steering_max) / robot.wheelbase if robot.kinematics == "ackermann" else math.inf
-    return Chassis(
-        KINEMATICS[robot.kinematics],
-        float(limits.vx_min),
-        float(limits.vx_max),
-        float(limits.vy_max),
-        float(limits.wz_max),
-        float(limits.ax_max),
-        float(limits.ay_max),
-        float(limits.alpha_max),
-        float(curvature),
-    )
+class World(NamedTuple):
+    """World k of many, see ``Worlds``."""
+
+    walls: Walls
+    obstacles: Rows
+    sides: Floats
+    robots: Rows
+    k: int
+    people: Rows
+    touching: NDArray[np.bool_]
+    contacts: Rows
+    first_person: int
+    body: Body
+    person: Body

@@ -3,20 +3,52 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
+from arena_core import Robot
 from arena_kernels.compiled import borrowing
-from arena_sim2d.bodies import Chassis
+from arena_sim2d.bodies import Floats
 
 DIFFERENTIAL, OMNIDIRECTIONAL, ACKERMANN = 0, 1, 2
-Velocity = tuple[float, float, float]
+KINEMATICS = {"differential": DIFFERENTIAL, "omnidirectional": OMNIDIRECTIONAL, "ackermann": ACKERMANN}
+
 Position = tuple[float, float, float]
+Velocity = tuple[float, float, float]
+
+
+class Chassis(NamedTuple):
+    """How a robot moves, and its limits (SI)."""
+
+    kinematics: int
+    vx_min: float
+    vx_max: float
+    vy_max: float
+    wz_max: float
+    ax_max: float
+    ay_max: float
+    alpha_max: float
+    curvature_max: float
+
+
+def chassis(robot: Robot) -> Chassis:
+    """Return what the kernels need to know of how a robot moves."""
+    limits = robot.limits
+    curvature = math.tan(robot.steering_max) / robot.wheelbase if robot.kinematics == "ackermann" else math.inf
+    return Chassis(
+        KINEMATICS[robot.kinematics],
+        float(limits.vx_min),
+        float(limits.vx_max),
+        float(limits.vy_max),
+        float(limits.wz_max),
+        float(limits.ax_max),
+        float(limits.ay_max),
+        float(limits.alpha_max),
+        float(curvature),
+    )
 
 
 @borrowing
-def next_velocity(chassis: Chassis, velocity: NDArray[np.float64], command: NDArray[np.float64], dt: float) -> Velocity:
+def next_velocity(chassis: Chassis, velocity: Velocity, command: Floats, dt: float) -> Velocity:
     """Return the velocity (vx, vy, wz) after a tick: the command within the speed limits, approached within the acceleration limits."""
     vx = _towards(velocity[0], _clip(command[0], chassis.vx_min, chassis.vx_max), chassis.ax_max * dt)
     if chassis.kinematics == ACKERMANN:
@@ -28,7 +60,7 @@ def next_velocity(chassis: Chassis, velocity: NDArray[np.float64], command: NDAr
 
 
 @borrowing
-def _turn_of_wheels(chassis: Chassis, wz: float, vx: float, command: NDArray[np.float64], dt: float) -> float:
+def _turn_of_wheels(chassis: Chassis, wz: float, vx: float, command: Floats, dt: float) -> float:
     """Return the turn rate of a car that steers along the commanded arc; it never turns tighter than its steering allows.
 
     A car that brakes in a bend turns more slowly at once, so there the angular acceleration may exceed ``alpha_max``.
@@ -52,6 +84,13 @@ def drive(pose: Position, velocity: Velocity, dt: float) -> Position:
     dx, dy = dt * (vx * ahead - vy * aside), dt * (vx * aside + vy * ahead)
     c, s = math.cos(theta), math.sin(theta)
     return x + c * dx - s * dy, y + s * dx + c * dy, wrap(theta + turn)
+
+
+@borrowing
+def in_map(theta: float, velocity: Velocity) -> Velocity:
+    """Turn a velocity from ``base_link`` to ``map``."""
+    c, s = math.cos(theta), math.sin(theta)
+    return c * velocity[0] - s * velocity[1], s * velocity[0] + c * velocity[1], velocity[2]
 
 
 @borrowing

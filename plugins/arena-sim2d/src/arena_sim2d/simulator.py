@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from arena_core import (
     ConfigurationError,
     Contact,
+    Crowd,
     LaserScan,
     PedestrianModel,
     Positive,
@@ -20,16 +22,20 @@ from arena_core import (
     Simulator,
     Snapshot,
 )
-from arena_sim2d.bodies import Floats
-from arena_sim2d.odometry import wheel_noise
+from arena_sim2d.bodies import Floats, Worlds
+from arena_sim2d.motion import chassis
+from arena_sim2d.odometry import wheels
 from arena_sim2d.scanning import scanner
-from arena_sim2d.starting import check_starts
-from arena_sim2d.ticking import measure_clearances, run_ticks, scan_slots
-from arena_sim2d.worlds import Worlds
+from arena_sim2d.ticking import measure_gaps, run_ticks, scan_slots
+from arena_sim2d.worlds import begin_all, begin_some, check_starts
 
 
 class Sim2d(Simulator):
     """Steps N worlds at once; world k of N is bit for bit what it is alone."""
+
+    _worlds: Worlds
+    _crowd: Crowd
+    _ranges: NDArray[np.float32]
 
     def __init__(self, robot: Robot, pedestrians: PedestrianModel, inner_step: Positive, crowd_period: Positive) -> None:
         self.inner_step = inner_step
@@ -39,48 +45,49 @@ class Sim2d(Simulator):
         _ticks(f"control_period of {robot.name}", robot.control_period, inner_step)
         _ticks(f"lidar.period of {robot.name}", robot.lidar.period, inner_step)
         _ticks(f"odometry.period of {robot.name}", robot.odometry.period, inner_step)
-        self._wheels = wheel_noise(robot.odometry, inner_step)
+        self._chassis = chassis(robot)
+        self._wheels = wheels(robot.odometry, robot.holonomic, inner_step)
         self._scanner = scanner(robot.lidar, inner_step)
-        self._header = LaserScan(
-            0.0,
-            robot.lidar.angle_min,
-            robot.lidar.angle_increment,
-            robot.lidar.range_min,
-            robot.lidar.range_max,
-            np.empty(0, np.float32),
-            robot.lidar.mount,
-        )
-        self._worlds: Worlds
-        self._phase = 0
+        self._header = _header(robot)
+        self._edges = (self._crowd_ticks + 1) // 2  # a contact ends a tick after it began at the earliest
+        self._scenarios: list[Scenario] = []
         self._contacts: list[tuple[Contact, ...]] = []
+        self._phase = 0
 
     def reset(self, scenarios: Sequence[Scenario], slots: NDArray[np.int64] | None = None) -> Snapshot:
         """Begin ``scenarios``: all worlds anew, or only in these ``slots``; raise ImpossibleScenario where a start is blocked."""
         if slots is None:
             slots = np.arange(len(scenarios))
-            crowd = self._pedestrians.reset(slots, scenarios, len(scenarios))
-            self._worlds = Worlds(self._robot, scenarios, crowd, self._crowd_ticks)
-            self._contacts = [()] * len(scenarios)
-            self._phase = 0
+            self._reset_all(scenarios)
         else:
-            self._reset_some(scenarios, np.asarray(slots, np.int64))
-        worlds = self._worlds
-        check_starts(worlds, slots)
-        scan_slots(worlds.moving, self._scanner, worlds.scans, slots)
+            slots = np.asarray(slots, np.int64)
+            self._reset_some(scenarios, slots)
+        check_starts(self._worlds, self._scenarios, slots)
+        scan_slots(self._worlds, self._scanner, self._ranges, slots)
         return self._snapshot()
+
+    def _reset_all(self, scenarios: Sequence[Scenario]) -> None:
+        self._scenarios = list(scenarios)
+        self._contacts = [()] * len(scenarios)
+        self._phase = 0
+        self._crowd = self._pedestrians.reset(np.arange(len(scenarios)), scenarios, len(scenarios))
+        self._worlds = begin_all(self._robot, scenarios, self._crowd, self._edges)
+        self._ranges = np.zeros((len(scenarios), self._robot.lidar.beams), np.float32)
 
     def _reset_some(self, scenarios: Sequence[Scenario], slots: NDArray[np.int64]) -> None:
         if self._phase != 0:
             raise ConfigurationError("simulator.crowd_period must divide the control period for single worlds to be reset")
-        self._worlds.begin(slots, scenarios, self._pedestrians.reset(slots, scenarios, len(self._worlds.scenarios)))
-        for slot in slots.tolist():
+        for slot, scenario in zip(slots.tolist(), scenarios, strict=True):
+            self._scenarios[slot] = scenario
             self._contacts[slot] = ()
+        self._crowd = self._pedestrians.reset(slots, scenarios, len(self._scenarios))
+        self._worlds = begin_some(self._robot, self._worlds, self._scenarios, slots, self._crowd, self._edges)
 
     def advance(self, commands: Floats, ticks: int) -> Snapshot:
         """Hold ``commands`` (N, 3) for ``ticks`` inner steps and return what then is."""
         held = np.ascontiguousarray(commands, dtype=np.float64)
-        self._worlds.moving.touch.ticks[:] = 0
-        edges: list[list[Contact]] = [[] for _ in self._worlds.scenarios]
+        self._worlds.robots["contact_ticks"] = 0
+        edges: list[list[Contact]] = [[] for _ in self._scenarios]
         left = ticks
         while left > 0:
             if self._phase == 0:
@@ -94,25 +101,30 @@ class Sim2d(Simulator):
         return self._snapshot()
 
     def _ask_crowd(self) -> None:
-        """Ask the pedestrian model where people want to be one crowd period later."""
-        worlds = self._worlds
-        robots = worlds.moving.robots
-        poses, velocities, ticks = robots.poses.copy(), robots.velocities, robots.ticks.copy()
-        c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
-        in_map = np.stack((c * velocities[:, 0] - s * velocities[:, 1], s * velocities[:, 0] + c * velocities[:, 1]), axis=1)
-        batch = RobotBatch(poses, in_map, self._robot.footprint.radius)
-        period = self._crowd_ticks * self.inner_step
-        worlds.follow(self._pedestrians.step(worlds.crowd(), batch, ticks, period), self._crowd_ticks)
+        """Ask the pedestrian model where people want to be one crowd period later; they go there in equal strides."""
+        robots, people = self._worlds.robots, self._worlds.people
+        c, s = np.cos(robots["theta"]), np.sin(robots["theta"])
+        velocities = np.stack((c * robots["vx"] - s * robots["vy"], s * robots["vx"] + c * robots["vy"]), axis=1)
+        batch = RobotBatch(_columns(robots, "x", "y", "theta"), velocities, self._robot.footprint.radius)
+        ticks = self._crowd_ticks
+        self._crowd = self._pedestrians.step(self._people_now(), batch, robots["tick"].copy(), ticks * self.inner_step)
+        people["dx"] = (self._crowd.positions[..., 0] - people["x"]) / ticks
+        people["dy"] = (self._crowd.positions[..., 1] - people["y"]) / ticks
+        people["vx"], people["vy"] = self._crowd.velocities[..., 0], self._crowd.velocities[..., 1]
+
+    def _people_now(self) -> Crowd:
+        """Return the people where they really are, in the states that the pedestrian model gave them."""
+        people = self._worlds.people
+        return replace(self._crowd, positions=_columns(people, "x", "y"), velocities=_columns(people, "vx", "vy"))
 
     def _run(self, commands: Floats, ticks: int, scan_within: int) -> None:
-        worlds = self._worlds
-        worlds.moving.touch.counts[:] = 0
+        self._worlds.robots["contacts"] = 0
         run_ticks(
-            worlds.moving,
+            self._worlds,
+            self._chassis,
             self._wheels,
-            worlds.odometers,
             self._scanner,
-            worlds.scans,
+            self._ranges,
             commands,
             ticks,
             scan_within,
@@ -121,41 +133,50 @@ class Sim2d(Simulator):
 
     def _collect(self, edges: list[list[Contact]]) -> None:
         """Append the rising edges of the ticks just run."""
-        touch = self._worlds.moving.touch
-        for slot in np.flatnonzero(touch.counts).tolist():
-            for row in touch.edges[slot, : touch.counts[slot]].tolist():
-                edges[slot].append(self._contact(row))
+        counts = self._worlds.robots["contacts"]
+        for slot in np.flatnonzero(counts).tolist():
+            edges[slot].extend(self._contact(*row) for row in self._worlds.contacts[slot, : counts[slot]].tolist())
 
-    def _contact(self, row: list[float]) -> Contact:
-        tick, thing, speed, caused, x, y, person = row
-        kind: Literal["wall", "obstacle", "person"] = "person" if person >= 0 else "obstacle" if thing > 0 else "wall"
-        return Contact(tick * self.inner_step, kind, int(person), speed, bool(caused), x, y)
+    def _contact(self, tick: int, thing: int, person: int, caused: int, speed: float, x: float, y: float) -> Contact:
+        kind: Literal["wall", "obstacle", "person"] = "wall"
+        if thing > 0:
+            kind = "obstacle" if thing < self._worlds.first_person else "person"
+        return Contact(tick * self.inner_step, kind, person, speed, bool(caused), x, y)
 
     def _snapshot(self) -> Snapshot:
-        worlds = self._worlds
-        robots, touch, odometers, scans = worlds.moving.robots, worlds.moving.touch, worlds.odometers, worlds.scans
-        clearances, to_people = np.empty(len(robots.ticks)), np.empty(len(robots.ticks))
-        measure_clearances(worlds.moving, clearances, to_people)
+        worlds, step = self._worlds, self.inner_step
+        robots = worlds.robots
+        gaps = np.empty((len(robots), 3))
+        measure_gaps(worlds, gaps)
+        clearances = np.maximum(gaps, 0.0)
         return Snapshot(
-            stamps=self._seconds(robots.ticks),
-            poses=robots.poses.copy(),
-            twists=robots.velocities.copy(),
-            crowd=worlds.crowd(),
-            clearances=clearances,
-            clearances_people=to_people,
-            in_contact=np.array(touch.held.any(axis=1)),
-            contact_times=self._seconds(touch.ticks),
+            stamps=robots["tick"] * step,
+            poses=_columns(robots, "x", "y", "theta"),
+            twists=_columns(robots, "vx", "vy", "wz"),
+            crowd=self._people_now(),
+            clearances=clearances.min(axis=1),
+            clearances_people=clearances[:, 2].copy(),
+            in_contact=np.array(worlds.touching.any(axis=1)),
+            contact_times=robots["contact_ticks"] * step,
             contacts=tuple(self._contacts),
-            ranges=scans.ranges.copy(),
-            scan_stamps=self._seconds(scans.ticks),
-            odometry_stamps=self._seconds(odometers.ticks),
-            odometry_poses=odometers.poses.copy(),
-            odometry_twists=odometers.twists.copy(),
+            ranges=self._ranges.copy(),
+            scan_stamps=robots["scan_tick"] * step,
+            odometry_stamps=robots["odometry_tick"] * step,
+            odometry_poses=_columns(robots, "odometry_x", "odometry_y", "odometry_theta"),
+            odometry_twists=_columns(robots, "odometry_vx", "odometry_vy", "odometry_wz"),
             scan_header=self._header,
         )
 
-    def _seconds(self, ticks: NDArray[np.int64]) -> Floats:
-        return np.multiply(ticks, self.inner_step, dtype=np.float64)
+
+def _columns(rows: NDArray[np.void], *names: str) -> Floats:
+    """Return copies of some fields, side by side in a last axis."""
+    return np.stack([rows[name] for name in names], axis=-1)
+
+
+def _header(robot: Robot) -> LaserScan:
+    lidar = robot.lidar
+    geometry = (lidar.angle_min, lidar.angle_increment, lidar.range_min, lidar.range_max)
+    return LaserScan(0.0, *geometry, np.empty(0, np.float32), lidar.mount)
 
 
 def _ticks(name: str, period: float, inner_step: float) -> int:

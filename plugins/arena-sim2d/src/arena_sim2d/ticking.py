@@ -1,4 +1,4 @@
-"""The compiled loop over worlds and ticks."""
+"""The compiled loops over worlds and ticks."""
 
 from __future__ import annotations
 
@@ -8,22 +8,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing
-from arena_kernels.footprint import place
-from arena_sim2d.bodies import Floats, Moving
+from arena_kernels.footprint import gap_to_walls, place, walls_of
+from arena_sim2d.bodies import Floats, World, Worlds
 from arena_sim2d.contact import release_contacts
 from arena_sim2d.crossing import move_people, move_robot
-from arena_sim2d.gaps import gap_to_people, gap_to_things
-from arena_sim2d.odometry import Odometers, WheelNoise, measure_motion
-from arena_sim2d.scanning import Scanner, Scans, scan
+from arena_sim2d.gaps import gap_to_obstacles, gap_to_people
+from arena_sim2d.motion import Chassis
+from arena_sim2d.odometry import Wheels, measure_motion
+from arena_sim2d.scanning import Scanner, scan
 
 
 @borrowing
 def run_ticks(
-    world: Moving,
-    wheels: WheelNoise,
-    odometers: Odometers,
+    worlds: Worlds,
+    chassis: Chassis,
+    wheels: Wheels,
     device: Scanner,
-    scans: Scans,
+    ranges: NDArray[np.float32],
     commands: Floats,
     ticks: int,
     scan_within: int,
@@ -31,33 +32,52 @@ def run_ticks(
 ) -> None:
     """Step N worlds by ``ticks`` ticks of ``dt`` s; of the scans due within ``scan_within`` ticks only the newest is taken."""
     for k in range(len(commands)):
-        now = world.robots.ticks[k]
-        scan_tick = now + scan_within - (now + scan_within) % device.period
-        for tick in range(now + 1, now + ticks + 1):
-            move_people(world, k, tick, dt)
-            move_robot(world, k, tick, commands[k], dt)
-            world.touch.ticks[k] += release_contacts(world, k)
+        world = _world(worlds, k)
+        robot = world.robots[world.k]
+        scan_tick = robot.tick + scan_within - (robot.tick + scan_within) % device.period
+        for _ in range(ticks):
+            tick = robot.tick + 1
+            move_people(world, tick, dt)
+            move_robot(world, chassis, tick, commands[k], dt)
+            robot.contact_ticks += release_contacts(world)
             if tick % wheels.period == 0:
-                measure_motion(world.chassis, wheels, world.robots, odometers, k, tick, dt)
+                measure_motion(wheels, robot, tick, dt)
             if tick == scan_tick:
-                scan(world, device, scans, k, tick)
-        world.robots.ticks[k] += ticks
+                scan(worlds, device, k, tick, ranges[k])
+            robot.tick = tick
 
 
 @borrowing
-def scan_slots(world: Moving, device: Scanner, scans: Scans, slots: NDArray[np.int64]) -> None:
+def scan_slots(worlds: Worlds, device: Scanner, ranges: NDArray[np.float32], slots: NDArray[np.int64]) -> None:
     """Take the scans of the robots in these slots, at their present ticks."""
-    for k in slots:
-        scan(world, device, scans, k, world.robots.ticks[k])
+    for i in range(len(slots)):
+        scan(worlds, device, slots[i], worlds.robots[slots[i]].tick, ranges[slots[i]])
 
 
 @borrowing
-def measure_clearances(world: Moving, clearances: Floats, to_people: Floats) -> None:
-    """Fill the clearances (N,) to anything and to people, m, 0 when touching."""
-    for k in range(len(clearances)):
-        pose = world.robots.poses[k]
-        place(world.body, pose[0], pose[1], pose[2])
-        person = gap_to_people(world.people, k, world.body, math.inf)
-        thing = gap_to_things(world.scene, k, world.body, math.inf)[0]
-        to_people[k] = max(person, 0.0)
-        clearances[k] = max(min(thing, person), 0.0)
+def measure_gaps(worlds: Worlds, gaps: Floats) -> None:
+    """Fill ``gaps`` (N, 3) between each robot and walls, obstacles and people, m; negative where they overlap, inf where there are none."""
+    for k in range(len(gaps)):
+        world, robot = _world(worlds, k), worlds.robots[k]
+        place(world.body, robot.x, robot.y, robot.theta)
+        gaps[k, 0] = gap_to_walls(world.walls, world.body, math.inf)[0]
+        gaps[k, 1] = gap_to_obstacles(world, world.body, math.inf)[0]
+        gaps[k, 2] = gap_to_people(world, world.body, math.inf)
+
+
+@borrowing
+def _world(worlds: Worlds, k: int) -> World:
+    """Return world k."""
+    return World(
+        walls_of(worlds.stack, worlds.grid_of[k]),
+        worlds.obstacles[k],
+        worlds.sides,
+        worlds.robots,
+        k,
+        worlds.people[k],
+        worlds.touching[k],
+        worlds.contacts[k],
+        worlds.first_person,
+        worlds.body,
+        worlds.person,
+    )
