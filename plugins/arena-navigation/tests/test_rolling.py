@@ -161,6 +161,18 @@ def test_the_window_shows_maps_of_any_resolution_and_rotation(theta: float, reso
     assert np.abs(lethal[:, None] - places[None]).max(axis=2).min(axis=1).max() <= 0.025 * math.sqrt(2) + resolution * math.sqrt(0.5) + 1e-9
 
 
+@settings(derandomize=True, deadline=None, max_examples=20)
+@given(st.integers(0, 10**6))
+def test_no_cell_of_a_finer_map_is_missed(seed: int) -> None:
+    row, column = np.random.default_rng(seed).integers(0, 200, 2)
+    data = np.zeros((200, 200), np.int8)
+    data[row, column] = 100
+    local_map = rolling()
+    local_map.reset(OccupancyGrid(data, 0.01, Pose(0.0, 0.0)))
+    window = local_map.update(BLIND, Pose(1.0, 1.0))
+    assert lethal_places(window) == {(int(column) // 5, int(row) // 5)}
+
+
 def test_reset_forgets_marks_and_map() -> None:
     local_map = rolling()
     local_map.reset(room())
