@@ -18,6 +18,7 @@ from arena_kernels.grids import GridStack
 from arena_kernels.scalars import Integer
 
 Gap = tuple[float, float, float, float, float]
+HALF_DIAGONAL = 0.7072  # of a cell, rounded up
 Points = NDArray[np.float64]
 
 NOTHING: Gap = (math.inf, 0.0, 0.0, math.inf, math.inf)
@@ -129,13 +130,27 @@ def gap_to_cells(stack: GridStack, g: Integer, body: Body, within: float) -> Gap
 def gap_to_walls(walls: Walls, body: Body, within: float) -> Gap:
     """Return the gap between a body and the nearest occupied cell, ``NOTHING`` unless it is less than ``within``."""
     u, v = _to_cells(walls, body.at[0], body.at[1])
+    nearest, away = _nearest_centre(walls, u, v)
+    if nearest - away - HALF_DIAGONAL >= (within + body.radius) / walls.resolution:
+        return NOTHING
+    return _search(walls, body, u, v, min(within / walls.resolution, nearest + away + 1e-6))
+
+
+@borrowing
+def walls_beyond(walls: Walls, x: float, y: float, reach: float) -> bool:
+    """Tell whether every occupied cell surely is farther than ``reach`` from a point; one look-up, for the many who are far away."""
+    u, v = _to_cells(walls, x, y)
+    nearest, away = _nearest_centre(walls, u, v)
+    return bool(nearest - away - HALF_DIAGONAL >= reach / walls.resolution)
+
+
+@borrowing
+def _nearest_centre(walls: Walls, u: float, v: float) -> tuple[float, float]:
+    """Return how far the cell of (u, v) is from the nearest occupied one, and (u, v) from that cell's centre, in cells."""
     column = np.int64(min(max(u, 0.0), walls.columns - 1.0))
     row = np.int64(min(max(v, 0.0), walls.rows - 1.0))
     nearest = walls.distance[walls.offset + row * walls.columns + column] / walls.resolution
-    away = math.sqrt((u - column - 0.5) ** 2 + (v - row - 0.5) ** 2)
-    if nearest - away - 0.7072 >= (within + body.radius) / walls.resolution:
-        return NOTHING
-    return _search(walls, body, u, v, min(within / walls.resolution, nearest + away + 1e-6))
+    return nearest, math.sqrt((u - column - 0.5) ** 2 + (v - row - 0.5) ** 2)
 
 
 @borrowing

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 
 from arena_kernels.compiled import borrowing
-from arena_kernels.footprint import Body, disc_like, gap_to_disc, place
+from arena_kernels.footprint import disc_like, gap_to_disc, place
 from arena_sim2d.bodies import Floats, Row, World
 from arena_sim2d.contact import TOLERANCE, note_contact, note_overlaps
-from arena_sim2d.gaps import gap_to_people, gap_to_things
+from arena_sim2d.gaps import gap_to_people, gap_to_things, is_clear
 from arena_sim2d.motion import Chassis, Position, Velocity, drive, in_map, next_velocity
 
 TOUCHING = 1e-3  # m; a robot that is this close to what blocks it does not try a part of its motion
@@ -24,11 +24,12 @@ def move_people(world: World, tick: int, dt: float) -> None:
         person = world.people[i]
         if person.dx == 0.0 and person.dy == 0.0:
             continue
-        body = disc_like(world.person, person.radius)
-        x, y, free = _out_of_things(world, person, body)
+        x, y, free = person.x + person.dx, person.y + person.dy, True
+        if not is_clear(world, x, y, person.radius):
+            x, y, free = _out_of_things(world, person)
         near = world.body.radius + person.radius
         if free and (x - robot.x) ** 2 + (y - robot.y) ** 2 < near * near:
-            x, y, free = _off_the_robot(world, i, tick, dt, body, x, y)
+            x, y, free = _off_the_robot(world, i, tick, dt, x, y)
         if free:
             person.x, person.y = x, y
         else:
@@ -36,8 +37,9 @@ def move_people(world: World, tick: int, dt: float) -> None:
 
 
 @borrowing
-def _out_of_things(world: World, person: Row, body: Body) -> tuple[float, float, bool]:
+def _out_of_things(world: World, person: Row) -> tuple[float, float, bool]:
     """Return where a person's way of a tick ends, sliding along what stands there; False if there is no room."""
+    body = disc_like(world.person, person.radius)
     x, y = person.x + person.dx, person.y + person.dy
     before = 0.0
     for attempt in range(2):
@@ -55,7 +57,7 @@ def _out_of_things(world: World, person: Row, body: Body) -> tuple[float, float,
 
 
 @borrowing
-def _off_the_robot(world: World, i: int, tick: int, dt: float, body: Body, x: float, y: float) -> tuple[float, float, bool]:
+def _off_the_robot(world: World, i: int, tick: int, dt: float, x: float, y: float) -> tuple[float, float, bool]:
     """Return where person i ends that wants to be at (x, y), sliding along the robot; False if there is no room."""
     robot, person = world.robots[world.k], world.people[i]
     gap = gap_to_disc(world.body, x, y, person.radius)
@@ -65,6 +67,7 @@ def _off_the_robot(world: World, i: int, tick: int, dt: float, body: Body, x: fl
     note_contact(world, tick, world.first_person + i, gap, velocity, person.dx / dt, person.dy / dt)
     _stop_into(person, -gap[1], -gap[2])
     x, y = x + (TOLERANCE - gap[0]) * gap[1], y + (TOLERANCE - gap[0]) * gap[2]
+    body = disc_like(world.person, person.radius)
     place(body, x, y, 0.0)
     free = gap_to_disc(world.body, x, y, person.radius)[0] >= 0.0 and gap_to_things(world, body, -TOLERANCE)[0] == math.inf
     return x, y, free
@@ -108,7 +111,8 @@ def _free_share(world: World, tick: int, pose: Position, velocity: Velocity, dt:
         x, y, theta = drive(pose, velocity, share * dt)
         place(world.body, x, y, theta)
         within = TOUCHING if attempt == 1 else -TOLERANCE
-        free = gap_to_things(world, world.body, within)[0] == math.inf and gap_to_people(world, world.body, within) == within
+        free = is_clear(world, x, y, world.body.radius + within) or gap_to_things(world, world.body, within)[0] == math.inf
+        free = free and gap_to_people(world, world.body, within) == within
         if free and attempt == 0:
             return 1.0
         if not free and attempt == 1:
