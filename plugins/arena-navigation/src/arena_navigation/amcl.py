@@ -21,12 +21,14 @@ from arena_core import (
     Robot,
     Sensors,
 )
+from arena_kernels.grids import stack_grids
 from numpy.typing import NDArray
 
+from arena_navigation.amcl_beams import beam_ends, predicted, thinned
 from arena_navigation.amcl_filter import Recovery, begin, cloud, filter_update
 from arena_navigation.amcl_motion import Alphas, OdometryModelType, motion
 from arena_navigation.amcl_resampling import FreeSpace, Limits
-from arena_navigation.amcl_sensor import BeamSkipping, LaserModelType, LikelihoodField, beam_ends, farthest
+from arena_navigation.amcl_sensor import LaserModelType, LikelihoodField
 from arena_navigation.odometry_history import OdometryHistory
 
 RangeLimit = Annotated[float, Bounds(low=-1.0)]
@@ -58,10 +60,8 @@ class AmclLocalizer(Localizer):
         laser_z_rand: Fraction,
         laser_sigma_hit: Positive,
         laser_likelihood_max_dist: Positive,
-        do_beamskip: bool,
-        beam_skip_distance: Positive,
-        beam_skip_threshold: Fraction,
-        beam_skip_error_threshold: Fraction,
+        laser_beam_weight: Fraction,
+        short_beam_distance: Positive | None,
         odom_model_type: OdometryModelType | None,
         odom_alpha1: NonNegative,
         odom_alpha2: NonNegative,
@@ -78,12 +78,11 @@ class AmclLocalizer(Localizer):
         self._initial_covariance = np.diag((initial_cov_xx, initial_cov_yy, initial_cov_aa))
         self._range_limits = laser_min_range, laser_max_range
         self._max_beams = laser_max_beams
-        self._field = laser_model_type, laser_z_hit, laser_z_rand, laser_sigma_hit, laser_likelihood_max_dist
-        self._beam_skip = do_beamskip, beam_skip_threshold, beam_skip_error_threshold
-        self._beam_skip_distance = beam_skip_distance
+        self._field = laser_model_type, laser_z_hit, laser_z_rand, laser_sigma_hit, laser_likelihood_max_dist, laser_beam_weight
+        self._short_by = short_beam_distance
         self._odometry_model = odom_model_type or ("omni-corrected" if robot.holonomic else "diff-corrected")
         self._alphas = Alphas(odom_alpha1, odom_alpha2, odom_alpha3, odom_alpha4, odom_alpha5)
-        self._cloud = cloud(max_particles)
+        self._cloud = cloud(max_particles, laser_max_beams)
 
     def reset(self, grid: OccupancyGrid | None, start: Pose, random: np.random.Generator) -> None:
         """Draw particles about ``start``; raise ConfigurationError in an unknown world."""
@@ -129,15 +128,14 @@ class AmclLocalizer(Localizer):
 
     def _filter(self, scan: LaserScan, displacement: Pose) -> None:
         """Run one update of the filter and take its estimate to ``map``."""
+        max_range = scan.range_max if self._range_limits[1] < 0.0 else min(self._range_limits[1], scan.range_max)
+        beams = self._beams(thinned(scan, self._max_beams), max_range, self._estimate.compose(displacement))
         self._updates += 1
-        likelihood = LikelihoodField(*self._field, farthest(scan, self._range_limits[1]))
-        least = float(likelihood.value(np.float32(self._beam_skip_distance)))
         filter_update(
             self._cloud,
             motion(displacement, self._odometry_model, self._alphas),
-            beam_ends(scan, self._max_beams, *self._range_limits),
-            self._grid.derive(likelihood),
-            BeamSkipping(*self._beam_skip, least),
+            beams,
+            self._grid.derive(LikelihoodField(*self._field, max_range)),
             self._free,
             self._limits,
             self._recovery,
@@ -147,6 +145,18 @@ class AmclLocalizer(Localizer):
         )
         self._estimate = self._grid.origin.compose(Pose.of(self._cloud.mean))
         self._covariance = _turned(self._cloud.covariance, self._grid.origin.theta)
+
+    def _beams(self, scan: LaserScan, max_range: float, pose: Pose) -> NDArray[np.float32]:
+        """Return the beams' ends, but for those that seen from ``pose`` end well in front of all that is on the map.
+
+        People shorten beams and never lengthen them (Fox, Burgard, Thrun, JAIR 11, 1999, call it a distance filter). The first scan is used
+        whole, because only it tells where the robot really starts.
+        """
+        min_range = scan.range_min if self._range_limits[0] < 0.0 else self._range_limits[0]
+        if self._short_by is None or self._updates == 0:
+            return beam_ends(scan, min_range, max_range, 0.0)
+        stack, _ = stack_grids([self._grid])
+        return beam_ends(scan, min_range, max_range, predicted(scan, stack, pose) - self._short_by)
 
 
 def free_space(grid: OccupancyGrid) -> FreeSpace:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from arena_kernels.compiled import compiled
+from arena_kernels.compiled import borrowing
 from numpy.typing import NDArray
 
 from arena_navigation.amcl_directions import wrapped
@@ -23,23 +23,24 @@ class Clusters(NamedTuple):
     open: NDArray[np.int32]
 
 
-@compiled
+@borrowing
 def label_clusters(poses: NDArray[np.float64], count: int, clusters: Clusters) -> int:
     """Give all bins that touch one another, by a side or a corner, one cluster number; return how many bins there are."""
-    filled = 0
+    filled = np.int64(0)
     write_keys(poses, count, clusters.keys)
     for i in range(count):
         number = add(clusters.bins, clusters.keys[i], filled)
         clusters.bin_of[i] = number
         filled = max(filled, number + 1)
-    clusters.cluster_of[:filled] = -1
+    for b in range(filled):
+        clusters.cluster_of[b] = -1
     for seed in range(filled):
         if clusters.cluster_of[seed] < 0:
             _flood(clusters, seed)
     return filled
 
 
-@compiled
+@borrowing
 def _flood(clusters: Clusters, seed: int) -> None:
     clusters.cluster_of[seed] = seed
     clusters.open[0] = seed
@@ -55,16 +56,21 @@ def _flood(clusters: Clusters, seed: int) -> None:
                 waiting += 1
 
 
-@compiled
+@borrowing
 def heaviest(weights: NDArray[np.float64], count: int, clusters: Clusters, filled: int) -> int:
     """Return the number of the cluster with the largest weight."""
-    clusters.weight_of[:filled] = 0.0
+    for b in range(filled):
+        clusters.weight_of[b] = 0.0
     for i in range(count):
         clusters.weight_of[clusters.cluster_of[clusters.bin_of[i]]] += weights[i]
-    return np.int64(np.argmax(clusters.weight_of[:filled]))
+    best = 0
+    for b in range(1, filled):
+        if clusters.weight_of[b] > clusters.weight_of[best]:
+            best = b
+    return best
 
 
-@compiled
+@borrowing
 def moments(
     poses: NDArray[np.float64],
     directions: NDArray[np.float64],
@@ -101,7 +107,7 @@ def moments(
     covariance[1, 0], covariance[2, 0], covariance[2, 1] = covariance[0, 1], covariance[0, 2], covariance[1, 2]
 
 
-@compiled
+@borrowing
 def best_cluster(
     poses: NDArray[np.float64],
     directions: NDArray[np.float64],

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from arena_kernels.compiled import compiled
+from arena_kernels.compiled import borrowing
 from numpy.typing import NDArray
 
 _QUARTER_HIGH = 1.5707963267341256  # a quarter turn in two parts (Cody and Waite), so that what is left of an angle is exact
 _QUARTER_LOW = 6.077100506506192e-11
 
 
-@compiled
+@borrowing
 def write_directions(angles: NDArray[np.float64], count: int, directions: NDArray[np.float64]) -> None:
     """Write the cosine and sine of ``count`` angles to ``directions`` (2, P), to 2e-16 for angles of a few turns.
 
@@ -31,7 +31,7 @@ def write_directions(angles: NDArray[np.float64], count: int, directions: NDArra
         directions[1, i] = -sine if quadrant & 2 else sine
 
 
-@compiled
+@borrowing
 def wrapped(angle: float) -> float:
     """Wrap an angle to [-pi, pi]; several times as fast as the remainder of a division."""
     return angle - 2.0 * np.pi * np.floor((angle + np.pi) / (2.0 * np.pi))

@@ -5,15 +5,15 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from arena_kernels.compiled import compiled
-from arena_kernels.random import normal
+from arena_kernels.compiled import borrowing
+from arena_kernels.random import normals
 from numpy.typing import NDArray
 
 from arena_navigation.amcl_clusters import Clusters, best_cluster
 from arena_navigation.amcl_histogram import histogram
 from arena_navigation.amcl_motion import Motion, move
 from arena_navigation.amcl_resampling import FreeSpace, Limits, accumulate, free_pose, needed, offset, scattered, systematic
-from arena_navigation.amcl_sensor import BeamSkipping, Field, believed, match, reweigh
+from arena_navigation.amcl_sensor import Field, match, reweigh
 
 
 class Cloud(NamedTuple):
@@ -33,6 +33,7 @@ class Cloud(NamedTuple):
     noise: NDArray[np.float64]
     scores: NDArray[np.float64]
     chosen: NDArray[np.int32]
+    cells: NDArray[np.int32]
     drawn: NDArray[np.float64]
 
 
@@ -43,8 +44,8 @@ class Recovery(NamedTuple):
     alpha_fast: float
 
 
-def cloud(capacity: int) -> Cloud:
-    """Return room for ``capacity`` particles."""
+def cloud(capacity: int, beams: int) -> Cloud:
+    """Return room for ``capacity`` particles and scans of up to ``beams`` beams."""
     clusters = Clusters(
         histogram(capacity),
         np.empty(capacity, np.int64),
@@ -65,30 +66,31 @@ def cloud(capacity: int) -> Cloud:
         np.empty(3 * capacity),
         np.empty(capacity),
         np.empty(capacity, np.int32),
+        np.empty(beams, np.int32),
         np.empty((3, capacity)),
     )
 
 
-@compiled
+@borrowing
 def begin(cloud: Cloud, mean: NDArray[np.float64], root: NDArray[np.float64], key: np.uint64) -> None:
     """Draw all particles from a normal distribution; ``root`` (3, 3) times its transpose is the covariance. Takes tick 0."""
     capacity = cloud.poses.shape[1]
     cloud.count[0] = capacity
     cloud.weights[:] = 1.0 / capacity
     cloud.likelihoods[:] = 0.0
+    normals(key, np.int64(0), cloud.noise)
     for i in range(capacity):
-        a, b, c = normal(key, 0, 3 * i), normal(key, 0, 3 * i + 1), normal(key, 0, 3 * i + 2)
+        a, b, c = cloud.noise[3 * i], cloud.noise[3 * i + 1], cloud.noise[3 * i + 2]
         for axis in range(3):
             cloud.poses[axis, i] = mean[axis] + root[axis, 0] * a + root[axis, 1] * b + root[axis, 2] * c
 
 
-@compiled
+@borrowing
 def filter_update(
     cloud: Cloud,
     motion: Motion,
     beams: NDArray[np.float32],
     field: Field,
-    skipping: BeamSkipping,
     free: FreeSpace,
     limits: Limits,
     recovery: Recovery,
@@ -99,9 +101,8 @@ def filter_update(
     """Move the particles, weigh them by the scan, estimate, and resample if it is time."""
     count = cloud.count[0]
     move(cloud.poses, cloud.directions, count, motion, key, tick, cloud.noise)
-    used = believed(cloud.poses, cloud.directions, count, beams, field, skipping)
-    match(cloud.poses, cloud.directions, count, used, field, cloud.scores)
-    likelihood = reweigh(cloud.weights, count, cloud.scores, used.shape[1], field.product)
+    match(cloud.poses, cloud.directions, count, beams, field, cloud.cells, cloud.scores)
+    likelihood = reweigh(cloud.weights, count, cloud.scores, beams.shape[1], field.product)
     occupied = best_cluster(cloud.poses, cloud.directions, cloud.weights, count, cloud.clusters, cloud.mean, cloud.covariance)
     if beams.shape[1] > 0:
         follow(cloud.likelihoods, likelihood, recovery)
@@ -109,7 +110,7 @@ def filter_update(
         redraw(cloud, occupied, injection(cloud.likelihoods), free, limits, key, tick)
 
 
-@compiled
+@borrowing
 def follow(likelihoods: NDArray[np.float64], likelihood: float, recovery: Recovery) -> None:
     """Let the slow and the fast running mean follow (Probabilistic Robotics, table 8.3)."""
     if likelihoods[0] == 0.0:
@@ -118,13 +119,13 @@ def follow(likelihoods: NDArray[np.float64], likelihood: float, recovery: Recove
     likelihoods[1] += recovery.alpha_fast * (likelihood - likelihoods[1])
 
 
-@compiled
+@borrowing
 def injection(likelihoods: NDArray[np.float64]) -> float:
     """Return the share of particles to scatter: how much worse than usual the scans fit of late."""
     return max(0.0, 1.0 - likelihoods[1] / likelihoods[0]) if likelihoods[0] > 0.0 else 0.0
 
 
-@compiled
+@borrowing
 def redraw(cloud: Cloud, occupied: int, injection: float, free: FreeSpace, limits: Limits, key: np.uint64, tick: int) -> None:
     """Replace the particles by as many as are needed, drawn by weight, a share of them anywhere on free space."""
     before = cloud.count[0]

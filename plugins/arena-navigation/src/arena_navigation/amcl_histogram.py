@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from arena_kernels.compiled import compiled
+from arena_kernels.compiled import borrowing
 from numpy.typing import NDArray
 
 BIN_SIZE = 0.5  # m (ROS amcl)
@@ -32,7 +32,7 @@ def histogram(capacity: int) -> Histogram:
     return Histogram(np.full(size, -1, np.int64), np.empty(size, np.int32), np.empty(capacity, np.int32))
 
 
-@compiled
+@borrowing
 def bin_key(x: float, y: float, theta: float) -> int:
     """Return the key of the bin that holds a pose with its heading in [-pi, pi]; -pi and pi share one."""
     column = np.int64(np.floor(x / BIN_SIZE)) + _MIDDLE
@@ -41,21 +41,21 @@ def bin_key(x: float, y: float, theta: float) -> int:
     return row * _ROW + column * _COLUMN + (heading if heading < BINS_A_TURN else 0)
 
 
-@compiled
+@borrowing
 def write_keys(poses: NDArray[np.float64], count: int, keys: NDArray[np.int64]) -> None:
     """Write the bin's key of each of ``count`` poses (3, P)."""
     for i in range(count):
         keys[i] = bin_key(poses[0, i], poses[1, i], poses[2, i])
 
 
-@compiled
+@borrowing
 def neighbour(key: int, rows: int, columns: int, headings: int) -> int:
     """Return the key of the bin so many rows, columns and headings away."""
     heading = key % _COLUMN
     return key - heading + rows * _ROW + columns * _COLUMN + (heading + headings) % BINS_A_TURN
 
 
-@compiled
+@borrowing
 def _slot(bins: Histogram, key: int) -> int:
     """Return where ``key`` lies, or the empty slot where it would."""
     mask = len(bins.keys) - 1
@@ -65,14 +65,14 @@ def _slot(bins: Histogram, key: int) -> int:
     return slot
 
 
-@compiled
+@borrowing
 def find(bins: Histogram, key: int) -> int:
     """Return the number of a bin, -1 when it holds nothing."""
     slot = _slot(bins, key)
     return np.int64(bins.numbers[slot]) if bins.keys[slot] == key else -1
 
 
-@compiled
+@borrowing
 def add(bins: Histogram, key: int, filled: int) -> int:
     """Return the number of a bin; a new one gets the number ``filled``."""
     slot = _slot(bins, key)
@@ -83,7 +83,7 @@ def add(bins: Histogram, key: int, filled: int) -> int:
     return np.int64(bins.numbers[slot])
 
 
-@compiled
+@borrowing
 def clear(bins: Histogram, filled: int) -> None:
     """Empty the ``filled`` bins."""
     for number in range(filled):

@@ -7,7 +7,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 from arena_core import Pose
-from arena_kernels.compiled import compiled
+from arena_kernels.compiled import borrowing
 from arena_kernels.random import normals
 from numpy.typing import NDArray
 
@@ -94,7 +94,7 @@ def _off_axis(angle: float) -> float:
     return min(abs(angle), math.pi - abs(angle))
 
 
-@compiled
+@borrowing
 def move(
     poses: NDArray[np.float64], directions: NDArray[np.float64], count: int, motion: Motion, key: np.uint64, tick: int, noise: NDArray[np.float64]
 ) -> None:

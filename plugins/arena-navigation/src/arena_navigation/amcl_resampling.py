@@ -5,14 +5,15 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from arena_kernels.compiled import compiled
+from arena_kernels.compiled import borrowing
 from arena_kernels.random import uniform
 from numpy.typing import NDArray
 
 from arena_navigation.amcl_histogram import Histogram, add, bin_key, clear
 
 GOLDEN_RATIO = 0.6180339887498949
-_SYSTEMATIC, _FIRST_POINT, _SCATTER = 0, 1, 2  # first random index of each use, within one filter update
+# First random index of each use within one filter update; numpy's integers, because each literal would be a type of its own to compile for.
+_SYSTEMATIC, _FIRST_POINT, _SCATTER = np.int64(0), np.int64(1), np.int64(2)
 
 
 class Limits(NamedTuple):
@@ -32,7 +33,7 @@ class FreeSpace(NamedTuple):
     resolution: float
 
 
-@compiled
+@borrowing
 def kld_bound(bins: int, limits: Limits) -> int:
     """Return the number of particles for a distribution over ``bins`` bins, within the limits.
 
@@ -47,7 +48,7 @@ def kld_bound(bins: int, limits: Limits) -> int:
     return np.int64(min(max(wanted, float(limits.min_particles)), float(limits.max_particles)))
 
 
-@compiled
+@borrowing
 def accumulate(weights: NDArray[np.float64], count: int, cumulative: NDArray[np.float64]) -> None:
     """Write the running sum of normalised weights, the last one exactly 1."""
     total = 0.0
@@ -57,7 +58,7 @@ def accumulate(weights: NDArray[np.float64], count: int, cumulative: NDArray[np.
     cumulative[count - 1] = 1.0
 
 
-@compiled
+@borrowing
 def systematic(cumulative: NDArray[np.float64], count: int, offset: float, chosen: NDArray[np.int32]) -> None:
     """Choose ``len(chosen)`` of ``count`` particles at the points (k + offset) / len(chosen), one uniform number in all.
 
@@ -71,7 +72,7 @@ def systematic(cumulative: NDArray[np.float64], count: int, offset: float, chose
         chosen[k] = i
 
 
-@compiled
+@borrowing
 def needed(
     keys: NDArray[np.int64],
     cumulative: NDArray[np.float64],
@@ -91,14 +92,14 @@ def needed(
     if injection == 0.0 and kld_bound(occupied, limits) == limits.min_particles:
         return limits.min_particles
     first = uniform(key, tick, _FIRST_POINT)
-    filled, drawn, enough = 0, 0, limits.min_particles
+    filled, drawn, enough = np.int64(0), np.int64(0), limits.min_particles
     while drawn < enough:
         if scattered(key, tick, drawn, injection):
             x, y, theta = free_pose(free, key, tick, drawn)
             found = bin_key(x, y, theta)
         else:
             point = first + drawn * GOLDEN_RATIO
-            found = keys[np.searchsorted(cumulative[:count], point - np.floor(point), side="right")]
+            found = keys[_holder(cumulative, count, point - np.floor(point))]
         drawn += 1
         if add(bins, found, filled) == filled:
             filled += 1
@@ -107,13 +108,26 @@ def needed(
     return drawn
 
 
-@compiled
+@borrowing
+def _holder(cumulative: NDArray[np.float64], count: int, point: float) -> int:
+    """Return which particle's share of the running sum holds ``point``."""
+    low, high = 0, count - 1
+    while low < high:
+        middle = (low + high) // 2
+        if cumulative[middle] > point:
+            high = middle
+        else:
+            low = middle + 1
+    return low
+
+
+@borrowing
 def scattered(key: np.uint64, tick: int, i: int, injection: float) -> bool:
     """Tell whether particle ``i`` is one of the share ``injection`` that is placed at random."""
     return bool(injection > 0.0 and uniform(key, tick, _SCATTER + 5 * i) < injection)
 
 
-@compiled
+@borrowing
 def free_pose(free: FreeSpace, key: np.uint64, tick: int, i: int) -> tuple[float, float, float]:
     """Return the random pose on free space of particle ``i``, in the grid's frame."""
     index = _SCATTER + 5 * i + 1
@@ -123,7 +137,7 @@ def free_pose(free: FreeSpace, key: np.uint64, tick: int, i: int) -> tuple[float
     return x, y, (2.0 * uniform(key, tick, index + 3) - 1.0) * np.pi
 
 
-@compiled
+@borrowing
 def offset(key: np.uint64, tick: int) -> float:
     """Return this filter update's random number for ``systematic``."""
     return uniform(key, tick, _SYSTEMATIC)

@@ -1,0 +1,40 @@
+"""Which beams of a scan the filter looks at: evenly spaced ones that hit something, and not people who stand in front of the map."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+from arena_core import LaserScan, Pose
+from arena_kernels.grids import GridStack
+from arena_kernels.raycast import Beams, make_beams, scan_grids
+from numpy.typing import NDArray
+
+_FIRST = np.zeros(1, np.int64)
+_rays = lru_cache(maxsize=8)(make_beams)
+
+
+def thinned(scan: LaserScan, max_beams: int) -> LaserScan:
+    """Return the scan with every k-th beam only, at most ``max_beams`` of them."""
+    step = max(math.ceil(len(scan.ranges) / max_beams), 1)
+    return replace(scan, angle_increment=step * scan.angle_increment, ranges=scan.ranges[::step])
+
+
+def predicted(scan: LaserScan, stack: GridStack, pose: Pose) -> NDArray[np.float32]:
+    """Return the ranges (B,) that the first grid of ``stack`` alone would give the same beams, with ``base_link`` at ``pose`` in ``map``."""
+    rays: Beams = _rays(scan.angle_min, scan.angle_increment, len(scan.ranges), scan.range_max)
+    ranges = np.empty((1, len(scan.ranges)), np.float32)
+    scan_grids(stack, _FIRST, pose.compose(scan.mount).array()[None], rays, ranges)
+    return ranges[0]
+
+
+def beam_ends(scan: LaserScan, min_range: float, max_range: float, least: NDArray[np.float32] | float) -> NDArray[np.float32]:
+    """Return where the beams of at least ``least`` and ``min_range`` and less than ``max_range`` m end, (2, K) in ``base_link``, m."""
+    ranges = scan.ranges.astype(np.float64)
+    hits = np.flatnonzero((ranges >= min_range) & (ranges < max_range) & (ranges >= least))
+    angles = scan.mount.theta + scan.angle_min + scan.angle_increment * hits
+    x = scan.mount.x + ranges[hits] * np.cos(angles)
+    y = scan.mount.y + ranges[hits] * np.sin(angles)
+    return np.stack((x, y)).astype(np.float32)
