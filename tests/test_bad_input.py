@@ -312,12 +312,13 @@ def test_ctrl_c_keeps_what_is_finished_and_the_run_can_be_continued(arena, execu
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
+        start_new_session=True,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # as in a terminal, whatever started the tests
     )
     while not Path("run/records/0000.npz").exists():
         assert process.poll() is None, process.communicate()
         time.sleep(0.01)
-    process.send_signal(signal.SIGINT)
+    os.killpg(process.pid, signal.SIGINT)  # a terminal sends it to workers too
     _, said = process.communicate(timeout=60)
     assert process.returncode == 130
     assert said == "arena: interrupted; finished episodes are kept, resume=true hydra.run.dir=DIR continues\n"

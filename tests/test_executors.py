@@ -1,3 +1,4 @@
+import multiprocessing
 import os
 import signal
 import time
@@ -59,14 +60,18 @@ def test_an_impossible_number_of_workers_is_named(workers):
 
 DYING = """
     import os
+    import signal
+    import time
 
     def work(job):
         if job.episode == 2:
             os._exit(9)
         return {"episode": job.episode}
 
+    def leaves_ctrl_c_alone(job):
+        return {"episode": job.episode, "alone": signal.getsignal(signal.SIGINT) is signal.SIG_IGN}
+
     def interrupt(job):
-        import signal, time
         if job.episode == 1:
             os.kill(os.getppid(), signal.SIGINT)
             os.kill(os.getpid(), signal.SIGINT)
@@ -83,14 +88,25 @@ def test_a_worker_that_dies_stops_the_run_with_one_line(third_party):
         numbers(ProcessExecutor(2), dying.work)
 
 
+def test_workers_leave_ctrl_c_to_the_main_process(third_party):
+    third_party.write("dying.py", DYING)
+    import dying
+
+    assert all(row["alone"] for row in ProcessExecutor(2).map(dying.leaves_ctrl_c_alone, JOBS))
+
+
 def test_ctrl_c_reaches_the_main_process_and_leaves_no_worker_behind(third_party):
     third_party.write("dying.py", DYING)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # whatever started the tests may have it ignored
     import dying
 
     def run():
         numbers(ProcessExecutor(2), dying.interrupt)
         time.sleep(5.0)  # the signal may come after the last row
 
-    with pytest.raises(KeyboardInterrupt):
-        run()
-    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            run()
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert not [child for child in multiprocessing.active_children() if child.is_alive()]
