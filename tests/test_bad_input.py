@@ -304,7 +304,7 @@ def test_a_damaged_record_is_named_when_a_run_is_continued(arena):
     assert "run/records/0000.npz: damaged" in answer.line
 
 
-@pytest.mark.parametrize("executor", ["serial", "processes"])
+@pytest.mark.parametrize("executor", ["serial", pytest.param("processes", marks=pytest.mark.slow)])
 def test_ctrl_c_keeps_what_is_finished_and_the_run_can_be_continued(arena, executor):
     words = [*QUICK, "episodes=500", f"executor={executor}", *(["executor.workers=2"] if executor == "processes" else [])]
     process = subprocess.Popen(
