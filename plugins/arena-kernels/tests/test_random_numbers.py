@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
-from scipy import stats
+from scipy import special, stats
 
-from arena_kernels.random import normal, normals, philox, uniform
+from arena_kernels.random import _middle_quantile, _tail_quantile, normal, normals, philox, uniform
 
 KEY = np.uint64(0x9E3779B97F4A7C15)
 
@@ -35,6 +35,13 @@ def test_normal_numbers_are_normal():
     normals(KEY, 3, sample)
     assert stats.kstest(sample, "norm").pvalue > 0.01
     assert abs(np.corrcoef(sample[::2], sample[1::2])[0, 1]) < 0.03
+
+
+def test_quantiles_are_those_of_the_normal_distribution():
+    shares = np.concatenate((np.linspace(-0.4999, 0.4999, 2001), -0.5 + 0.1 ** np.arange(5.0, 14.0)))
+    quantiles = [_middle_quantile(q) if abs(q) <= 0.425 else _tail_quantile(q) for q in shares.tolist()]
+    np.testing.assert_allclose(quantiles, special.ndtri(0.5 + shares), rtol=1e-9, atol=1e-12)
+    assert _tail_quantile(-0.5 + 2.0**-53) == pytest.approx(special.ndtri(2.0**-53), rel=1e-12)
 
 
 @pytest.mark.parametrize("length", [0, 1, 4, 5])

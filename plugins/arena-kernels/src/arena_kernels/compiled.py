@@ -31,6 +31,11 @@ def borrowing(kernel: Kernel) -> Kernel:
     return _kept(njit(error_model="numpy", _nrt=False)(kernel), kernel)  # type: ignore[call-overload]
 
 
+def inlined(kernel: Kernel) -> Kernel:
+    """Compile a borrowing kernel into every caller, however large: loops over a call cannot run in vector registers."""
+    return _kept(njit(error_model="numpy", forceinline=True, _nrt=False)(kernel), kernel)  # type: ignore[call-overload]
+
+
 def _kept(dispatcher: Any, kernel: Kernel) -> Kernel:
     dispatcher._cache = _KernelCache(kernel)
     return dispatcher  # type: ignore[no-any-return]
