@@ -16,6 +16,8 @@ from arena_core.recording import find_runs
 from arena_core.registry import load_registry
 from arena_core.run import RunRequest, re_evaluate, run_all
 
+MULTIRUN = ("-m", "--multirun")
+
 
 class RunTask:
     """What Hydra calls for a single run; its launcher hands the jobs of a multirun to ``run`` together."""
@@ -50,7 +52,8 @@ class RunCommand(Command):
 
         os.environ["HYDRA_FULL_ERROR"] = "1"  # Hydra then raises instead of printing and exiting by itself
         task = RunTask()
-        before, sys.argv = sys.argv, ["arena run", *arguments]
+        flags = [argument for argument in arguments if argument in MULTIRUN]  # Hydra wants them ahead of overrides
+        before, sys.argv = sys.argv, ["arena run", *flags, *(argument for argument in arguments if argument not in MULTIRUN)]
         try:
             with one_line_errors():
                 hydra.main(str(conf_directory()), PRIMARY, version_base="1.3")(task)()

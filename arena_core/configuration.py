@@ -31,20 +31,28 @@ def conf_directory() -> Path:
 def search_path() -> list[tuple[str, str]]:
     """Return (provider, path) of every configuration source after the core's own.
 
-    Raises DuplicateComponent when two plugins offer the same option: Hydra would silently take the first.
+    Raises DuplicateComponent when two sources offer the same option of a group: Hydra would silently take the first.
     """
+    folders: dict[str, Traversable] = {"the core": conf_directory()}
     packages = config_packages(load_plugins())
-    offered: dict[str, str] = {}
-    for plugin, package in packages.items():
-        for option in _options(files(package)):
-            if option in offered:
-                raise DuplicateComponent(f"option {option} is offered by two plugins: {offered[option]} and {plugin}")
-            offered[option] = plugin
+    folders |= {f"plugin {plugin}": files(package) for plugin, package in packages.items()}
     sources = [(plugin, f"pkg://{package}") for plugin, package in packages.items()]
     own = Path.cwd() / "conf"
     if own.is_dir() and own.resolve() != conf_directory().resolve():
+        folders[f"your folder {own}"] = own
         sources.append(("working-directory", own.as_uri()))
+    _check_options(folders)
     return sources
+
+
+def _check_options(folders: Mapping[str, Traversable]) -> None:
+    """Raise DuplicateComponent when two folders hold the same option of a group."""
+    offered: dict[str, str] = {}
+    for source, folder in folders.items():
+        for option in _options(folder):
+            if "/" in option and option in offered:
+                raise DuplicateComponent(f"option {option} is offered twice: by {offered[option]} and by {source}; rename one")
+            offered[option] = source
 
 
 def compose(overrides: Sequence[str] = (), config_name: str = PRIMARY) -> DictConfig:

@@ -12,7 +12,7 @@ import pluggy
 
 from arena_core import interfaces
 from arena_core.conversion import build
-from arena_core.errors import BrokenPlugin, ConfigurationError, DuplicateComponent, UnknownComponent
+from arena_core.errors import ArenaError, BrokenPlugin, ConfigurationError, DuplicateComponent, UnknownComponent
 from arena_core.hookspecs import Factory
 from arena_core.plugins import broken, enabled_entry_points, load_plugins
 from arena_core.robot import Robot
@@ -106,16 +106,23 @@ class Registry:
         """
         if "name" not in node:
             raise ConfigurationError(f"{kind} has no key name; choose one with {kind}=..., installed: {', '.join(self.names(kind))}")
-        factory = self.component(kind, str(node["name"])).resolve()
-        return build(factory, node, kind, context, self._nested)
+        return self._build(kind, node, kind, context)
+
+    def _build(self, kind: str, node: Mapping[str, Any], key: str, context: Mapping[str, Any]) -> Any:
+        component = self.component(kind, str(node["name"]))
+        try:
+            return build(component.resolve(), node, key, context, self._nested)
+        except (ArenaError, MemoryError):
+            raise
+        except Exception as error:
+            raise broken(component.plugin, error) from error
 
     def _nested(self, annotation: Any, node: Any, key: str, context: Mapping[str, Any]) -> Any:
         """Build a component inside another one's configuration; return NotImplemented where ``annotation`` is no interface."""
         kind = INTERFACES.get(annotation) if isinstance(annotation, type) else None
         if kind is None or not isinstance(node, Mapping) or "name" not in node:
             return NotImplemented
-        factory = self.component(kind, str(node["name"])).resolve()
-        return build(factory, node, key, context, self._nested)
+        return self._build(kind, node, key, context)
 
     def _collect(self, kind: str, implementation: pluggy.HookImpl) -> None:
         plugin = implementation.plugin_name

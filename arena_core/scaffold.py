@@ -81,7 +81,7 @@ gain: 2.0           # [1/s] turning rate per bearing of the waypoint (choose you
 stop_distance: 0.1  # [m] nearest gap at which the robot still drives
 """)
 
-TEST = Template('''\
+TEST = Template("""\
 from arena_core import Pose
 from arena_core.testing import check, component, observation, planner, robot
 
@@ -92,7 +92,7 @@ def test_keeps_the_contract_of_a_planner():
 
 def test_turns_left_to_a_waypoint_on_the_left():
     assert planner("$module", robot()).compute_velocity(observation(waypoint=Pose(1.0, 1.0))).wz > 0.0
-''')
+""")
 
 README = Template("""\
 # $distribution

@@ -111,13 +111,13 @@ def test_a_planner_without_a_tuning_for_the_robot_keeps_its_own_numbers(tuned):
 
 def test_an_option_that_two_plugins_offer_is_an_error_that_names_both(tuned, third_party):
     third_party.package("thief", PLUGIN.format(name="thief"), {"planner/tuned": "name: tuned\n"})
-    with pytest.raises(DuplicateComponent, match="option planner/tuned is offered by two plugins: thief and tuned"):
+    with pytest.raises(DuplicateComponent, match="option planner/tuned is offered twice: by plugin thief and by plugin tuned"):
         search_path()
 
 
 def test_an_option_that_two_plugins_offer_is_found_when_composing_too(tuned, third_party):
     third_party.package("thief", PLUGIN.format(name="thief"), {"planner/tuned": "name: tuned\n"})
-    with pytest.raises(DuplicateComponent, match="offered by two plugins"):
+    with pytest.raises(DuplicateComponent, match="offered twice"):
         component("planner=tuned")
 
 
@@ -126,6 +126,14 @@ def test_the_conf_folder_of_the_working_directory_is_searched(tmp_path, monkeypa
     (tmp_path / "conf" / "executor").mkdir(parents=True)
     (tmp_path / "conf" / "executor" / "two.yaml").write_text("name: processes\nworkers: 2\n")
     assert component("executor=two")["executor"] == {"name": "processes", "workers": 2}
+
+
+def test_an_option_of_the_working_directory_hides_no_plugins_option(tuned, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "conf" / "planner").mkdir(parents=True)
+    (tmp_path / "conf" / "planner" / "tuned.yaml").write_text("name: tuned\n")
+    with pytest.raises(DuplicateComponent, match="by plugin tuned and by your folder"):
+        search_path()
 
 
 def test_in_a_checkout_its_own_conf_is_searched_once(monkeypatch):

@@ -112,6 +112,14 @@ def test_a_component_is_built_from_its_node_and_the_context():
     assert (built.speed, built.robot.name) == (0.3, "sample")
 
 
+def test_a_constructor_that_fails_names_its_plugin():
+    def failing(robot: Robot) -> Planner:
+        raise IndexError("no such gear")
+
+    with pytest.raises(BrokenPlugin, match="plugin mine .*no such gear"):
+        registry(mine=Plugin(lost=failing)).build("planner", {"name": "lost"}, robot=robot())
+
+
 def test_a_node_without_a_name_says_how_to_choose_one():
     with pytest.raises(ConfigurationError, match=r"planner has no key name; choose one with planner=\.\.\., installed: steady"):
         registry(a=Plugin(steady=Steady)).build("planner", {"speed": 0.3})
