@@ -6,6 +6,8 @@ import math
 from typing import Annotated
 
 import numpy as np
+from numpy.typing import NDArray
+
 from arena_core import (
     Bounds,
     ConfigurationError,
@@ -22,8 +24,6 @@ from arena_core import (
     Sensors,
 )
 from arena_kernels.grids import stack_grids
-from numpy.typing import NDArray
-
 from arena_navigation.amcl_beams import beam_ends, predicted, thinned
 from arena_navigation.amcl_filter import Recovery, begin, cloud, filter_update
 from arena_navigation.amcl_motion import Alphas, OdometryModelType, motion
@@ -112,7 +112,7 @@ class AmclLocalizer(Localizer):
     @property
     def particles(self) -> NDArray[np.float64]:
         """Return the particles as rows of (x, y, theta) in ``map``, shape (N, 3)."""
-        poses = self._cloud.poses[:, : self._cloud.count[0]].T
+        poses = self._cloud.poses[:, : self._cloud.number[0]].T
         return np.array([self._grid.origin.compose(Pose.of(pose)).array() for pose in poses])
 
     def _consider(self, scan: LaserScan, odometry: Pose) -> None:
@@ -129,12 +129,13 @@ class AmclLocalizer(Localizer):
     def _filter(self, scan: LaserScan, displacement: Pose) -> None:
         """Run one update of the filter and take its estimate to ``map``."""
         max_range = scan.range_max if self._range_limits[1] < 0.0 else min(self._range_limits[1], scan.range_max)
-        beams = self._beams(thinned(scan, self._max_beams), max_range, self._estimate.compose(displacement))
+        beams, explained = self._beams(thinned(scan, self._max_beams), max_range, self._estimate.compose(displacement))
         self._updates += 1
         filter_update(
             self._cloud,
             motion(displacement, self._odometry_model, self._alphas),
             beams,
+            explained,
             self._grid.derive(LikelihoodField(*self._field, max_range)),
             self._free,
             self._limits,
@@ -146,17 +147,19 @@ class AmclLocalizer(Localizer):
         self._estimate = self._grid.origin.compose(Pose.of(self._cloud.mean))
         self._covariance = _turned(self._cloud.covariance, self._grid.origin.theta)
 
-    def _beams(self, scan: LaserScan, max_range: float, pose: Pose) -> NDArray[np.float32]:
-        """Return the beams' ends, but for those that seen from ``pose`` end well in front of all that is on the map.
+    def _beams(self, scan: LaserScan, max_range: float, pose: Pose) -> tuple[NDArray[np.float32], float]:
+        """Return the beams' ends, but for those that seen from ``pose`` end well in front of the map; and the share that is left.
 
         People shorten beams and never lengthen them (Fox, Burgard, Thrun, JAIR 11, 1999, call it a distance filter). The first scan is used
         whole, because only it tells where the robot really starts.
         """
         min_range = scan.range_min if self._range_limits[0] < 0.0 else self._range_limits[0]
+        beams = beam_ends(scan, min_range, max_range, 0.0)
         if self._short_by is None or self._updates == 0:
-            return beam_ends(scan, min_range, max_range, 0.0)
+            return beams, 1.0
         stack, _ = stack_grids([self._grid])
-        return beam_ends(scan, min_range, max_range, predicted(scan, stack, pose) - self._short_by)
+        kept = beam_ends(scan, min_range, max_range, predicted(scan, stack, pose) - self._short_by)
+        return kept, kept.shape[1] / max(beams.shape[1], 1)
 
 
 def free_space(grid: OccupancyGrid) -> FreeSpace:

@@ -7,10 +7,11 @@ from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
+
 from arena_core import LaserScan, Pose
 from arena_kernels.grids import GridStack
 from arena_kernels.raycast import Beams, make_beams, scan_grids
-from numpy.typing import NDArray
 
 _FIRST = np.zeros(1, np.int64)
 _rays = lru_cache(maxsize=8)(make_beams)
@@ -23,11 +24,12 @@ def thinned(scan: LaserScan, max_beams: int) -> LaserScan:
 
 
 def predicted(scan: LaserScan, stack: GridStack, pose: Pose) -> NDArray[np.float32]:
-    """Return the ranges (B,) that the first grid of ``stack`` alone would give the same beams, with ``base_link`` at ``pose`` in ``map``."""
+    """Return the ranges (B,) that the same beams would have in the first grid of ``stack``, ``base_link`` at ``pose`` in ``map``."""
     rays: Beams = _rays(scan.angle_min, scan.angle_increment, len(scan.ranges), scan.range_max)
     ranges = np.empty((1, len(scan.ranges)), np.float32)
     scan_grids(stack, _FIRST, pose.compose(scan.mount).array()[None], rays, ranges)
-    return ranges[0]
+    seen: NDArray[np.float32] = ranges[0]
+    return seen
 
 
 def beam_ends(scan: LaserScan, min_range: float, max_range: float, least: NDArray[np.float32] | float) -> NDArray[np.float32]:

@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from arena_kernels.compiled import borrowing
 from numpy.typing import NDArray
 
+from arena_kernels.compiled import borrowing
+from arena_kernels.scalars import Integer
 from arena_navigation.amcl_directions import wrapped
 from arena_navigation.amcl_histogram import Histogram, add, clear, find, neighbour, write_keys
 
@@ -24,9 +25,9 @@ class Clusters(NamedTuple):
 
 
 @borrowing
-def label_clusters(poses: NDArray[np.float64], count: int, clusters: Clusters) -> int:
+def label_clusters(poses: NDArray[np.float64], count: Integer, clusters: Clusters) -> Integer:
     """Give all bins that touch one another, by a side or a corner, one cluster number; return how many bins there are."""
-    filled = np.int64(0)
+    filled: Integer = np.int64(0)
     write_keys(poses, count, clusters.keys)
     for i in range(count):
         number = add(clusters.bins, clusters.keys[i], filled)
@@ -57,7 +58,7 @@ def _flood(clusters: Clusters, seed: int) -> None:
 
 
 @borrowing
-def heaviest(weights: NDArray[np.float64], count: int, clusters: Clusters, filled: int) -> int:
+def heaviest(weights: NDArray[np.float64], count: Integer, clusters: Clusters, filled: Integer) -> Integer:
     """Return the number of the cluster with the largest weight."""
     for b in range(filled):
         clusters.weight_of[b] = 0.0
@@ -75,9 +76,9 @@ def moments(
     poses: NDArray[np.float64],
     directions: NDArray[np.float64],
     weights: NDArray[np.float64],
-    count: int,
+    count: Integer,
     clusters: Clusters,
-    cluster: int,
+    cluster: Integer,
     mean: NDArray[np.float64],
     covariance: NDArray[np.float64],
 ) -> None:
@@ -112,11 +113,11 @@ def best_cluster(
     poses: NDArray[np.float64],
     directions: NDArray[np.float64],
     weights: NDArray[np.float64],
-    count: int,
+    count: Integer,
     clusters: Clusters,
     mean: NDArray[np.float64],
     covariance: NDArray[np.float64],
-) -> int:
+) -> Integer:
     """Write mean and covariance of the heaviest cluster of ``count`` particles; return how many bins hold any."""
     filled = label_clusters(poses, count, clusters)
     moments(poses, directions, weights, count, clusters, heaviest(weights, count, clusters, filled), mean, covariance)

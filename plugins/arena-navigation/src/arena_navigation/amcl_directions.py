@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from arena_kernels.compiled import borrowing
 from numpy.typing import NDArray
+
+from arena_kernels.compiled import borrowing
 
 _QUARTER_HIGH = 1.5707963267341256  # a quarter turn in two parts (Cody and Waite), so that what is left of an angle is exact
 _QUARTER_LOW = 6.077100506506192e-11
@@ -34,4 +35,5 @@ def write_directions(angles: NDArray[np.float64], count: int, directions: NDArra
 @borrowing
 def wrapped(angle: float) -> float:
     """Wrap an angle to [-pi, pi]; several times as fast as the remainder of a division."""
-    return angle - 2.0 * np.pi * np.floor((angle + np.pi) / (2.0 * np.pi))
+    turns: float = np.floor((angle + np.pi) / (2.0 * np.pi))
+    return angle - 2.0 * np.pi * turns

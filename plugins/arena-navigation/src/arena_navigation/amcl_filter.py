@@ -1,14 +1,18 @@
-"""The particle filter: one compiled call for each scan that is used. Poses are in the grid's frame, so nothing depends on where ``map`` has its origin."""
+"""The particle filter: one compiled call for each scan that is used.
+
+Poses are in the grid's frame, so nothing depends on where ``map`` has its origin.
+"""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
 import numpy as np
-from arena_kernels.compiled import borrowing
-from arena_kernels.random import normals
 from numpy.typing import NDArray
 
+from arena_kernels.compiled import borrowing
+from arena_kernels.random import normals
+from arena_kernels.scalars import Integer
 from arena_navigation.amcl_clusters import Clusters, best_cluster
 from arena_navigation.amcl_histogram import histogram
 from arena_navigation.amcl_motion import Motion, move
@@ -17,12 +21,13 @@ from arena_navigation.amcl_sensor import Field, match, reweigh
 
 
 class Cloud(NamedTuple):
-    """The particles: the first ``count[0]`` columns of ``poses`` (3, P), and their normalised weights; then scratch space.
+    """The particles: the first ``number[0]`` columns of ``poses`` (3, P), and their normalised weights; then scratch space.
 
-    ``likelihoods`` are the slow and the fast running mean of how well a beam fits; ``mean`` and ``covariance`` are the estimate.
+    ``likelihoods`` are the slow and the fast running mean of how well a beam fits, and how many values they have seen; ``mean``
+    and ``covariance`` are the estimate.
     """
 
-    count: NDArray[np.int64]
+    number: NDArray[np.int64]
     poses: NDArray[np.float64]
     weights: NDArray[np.float64]
     likelihoods: NDArray[np.float64]
@@ -38,7 +43,7 @@ class Cloud(NamedTuple):
 
 
 class Recovery(NamedTuple):
-    """How fast the two running means follow, ``recovery_alpha_slow`` and ``recovery_alpha_fast``; zero: no recovery."""
+    """How fast the two running means follow, ``recovery_alpha_slow`` and ``recovery_alpha_fast``; a slow one of zero: no recovery."""
 
     alpha_slow: float
     alpha_fast: float
@@ -58,7 +63,7 @@ def cloud(capacity: int, beams: int) -> Cloud:
         np.zeros(1, np.int64),
         np.empty((3, capacity)),
         np.empty(capacity),
-        np.zeros(2),
+        np.zeros(3),
         np.zeros(3),
         np.zeros((3, 3)),
         clusters,
@@ -75,7 +80,7 @@ def cloud(capacity: int, beams: int) -> Cloud:
 def begin(cloud: Cloud, mean: NDArray[np.float64], root: NDArray[np.float64], key: np.uint64) -> None:
     """Draw all particles from a normal distribution; ``root`` (3, 3) times its transpose is the covariance. Takes tick 0."""
     capacity = cloud.poses.shape[1]
-    cloud.count[0] = capacity
+    cloud.number[0] = capacity
     cloud.weights[:] = 1.0 / capacity
     cloud.likelihoods[:] = 0.0
     normals(key, np.int64(0), cloud.noise)
@@ -90,45 +95,51 @@ def filter_update(
     cloud: Cloud,
     motion: Motion,
     beams: NDArray[np.float32],
+    explained: float,
     field: Field,
     free: FreeSpace,
     limits: Limits,
     recovery: Recovery,
     resample: bool,
     key: np.uint64,
-    tick: int,
+    tick: Integer,
 ) -> None:
-    """Move the particles, weigh them by the scan, estimate, and resample if it is time."""
-    count = cloud.count[0]
+    """Move the particles, weigh them by the scan, estimate, and resample if it is time.
+
+    ``explained`` is the share of the beams that were not left out of ``beams``: those left out count as not fitting at all.
+    """
+    count = cloud.number[0]
     move(cloud.poses, cloud.directions, count, motion, key, tick, cloud.noise)
     match(cloud.poses, cloud.directions, count, beams, field, cloud.cells, cloud.scores)
     likelihood = reweigh(cloud.weights, count, cloud.scores, beams.shape[1], field.product)
     occupied = best_cluster(cloud.poses, cloud.directions, cloud.weights, count, cloud.clusters, cloud.mean, cloud.covariance)
     if beams.shape[1] > 0:
-        follow(cloud.likelihoods, likelihood, recovery)
+        follow(cloud.likelihoods, explained * likelihood, recovery)
     if resample:
-        redraw(cloud, occupied, injection(cloud.likelihoods), free, limits, key, tick)
+        redraw(cloud, occupied, injection(cloud.likelihoods, recovery), free, limits, key, tick)
 
 
 @borrowing
 def follow(likelihoods: NDArray[np.float64], likelihood: float, recovery: Recovery) -> None:
-    """Let the slow and the fast running mean follow (Probabilistic Robotics, table 8.3)."""
-    if likelihoods[0] == 0.0:
-        likelihoods[:] = likelihood
-    likelihoods[0] += recovery.alpha_slow * (likelihood - likelihoods[0])
-    likelihoods[1] += recovery.alpha_fast * (likelihood - likelihoods[1])
+    """Let the slow and the fast running mean follow (Probabilistic Robotics, table 8.3); the first values are averaged evenly."""
+    likelihoods[2] += 1.0
+    likelihoods[0] += max(recovery.alpha_slow, 1.0 / likelihoods[2]) * (likelihood - likelihoods[0])
+    likelihoods[1] += max(recovery.alpha_fast, 1.0 / likelihoods[2]) * (likelihood - likelihoods[1])
 
 
 @borrowing
-def injection(likelihoods: NDArray[np.float64]) -> float:
+def injection(likelihoods: NDArray[np.float64], recovery: Recovery) -> float:
     """Return the share of particles to scatter: how much worse than usual the scans fit of late."""
-    return max(0.0, 1.0 - likelihoods[1] / likelihoods[0]) if likelihoods[0] > 0.0 else 0.0
+    if recovery.alpha_slow == 0.0 or likelihoods[0] == 0.0:
+        return 0.0
+    share: float = 1.0 - likelihoods[1] / likelihoods[0]
+    return max(0.0, share)
 
 
 @borrowing
-def redraw(cloud: Cloud, occupied: int, injection: float, free: FreeSpace, limits: Limits, key: np.uint64, tick: int) -> None:
+def redraw(cloud: Cloud, occupied: Integer, injection: float, free: FreeSpace, limits: Limits, key: np.uint64, tick: Integer) -> None:
     """Replace the particles by as many as are needed, drawn by weight, a share of them anywhere on free space."""
-    before = cloud.count[0]
+    before = cloud.number[0]
     cumulative = cloud.scores
     accumulate(cloud.weights, before, cumulative)
     count = needed(cloud.clusters.keys, cumulative, before, occupied, injection, free, limits, cloud.clusters.bins, key, tick)
@@ -138,10 +149,10 @@ def redraw(cloud: Cloud, occupied: int, injection: float, free: FreeSpace, limit
             cloud.drawn[0, i], cloud.drawn[1, i], cloud.drawn[2, i] = free_pose(free, key, tick, i)
         else:
             source = cloud.chosen[i]
-            cloud.drawn[0, i], cloud.drawn[1, i], cloud.drawn[2, i] = cloud.poses[0, source], cloud.poses[1, source], cloud.poses[2, source]
+            for axis in range(3):
+                cloud.drawn[axis, i] = cloud.poses[axis, source]
     for i in range(count):
-        cloud.poses[0, i], cloud.poses[1, i], cloud.poses[2, i] = cloud.drawn[0, i], cloud.drawn[1, i], cloud.drawn[2, i]
+        for axis in range(3):
+            cloud.poses[axis, i] = cloud.drawn[axis, i]
         cloud.weights[i] = 1.0 / count
-    cloud.count[0] = count
-    if injection > 0.0:
-        cloud.likelihoods[:] = 0.0  # else one bad moment would scatter ever more particles (ROS amcl)
+    cloud.number[0] = count

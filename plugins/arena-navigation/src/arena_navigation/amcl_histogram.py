@@ -6,8 +6,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from arena_kernels.compiled import borrowing
 from numpy.typing import NDArray
+
+from arena_kernels.compiled import borrowing
+from arena_kernels.scalars import Integer
 
 BIN_SIZE = 0.5  # m (ROS amcl)
 BINS_A_TURN = 36  # 10 degrees each (ROS amcl)
@@ -33,7 +35,7 @@ def histogram(capacity: int) -> Histogram:
 
 
 @borrowing
-def bin_key(x: float, y: float, theta: float) -> int:
+def bin_key(x: float, y: float, theta: float) -> Integer:
     """Return the key of the bin that holds a pose with its heading in [-pi, pi]; -pi and pi share one."""
     column = np.int64(np.floor(x / BIN_SIZE)) + _MIDDLE
     row = np.int64(np.floor(y / BIN_SIZE)) + _MIDDLE
@@ -42,21 +44,21 @@ def bin_key(x: float, y: float, theta: float) -> int:
 
 
 @borrowing
-def write_keys(poses: NDArray[np.float64], count: int, keys: NDArray[np.int64]) -> None:
+def write_keys(poses: NDArray[np.float64], count: Integer, keys: NDArray[np.int64]) -> None:
     """Write the bin's key of each of ``count`` poses (3, P)."""
     for i in range(count):
         keys[i] = bin_key(poses[0, i], poses[1, i], poses[2, i])
 
 
 @borrowing
-def neighbour(key: int, rows: int, columns: int, headings: int) -> int:
+def neighbour(key: Integer, rows: int, columns: int, headings: int) -> Integer:
     """Return the key of the bin so many rows, columns and headings away."""
     heading = key % _COLUMN
     return key - heading + rows * _ROW + columns * _COLUMN + (heading + headings) % BINS_A_TURN
 
 
 @borrowing
-def _slot(bins: Histogram, key: int) -> int:
+def _slot(bins: Histogram, key: Integer) -> Integer:
     """Return where ``key`` lies, or the empty slot where it would."""
     mask = len(bins.keys) - 1
     slot = np.int64((np.uint64(key) * _GOLDEN) >> np.uint64(40)) & mask
@@ -66,14 +68,14 @@ def _slot(bins: Histogram, key: int) -> int:
 
 
 @borrowing
-def find(bins: Histogram, key: int) -> int:
+def find(bins: Histogram, key: Integer) -> Integer:
     """Return the number of a bin, -1 when it holds nothing."""
     slot = _slot(bins, key)
     return np.int64(bins.numbers[slot]) if bins.keys[slot] == key else -1
 
 
 @borrowing
-def add(bins: Histogram, key: int, filled: int) -> int:
+def add(bins: Histogram, key: Integer, filled: Integer) -> Integer:
     """Return the number of a bin; a new one gets the number ``filled``."""
     slot = _slot(bins, key)
     if bins.keys[slot] != key:
@@ -84,7 +86,7 @@ def add(bins: Histogram, key: int, filled: int) -> int:
 
 
 @borrowing
-def clear(bins: Histogram, filled: int) -> None:
+def clear(bins: Histogram, filled: Integer) -> None:
     """Empty the ``filled`` bins."""
     for number in range(filled):
         bins.keys[bins.slots[number]] = -1

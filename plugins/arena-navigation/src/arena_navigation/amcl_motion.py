@@ -6,11 +6,12 @@ import math
 from typing import Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
+
 from arena_core import Pose
 from arena_kernels.compiled import borrowing
 from arena_kernels.random import normals
-from numpy.typing import NDArray
-
+from arena_kernels.scalars import Integer
 from arena_navigation.amcl_directions import wrapped, write_directions
 
 OdometryModelType = Literal["diff", "omni", "diff-corrected", "omni-corrected"]
@@ -96,11 +97,17 @@ def _off_axis(angle: float) -> float:
 
 @borrowing
 def move(
-    poses: NDArray[np.float64], directions: NDArray[np.float64], count: int, motion: Motion, key: np.uint64, tick: int, noise: NDArray[np.float64]
+    poses: NDArray[np.float64],
+    directions: NDArray[np.float64],
+    count: int,
+    motion: Motion,
+    key: np.uint64,
+    tick: Integer,
+    noise: NDArray[np.float64],
 ) -> None:
-    """Move each of ``count`` particles (3, P) by a motion drawn for it, and write the cosine and sine of its heading to ``directions`` (2, P).
+    """Move each of ``count`` particles (3, P) by a motion drawn for it.
 
-    ``noise`` is scratch space of 3 P. Headings stay in [-pi, pi].
+    The cosine and sine of its heading go to ``directions`` (2, P). ``noise`` is scratch space of 3 P. Headings stay in [-pi, pi].
     """
     draws = noise[: 3 * count]
     normals(key, tick, draws)

@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from arena_kernels.compiled import borrowing
-from arena_kernels.random import uniform
 from numpy.typing import NDArray
 
+from arena_kernels.compiled import borrowing
+from arena_kernels.random import uniform
+from arena_kernels.scalars import Integer
 from arena_navigation.amcl_histogram import Histogram, add, bin_key, clear
 
 GOLDEN_RATIO = 0.6180339887498949
@@ -34,7 +35,7 @@ class FreeSpace(NamedTuple):
 
 
 @borrowing
-def kld_bound(bins: int, limits: Limits) -> int:
+def kld_bound(bins: Integer, limits: Limits) -> Integer:
     """Return the number of particles for a distribution over ``bins`` bins, within the limits.
 
     Fox, Adapting the Sample Size in Particle Filters Through KLD-Sampling, IJRR 22, 2003, equation 7 (Wilson and Hilferty's
@@ -49,7 +50,7 @@ def kld_bound(bins: int, limits: Limits) -> int:
 
 
 @borrowing
-def accumulate(weights: NDArray[np.float64], count: int, cumulative: NDArray[np.float64]) -> None:
+def accumulate(weights: NDArray[np.float64], count: Integer, cumulative: NDArray[np.float64]) -> None:
     """Write the running sum of normalised weights, the last one exactly 1."""
     total = 0.0
     for i in range(count):
@@ -59,7 +60,7 @@ def accumulate(weights: NDArray[np.float64], count: int, cumulative: NDArray[np.
 
 
 @borrowing
-def systematic(cumulative: NDArray[np.float64], count: int, offset: float, chosen: NDArray[np.int32]) -> None:
+def systematic(cumulative: NDArray[np.float64], count: Integer, offset: float, chosen: NDArray[np.int32]) -> None:
     """Choose ``len(chosen)`` of ``count`` particles at the points (k + offset) / len(chosen), one uniform number in all.
 
     Kitagawa, Monte Carlo Filter and Smoother, Journal of Computational and Graphical Statistics 5, 1996.
@@ -76,23 +77,25 @@ def systematic(cumulative: NDArray[np.float64], count: int, offset: float, chose
 def needed(
     keys: NDArray[np.int64],
     cumulative: NDArray[np.float64],
-    count: int,
-    occupied: int,
+    count: Integer,
+    occupied: Integer,
     injection: float,
     free: FreeSpace,
     limits: Limits,
     bins: Histogram,
     key: np.uint64,
-    tick: int,
-) -> int:
+    tick: Integer,
+) -> Integer:
     """Return how many particles the distribution needs: draw until the bins they fall into, by ``keys``, ask for no more.
 
-    ``occupied`` bins hold particles now; where even all of them ask for no more than the minimum, nothing need be drawn. The points drawn at are multiples of the golden ratio modulo 1: unlike systematic ones they are evenly spread wherever one stops.
+    ``occupied`` bins hold particles now; where even all of them ask for no more than the minimum, nothing need be drawn. The points
+    drawn at are multiples of the golden ratio modulo 1: unlike systematic ones they are evenly spread wherever one stops.
     """
     if injection == 0.0 and kld_bound(occupied, limits) == limits.min_particles:
         return limits.min_particles
     first = uniform(key, tick, _FIRST_POINT)
-    filled, drawn, enough = np.int64(0), np.int64(0), limits.min_particles
+    filled, drawn = np.int64(0), np.int64(0)
+    enough: Integer = limits.min_particles
     while drawn < enough:
         if scattered(key, tick, drawn, injection):
             x, y, theta = free_pose(free, key, tick, drawn)
@@ -109,7 +112,7 @@ def needed(
 
 
 @borrowing
-def _holder(cumulative: NDArray[np.float64], count: int, point: float) -> int:
+def _holder(cumulative: NDArray[np.float64], count: Integer, point: float) -> Integer:
     """Return which particle's share of the running sum holds ``point``."""
     low, high = 0, count - 1
     while low < high:
@@ -122,13 +125,13 @@ def _holder(cumulative: NDArray[np.float64], count: int, point: float) -> int:
 
 
 @borrowing
-def scattered(key: np.uint64, tick: int, i: int, injection: float) -> bool:
+def scattered(key: np.uint64, tick: Integer, i: Integer, injection: float) -> bool:
     """Tell whether particle ``i`` is one of the share ``injection`` that is placed at random."""
     return bool(injection > 0.0 and uniform(key, tick, _SCATTER + 5 * i) < injection)
 
 
 @borrowing
-def free_pose(free: FreeSpace, key: np.uint64, tick: int, i: int) -> tuple[float, float, float]:
+def free_pose(free: FreeSpace, key: np.uint64, tick: Integer, i: Integer) -> tuple[float, float, float]:
     """Return the random pose on free space of particle ``i``, in the grid's frame."""
     index = _SCATTER + 5 * i + 1
     cell = free.cells[np.int64(uniform(key, tick, index) * len(free.cells))]
@@ -138,6 +141,6 @@ def free_pose(free: FreeSpace, key: np.uint64, tick: int, i: int) -> tuple[float
 
 
 @borrowing
-def offset(key: np.uint64, tick: int) -> float:
+def offset(key: np.uint64, tick: Integer) -> float:
     """Return this filter update's random number for ``systematic``."""
     return uniform(key, tick, _SYSTEMATIC)

@@ -6,19 +6,20 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
+
 from arena_core import OccupancyGrid
 from arena_kernels.compiled import borrowing
 from arena_kernels.distance import grid_distance
-from numpy.typing import NDArray
 
 FloatTable = NDArray[np.float32]
 LaserModelType = Literal["likelihood_field", "likelihood_field_prob"]
 
 
 class Field(NamedTuple):
-    """What a beam that ends in a cell adds to a particle's score: a padded table, flat, of ``rows`` by ``columns``; its rim stands for all outside.
+    """What a beam that ends in a cell adds to a particle's score: a padded table, flat, of ``rows`` by ``columns``.
 
-    The scores of beams are added; ``product`` tells whether they are logarithms.
+    Its rim stands for all outside. The scores of beams are added; ``product`` tells whether they are logarithms.
     """
 
     values: FloatTable
@@ -50,7 +51,8 @@ class LikelihoodField:
         likelihood = self.z_hit * np.exp(-0.5 * np.square(distance / self.sigma_hit)) + self.z_rand / self.max_range
         product = self.model == "likelihood_field_prob"
         table = self.beam_weight * np.log(likelihood) if product else likelihood**3
-        return Field(table.astype(np.float32).ravel(), *table.shape, 1.0 / grid.resolution, product)
+        rows, columns = table.shape
+        return Field(table.astype(np.float32).ravel(), rows, columns, 1.0 / grid.resolution, product)
 
 
 @borrowing

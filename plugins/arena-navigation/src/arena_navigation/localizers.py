@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from arena_core import ArenaError, Localizer, OccupancyGrid, Pose, PoseEstimate, Robot, Sensors
 
+from arena_core import ArenaError, Localizer, OccupancyGrid, Pose, PoseEstimate, Robot, Sensors
 from arena_navigation.odometry_history import OdometryHistory
 
 

@@ -1,0 +1,139 @@
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from arena_core import LaserScan, OccupancyGrid, Pose
+from arena_kernels.distance import grid_distance
+from arena_kernels.grids import stack_grids
+from arena_navigation.amcl_beams import beam_ends, predicted, thinned
+from arena_navigation.amcl_sensor import LikelihoodField, match, reweigh
+
+PROB = LikelihoodField("likelihood_field_prob", 0.8, 0.2, 0.1, 2.0, 0.5, 10.0)
+ADDED = LikelihoodField("likelihood_field", 0.95, 0.05, 0.2, 2.0, 0.5, 10.0)
+
+
+@pytest.fixture(scope="module")
+def grid():
+    data = np.zeros((40, 60), np.int8)
+    data[[0, -1]] = data[:, [0, -1]] = 100
+    data[10:15, 20:30] = 100
+    return OccupancyGrid(data, 0.1, Pose(-1.0, 2.0, 0.4))
+
+
+def scan(ranges, **fields):
+    given = {"stamp": 0.0, "angle_min": -1.0, "angle_increment": 0.1, "range_min": 0.2, "range_max": 5.0, "mount": Pose(0.0, 0.0, 0.0)}
+    return LaserScan(**{**given, **fields}, ranges=np.array(ranges, np.float32))
+
+
+def scores(grid, model, poses, ends):
+    field = grid.derive(model)
+    poses, ends = np.array(poses, float).T.copy(), np.array(ends, np.float32).reshape(2, -1)
+    found, directions = np.empty(poses.shape[1]), np.stack((np.cos(poses[2]), np.sin(poses[2])))
+    match(poses, directions, poses.shape[1], ends, field, np.empty(ends.shape[1], np.int32), found)
+    return found
+
+
+def likelihood(model, distance):
+    return model.z_hit * np.exp(-(np.minimum(distance, model.max_dist) ** 2) / (2 * model.sigma_hit**2)) + model.z_rand / model.max_range
+
+
+@pytest.mark.parametrize("model", [PROB, ADDED])
+def test_score_is_the_sum_over_the_beams_of_table_6_3(grid, model):
+    random = np.random.default_rng(3)
+    poses = random.uniform((1.0, 0.5, -3.0), (5.0, 3.5, 3.0), (20, 3))
+    ends = random.uniform(-4.0, 4.0, (2, 13)).astype(np.float32)
+    distance = grid.derive(grid_distance)
+    for pose, found in zip(poses, scores(grid, model, poses, ends), strict=True):
+        at = [Pose.of(pose).compose(Pose(*end)) for end in ends.T.tolist()]
+        cells = [(math.floor(p.y / 0.1), math.floor(p.x / 0.1)) for p in at]
+        away = np.array([distance[r, c] if 0 <= r < 40 and 0 <= c < 60 else 2.0 for r, c in cells])
+        values = 0.5 * np.log(likelihood(model, away)) if model is PROB else likelihood(model, away) ** 3
+        assert found == pytest.approx(values.sum(), rel=1e-5)
+
+
+def test_beams_that_end_outside_the_map_count_as_far_from_everything(grid):
+    outside = scores(grid, PROB, [(3.0, 2.0, 0.0)], [[50.0], [0.0]])
+    assert outside[0] == pytest.approx(0.5 * math.log(likelihood(PROB, 2.0)))
+    np.testing.assert_array_equal(scores(grid, PROB, [(3.0, 2.0, 0.0)] * 3, [[-50.0], [3.0]]), outside.repeat(3))
+
+
+def test_products_are_normalised_without_running_out_of_small_numbers():
+    weights, values = np.full(3, 1 / 3), np.array([-2000.0, -2001.0, -2003.0])
+    reweigh(weights, 3, values, 60, True)
+    np.testing.assert_allclose(weights, np.exp((0.0, -1.0, -3.0)) / np.exp((0.0, -1.0, -3.0)).sum())
+
+
+def test_added_cubes_weigh_as_one_plus_their_sum():
+    weights = np.array([0.5, 0.25, 0.25])
+    mean = reweigh(weights, 3, np.array([0.0, 1.0, 3.0]), 10, False)
+    np.testing.assert_allclose(weights, np.array([0.5, 0.5, 1.0]) / 2.0)
+    assert mean == pytest.approx(0.1)
+
+
+@settings(derandomize=True, deadline=None)
+@given(st.lists(st.floats(0.0, 1.0), min_size=2, max_size=50), st.booleans(), st.integers(0, 100))
+def test_weights_sum_to_one_and_keep_the_order_of_the_scores(values, product, beams):
+    weights, values = np.full(len(values), 1 / len(values)), np.array(values)
+    reweigh(weights, len(values), values, beams, product)
+    assert weights.sum() == pytest.approx(1.0)
+    assert (np.diff(weights[np.argsort(values, kind="stable")]) >= -1e-12).all()
+
+
+def test_weights_count_from_one_update_to_the_next():
+    weights = np.array([0.9, 0.1])
+    reweigh(weights, 2, np.array([-1.0, -1.0]), 5, True)
+    np.testing.assert_allclose(weights, (0.9, 0.1))
+
+
+def test_a_scan_without_hits_leaves_the_weights_alone(grid):
+    weights = np.array([0.7, 0.3])
+    found = scores(grid, PROB, [(1.0, 1.0, 0.0), (2.0, 2.0, 0.0)], np.empty((2, 0)))
+    reweigh(weights, 2, found, 0, True)
+    np.testing.assert_allclose(weights, (0.7, 0.3))
+
+
+@settings(derandomize=True, deadline=None)
+@given(count=st.integers(1, 800), at_most=st.integers(1, 100))
+def test_thinned_scan_has_evenly_spaced_beams_at_their_own_angles(count, at_most):
+    whole = scan(np.arange(count))
+    thin = thinned(whole, at_most)
+    step = max(1, -(-count // at_most))
+    assert 1 <= len(thin.ranges) <= at_most
+    np.testing.assert_array_equal(thin.ranges, np.arange(0, count, step))
+    assert thin.angle_increment == pytest.approx(step * whole.angle_increment)
+
+
+def test_beams_end_where_range_angle_and_mount_say():
+    mount = Pose(0.3, -0.1, 0.5)
+    ends = beam_ends(scan([1.0, 2.0, 3.0], angle_min=0.2, angle_increment=0.7, mount=mount), 0.2, 5.0, 0.0)
+    expected = [mount.compose(Pose(r * math.cos(a), r * math.sin(a))) for r, a in ((1.0, 0.2), (2.0, 0.9), (3.0, 1.6))]
+    np.testing.assert_allclose(ends, [[p.x for p in expected], [p.y for p in expected]], rtol=1e-6)
+
+
+def test_beams_that_hit_nothing_or_cannot_be_right_are_left_out():
+    ends = beam_ends(scan([math.inf, math.nan, 0.1, 5.0, 4.9]), 0.2, 5.0, 0.0)
+    assert ends.shape == (2, 1)
+    assert np.hypot(*ends[:, 0]) == pytest.approx(4.9)
+
+
+def test_beams_that_end_in_front_of_the_map_are_left_out(grid):
+    stack, _ = stack_grids([grid])
+    pose = grid.origin.compose(Pose(1.0, 2.5, -0.5))
+    whole = scan(np.ones(20), mount=Pose(0.1, 0.0, 0.3), range_max=20.0)
+    expected = predicted(whole, stack, pose)
+    assert np.isfinite(expected).all()
+    seen = expected + 0.01
+    seen[4:9] -= 0.6  # somebody stands there
+    seen[12] += 3.0  # a longer range is no sign of people
+    ends = beam_ends(scan(seen, mount=whole.mount, range_max=20.0), 0.2, 20.0, expected - 0.5)
+    kept = np.hypot(ends[0] - 0.1, ends[1])
+    np.testing.assert_allclose(kept, np.delete(seen, slice(4, 9)), rtol=1e-5)
+
+
+def test_predicted_ranges_are_where_the_map_is(grid):
+    stack, _ = stack_grids([grid])
+    ranges = predicted(scan(np.ones(1), angle_min=0.0), stack, grid.origin.compose(Pose(0.55, 1.25, 0.0)))
+    assert ranges[0] == pytest.approx(2.0 - 0.55, abs=1e-6)
