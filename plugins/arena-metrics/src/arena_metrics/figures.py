@@ -26,7 +26,7 @@ PALETTE = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#5
 MARKERS = ["o", "s", "D", "^", "v", "P", "X"]
 INK, FAINT = "#222222", "#d9d9d9"
 DPI, SHOWN_DPI = 192, 100  # of the PNG, and at which a page shows it
-SPREAD = 0.13  # between the marks of two planners, in steps of the axis of people
+SPREAD, SPREAD_ALL = 0.13, 0.8  # most between the marks of two planners, and of all, in steps of the axis of people
 PANELS = 9  # conditions side by side in one figure
 PLANNERS = len(PALETTE) * 2
 
@@ -126,12 +126,13 @@ def _metric_figure(cells: Cells, column: Column, data: pd.DataFrame, caption: st
     down = -(-len(conditions) // across)
     over_people = data["people"].nunique() > 1
     figure = Figure(figsize=(_panel_width(planners, over_people) * across, 2.7 * down), layout="constrained")
-    panels = figure.subplots(down, across, sharey=_comparable(data), squeeze=False).ravel()
+    shared = _comparable(data)
+    panels = figure.subplots(down, across, sharey=shared, squeeze=False).ravel()
     for axes, condition in zip(panels, conditions, strict=False):
         part = data[(data["condition"] == condition) & data["planner"].isin(planners)]
         _draw(axes, part, column, planners, over_people)
         axes.set_title(condition, loc="left")
-    for axes in panels[: len(conditions)]:  # only now: a limit set earlier would hold for all panels that share the axis
+    for axes in panels[: 1 if shared else len(conditions)]:  # only now: a limit set earlier would hold for panels yet to come
         _limit(axes, column, data)
     for axes in panels[len(conditions) :]:
         axes.set_axis_off()
@@ -152,7 +153,7 @@ def _limit(axes: Axes, column: Column, data: pd.DataFrame) -> None:
     if column.proportion:
         axes.set_ylim(-4, 104)
     elif data["value"].min() >= 0.0:
-        axes.set_ylim(0.0, max(axes.get_ylim()[1], 1.05 * axes.dataLim.y1) or 1.0)
+        axes.set_ylim(0.0, 1.04 * axes.get_ylim()[1])
 
 
 def _panel_width(planners: Sequence[str], over_people: bool) -> float:
@@ -170,11 +171,12 @@ def _draw(axes: Axes, data: pd.DataFrame, column: Column, planners: Sequence[str
     import seaborn as sns
 
     order = sorted(data["people"].unique()) if over_people else list(planners)
-    spread = SPREAD * (len(planners) - 1) if over_people else 0.0
+    gap = min(SPREAD, SPREAD_ALL / len(planners)) if over_people else 0.0
+    spread = gap * (len(planners) - 1)
     for i, planner in enumerate([] if column.proportion else planners):
         own = data[data["planner"] == planner]
-        at = [order.index(people) - spread / 2 + SPREAD * i for people in own["people"]] if over_people else [i] * len(own)
-        axes.plot(at, own["value"], "o", color=PALETTE[i % len(PALETTE)], markersize=3, alpha=0.25, markeredgewidth=0, zorder=1)
+        at = [order.index(people) - spread / 2 + gap * i for people in own["people"]] if over_people else [i] * len(own)
+        axes.plot(at, own["value"], "o", color=_colour(i), markersize=3, alpha=0.25, markeredgewidth=0, zorder=1)
     sns.pointplot(
         data=data,
         x="people" if over_people else "planner",
@@ -182,8 +184,8 @@ def _draw(axes: Axes, data: pd.DataFrame, column: Column, planners: Sequence[str
         order=order,
         hue="planner",
         hue_order=list(planners),
-        palette={planner: PALETTE[i % len(PALETTE)] for i, planner in enumerate(planners)},
-        markers=[MARKERS[i % len(MARKERS)] for i in range(len(planners))],
+        palette={planner: _colour(i) for i, planner in enumerate(planners)},
+        markers=[_marker(i) for i in range(len(planners))],
         dodge=spread or False,
         errorbar=_interval(column),
         err_kws={"linewidth": 1.6},
@@ -210,12 +212,21 @@ def _interval(column: Column) -> Any:
     return interval
 
 
+def _colour(planner: int) -> str:
+    return PALETTE[planner % len(PALETTE)]
+
+
+def _marker(planner: int) -> str:
+    """Return a planner's mark; a colour that comes again comes with another mark."""
+    return MARKERS[(planner + planner // len(PALETTE)) % len(MARKERS)]
+
+
 def _legend(figure: Figure, planners: Sequence[str]) -> None:
     """Put the legend outside, beside the panels."""
     from matplotlib.lines import Line2D
 
     handles = [
-        Line2D([], [], color=PALETTE[i % len(PALETTE)], marker=MARKERS[i % len(MARKERS)], markersize=5.5, linewidth=1.2, label=planner)
+        Line2D([], [], color=_colour(i), marker=_marker(i), markersize=5.5, linewidth=1.2, label=planner)
         for i, planner in enumerate(planners)
     ]
     figure.legend(handles=handles, loc="outside right upper", title="planner", title_fontsize=8.5, alignment="left")

@@ -23,7 +23,7 @@ FloatArray = NDArray[np.float64]
 SUCCEEDED, FAILED, PEOPLE = "#0072B2", "#D55E00", "#B88BA8"
 WALL, UNKNOWN_CELL, FREE_CELL = (0.36, 0.36, 0.38), (0.93, 0.93, 0.93), (1.0, 1.0, 1.0)
 MAPS = 4  # worlds side by side in one picture
-LEGEND_HEIGHT = 0.6  # inches
+LEGEND_HEIGHT = 0.75  # inches
 MARGIN = 1.5  # m around all that happened
 PERSON = 2  # contact_kind of a contact with a person
 
@@ -188,5 +188,5 @@ def _legend(figure: Figure, drives: Sequence[Drive]) -> None:
     figure.legend(
         handles=[handle for wanted, handle in entries if wanted],
         loc="outside lower left",
-        ncols=max(1, round(figure.get_figwidth() / 1.35)),
+        ncols=max(1, int(figure.get_figwidth() / 1.7)),
     )
