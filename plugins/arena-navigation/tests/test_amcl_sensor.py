@@ -108,14 +108,15 @@ def test_thinned_scan_has_evenly_spaced_beams_at_their_own_angles(count, at_most
 
 def test_beams_end_where_range_angle_and_mount_say():
     mount = Pose(0.3, -0.1, 0.5)
-    ends = beam_ends(scan([1.0, 2.0, 3.0], angle_min=0.2, angle_increment=0.7, mount=mount), 0.2, 5.0, 0.0)
+    ends, _ = beam_ends(scan([1.0, 2.0, 3.0], angle_min=0.2, angle_increment=0.7, mount=mount), 0.2, 5.0, 0.0)
     expected = [mount.compose(Pose(r * math.cos(a), r * math.sin(a))) for r, a in ((1.0, 0.2), (2.0, 0.9), (3.0, 1.6))]
     np.testing.assert_allclose(ends, [[p.x for p in expected], [p.y for p in expected]], rtol=1e-6)
 
 
 def test_beams_that_hit_nothing_or_cannot_be_right_are_left_out():
-    ends = beam_ends(scan([math.inf, math.nan, 0.1, 5.0, 4.9]), 0.2, 5.0, 0.0)
+    ends, share = beam_ends(scan([math.inf, math.nan, 0.1, 5.0, 4.9]), 0.2, 5.0, 0.0)
     assert ends.shape == (2, 1)
+    assert share == 1.0
     assert np.hypot(*ends[:, 0]) == pytest.approx(4.9)
 
 
@@ -128,7 +129,8 @@ def test_beams_that_end_in_front_of_the_map_are_left_out(grid):
     seen = expected + 0.01
     seen[4:9] -= 0.6  # somebody stands there
     seen[12] += 3.0  # a longer range is no sign of people
-    ends = beam_ends(scan(seen, mount=whole.mount, range_max=20.0), 0.2, 20.0, expected - 0.5)
+    ends, share = beam_ends(scan(seen, mount=whole.mount, range_max=20.0), 0.2, 20.0, expected - 0.5)
+    assert share == 15 / 20
     kept = np.hypot(ends[0] - 0.1, ends[1])
     np.testing.assert_allclose(kept, np.delete(seen, slice(4, 9)), rtol=1e-5)
 

@@ -22,6 +22,7 @@ from arena_core import (
     PositiveInt,
     Robot,
     Sensors,
+    wrap_angle,
 )
 from arena_kernels.grids import stack_grids
 from arena_navigation.amcl_beams import beam_ends, predicted, thinned
@@ -31,6 +32,7 @@ from arena_navigation.amcl_resampling import FreeSpace, Limits
 from arena_navigation.amcl_sensor import LaserModelType, LikelihoodField
 from arena_navigation.odometry_history import OdometryHistory
 
+NOWHERE = FreeSpace(np.zeros(1, np.int64), 1, 1.0)
 RangeLimit = Annotated[float, Bounds(low=-1.0)]
 
 
@@ -89,7 +91,8 @@ class AmclLocalizer(Localizer):
         if grid is None:
             raise ConfigurationError("localizer amcl needs a known map; use localizer=ground_truth or world.known=true")
         self._grid = grid
-        self._free = grid.derive(free_space)
+        self._free = grid.derive(free_space) if self._recovery.alpha_slow > 0.0 else NOWHERE
+        self._stack = stack_grids([grid])[0] if self._short_by is not None else None
         self._key = random.integers(0, 2**64, dtype=np.uint64)
         self._updates = 0
         self._history = OdometryHistory()
@@ -112,8 +115,9 @@ class AmclLocalizer(Localizer):
     @property
     def particles(self) -> NDArray[np.float64]:
         """Return the particles as rows of (x, y, theta) in ``map``, shape (N, 3)."""
-        poses = self._cloud.poses[:, : self._cloud.number[0]].T
-        return np.array([self._grid.origin.compose(Pose.of(pose)).array() for pose in poses])
+        poses = self._cloud.poses[:, : self._cloud.number[0]].T @ _rotation(self._grid.origin.theta).T + self._grid.origin.array()
+        poses[:, 2] = wrap_angle(poses[:, 2])
+        return poses
 
     def _consider(self, scan: LaserScan, odometry: Pose) -> None:
         """Use a scan, seen when odometry said ``odometry``, if it is the first or the robot has moved enough since the last one."""
@@ -154,12 +158,10 @@ class AmclLocalizer(Localizer):
         whole, because only it tells where the robot really starts.
         """
         min_range = scan.range_min if self._range_limits[0] < 0.0 else self._range_limits[0]
-        beams = beam_ends(scan, min_range, max_range, 0.0)
-        if self._short_by is None or self._updates == 0:
-            return beams, 1.0
-        stack, _ = stack_grids([self._grid])
-        kept = beam_ends(scan, min_range, max_range, predicted(scan, stack, pose) - self._short_by)
-        return kept, kept.shape[1] / max(beams.shape[1], 1)
+        least: NDArray[np.float32] | float = 0.0
+        if self._stack is not None and self._short_by is not None and self._updates > 0:
+            least = predicted(scan, self._stack, pose) - self._short_by
+        return beam_ends(scan, min_range, max_range, least)
 
 
 def free_space(grid: OccupancyGrid) -> FreeSpace:
@@ -170,7 +172,7 @@ def free_space(grid: OccupancyGrid) -> FreeSpace:
 
 
 def _turned(covariance: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
-    """Return a covariance over (x, y, theta) in axes that are turned back by ``angle``."""
+    """Return the covariance over (x, y, theta), given in axes that are turned by ``angle``, in the axes that are not."""
     rotation = _rotation(angle)
     turned: NDArray[np.float64] = rotation @ covariance @ rotation.T
     return turned

@@ -32,11 +32,15 @@ def predicted(scan: LaserScan, stack: GridStack, pose: Pose) -> NDArray[np.float
     return seen
 
 
-def beam_ends(scan: LaserScan, min_range: float, max_range: float, least: NDArray[np.float32] | float) -> NDArray[np.float32]:
-    """Return where the beams of at least ``least`` and ``min_range`` and less than ``max_range`` m end, (2, K) in ``base_link``, m."""
+def beam_ends(scan: LaserScan, min_range: float, max_range: float, least: NDArray[np.float32] | float) -> tuple[NDArray[np.float32], float]:
+    """Return where the beams of at least ``min_range`` and less than ``max_range`` m end, (2, K) in ``base_link``, m.
+
+    Those shorter than ``least`` m are left out; the share that is left comes with the ends.
+    """
     ranges = scan.ranges.astype(np.float64)
-    hits = np.flatnonzero((ranges >= min_range) & (ranges < max_range) & (ranges >= least))
-    angles = scan.mount.theta + scan.angle_min + scan.angle_increment * hits
-    x = scan.mount.x + ranges[hits] * np.cos(angles)
-    y = scan.mount.y + ranges[hits] * np.sin(angles)
-    return np.stack((x, y)).astype(np.float32)
+    hit = (ranges >= min_range) & (ranges < max_range)
+    kept = np.flatnonzero(hit & (ranges >= least))
+    angles = scan.mount.theta + scan.angle_min + scan.angle_increment * kept
+    x = scan.mount.x + ranges[kept] * np.cos(angles)
+    y = scan.mount.y + ranges[kept] * np.sin(angles)
+    return np.stack((x, y)).astype(np.float32), len(kept) / max(int(np.count_nonzero(hit)), 1)

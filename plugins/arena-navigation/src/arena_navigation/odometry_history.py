@@ -37,6 +37,8 @@ class OdometryHistory:
 
 def _moved(odometry: Odometry, duration: float) -> Pose:
     """Return the pose ``duration`` s after a message, the twist held, the displacement along the mean heading."""
+    if duration == 0.0:
+        return odometry.pose
     twist = odometry.twist
     half = Pose(0.0, 0.0, 0.5 * twist.wz * duration)
     return odometry.pose.compose(half).compose(Pose(twist.vx * duration, twist.vy * duration)).compose(half)
