@@ -101,6 +101,15 @@ def test_columns_of_a_pack_that_is_not_installed_are_shown_without_unit(run_fold
     assert (column.name, column.pack, column.unit) == ("foreign.calm", "foreign", "")
 
 
+def test_pack_that_was_evaluated_afterwards_is_described_by_its_preset(run_folder, tmp_path):
+    folder = run_folder(tmp_path / "a", packs=("si", "paper_legacy"))
+    provenance = json.loads((folder / "provenance.json").read_text())
+    del provenance["config"]["metrics"]["paper_legacy"]
+    (folder / "provenance.json").write_text(json.dumps(provenance))
+    units = {column.name: column.unit for column in metric_columns(read_runs([folder]))}
+    assert units["paper_legacy.jerk"] == "m/s/record^2"
+
+
 def test_markdown_and_latex_escape_what_they_must(run_folder, tmp_path):
     run_folder(tmp_path / "a", planner="dwa_as|released")
     run_folder(tmp_path / "b", planner="teb")
@@ -235,6 +244,14 @@ def test_run_without_provenance_is_reported(run_folder, tmp_path):
     folder = run_folder(tmp_path / "a")
     (folder / "provenance.json").unlink()
     assert report(folder, "--no-figures") == 0
+
+
+def test_missing_tuning_is_said(run_folder, tmp_path):
+    folder = run_folder(tmp_path / "a")
+    provenance = json.loads((folder / "provenance.json").read_text()) | {"untuned": ["dwa: untuned for jackal"]}
+    (folder / "provenance.json").write_text(json.dumps(provenance))
+    report(folder, "--no-figures")
+    assert "Not tuned: dwa: untuned for jackal." in (folder / "report" / "index.html").read_text()
 
 
 def test_configuration_difference_is_in_the_page(run_folder, tmp_path):

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from arena_core import ArenaError, InputFileError, Metric, build_metrics, find_runs, load_registry
+from arena_core import ArenaError, InputFileError, Metric, build_metrics, compose, find_runs, load_registry
 
 IDENTIFICATION = [
     *("config_hash", "planner", "preset", "robot", "simulator", "world", "task", "scenario", "n_pedestrians", "pedestrian_model"),
@@ -123,9 +123,10 @@ def pooled(runs: Iterable[Run]) -> tuple[list[Episode], int]:
 
 def metric_columns(runs: Sequence[Run]) -> list[Column]:
     """Return every metric's column in the order of the tables, ``si`` first."""
-    known = _described(runs)
     names = dict.fromkeys(name for run in runs for row in run.rows[:1] for name in row if name not in IDENTIFICATION)
-    columns = [known.get(name, Column(name, name.rpartition(".")[0] or DEFAULT_PACK, "", "neither", "", False)) for name in names]
+    packs = {name: name.rpartition(".")[0] or DEFAULT_PACK for name in names}
+    known = _described(runs, list(dict.fromkeys(packs.values())))
+    columns = [known.get(name, Column(name, pack, "", "neither", "", False)) for name, pack in packs.items()]
     return sorted(columns, key=lambda column: (column.pack != DEFAULT_PACK, column.pack))
 
 
@@ -138,16 +139,25 @@ def columns_of(packs: Mapping[str, Sequence[Metric]]) -> list[Column]:
     ]
 
 
-def _described(runs: Sequence[Run]) -> dict[str, Column]:
-    """Return what the installed packs say about the columns; a pack that is not installed here is left out."""
+def _described(runs: Sequence[Run], packs: Sequence[str]) -> dict[str, Column]:
+    """Return what these packs say about their columns, as configured in the runs; one that is not installed here is left out."""
     registry = load_registry()
     columns: dict[str, Column] = {}
-    for run in runs:
-        for pack, node in (run.provenance.get("config", {}).get("metrics") or {}).items():
-            if f"{pack}" in {column.pack for column in columns.values()}:
-                continue
-            try:
-                columns.update({c.name: c for c in columns_of(build_metrics({"metrics": {pack: node}}, registry))})
-            except ArenaError:
-                continue  # its figures are shown without unit and description
+    for pack in packs:
+        try:
+            node = _node(runs, pack)
+            columns.update({c.name: c for c in columns_of(build_metrics({"metrics": {pack: node}}, registry))})
+        except ArenaError:
+            continue  # its figures are shown without unit and description
     return columns
+
+
+def _node(runs: Sequence[Run], pack: str) -> Any:
+    """Return a pack's configuration: a run's own, or the preset where the pack was evaluated only afterwards."""
+    for run in runs:
+        metrics = run.provenance.get("config", {}).get("metrics") or {}
+        if pack in metrics:
+            return metrics[pack]
+    from omegaconf import OmegaConf
+
+    return OmegaConf.to_container(compose([f"metrics=[{pack}]"], "component").metrics[pack], resolve=True)
