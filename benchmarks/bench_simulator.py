@@ -46,12 +46,13 @@ def robot() -> Robot:
 
 
 def scenario(seed: int, world: World) -> Scenario:
-    """Return a robot and ten people who walk through the rooms."""
-    places = free_poses(world.grid, 60, 0.6, seed)
-    start = places[0]
-    homes = [place for place in places[1:] if np.hypot(*(place - start)[:2]) > 1.0][:PEOPLE]
-    people = tuple(PedestrianSpec(k, home[:2], places[20 + 4 * k : 24 + 4 * k, :2], 1.2, 0.3) for k, home in enumerate(homes))
-    return Scenario(f"rooms/{seed}", seed, world, Pose.of(start), Pose(1.0, 1.0), people, (), 0.3, 180.0)
+    """Return a robot, and ten people who walk to and fro within their rooms: like the peers' they need no way through doors."""
+    places = free_poses(world.grid, 200, 0.6, seed)[:, :2]
+    start, rooms_of = places[0], (places > 10.0) @ (1, 2)
+    homes = [k for k in range(1, 200) if np.hypot(*(places[k] - start)) > 1.0][:PEOPLE]
+    ways = [places[rooms_of == rooms_of[home]][-4:] for home in homes]
+    people = tuple(PedestrianSpec(k, places[home], way, 1.2, 0.3) for k, (home, way) in enumerate(zip(homes, ways, strict=True)))
+    return Scenario(f"rooms/{seed}", seed, world, Pose(*start), Pose(1.0, 1.0), people, (), 0.3, 180.0)
 
 
 def build() -> Simulator:

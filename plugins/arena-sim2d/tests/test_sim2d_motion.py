@@ -85,9 +85,11 @@ def test_arc_is_that_of_many_small_steps(velocity, seconds):
     assert pose[2] == pytest.approx((theta + np.pi) % (2 * np.pi) - np.pi, abs=1e-9)
 
 
-def test_tiny_turn_joins_the_straight_line_smoothly():
-    near, far = (drive((0.0, 0.0, 0.0), (1.0, 0.5, turn), 1.0) for turn in (0.99999e-4, 1.00001e-4))
-    assert near[:2] == pytest.approx(far[:2], abs=3e-9)
+@pytest.mark.parametrize("turn", [1e-9, 1e-3, 0.0999999])
+def test_gentle_arc_is_exact_to_rounding(turn):
+    x, y, theta = drive((0.0, 0.0, 0.0), (1.0, 0.0, turn), 1.0)
+    assert (x, y) == pytest.approx((np.sin(turn) / turn, 2.0 * np.sin(turn / 2.0) ** 2 / turn), rel=1e-14)
+    assert theta == pytest.approx(turn)
 
 
 def test_commands_are_held_for_the_whole_advance(simulate):

@@ -17,6 +17,8 @@ APPROACH = 0.01  # m/s; a robot that approaches more slowly than this did not ca
 def note_overlaps(world: World, tick: int, velocity: Velocity) -> None:
     """Note a contact with everything that the robot's body, put where it wanted to be, overlaps; ``velocity`` (``map``) led there."""
     for thing in range(world.first_person + world.robots[world.k].people):
+        if world.touching[thing]:
+            continue
         gap = _gap_to_thing(world, thing, -TOLERANCE)
         if gap[0] < 0.0:
             person = thing - world.first_person

@@ -6,13 +6,22 @@ import math
 
 from arena_kernels.compiled import borrowing
 from arena_kernels.footprint import disc_like, gap_to_disc, place
-from arena_sim2d.bodies import Floats, Row, World
+from arena_sim2d.bodies import Floats, Row, Rows, World
 from arena_sim2d.contact import TOLERANCE, note_contact, note_overlaps
 from arena_sim2d.gaps import gap_to_people, gap_to_things, is_clear
 from arena_sim2d.motion import Chassis, Position, Velocity, drive, in_map, next_velocity
 
-TOUCHING = 1e-3  # m; a robot that is this close to what blocks it does not try a part of its motion
 HALVINGS = 8  # of a blocked motion: the fastest robot then stops within 0.1 mm of what it meets
+
+
+@borrowing
+def take_strides(people: Rows, wanted: Floats, velocities: Floats, ticks: int) -> None:
+    """Let the people (N, P) go in so many equal strides to where they want to be (N, P, 2); their velocities are those given."""
+    for k in range(len(people)):
+        for i in range(people.shape[1]):
+            person = people[k, i]
+            person.dx, person.dy = (wanted[k, i, 0] - person.x) / ticks, (wanted[k, i, 1] - person.y) / ticks
+            person.vx, person.vy = velocities[k, i, 0], velocities[k, i, 1]
 
 
 @borrowing
@@ -88,39 +97,44 @@ def move_robot(world: World, chassis: Chassis, tick: int, command: Floats, dt: f
     pose = (robot.x, robot.y, robot.theta)
     velocity = next_velocity(chassis, (robot.vx, robot.vy, robot.wz), command, dt)
     turn = (0.0, 0.0, velocity[2])
-    if velocity[0] != 0.0 or velocity[1] != 0.0 or velocity[2] != 0.0:
-        share = _free_share(world, tick, pose, velocity, dt)
-        if share == 0.0:
-            velocity = turn
-            share = _free_share(world, tick, pose, turn, dt) if turn[2] != 0.0 else 0.0
-        pose = drive(pose, velocity, share * dt)
-        velocity = velocity if share == 1.0 else turn if share > 0.0 else (0.0, 0.0, 0.0)
+    if velocity[0] == 0.0 and velocity[1] == 0.0 and velocity[2] == 0.0:
+        _settle(robot, pose, velocity)
+    elif _is_free(world, drive(pose, velocity, dt)):
+        _settle(robot, drive(pose, velocity, dt), velocity)
+    else:
+        known = robot.contacts
+        note_overlaps(world, tick, in_map(pose[2], velocity))
+        share = _free_share(world, pose, velocity, dt) if robot.contacts > known else 0.0
+        if share > 0.0:
+            _settle(robot, drive(pose, velocity, share * dt), turn)
+        elif velocity[2] != 0.0 and (world.body.corners == 1 or _is_free(world, drive(pose, turn, dt))):
+            _settle(robot, drive(pose, turn, dt), turn)
+        else:
+            _settle(robot, pose, (0.0, 0.0, 0.0))
+
+
+@borrowing
+def _settle(robot: Row, pose: Position, velocity: Velocity) -> None:
     robot.x, robot.y, robot.theta = pose
     robot.vx, robot.vy, robot.wz = velocity
 
 
 @borrowing
-def _free_share(world: World, tick: int, pose: Position, velocity: Velocity, dt: float) -> float:
-    """Return how much of a tick's motion is free: all, or what bisection finds, or nothing when the robot already touches.
+def _is_free(world: World, pose: Position) -> bool:
+    """Tell whether the robot's body would overlap nothing at a pose; it is put there."""
+    place(world.body, pose[0], pose[1], pose[2])
+    alone = is_clear(world, pose[0], pose[1], world.body.radius) or gap_to_things(world, world.body, -TOLERANCE)[0] == math.inf
+    return alone and gap_to_people(world, world.body, -TOLERANCE) == -TOLERANCE
 
-    What is in the way is noted as a contact.
-    """
-    low, high, share = 0.0, 1.0, 1.0
-    for attempt in range(HALVINGS + 2):
-        share = 1.0 if attempt == 0 else 0.0 if attempt == 1 else 0.5 * (low + high)
-        x, y, theta = drive(pose, velocity, share * dt)
-        place(world.body, x, y, theta)
-        within = TOUCHING if attempt == 1 else -TOLERANCE
-        free = is_clear(world, x, y, world.body.radius + within) or gap_to_things(world, world.body, within)[0] == math.inf
-        free = free and gap_to_people(world, world.body, within) == within
-        if free and attempt == 0:
-            return 1.0
-        if not free and attempt == 1:
-            return 0.0
-        if not free and attempt == 0:
-            note_overlaps(world, tick, in_map(pose[2], velocity))
-        if free:
-            low = share
+
+@borrowing
+def _free_share(world: World, pose: Position, velocity: Velocity, dt: float) -> float:
+    """Return how much of a motion that ends in a body is free, by bisection."""
+    low, high = 0.0, 1.0
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        if _is_free(world, drive(pose, velocity, middle * dt)):
+            low = middle
         else:
-            high = share
+            high = middle
     return low

@@ -77,8 +77,10 @@ def drive(pose: Position, velocity: Velocity, dt: float) -> Position:
     x, y, theta = pose
     vx, vy, wz = velocity
     turn = wz * dt
-    if abs(turn) < 1e-4:  # series to the order that doubles can hold
-        ahead, aside = 1.0 - turn * turn / 6.0, turn / 2.0 - turn * turn * turn / 24.0
+    if abs(turn) < 0.1:  # series of sin(turn) / turn and (1 - cos(turn)) / turn: exact to rounding, and no division by zero
+        t = turn * turn
+        ahead = 1.0 - t / 6.0 * (1.0 - t / 20.0 * (1.0 - t / 42.0 * (1.0 - t / 72.0)))
+        aside = turn / 2.0 * (1.0 - t / 12.0 * (1.0 - t / 30.0 * (1.0 - t / 56.0 * (1.0 - t / 90.0))))
     else:
         ahead, aside = math.sin(turn) / turn, (1.0 - math.cos(turn)) / turn
     dx, dy = dt * (vx * ahead - vy * aside), dt * (vx * aside + vy * ahead)

@@ -22,7 +22,8 @@ from arena_core import (
     Simulator,
     Snapshot,
 )
-from arena_sim2d.bodies import Floats, Worlds
+from arena_sim2d.bodies import Floats, Rows, Worlds
+from arena_sim2d.crossing import take_strides
 from arena_sim2d.motion import chassis
 from arena_sim2d.odometry import wheels
 from arena_sim2d.scanning import scanner
@@ -102,20 +103,17 @@ class Sim2d(Simulator):
 
     def _ask_crowd(self) -> None:
         """Ask the pedestrian model where people want to be one crowd period later; they go there in equal strides."""
-        robots, people = self._worlds.robots, self._worlds.people
-        c, s = np.cos(robots["theta"]), np.sin(robots["theta"])
-        velocities = np.stack((c * robots["vx"] - s * robots["vy"], s * robots["vx"] + c * robots["vy"]), axis=1)
-        batch = RobotBatch(_columns(robots, "x", "y", "theta"), velocities, self._robot.footprint.radius)
-        ticks = self._crowd_ticks
+        robots, people, ticks = self._worlds.robots, self._worlds.people, self._crowd_ticks
+        poses, velocities = _columns(robots, "x", 3), _columns(robots, "vx", 2)
+        in_map = velocities * np.cos(poses[:, 2:]) + velocities[:, ::-1] * np.sin(poses[:, 2:]) * (-1.0, 1.0)
+        batch = RobotBatch(poses, in_map, self._robot.footprint.radius)
         self._crowd = self._pedestrians.step(self._people_now(), batch, robots["tick"].copy(), ticks * self.inner_step)
-        people["dx"] = (self._crowd.positions[..., 0] - people["x"]) / ticks
-        people["dy"] = (self._crowd.positions[..., 1] - people["y"]) / ticks
-        people["vx"], people["vy"] = self._crowd.velocities[..., 0], self._crowd.velocities[..., 1]
+        take_strides(people, self._crowd.positions, self._crowd.velocities, ticks)
 
     def _people_now(self) -> Crowd:
         """Return the people where they really are, in the states that the pedestrian model gave them."""
         people = self._worlds.people
-        return replace(self._crowd, positions=_columns(people, "x", "y"), velocities=_columns(people, "vx", "vy"))
+        return replace(self._crowd, positions=_columns(people, "x", 2), velocities=_columns(people, "vx", 2))
 
     def _run(self, commands: Floats, ticks: int, scan_within: int) -> None:
         self._worlds.robots["contacts"] = 0
@@ -151,8 +149,8 @@ class Sim2d(Simulator):
         clearances = np.maximum(gaps, 0.0)
         return Snapshot(
             stamps=robots["tick"] * step,
-            poses=_columns(robots, "x", "y", "theta"),
-            twists=_columns(robots, "vx", "vy", "wz"),
+            poses=_columns(robots, "x", 3),
+            twists=_columns(robots, "vx", 3),
             crowd=self._people_now(),
             clearances=clearances.min(axis=1),
             clearances_people=clearances[:, 2].copy(),
@@ -162,15 +160,17 @@ class Sim2d(Simulator):
             ranges=self._ranges.copy(),
             scan_stamps=robots["scan_tick"] * step,
             odometry_stamps=robots["odometry_tick"] * step,
-            odometry_poses=_columns(robots, "odometry_x", "odometry_y", "odometry_theta"),
-            odometry_twists=_columns(robots, "odometry_vx", "odometry_vy", "odometry_wz"),
+            odometry_poses=_columns(robots, "odometry_x", 3),
+            odometry_twists=_columns(robots, "odometry_vx", 3),
             scan_header=self._header,
         )
 
 
-def _columns(rows: NDArray[np.void], *names: str) -> Floats:
-    """Return copies of some fields, side by side in a last axis."""
-    return np.stack([rows[name] for name in names], axis=-1)
+def _columns(rows: Rows, first: str, count: int) -> Floats:
+    """Return copies of ``count`` fields from ``first`` on, side by side in a last axis; every field of a table takes eight bytes."""
+    start = rows.dtype.fields[first][1] // 8  # type: ignore[index]
+    table = rows.view(np.float64).reshape(*rows.shape, rows.dtype.itemsize // 8)
+    return table[..., start : start + count].copy()
 
 
 def _header(robot: Robot) -> LaserScan:
