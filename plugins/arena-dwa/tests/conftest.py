@@ -65,7 +65,7 @@ def preset_values(preset: str, robot: str) -> dict[str, Any]:
     """Read a preset and its tuning for a robot, as Hydra merges them."""
     folder = files("arena_dwa.conf") / "planner"
     values = yaml.safe_load((folder / f"{preset}.yaml").read_text())
-    tunings = {"dwa": "dwa_tuning", "dwa_as_released": "dwa_released"}[preset]
+    tunings = {"dwa": "dwa_tuning", "dwa_as_released": "dwa_as_released_tuning"}[preset]
     tuning = folder / tunings / f"{robot}.yaml"
     if tuning.is_file():
         values |= yaml.safe_load(tuning.read_text())

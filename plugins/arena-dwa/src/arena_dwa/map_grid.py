@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -27,8 +29,8 @@ def nearest_index(path: FloatArray, x: float, y: float) -> int:
 def bordered_index(window: Window, x: float, y: float) -> int:
     """Return the index of a position in the window's flat grid with a border of one cell; -1 outside the window."""
     rows, columns = window.distance.shape
-    column = int(np.floor((x - window.origin_x) / window.resolution))
-    row = int(np.floor((y - window.origin_y) / window.resolution))
+    column = math.floor((x - window.origin_x) / window.resolution)
+    row = math.floor((y - window.origin_y) / window.resolution)
     if row < 0 or row >= rows or column < 0 or column >= columns:
         return -1
     return (row + 1) * (columns + 2) + column + 1  # type: ignore[no-any-return]
@@ -48,18 +50,20 @@ def clamped_index(window: Window, x: float, y: float) -> int:
 def path_cells(path: FloatArray, window: Window, x: float, y: float) -> tuple[NDArray[np.int64], bool]:
     """Return the cells that the path covers from abreast of (x, y) until it first leaves the window, and whether it ends inside."""
     first = nearest_index(path, x, y)
-    cells = [clamped_index(window, path[first, 0], path[first, 1])]
+    cells, count = np.empty(window.distance.size, np.int64), 1
+    cells[0] = clamped_index(window, path[first, 0], path[first, 1])
     for i in range(first, len(path)):
         before = max(i - 1, first)
         step_x, step_y = path[i, 0] - path[before, 0], path[i, 1] - path[before, 1]
-        parts = max(1, int(np.ceil(np.hypot(step_x, step_y) / window.resolution)))
+        parts = max(1, math.ceil(math.hypot(step_x, step_y) / window.resolution))
         for k in range(1, parts + 1):
             cell = bordered_index(window, path[before, 0] + step_x * k / parts, path[before, 1] + step_y * k / parts)
-            if cell < 0:
-                return np.array(cells), False
-            if cell != cells[-1]:
-                cells.append(cell)
-    return np.array(cells), True
+            if cell < 0 or count == len(cells):
+                return cells[:count], False
+            if cell != cells[count - 1]:
+                cells[count] = cell
+                count += 1
+    return cells[:count], True
 
 
 @njit(cache=True)
@@ -73,7 +77,7 @@ def blocked_cells(window: Window, body: Body, x: float, y: float) -> NDArray[np.
         for column in range(columns):
             if window.distance[row, column] >= least:
                 cells[start + column] = UNSEEN
-    reach = int(np.ceil(body.inscribed_radius / window.resolution))
+    reach = math.ceil(body.inscribed_radius / window.resolution)
     centre = clamped_index(window, x, y)
     centre_row, centre_column = centre // (columns + 2), centre % (columns + 2)
     for row in range(max(1, centre_row - reach), min(rows, centre_row + reach) + 1):
@@ -113,6 +117,14 @@ def spread(steps: NDArray[np.int32], stride: int, seeds: NDArray[np.int64]) -> i
 
 
 @njit(cache=True)
+def open_inside(steps: NDArray[np.int32], stride: int) -> None:
+    """Make every cell but the border's UNSEEN."""
+    for row in range(1, len(steps) // stride - 1):
+        for i in range(row * stride + 1, row * stride + stride - 1):
+            steps[i] = UNSEEN
+
+
+@njit(cache=True)
 def map_grid(blocked: NDArray[np.int32], stride: int, seeds: NDArray[np.int64], robot: int) -> NDArray[np.int32]:
     """Return every cell's steps from the nearest seed round walls; walls and what is cut off count as one step beyond the last.
 
@@ -121,8 +133,7 @@ def map_grid(blocked: NDArray[np.int32], stride: int, seeds: NDArray[np.int64], 
     steps = blocked.copy()
     ring = spread(steps, stride, seeds)
     if steps[robot] < 0:
-        steps = np.full(len(blocked), WALL, np.int32)
-        steps.reshape((-1, stride))[1:-1, 1:-1] = UNSEEN
+        open_inside(steps, stride)
         ring = spread(steps, stride, seeds)
     for i in range(len(steps)):
         if steps[i] < 0:
@@ -143,9 +154,9 @@ def map_grids(window: Window, body: Body, path: FloatArray, x: float, y: float, 
     goal = map_grid(blocked, stride, cells[-1:], robot)
     goal_front = goal
     if ends_inside:
-        bearing = np.arctan2(path[-1, 1] - y, path[-1, 0] - x)
-        beyond_x = path[-1, 0] + forward_point_distance * np.cos(bearing)
-        beyond_y = path[-1, 1] + forward_point_distance * np.sin(bearing)
+        bearing = math.atan2(path[-1, 1] - y, path[-1, 0] - x)
+        beyond_x = path[-1, 0] + forward_point_distance * math.cos(bearing)
+        beyond_y = path[-1, 1] + forward_point_distance * math.sin(bearing)
         goal_front = map_grid(blocked, stride, np.full(1, clamped_index(window, beyond_x, beyond_y)), robot)
     return MapGrids(map_grid(blocked, stride, cells, robot), goal, goal_front)
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numba import njit
 
+from arena_dwa.map_grid import interpolated
 from arena_dwa.parameters import Body, FloatArray, Limits, RollOut, Window
 from arena_dwa.trajectory import Stand, arc, moved
 
@@ -12,14 +15,13 @@ REJECTED = -1.0
 
 
 @njit(cache=True)
-def cell_distance(window: Window, x: float, y: float) -> float:
-    """Return the distance from a position to the edge of the nearest lethal cell, m; outside the window -inf."""
+def obstacle_distance(window: Window, x: float, y: float) -> float:
+    """Return the distance from a position to the nearest lethal cell's edge, m, interpolated between cells; outside the window -inf."""
     rows, columns = window.distance.shape
-    column = int(np.floor((x - window.origin_x) / window.resolution))
-    row = int(np.floor((y - window.origin_y) / window.resolution))
-    if row < 0 or row >= rows or column < 0 or column >= columns:
-        return -np.inf
-    return window.distance[row, column] - 0.5 * window.resolution  # type: ignore[no-any-return]
+    u, v = (x - window.origin_x) / window.resolution - 0.5, (y - window.origin_y) / window.resolution - 0.5
+    if u < -0.5 or v < -0.5 or u >= columns - 0.5 or v >= rows - 0.5:
+        return -math.inf
+    return interpolated(window.distance, window, x, y) - 0.5 * window.resolution  # type: ignore[no-any-return]
 
 
 @njit(cache=True)
@@ -32,13 +34,13 @@ def cell_cost(window: Window, x: float, y: float) -> float:
 def clearance(window: Window, body: Body, stand: Stand, enough: float) -> float:
     """Return how far the outline is from the nearest lethal cell, m, negative in collision; beyond ``enough`` a lower bound will do."""
     x, y, c, s = stand
-    centre = cell_distance(window, x, y)
+    centre = obstacle_distance(window, x, y)
     if len(body.outline_xy) == 0 or centre - body.radius > enough:
         return centre - body.radius
     least = centre - body.inscribed_radius
     for i in range(len(body.outline_xy)):
         px, py = body.outline_xy[i]
-        least = min(least, cell_distance(window, x + c * px - s * py, y + s * px + c * py))
+        least = min(least, obstacle_distance(window, x + c * px - s * py, y + s * px + c * py))
     return least
 
 
@@ -58,6 +60,13 @@ def stopping_time(vx: float, vy: float, wz: float, limits: Limits) -> float:
 
 
 @njit(cache=True)
+def least_gap(window: Window, body: Body, start_clearance: float) -> float:
+    """Return how near an obstacle may be, m: the padding, or somewhat less than now where the robot already stands nearer."""
+    nearer = 0.5 * start_clearance if start_clearance > 0.0 else start_clearance - 0.5 * window.resolution
+    return min(body.padding, nearer)
+
+
+@njit(cache=True)
 def obstacle_cost(
     window: Window,
     body: Body,
@@ -72,13 +81,13 @@ def obstacle_cost(
     """Return the greatest (or mean) cell cost under the robot's centre along the arc; REJECTED where the outline would touch.
 
     REJECTED too where the arc leaves the window. It lasts ``sim_time``, or as long as the robot needs to stop, with
-    ``stop_time_buffer`` to spare. A robot that stands closer than its padding may drive as long as it comes no closer still.
+    ``stop_time_buffer`` to spare.
     """
     vx, vy, wz = sample
-    speed = np.hypot(vx, vy)
-    allowed = outline_growth(body, limits, speed) + min(body.padding, start_clearance - 1e-6)
+    speed = math.hypot(vx, vy)
+    allowed = outline_growth(body, limits, speed) + least_gap(window, body, start_clearance)
     time = max(roll_out.sim_time, period + stopping_time(vx, vy, wz, limits) + roll_out.stop_time_buffer)
-    steps = max(1, int(np.ceil(max(speed * time / roll_out.sim_granularity, abs(wz) * time / roll_out.angular_sim_granularity))))
+    steps = max(1, math.ceil(max(speed * time / roll_out.sim_granularity, abs(wz) * time / roll_out.angular_sim_granularity)))
     step = arc(vx, vy, wz, time / steps)
     total, greatest = 0.0, 0.0
     for _ in range(steps):
@@ -91,12 +100,11 @@ def obstacle_cost(
     return total / steps if mean else greatest
 
 
-@njit(cache=True)
 def footprint_outline(vertices_xy: FloatArray, spacing: float) -> FloatArray:
     """Return points along a polygon's edges, at most ``spacing`` m apart, (S, 2)."""
     points = [(0.0, 0.0)]
     for i in range(len(vertices_xy)):
         a, b = vertices_xy[i], vertices_xy[(i + 1) % len(vertices_xy)]
-        parts = int(np.ceil(np.hypot(b[0] - a[0], b[1] - a[1]) / spacing))
+        parts = math.ceil(math.hypot(b[0] - a[0], b[1] - a[1]) / spacing)
         points.extend([(a[0] + (b[0] - a[0]) * k / parts, a[1] + (b[1] - a[1]) * k / parts) for k in range(parts)])
     return np.array(points[1:]).reshape(-1, 2)

@@ -69,6 +69,15 @@ class Scales(NamedTuple):
     escape_scale: float
 
 
+class Approach(NamedTuple):
+    """The approach critic: its weight, how far ahead it looks (s), in how many steps, and the gap it wants to keep (m)."""
+
+    scale: float
+    time: float
+    steps: int
+    margin: float
+
+
 class Window(NamedTuple):
     """A rolling costmap: ``costs`` (H, W) uint8, ``distance`` (H, W) m, and where its lower left corner lies in ``map``, m."""
 

@@ -21,10 +21,13 @@ from arena_core import (
     Robot,
     Twist,
 )
+from arena_dwa.approach import ClosingSpeeds
+from arena_dwa.map_grid import map_grids
 from arena_dwa.obstacles import footprint_outline
 from arena_dwa.oscillation import OscillationFlags
-from arena_dwa.parameters import Body, FloatArray, Limits, RollOut, Scales, Window
-from arena_dwa.search import best_velocity
+from arena_dwa.parameters import Approach, Body, FloatArray, Limits, RollOut, Scales, Window
+from arena_dwa.search import cheapest_sample
+from arena_dwa.window import dynamic_window
 
 OUTLINE_SPACING = 0.05  # m, the side of a usual costmap cell: no cell slips between two points
 
@@ -59,6 +62,12 @@ class DwaPlanner(Planner):
         twirling_scale: NonNegative,
         reverse_scale: NonNegative,
         escape_scale: NonNegative,
+        approach_scale: NonNegative,
+        approach_time: Positive,
+        approach_margin: Positive,
+        approach_lapse: PositiveInt,
+        approach_speed_min: NonNegative,
+        approach_speed_max: NonNegative,
         stop_time_buffer: NonNegative,
         footprint_padding: NonNegative,
         scaling_speed: NonNegative,
@@ -94,6 +103,8 @@ class DwaPlanner(Planner):
             reverse_scale,
             escape_scale,
         )
+        self._approach = Approach(approach_scale, approach_time, 10, approach_margin)
+        self._closing = ClosingSpeeds(approach_lapse, approach_speed_min, approach_speed_max)
         self._oscillation = OscillationFlags(oscillation_reset_dist, oscillation_reset_angle, trans_min)
         self._period = robot.control_period
 
@@ -101,18 +112,27 @@ class DwaPlanner(Planner):
         """Forget the directions driven before."""
         self._period = episode.control_period
         self._oscillation.clear()
+        self._closing.clear()
 
     def compute_velocity(self, observation: Observation) -> Twist:
         """Return the cheapest admissible velocity of the window; raise NoValidCommand when every one is rejected."""
-        vx, vy, wz, cost = best_velocity(
-            _window(observation),
-            observation.path.poses,
-            _state(observation),
+        window, state, path = _window(observation), _state(observation), observation.path.poses
+        velocities = dynamic_window(state[3:], self._limits, self._period)
+        grids = map_grids(window, self._body, path, state[0], state[1], self._scales.forward_point_distance)
+        speeds = self._closing.update(observation.stamp, observation.local_map)
+        vx, vy, wz, cost = cheapest_sample(
+            window,
+            grids,
+            path,
+            state,
+            velocities,
             self._period,
             self._limits,
             self._roll_out,
             self._body,
             self._scales,
+            self._approach,
+            speeds,
             self._oscillation.only,
         ).tolist()
         if math.isinf(cost):

@@ -1,38 +1,20 @@
-"""One control step of the dynamic window approach as a single compiled call."""
+"""The search of the dynamic window: every sample is scored by all critics, the cheapest is driven."""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from arena_dwa.map_grid import cost_fields, interpolated, map_grids
+from arena_dwa.approach import approach_cost
+from arena_dwa.map_grid import cost_fields, interpolated
 from arena_dwa.obstacles import REJECTED, clearance, obstacle_cost
 from arena_dwa.oscillation import oscillates
-from arena_dwa.parameters import Body, FloatArray, Limits, MapGrids, RollOut, Scales, Window
+from arena_dwa.parameters import Approach, Body, FieldArray, FloatArray, Limits, MapGrids, RollOut, Scales, Window
 from arena_dwa.trajectory import arc, moved, stand_at
-from arena_dwa.window import axis_samples, driven, dynamic_window, turn_samples
-
-
-@njit(cache=True)
-def best_velocity(
-    window: Window,
-    path: FloatArray,
-    state: FloatArray,
-    period: float,
-    limits: Limits,
-    roll_out: RollOut,
-    body: Body,
-    scales: Scales,
-    only: NDArray[np.int8],
-) -> FloatArray:
-    """Return (vx, vy, wz, cost) of the cheapest admissible sample; its cost is inf when there is none.
-
-    ``state`` is (x, y, theta, vx, vy, wz); ``path`` (M, 3), both in ``map``.
-    """
-    velocities = dynamic_window(state[3:], limits, period)
-    grids = map_grids(window, body, path, state[0], state[1], scales.forward_point_distance)
-    return cheapest_sample(window, grids, path, state, velocities, period, limits, roll_out, body, scales, only)
+from arena_dwa.window import axis_samples, driven, turn_samples
 
 
 @njit(cache=True)
@@ -47,16 +29,18 @@ def cheapest_sample(
     roll_out: RollOut,
     body: Body,
     scales: Scales,
+    approach: Approach,
+    speeds: FieldArray,
     only: NDArray[np.int8],
 ) -> FloatArray:
-    """Score the samples of the window ``velocities`` (3, 2) with all critics.
+    """Return (vx, vy, wz, cost) of the cheapest admissible sample of the window ``velocities`` (3, 2); its cost is inf if there is none.
 
-    A sample is followed over obstacles only if the cheap critics leave it a chance, which changes no choice because no critic
-    is negative.
+    ``state`` is (x, y, theta, vx, vy, wz); ``path`` (M, 3), both in ``map``. A sample is followed over obstacles only if the cheap
+    critics leave it a chance, which changes no choice because no critic is negative.
     """
     start = stand_at(state[0], state[1], state[2])
     start_clearance = clearance(window, body, start, body.padding)
-    aligning = np.hypot(path[-1, 0] - state[0], path[-1, 1] - state[1]) > scales.forward_point_distance
+    aligning = math.hypot(path[-1, 0] - state[0], path[-1, 1] - state[1]) > scales.forward_point_distance
     place, front = cost_fields(grids, window, scales, aligning)
     ahead = scales.forward_point_distance, 0.0, 1.0, 0.0
     best = np.array((0.0, 0.0, 0.0, np.inf))
@@ -77,6 +61,8 @@ def cheapest_sample(
                 cost += scales.occdist_scale * near
                 if start_clearance < body.padding:
                     cost += scales.escape_scale * max(0.0, body.padding - clearance(window, body, end, body.padding))
+                if approach.scale > 0.0 and cost < best[3]:
+                    cost += approach.scale * approach_cost(window, body, speeds, approach, start, (vx, vy, wz))
                 if cost < best[3]:
                     best[0], best[1], best[2], best[3] = vx, vy, wz, cost
     return best

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-import numpy as np
+import math
+
 from numba import njit
 
 Stand = tuple[float, float, float, float]  # x, y (m, map) and cosine and sine of the heading
@@ -11,14 +12,14 @@ Stand = tuple[float, float, float, float]  # x, y (m, map) and cosine and sine o
 @njit(cache=True)
 def stand_at(x: float, y: float, theta: float) -> Stand:
     """Return a pose with its heading as cosine and sine."""
-    return x, y, np.cos(theta), np.sin(theta)
+    return x, y, math.cos(theta), math.sin(theta)
 
 
 @njit(cache=True)
 def arc(vx: float, vy: float, wz: float, time: float) -> Stand:
     """Return the pose after ``time`` s at constant velocity, seen from where it began (Fox, Burgard, Thrun 1997, eq. 10-12)."""
     turn = wz * time
-    c, s = np.cos(turn), np.sin(turn)
+    c, s = math.cos(turn), math.sin(turn)
     if abs(turn) < 1e-6:
         return vx * time, vy * time, c, s
     return (vx * s - vy * (1.0 - c)) / wz, (vx * (1.0 - c) + vy * s) / wz, c, s

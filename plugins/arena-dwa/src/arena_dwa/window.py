@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numba import njit
 
 from arena_dwa.parameters import FloatArray, Limits
 
+REST = 1e-9  # speeds below this are none
 TOLERANCE = 1e-4  # speeds this close to a minimum count as fast enough, as in ROS
 
 
@@ -21,25 +24,30 @@ def reachable(speed: float, low: float, high: float, acceleration: float, period
 def dynamic_window(twist: FloatArray, limits: Limits, period: float) -> FloatArray:
     """Return the window V_d of Fox, Burgard, Thrun (1997), eq. 14, cut to the limits: (3, 2) lows and highs of vx, vy, wz."""
     window = np.empty((3, 2))
-    window[0] = reachable(twist[0], limits.vx_min, limits.vx_max, limits.ax_max, period)
-    window[1] = reachable(twist[1], -limits.vy_max, limits.vy_max, limits.ay_max, period)
-    window[2] = reachable(twist[2], -limits.wz_max, limits.wz_max, limits.alpha_max, period)
+    window[0, 0], window[0, 1] = reachable(twist[0], limits.vx_min, limits.vx_max, limits.ax_max, period)
+    window[1, 0], window[1, 1] = reachable(twist[1], -limits.vy_max, limits.vy_max, limits.ay_max, period)
+    window[2, 0], window[2, 1] = reachable(twist[2], -limits.wz_max, limits.wz_max, limits.alpha_max, period)
     return window
 
 
 @njit(cache=True)
 def axis_samples(low: float, high: float, count: int) -> FloatArray:
     """Return ``count`` evenly spaced speeds from low to high, and 0 with them where it lies between (1 or 0: the one nearest to rest)."""
-    if count < 2 or high - low < 1e-9:
-        return np.full(1, min(max(0.0, low), high))
-    samples = np.linspace(low, high, count)
-    middle = np.searchsorted(samples, 0.0)
-    if middle == 0 or middle == count:
+    if count < 2 or high - low < REST:
+        samples = np.empty(1)
+        samples[0] = min(max(0.0, low), high)
         return samples
-    if samples[middle] < 1e-9 or -samples[middle - 1] < 1e-9:
-        samples[middle if samples[middle] < 1e-9 else middle - 1] = 0.0
-        return samples
-    return np.concatenate((samples[:middle], np.zeros(1), samples[middle:]))
+    samples, n = np.empty(count + 1), 0
+    for k in range(count):
+        speed = low + (high - low) * k / (count - 1)
+        if abs(speed) < REST:
+            speed = 0.0
+        if n > 0 and samples[n - 1] < 0.0 < speed:
+            samples[n] = 0.0
+            n += 1
+        samples[n] = speed
+        n += 1
+    return samples[:n]
 
 
 @njit(cache=True)
@@ -55,6 +63,6 @@ def turn_samples(vx: float, window: FloatArray, limits: Limits, count: int) -> F
 @njit(cache=True)
 def driven(vx: float, vy: float, wz: float, limits: Limits) -> bool:
     """Tell whether a sample is neither too slow nor, along its direction, too fast."""
-    speed = np.hypot(vx, vy)
+    speed = math.hypot(vx, vy)
     slow = speed + TOLERANCE < limits.trans_min and abs(wz) + TOLERANCE < limits.theta_min
     return not slow and speed - TOLERANCE <= limits.trans_max

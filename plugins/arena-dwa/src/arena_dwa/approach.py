@@ -1,0 +1,82 @@
+"""The approach critic: what comes nearer between successive local maps is expected to go on doing so."""
+
+from __future__ import annotations
+
+from collections import deque
+
+import numpy as np
+from numba import njit
+
+from arena_core import Costmap
+from arena_dwa.obstacles import clearance
+from arena_dwa.parameters import Approach, Body, FieldArray, Window
+from arena_dwa.trajectory import Stand, arc, moved
+
+
+@njit(cache=True)
+def closing_speed(before: FieldArray, now: FieldArray, down: int, left: int, lapse: float, least: float, greatest: float) -> FieldArray:
+    """Return how fast the nearest obstacle comes nearer to each place of the window, m/s, (H, W).
+
+    ``before`` is the distance field ``lapse`` s ago, whose corner lies (down, left) cells away from now's. Speeds below ``least``
+    are noise and count as 0, as does what was not in the window; speeds above ``greatest`` are what has just come into view.
+    """
+    rows, columns = now.shape
+    speeds = np.zeros((rows, columns), np.float32)
+    for row in range(max(0, -down), min(rows, before.shape[0] - down)):
+        for column in range(max(0, -left), min(columns, before.shape[1] - left)):
+            speed = (before[row + down, column + left] - now[row, column]) / lapse
+            if least <= speed:
+                speeds[row, column] = min(speed, greatest)
+    return speeds
+
+
+@njit(cache=True)
+def approach_cost(
+    window: Window, body: Body, speeds: FieldArray, approach: Approach, start: Stand, sample: tuple[float, float, float]
+) -> float:
+    """Return the mean over ``approach.time`` of how much more an arc lacks clearance once what approaches has come nearer.
+
+    Lack is the square of the share of ``approach.margin`` that is missing; clearance at time t is expected to be the
+    present one less closing speed times t, which no steadily moving obstacle undercuts.
+    """
+    vx, vy, wz = sample
+    steps = approach.steps
+    step = arc(vx, vy, wz, approach.time / steps)
+    stand, total = start, 0.0
+    for k in range(1, steps + 1):
+        stand = moved(stand, step)
+        row, column = int((stand[1] - window.origin_y) / window.resolution), int((stand[0] - window.origin_x) / window.resolution)
+        if not (0 <= row < speeds.shape[0] and 0 <= column < speeds.shape[1]):
+            break
+        if speeds[row, column] > 0.0:
+            gap = clearance(window, body, stand, approach.margin + 2.0)
+            total += lack(gap - speeds[row, column] * approach.time * k / steps, approach.margin) - lack(gap, approach.margin)
+    return total / steps
+
+
+@njit(cache=True)
+def lack(gap: float, margin: float) -> float:
+    """Return the square of the share of ``margin`` that ``gap`` falls short of it."""
+    return max(0.0, 1.0 - gap / margin) ** 2
+
+
+class ClosingSpeeds:
+    """Remembers the distance fields of the last steps, to compare the newest with the oldest."""
+
+    def __init__(self, steps: int, least: float, greatest: float) -> None:
+        self._fields: deque[tuple[float, Costmap]] = deque(maxlen=steps + 1)
+        self._least = least
+        self._greatest = greatest
+
+    def clear(self) -> None:
+        """Forget all."""
+        self._fields.clear()
+
+    def update(self, stamp: float, costmap: Costmap) -> FieldArray:
+        """Take in the window at ``stamp`` (s) and return the closing speed at each of its cells."""
+        self._fields.append((stamp, costmap))
+        began, before = self._fields[0]
+        if stamp - began <= 0.0 or before.resolution != costmap.resolution:
+            return np.zeros(costmap.distance.shape, np.float32)
+        left, down = np.rint((costmap.origin_xy - before.origin_xy) / costmap.resolution).astype(int).tolist()
+        return closing_speed(before.distance, costmap.distance, down, left, stamp - began, self._least, self._greatest)
