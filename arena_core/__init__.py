@@ -52,7 +52,7 @@ from arena_core.interfaces import (
     WorldSource,
 )
 from arena_core.parameters import Bounds, Fraction, NonNegative, NonNegativeInt, Positive, PositiveInt
-from arena_core.recording import find_runs, read_record
+from arena_core.recording import find_runs, read_record, write_bytes_whole, write_text_whole
 from arena_core.registry import load_registry
 from arena_core.robot import Lidar, OdometryModel, Robot, VelocityLimits, make_robot
 from arena_core.sensing import NO_TRACKS, LaserScan, Observation, Odometry, PoseEstimate, Sensors, Tracks
@@ -161,4 +161,6 @@ __all__ = [
     "read_record",
     "stream_key",
     "wrap_angle",
+    "write_bytes_whole",
+    "write_text_whole",
 ]

@@ -130,7 +130,12 @@ def write_whole(path: Path, write: Callable[[IO[bytes]], object]) -> None:
 
 def write_text_whole(path: Path, text: str) -> None:
     """Write a text file as ``write_whole`` does, UTF-8."""
-    write_whole(path, lambda file: file.write(text.encode()))
+    write_bytes_whole(path, text.encode())
+
+
+def write_bytes_whole(path: Path, content: bytes) -> None:
+    """Write a file as ``write_whole`` does."""
+    write_whole(path, lambda file: file.write(content))
 
 
 def _write_npz(file: IO[bytes], arrays: Mapping[str, NDArray[Any]]) -> None:

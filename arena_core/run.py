@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import platform
 import subprocess
@@ -18,7 +19,7 @@ from typing import Any
 from arena_core.benchmark import Benchmark, build_benchmark, build_metrics, config_hash, identification
 from arena_core.configuration import plain
 from arena_core.errors import ArenaError, ConfigurationError, RunFolderError, RunStopped
-from arena_core.evaluate import evaluate, write_episodes
+from arena_core.evaluate import COLUMNS, evaluate, write_episodes
 from arena_core.interfaces import Job, Metric
 from arena_core.progress import Progress
 from arena_core.recording import read_record, write_record, write_text_whole
@@ -142,10 +143,7 @@ def _continue(run: _Run) -> None:
     """Take over the finished episodes of an earlier run of the same cell and seed in this folder."""
     if not run.config["resume"]:
         raise ConfigurationError(f"{run.folder} holds a run already; resume=true continues it, hydra.run.dir=DIR takes another folder")
-    try:
-        before = json.loads((run.folder / "provenance.json").read_text())
-    except (OSError, ValueError) as error:
-        raise RunFolderError(f"cannot read {run.folder / 'provenance.json'}: {error}") from error
+    before = _provenance_of(run.folder / "provenance.json")
     now = {"config_hash": config_hash(run.config), "seed": run.config["seed"]}
     if any(before.get(key) != value for key, value in now.items()):
         raise ConfigurationError(f"{run.folder} holds a run of another configuration or seed; resume=true continues only the same one")
@@ -228,28 +226,29 @@ def _print_errors(run: _Run) -> None:
 
 
 def re_evaluate(folder: Path, registry: Registry, metrics: Mapping[str, Any] | None = None) -> int:
-    """Compute all metrics of a run anew from its records; return the number of episodes.
+    """Compute all metrics of a run anew from its records, its own packs or these; return the number of episodes.
 
     Rows of episodes that failed without a record are kept.
     """
-    try:
-        config = json.loads((folder / "provenance.json").read_text())["config"]
-    except (OSError, ValueError, KeyError) as error:
-        raise RunFolderError(f"cannot read {folder / 'provenance.json'}: {error}") from error
+    config = _provenance_of(folder / "provenance.json")["config"]
     packs = build_metrics({"metrics": metrics} if metrics else config, registry)
     rows = {int(row["episode"]): row for row in _failed_rows(folder)}
-    for path in sorted((folder / "records").glob("[0-9]*.npz")):
-        rows[int(path.stem)] = evaluate(read_record(path), packs)
+    rows |= {int(record.stem): evaluate(read_record(record), packs) for record in sorted((folder / "records").glob("[0-9]*.npz"))}
     if not rows:
         raise ArenaError(f"{folder}: no episode to evaluate")
     write_episodes(folder, rows.values(), packs)
     return len(rows)
 
 
+def _provenance_of(path: Path) -> dict[str, Any]:
+    try:
+        facts: dict[str, Any] = json.loads(path.read_text())
+        facts["config"]["seed"]
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise RunFolderError(f"cannot read {path}: {error}") from error
+    return facts
+
+
 def _failed_rows(folder: Path) -> list[dict[str, Any]]:
-    import csv
-
-    from arena_core.evaluate import COLUMNS
-
     with (folder / "episodes.csv").open(newline="") as file:
         return [{k: row[k] for k in COLUMNS} for row in csv.DictReader(file) if row["outcome"] == "error"]

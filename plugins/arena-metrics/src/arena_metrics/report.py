@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
-from arena_core import Command, InputFileError
+from arena_core import Command, InputFileError, write_bytes_whole, write_text_whole
 
 if TYPE_CHECKING:
     from arena_metrics.figures import Image
@@ -56,7 +56,6 @@ def write_report(runs: Sequence[Run], target: Path, pictures: int = PICTURES, fi
     from arena_metrics.page import render
     from arena_metrics.runs import metric_columns, pooled
     from arena_metrics.summary import summarise
-    from arena_metrics.writing import write_text
 
     episodes, repeats = pooled(runs)
     if not episodes:
@@ -64,7 +63,7 @@ def write_report(runs: Sequence[Run], target: Path, pictures: int = PICTURES, fi
     summary = summarise(cells_of(episodes), metric_columns(runs))
     _write_tables(summary, target)
     drawn = _draw(summary, pictures, target) if figures else ([], [])
-    write_text(target / "index.html", render(summary, runs, repeats, *drawn))
+    write_text_whole(target / "index.html", render(summary, runs, repeats, *drawn))
     _print_headline(summary)
     print(f"report: {target / 'index.html'}")
 
@@ -74,30 +73,28 @@ def _write_summaries(runs: Sequence[Run]) -> None:
     from arena_metrics.cells import cells_of
     from arena_metrics.runs import metric_columns, pooled
     from arena_metrics.summary import summarise, summary_csv
-    from arena_metrics.writing import write_text
 
     columns = metric_columns(runs)
     for run in runs:
         episodes, _ = pooled([run])
         if episodes:
-            write_text(run.folder / "summary.csv", summary_csv(summarise(cells_of(episodes), columns)))
+            write_text_whole(run.folder / "summary.csv", summary_csv(summarise(cells_of(episodes), columns)))
 
 
 def _write_tables(summary: Summary, target: Path) -> None:
     from arena_metrics.summary import summary_csv
     from arena_metrics.tables import comma_separated, headline, latex, markdown, metric_tables
-    from arena_metrics.writing import write_text
 
-    write_text(target / "summary.csv", summary_csv(summary))
+    write_text_whole(target / "summary.csv", summary_csv(summary))
     tables: dict[str, list[Table]] = {
         "headline": [headline(summary)],
         "all_episodes": metric_tables(summary, "all"),
         "successful_episodes": metric_tables(summary, "successful"),
     }
     for name, content in tables.items():
-        write_text(target / "tables" / f"{name}.csv", comma_separated(content))
-        write_text(target / "tables" / f"{name}.md", markdown(content))
-        write_text(target / "tables" / f"{name}.tex", latex(content))
+        write_text_whole(target / "tables" / f"{name}.csv", comma_separated(content))
+        write_text_whole(target / "tables" / f"{name}.md", markdown(content))
+        write_text_whole(target / "tables" / f"{name}.tex", latex(content))
 
 
 def _draw(summary: Summary, pictures: int, target: Path) -> tuple[list[Image], list[Image]]:
@@ -105,7 +102,6 @@ def _draw(summary: Summary, pictures: int, target: Path) -> tuple[list[Image], l
     from arena_metrics.figures import metric_figures, style
     from arena_metrics.tables import headline_columns
     from arena_metrics.trajectories import cell_image
-    from arena_metrics.writing import write_bytes
 
     cells = summary.cells
     columns = summary.columns if len(cells.cells) > 1 else [column for column, _ in headline_columns(summary)]
@@ -114,8 +110,8 @@ def _draw(summary: Summary, pictures: int, target: Path) -> tuple[list[Image], l
         drawn = [cell_image(cells, cell) for cell in cells.cells[: max(0, pictures)]]
     images = [image for image in drawn if image is not None]
     for image in [*figures, *images]:
-        write_bytes(target / "figures" / f"{image.name}.png", image.png)
-        write_bytes(target / "figures" / f"{image.name}.pdf", image.pdf)
+        write_bytes_whole(target / "figures" / f"{image.name}.png", image.png)
+        write_bytes_whole(target / "figures" / f"{image.name}.pdf", image.pdf)
     return figures, images
 
 

@@ -12,11 +12,10 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Metric
+from arena_core import Metric, write_text_whole
 from arena_metrics.cells import FACTORS, VARIANT, Cell, Cells, cells_of
 from arena_metrics.intervals import Estimate, estimates
 from arena_metrics.runs import DEFAULT_PACK, Column, Episode, Run, columns_of
-from arena_metrics.writing import write_text
 
 Over = Literal["all", "successful"]
 HEADER = ["config_hash", "cell", *FACTORS.values(), VARIANT, "metric", "unit", "over", "n", "mean", "low", "high", "interval"]
@@ -63,7 +62,7 @@ def write_summary(rows: Sequence[Mapping[str, Any]], metrics: Mapping[str, Seque
     """Write the summary of one run's rows, as ``arena run`` has them, whole or not at all."""
     run = Run(path.parent, rows, {})
     episodes = [Episode({"n_pedestrians": -1, "reaction": "", **row}, run) for row in rows]
-    write_text(path, summary_csv(summarise(cells_of(episodes), columns_of(metrics))))
+    write_text_whole(path, summary_csv(summarise(cells_of(episodes), columns_of(metrics))))
 
 
 def summary_csv(summary: Summary) -> str:
