@@ -54,7 +54,7 @@ def ours(grid: OccupancyGrid, start: Floats, step: Motion, scans: list[NDArray[n
     """Return CALLS filter updates as arena-navigation makes them: motion, weights, clusters, KLD bound, resampling."""
     particles = cloud(PARTICLES, BEAMS)
     key = np.uint64(5)
-    field, free = grid.derive(LikelihoodField("likelihood_field_prob", 0.8, 0.2, 0.1, 2.0, 0.3, 30.0)), free_space(grid)
+    field, free = grid.derive(LikelihoodField("likelihood_field_prob", 0.8, 0.2, 0.05, 2.0, True, 0.3, 30.0)), free_space(grid)
     limits, recovery = Limits(PARTICLES, PARTICLES, 0.05, 0.99), Recovery(0.0, 0.0)
 
     def run() -> None:

@@ -9,10 +9,10 @@ from arena_core import LaserScan, OccupancyGrid, Pose
 from arena_kernels.distance import grid_distance
 from arena_kernels.grids import stack_grids
 from arena_navigation.amcl_beams import beam_ends, predicted, thinned
-from arena_navigation.amcl_sensor import LikelihoodField, match, reweigh
+from arena_navigation.amcl_sensor import LikelihoodField, match, reweigh, surface_distance
 
-PROB = LikelihoodField("likelihood_field_prob", 0.8, 0.2, 0.1, 2.0, 0.5, 10.0)
-ADDED = LikelihoodField("likelihood_field", 0.95, 0.05, 0.2, 2.0, 0.5, 10.0)
+PROB = LikelihoodField("likelihood_field_prob", 0.8, 0.2, 0.1, 2.0, True, 0.5, 10.0)
+ADDED = LikelihoodField("likelihood_field", 0.95, 0.05, 0.2, 2.0, False, 0.5, 10.0)
 
 
 @pytest.fixture(scope="module")
@@ -45,13 +45,29 @@ def test_score_is_the_sum_over_the_beams_of_table_6_3(grid, model):
     random = np.random.default_rng(3)
     poses = random.uniform((1.0, 0.5, -3.0), (5.0, 3.5, 3.0), (20, 3))
     ends = random.uniform(-4.0, 4.0, (2, 13)).astype(np.float32)
-    distance = grid.derive(grid_distance)
+    distance = grid.derive(surface_distance if model.to_surface else grid_distance)
     for pose, found in zip(poses, scores(grid, model, poses, ends), strict=True):
         at = [Pose.of(pose).compose(Pose(*end)) for end in ends.T.tolist()]
         cells = [(math.floor(p.y / 0.1), math.floor(p.x / 0.1)) for p in at]
         away = np.array([distance[r, c] if 0 <= r < 40 and 0 <= c < 60 else 2.0 for r, c in cells])
         values = 0.5 * np.log(likelihood(model, away)) if model is PROB else likelihood(model, away) ** 3
         assert found == pytest.approx(values.sum(), rel=1e-5)
+
+
+def test_distance_to_the_surface_is_signed_and_nought_on_it(grid):
+    signed = surface_distance(grid)
+    np.testing.assert_allclose(signed[12, 14:25], [0.55, 0.45, 0.35, 0.25, 0.15, 0.05, -0.05, -0.15, -0.25, -0.25, -0.25], atol=1e-6)
+    assert (signed < 0.0).sum() == grid.occupied.sum()
+
+
+def test_with_surfaces_the_best_fit_is_where_the_wall_begins(grid):
+    offsets = np.linspace(-0.2, 0.2, 41)
+    poses = np.stack((1.0 + offsets, np.full(41, 1.25), np.zeros(41)), axis=1)
+    ends = [[1.0], [0.0]]  # the box begins at x = 2.0
+    found = scores(grid, PROB, poses, ends)
+    assert np.abs(np.average(offsets, weights=found == found.max())) < 0.011
+    centred = scores(grid, ADDED, poses, ends)
+    assert np.average(offsets, weights=centred == centred.max()) > 0.05
 
 
 def test_beams_that_end_outside_the_map_count_as_far_from_everything(grid):

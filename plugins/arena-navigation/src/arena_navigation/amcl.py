@@ -62,6 +62,7 @@ class AmclLocalizer(Localizer):
         laser_z_rand: Fraction,
         laser_sigma_hit: Positive,
         laser_likelihood_max_dist: Positive,
+        laser_to_surface: bool,
         laser_beam_weight: Fraction,
         short_beam_distance: Positive | None,
         odom_model_type: OdometryModelType | None,
@@ -80,7 +81,15 @@ class AmclLocalizer(Localizer):
         self._initial_covariance = np.diag((initial_cov_xx, initial_cov_yy, initial_cov_aa))
         self._range_limits = laser_min_range, laser_max_range
         self._max_beams = laser_max_beams
-        self._field = laser_model_type, laser_z_hit, laser_z_rand, laser_sigma_hit, laser_likelihood_max_dist, laser_beam_weight
+        self._field = (
+            laser_model_type,
+            laser_z_hit,
+            laser_z_rand,
+            laser_sigma_hit,
+            laser_likelihood_max_dist,
+            laser_to_surface,
+            laser_beam_weight,
+        )
         self._short_by = short_beam_distance
         self._odometry_model = odom_model_type or ("omni-corrected" if robot.holonomic else "diff-corrected")
         self._alphas = Alphas(odom_alpha1, odom_alpha2, odom_alpha3, odom_alpha4, odom_alpha5)
