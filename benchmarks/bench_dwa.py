@@ -11,8 +11,8 @@ import numpy as np
 from timing import interleave
 
 from arena_dwa.map_grid import map_grids
-from arena_dwa.parameters import Body, Limits, MapGrids, RollOut, Scales, Window
-from arena_dwa.search import best_velocity, cheapest_sample
+from arena_dwa.parameters import Approach, Body, Limits, MapGrids, RollOut, Scales, Settings, Window
+from arena_dwa.search import cheapest_sample
 from arena_dwa.window import axis_samples, dynamic_window
 from arena_kernels.distance import distance_field
 
@@ -20,6 +20,8 @@ LIMITS = Limits(-0.5, 1.0, 0.0, 2.0, 0.0, 1.0, 0.0, 100.0, 0.0, 100.0, 0.0)
 ROLL_OUT = RollOut(1.7, 0.1, 0.2, 0.2, 20, 1, 40)
 BODY = Body(0.2, 0.2, np.empty((0, 2)), 0.02, 0.25, 0.2)
 SCALES = Scales(32.0, 20.0, 0.02, True, 0.325, 0.0, 30.0, 100.0)
+SETTINGS = Settings(LIMITS, ROLL_OUT, BODY, SCALES, Approach(0.0, 1.0, 1.0))
+NOTHING_MOVES = np.zeros((120, 120), np.float32)
 STEPS = 17  # of 0.1 s
 NO_FLAGS = np.zeros(3, np.int8)
 CALLS = 20  # a timing
@@ -41,13 +43,13 @@ def scene() -> tuple[Window, np.ndarray, np.ndarray, MapGrids]:
 
 def step(window: Window, path: np.ndarray, state: np.ndarray, grids: MapGrids) -> np.ndarray:
     """Choose a velocity as the planner does, map grids included."""
-    return best_velocity(window, path, state, 0.1, LIMITS, ROLL_OUT, BODY, SCALES, NO_FLAGS)
+    return search(window, path, state, map_grids(window, BODY, path, state[0], state[1], SCALES.forward_point_distance))
 
 
 def search(window: Window, path: np.ndarray, state: np.ndarray, grids: MapGrids) -> np.ndarray:
     """Choose a velocity with the planner's own search."""
     velocities = dynamic_window(state[3:], LIMITS, 0.1)
-    return cheapest_sample(window, grids, path, state, velocities, 0.1, LIMITS, ROLL_OUT, BODY, SCALES, NO_FLAGS)
+    return cheapest_sample(window, grids, NOTHING_MOVES, path, state, velocities, 0.1, SETTINGS, NO_FLAGS)
 
 
 def vectorised_step(window: Window, path: np.ndarray, state: np.ndarray, grids: MapGrids) -> np.ndarray:

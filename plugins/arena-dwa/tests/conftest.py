@@ -24,7 +24,6 @@ from arena_core import (
     Path,
     Pose,
     Robot,
-    Tracks,
     Twist,
     VelocityLimits,
 )
@@ -114,13 +113,13 @@ def costmap() -> Callable[..., Costmap]:
 
 @pytest.fixture(scope="session")
 def observe() -> Callable[..., Observation]:
-    """Give a function that makes an observation of a costmap, pose, path rows (x, y) and twist."""
+    """Give a function that makes an observation of a costmap, pose, path rows (x, y), twist and stamp."""
 
-    def _observe(costmap: Costmap, pose: Pose, path_xy: ArrayLike, twist: Twist = REST, tracks: Tracks = NO_TRACKS) -> Observation:
+    def _observe(costmap: Costmap, pose: Pose, path_xy: ArrayLike, twist: Twist = REST, stamp: float = 0.0) -> Observation:
         rows = np.asarray(path_xy, dtype=np.float64)
         path = Path(np.column_stack((rows, np.zeros(len(rows)))))
         scan = LaserScan(0.0, 0.0, 0.1, 0.12, 3.5, np.full(4, np.inf, np.float32), Pose(0.0, 0.0))
         goal = Pose.of(path.poses[-1])
-        return Observation(0.0, pose, np.zeros((3, 3)), twist, scan, goal, goal, path, None, lambda: costmap, lambda: tracks)
+        return Observation(stamp, pose, np.zeros((3, 3)), twist, scan, goal, goal, path, None, lambda: costmap, lambda: NO_TRACKS)
 
     return _observe

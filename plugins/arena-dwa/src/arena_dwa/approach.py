@@ -12,6 +12,8 @@ from arena_dwa.obstacles import clearance
 from arena_dwa.parameters import Approach, Body, FieldArray, Window
 from arena_dwa.trajectory import Stand, arc, moved
 
+STEPS = 10  # that an arc is looked at, evenly over the critic's time
+
 
 @njit(cache=True)
 def closing_speed(before: FieldArray, now: FieldArray, down: int, left: int, lapse: float, least: float, greatest: float) -> FieldArray:
@@ -40,18 +42,19 @@ def approach_cost(
     present one less closing speed times t, which no steadily moving obstacle undercuts.
     """
     vx, vy, wz = sample
-    steps = approach.steps
-    step = arc(vx, vy, wz, approach.time / steps)
+    lapse = approach.time / STEPS
+    step = arc(vx, vy, wz, lapse)
     stand, total = start, 0.0
-    for k in range(1, steps + 1):
+    for k in range(1, STEPS + 1):
         stand = moved(stand, step)
         row, column = int((stand[1] - window.origin_y) / window.resolution), int((stand[0] - window.origin_x) / window.resolution)
         if not (0 <= row < speeds.shape[0] and 0 <= column < speeds.shape[1]):
             break
         if speeds[row, column] > 0.0:
-            gap = clearance(window, body, stand, approach.margin + 2.0)
-            total += lack(gap - speeds[row, column] * approach.time * k / steps, approach.margin) - lack(gap, approach.margin)
-    return total / steps
+            nearer = speeds[row, column] * lapse * k
+            gap = clearance(window, body, stand, approach.margin + nearer)
+            total += lack(gap - nearer, approach.margin) - lack(gap, approach.margin)
+    return total / STEPS
 
 
 @njit(cache=True)
@@ -61,10 +64,11 @@ def lack(gap: float, margin: float) -> float:
 
 
 class ClosingSpeeds:
-    """Remembers the distance fields of the last steps, to compare the newest with the oldest."""
+    """Remembers the windows of the last ``lapse`` s, to compare the newest with the oldest."""
 
-    def __init__(self, steps: int, least: float, greatest: float) -> None:
-        self._fields: deque[tuple[float, Costmap]] = deque(maxlen=steps + 1)
+    def __init__(self, lapse: float, least: float, greatest: float) -> None:
+        self._fields: deque[tuple[float, Costmap]] = deque()
+        self._lapse = lapse
         self._least = least
         self._greatest = greatest
 
@@ -75,6 +79,8 @@ class ClosingSpeeds:
     def update(self, stamp: float, costmap: Costmap) -> FieldArray:
         """Take in the window at ``stamp`` (s) and return the closing speed at each of its cells."""
         self._fields.append((stamp, costmap))
+        while stamp - self._fields[0][0] > self._lapse + 1e-9:
+            self._fields.popleft()
         began, before = self._fields[0]
         if stamp - began <= 0.0 or before.resolution != costmap.resolution:
             return np.zeros(costmap.distance.shape, np.float32)

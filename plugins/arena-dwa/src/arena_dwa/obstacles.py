@@ -21,7 +21,9 @@ def obstacle_distance(window: Window, x: float, y: float) -> float:
     u, v = (x - window.origin_x) / window.resolution - 0.5, (y - window.origin_y) / window.resolution - 0.5
     if u < -0.5 or v < -0.5 or u >= columns - 0.5 or v >= rows - 0.5:
         return -math.inf
-    return interpolated(window.distance, window, x, y) - 0.5 * window.resolution  # type: ignore[no-any-return]
+    if math.isinf(window.distance[0, 0]):  # a field is infinite everywhere or nowhere
+        return math.inf
+    return interpolated(window.distance, window, x, y) - 0.5 * window.resolution
 
 
 @njit(cache=True)

@@ -70,12 +70,21 @@ class Scales(NamedTuple):
 
 
 class Approach(NamedTuple):
-    """The approach critic: its weight, how far ahead it looks (s), in how many steps, and the gap it wants to keep (m)."""
+    """The approach critic: its weight, how far ahead it looks (s), and the gap it wants to keep (m)."""
 
     scale: float
     time: float
-    steps: int
     margin: float
+
+
+class Settings(NamedTuple):
+    """All that does not change from step to step."""
+
+    limits: Limits
+    roll_out: RollOut
+    body: Body
+    scales: Scales
+    approach: Approach
 
 
 class Window(NamedTuple):

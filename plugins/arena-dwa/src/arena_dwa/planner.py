@@ -25,8 +25,9 @@ from arena_dwa.approach import ClosingSpeeds
 from arena_dwa.map_grid import map_grids
 from arena_dwa.obstacles import footprint_outline
 from arena_dwa.oscillation import OscillationFlags
-from arena_dwa.parameters import Approach, Body, FloatArray, Limits, RollOut, Scales, Window
+from arena_dwa.parameters import Approach, Body, FieldArray, FloatArray, Limits, RollOut, Scales, Settings, Window
 from arena_dwa.search import cheapest_sample
+from arena_dwa.turning import TurnInPlace
 from arena_dwa.window import dynamic_window
 
 OUTLINE_SPACING = 0.05  # m, the side of a usual costmap cell: no cell slips between two points
@@ -65,7 +66,7 @@ class DwaPlanner(Planner):
         approach_scale: NonNegative,
         approach_time: Positive,
         approach_margin: Positive,
-        approach_lapse: PositiveInt,
+        approach_lapse: Positive,
         approach_speed_min: NonNegative,
         approach_speed_max: NonNegative,
         stop_time_buffer: NonNegative,
@@ -74,9 +75,12 @@ class DwaPlanner(Planner):
         max_scaling_factor: NonNegative,
         oscillation_reset_dist: NonNegative,
         oscillation_reset_angle: NonNegative,
+        turn_in_place_from: Positive | None,
+        turn_in_place_until: NonNegative,
+        turn_in_place_ahead: NonNegative,
     ) -> None:
         own = robot.limits
-        self._limits = Limits(
+        limits = Limits(
             vx_min=_or(vx_min, own.vx_min),
             vx_max=_or(vx_max, own.vx_max),
             vy_max=_or(vy_max, own.vy_max) if robot.holonomic else 0.0,
@@ -89,11 +93,11 @@ class DwaPlanner(Planner):
             alpha_max=_or(alpha_max, own.alpha_max),
             turn_radius=_turn_radius(robot),
         )
-        if trans_min > self._limits.trans_max:
-            raise ConfigurationError(f"dwa: trans_min is {trans_min}; allowed: at most trans_max {self._limits.trans_max} (m/s)")
-        self._roll_out = RollOut(sim_time, sim_granularity, angular_sim_granularity, stop_time_buffer, vx_samples, vy_samples, vth_samples)
-        self._body = _body(robot, footprint_padding, scaling_speed, max_scaling_factor)
-        self._scales = Scales(
+        if trans_min > limits.trans_max:
+            raise ConfigurationError(f"dwa: trans_min is {trans_min}; allowed: at most trans_max {limits.trans_max} (m/s)")
+        roll_out = RollOut(sim_time, sim_granularity, angular_sim_granularity, stop_time_buffer, vx_samples, vy_samples, vth_samples)
+        body = _body(robot, footprint_padding, scaling_speed, max_scaling_factor)
+        scales = Scales(
             path_distance_bias,
             goal_distance_bias,
             occdist_scale,
@@ -103,9 +107,11 @@ class DwaPlanner(Planner):
             reverse_scale,
             escape_scale,
         )
-        self._approach = Approach(approach_scale, approach_time, 10, approach_margin)
+        self._settings = Settings(limits, roll_out, body, scales, Approach(approach_scale, approach_time, approach_margin))
         self._closing = ClosingSpeeds(approach_lapse, approach_speed_min, approach_speed_max)
         self._oscillation = OscillationFlags(oscillation_reset_dist, oscillation_reset_angle, trans_min)
+        turns = turn_in_place_from if robot.kinematics == "differential" else None
+        self._turn = TurnInPlace(turns, turn_in_place_until, turn_in_place_ahead, limits.alpha_max)
         self._period = robot.control_period
 
     def reset(self, episode: EpisodeStart) -> None:
@@ -113,33 +119,30 @@ class DwaPlanner(Planner):
         self._period = episode.control_period
         self._oscillation.clear()
         self._closing.clear()
+        self._turn.clear()
 
     def compute_velocity(self, observation: Observation) -> Twist:
         """Return the cheapest admissible velocity of the window; raise NoValidCommand when every one is rejected."""
         window, state, path = _window(observation), _state(observation), observation.path.poses
-        velocities = dynamic_window(state[3:], self._limits, self._period)
-        grids = map_grids(window, self._body, path, state[0], state[1], self._scales.forward_point_distance)
+        settings = self._settings
+        grids = map_grids(window, settings.body, path, state[0], state[1], settings.scales.forward_point_distance)
         speeds = self._closing.update(observation.stamp, observation.local_map)
-        vx, vy, wz, cost = cheapest_sample(
-            window,
-            grids,
-            path,
-            state,
-            velocities,
-            self._period,
-            self._limits,
-            self._roll_out,
-            self._body,
-            self._scales,
-            self._approach,
-            speeds,
-            self._oscillation.only,
-        ).tolist()
-        if math.isinf(cost):
-            raise NoValidCommand("dwa: every velocity of the window collides, oscillates or is too slow")
-        command = Twist(vx, vy, wz)
-        self._oscillation.note(observation.pose, command)
-        return command
+        reachable = dynamic_window(state[3:], settings.limits, self._period)
+        turn = None if _approached(speeds) else self._turn.narrowed(reachable, observation.pose, path)
+        for velocities in (reachable,) if turn is None else (turn, reachable):
+            best = cheapest_sample(window, grids, speeds, path, state, velocities, self._period, settings, self._oscillation.only)
+            vx, vy, wz, cost = best.tolist()
+            if math.isfinite(cost):
+                command = Twist(vx, vy, wz)
+                self._oscillation.note(observation.pose, command)
+                return command
+        raise NoValidCommand("dwa: every velocity of the window collides, oscillates or is too slow")
+
+
+def _approached(speeds: FieldArray) -> bool:
+    """Tell whether something comes nearer to the robot, which stands in the middle of the window."""
+    rows, columns = speeds.shape
+    return bool(speeds[rows // 2, columns // 2] > 0.0)
 
 
 def _or(value: float | None, otherwise: float) -> float:

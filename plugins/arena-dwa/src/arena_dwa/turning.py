@@ -1,0 +1,51 @@
+"""Turning on the spot towards a path that lies behind: seen 1.5 s ahead from rest, no rotation looks worth its beginning."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from arena_core import Pose
+from arena_dwa.parameters import FloatArray
+
+
+class TurnInPlace:
+    """Narrows the dynamic window to a turn towards the path from one bearing on until another, as Nav2's rotation shim does."""
+
+    def __init__(self, begin: float | None, end: float, ahead: float, alpha_max: float) -> None:
+        self._begin = begin
+        self._end = end
+        self._ahead = ahead
+        self._alpha_max = alpha_max
+        self._turning = False
+
+    def clear(self) -> None:
+        """Begin without a turn."""
+        self._turning = False
+
+    def narrowed(self, velocities: FloatArray, pose: Pose, path: FloatArray) -> FloatArray | None:
+        """Return the window (3, 2) that only turns towards ``path`` (M, 3), None when the robot faces it well enough.
+
+        The turn is as fast as the window and braking at the path's bearing allow; whatever else moves is braked.
+        """
+        if self._begin is None:
+            return None
+        bearing = path_bearing(pose, path, self._ahead)
+        self._turning = abs(bearing) > (self._end if self._turning else self._begin)
+        if not self._turning:
+            return None
+        rest = np.clip(np.zeros(3), velocities[:, 0], velocities[:, 1])
+        stoppable = math.copysign(math.sqrt(2.0 * self._alpha_max * abs(bearing)), bearing)
+        rest[2] = min(max(stoppable, velocities[2, 0]), velocities[2, 1])
+        return np.stack((rest, rest), axis=1)
+
+
+def path_bearing(pose: Pose, path: FloatArray, ahead: float) -> float:
+    """Return the bearing, rad, of the point of a path that lies ``ahead`` m beyond the one nearest to ``pose``."""
+    nearest = int(np.argmin((path[:, 0] - pose.x) ** 2 + (path[:, 1] - pose.y) ** 2))
+    rest = path[nearest:]
+    along = np.concatenate(((0.0,), np.cumsum(np.hypot(*np.diff(rest[:, :2], axis=0).T))))
+    x, y, _ = rest[min(int(np.searchsorted(along, ahead)), len(rest) - 1)].tolist()
+    target = pose.relative(Pose(x, y))
+    return math.atan2(target.y, target.x)
