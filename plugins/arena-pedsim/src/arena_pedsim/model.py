@@ -91,6 +91,8 @@ class SocialForceModel(PedestrianModel):
             population.people,
             population.waypoints,
             population.corners,
+            population.legs,
+            population.leg_corners,
             terrain.index,
             terrain.stack,
             terrain.rooms,

@@ -14,7 +14,11 @@ from arena_pedsim.states import NONE, STANDING, WALKING
 
 
 class Population:
-    """N worlds with P slots for people each: ``people`` (N, P), ``waypoints`` (N, P, W, 2) and ``corners`` (N, P, C, 2), m."""
+    """N worlds with P slots for people each.
+
+    ``people`` (N, P) is what the model remembers of them; ``waypoints`` (N, P, W, 2) m; ``corners`` (N, P, C, 2) m of the present routes;
+    ``legs`` (N, P, W, C, 2) m are the routes to each waypoint found so far, ``leg_corners`` (N, P, W) their lengths, -1 when not known.
+    """
 
     def __init__(self, worlds: int) -> None:
         self.crowd = Crowd(
@@ -28,6 +32,8 @@ class Population:
         self.people = np.zeros((worlds, 0), PERSON)
         self.waypoints = np.zeros((worlds, 0, 1, 2))
         self.corners = np.zeros((worlds, 0, MAX_CORNERS, 2))
+        self.legs = np.zeros((worlds, 0, 1, MAX_CORNERS, 2))
+        self.leg_corners = np.full((worlds, 0, 1), -1, np.int32)
 
     def __len__(self) -> int:
         return len(self.people)
@@ -49,6 +55,7 @@ class Population:
             states[slot, i] = WALKING if len(spec.waypoints_xy) else STANDING
             self.people[slot, i] = remember(spec, factors)
             self.waypoints[slot, i, : len(spec.waypoints_xy)] = spec.waypoints_xy
+        self.leg_corners[slot] = -1
         self.crowd = Crowd(counts, ids, positions, velocities, radii, states)
 
     def _make_room(self, people: int, waypoints: int) -> None:
@@ -66,14 +73,19 @@ class Population:
             self.people = np.concatenate((self.people, np.zeros((len(self), missing), PERSON)), axis=1)
             self.corners = _widened(self.corners, missing, 0.0)
             self.waypoints = _widened(self.waypoints, missing, 0.0)
-        extra = max(waypoints - self.waypoints.shape[2], 0)
-        self.waypoints = np.pad(self.waypoints, ((0, 0), (0, 0), (0, extra), (0, 0)))
+            self.legs = _widened(self.legs, missing, 0.0)
+            self.leg_corners = _widened(self.leg_corners, missing, -1)
+        more = max(waypoints - self.waypoints.shape[2], 0)
+        if more:
+            self.waypoints = _widened(self.waypoints, more, 0.0, axis=2)
+            self.legs = _widened(self.legs, more, 0.0, axis=2)
+            self.leg_corners = _widened(self.leg_corners, more, -1, axis=2)
 
 
-def _widened(array: NDArray[Any], missing: int, value: float) -> NDArray[Any]:
-    """Add empty slots for people."""
-    shape = (len(array), missing, *array.shape[2:])
-    return np.concatenate((array, np.full(shape, value, array.dtype)), axis=1)
+def _widened(array: NDArray[Any], missing: int, value: float, axis: int = 1) -> NDArray[Any]:
+    """Add empty slots: for people along axis 1, for waypoints along axis 2."""
+    shape = (*array.shape[:axis], missing, *array.shape[axis + 1 :])
+    return np.concatenate((array, np.full(shape, value, array.dtype)), axis=axis)
 
 
 def _check_start(spec: PedestrianSpec, scenario: Scenario, grid: OccupancyGrid) -> None:

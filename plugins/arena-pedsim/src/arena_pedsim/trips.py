@@ -25,41 +25,66 @@ def grant_wishes(
     people: NDArray[np.void],
     waypoints: Floats,
     corners: Floats,
+    legs: Floats,
+    leg_corners: NDArray[np.int32],
     grids: NDArray[np.int64],
     stack: Any,
     rooms: Any,
     nodes: NDArray[np.int32],
     parameters: NDArray[np.void],
 ) -> None:
-    """Give everybody who wishes for it the next of the ``waypoints`` (N, P, W, 2), and a route there in ``corners`` (N, P, C, 2)."""
+    """Give everybody who wishes for it the next of the ``waypoints`` (N, P, W, 2), and a route there in ``corners`` (N, P, C, 2).
+
+    ``legs`` (N, P, W, C, 2) and their lengths ``leg_corners`` (N, P, W), -1 when not known yet, keep the route to each waypoint for the
+    next time round.
+    """
     for world in range(len(counts)):
         ground, world_rooms = ground_of(stack, grids[world]), rooms_of(rooms, grids[world])
         for i in range(counts[world]):
             person = people[world, i]
             if person.wish == NOTHING:
                 continue
-            x, y = positions[world, i, 0], positions[world, i, 1]
-            if person.wish == NEXT_WAYPOINT:
+            x, y, radius, next_leg = positions[world, i, 0], positions[world, i, 1], radii[world, i], person.wish == NEXT_WAYPOINT
+            if next_leg:
                 person.waypoint = (person.waypoint + 1) % person.waypoints
                 person.anchor_x, person.anchor_y, person.stuck_clock = x, y, 0.0
             person.wish, person.look_clock = NOTHING, 0.0
             person.goal_x, person.goal_y = waypoints[world, i, person.waypoint, 0], waypoints[world, i, person.waypoint, 1]
             person.corner, person.corners, person.lost = 0, 0, 0
-            if parameters[0].wayfinding_routing == 1:
-                _find_route(person, x, y, radii[world, i], corners[world, i], ground, world_rooms, nodes)
+            if parameters[0].wayfinding_routing == 0 or _sees_goal(person, x, y, radius, ground, world_rooms):
+                continue
+            leg, known = legs[world, i, person.waypoint], leg_corners[world, i, person.waypoint]
+            if next_leg and known > 0 and is_visible(ground, x, y, leg[0, 0], leg[0, 1], SIGHT * radius):
+                person.corners = known
+                _copy(leg, corners[world, i], known)
+                continue
+            _find_route(person, x, y, radius, corners[world, i], ground, world_rooms, nodes)
+            if next_leg:
+                leg_corners[world, i, person.waypoint] = person.corners
+                _copy(corners[world, i], leg, person.corners)
+
+
+@compiled
+def _copy(source: Floats, target: Floats, number: int) -> None:
+    for k in range(number):
+        target[k, 0], target[k, 1] = source[k, 0], source[k, 1]
+
+
+@compiled
+def _sees_goal(person: Any, x: float, y: float, radius: float, ground: Ground, rooms: Rooms) -> bool:
+    """Move a goal without room to the nearest place with room, then tell whether the person can walk there straight."""
+    if clearance(ground, person.goal_x, person.goal_y) < SIGHT * radius:
+        goal_x, goal_y, _ = nearest_room(ground, rooms, person.goal_x, person.goal_y, radius)
+        person.goal_x, person.goal_y = goal_x, goal_y
+    return is_visible(ground, x, y, person.goal_x, person.goal_y, SIGHT * radius)
 
 
 @compiled
 def _find_route(
     person: Any, x: float, y: float, radius: float, corners: Floats, ground: Ground, rooms: Rooms, nodes: NDArray[np.int32]
 ) -> None:
-    """Write a person's corners; a waypoint without room is moved to the nearest place with room."""
+    """Search the way to the goal and write its corners."""
     goal_x, goal_y = person.goal_x, person.goal_y
-    if clearance(ground, goal_x, goal_y) < SIGHT * radius:
-        goal_x, goal_y, _ = nearest_room(ground, rooms, goal_x, goal_y, radius)
-    person.goal_x, person.goal_y = goal_x, goal_y
-    if is_visible(ground, x, y, goal_x, goal_y, SIGHT * radius):
-        return
     _, _, start = nearest_room(ground, rooms, x, y, radius)
     _, _, goal = nearest_room(ground, rooms, goal_x, goal_y, radius)
     found = -1

@@ -1,0 +1,143 @@
+"""Time one step of a crowd (10, 100 and 1,000 people at the same density) against pysocialforce and navground's ORCA."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from importlib.resources import files
+from importlib.util import find_spec
+from statistics import median
+from typing import Any
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+from timing import interleave
+
+from arena_core import OccupancyGrid, PedestrianSpec, Pose, RobotBatch, Scenario, World, load_registry
+
+PEOPLE = (10, 100, 1000)
+SIDE = 20.0  # m for ten people; others have the same density
+RADIUS, SPEED, STEP, SIGHT = 0.3, 1.3, 0.05, 5.0  # m, m/s, s, m
+REPEATS = 7
+GOALS = {("pysocialforce", 10): 1 / 300, ("pysocialforce", 1000): 1 / 500}
+CALLS = {  # a repeat lasts some tenths of a second
+    "ours": {10: 4000, 100: 1000, 1000: 100},
+    "pysocialforce": {10: 50, 100: 30, 1000: 1},
+    "navground ORCA": {10: 2000, 100: 200, 1000: 10},
+}
+Floats = NDArray[np.float64]
+
+
+def crossing(people: int) -> tuple[float, Floats, Floats, Floats]:
+    """Return the side of a square of four rooms (m), its ten walls (x, y, x, y), and starts (P, 2) and goals (P, 2) of people."""
+    side = SIDE * np.sqrt(people / 10)
+    random = np.random.default_rng(people)
+    rows = int(np.ceil(np.sqrt(people)))
+    lattice = np.stack(np.divmod(np.arange(people), rows), axis=1) + random.uniform(0.3, 0.7, (people, 2))
+    starts, goals = lattice * (side - 2.0) / rows + 1.0, random.uniform(2.0, side - 2.0, (people, 2))
+    for places in (starts, goals):  # off the walls in the middle
+        places[np.abs(places - side / 2) < 0.6] += 1.2
+    return side, _walls(side), starts, goals
+
+
+def _walls(side: float) -> Floats:
+    """Return the border and two walls with two doors of 1.5 m each, (10, 4)."""
+    border = [(0, 0, side, 0), (0, side, side, side), (0, 0, 0, side), (side, 0, side, side)]
+    stretches = [(0.0, side / 4 - 0.75), (side / 4 + 0.75, 3 * side / 4 - 0.75), (3 * side / 4 + 0.75, side)]
+    inner = [(side / 2, low, side / 2, high) for low, high in stretches] + [(low, side / 2, high, side / 2) for low, high in stretches]
+    return np.array(border + inner)
+
+
+def ours(people: int, worlds: int = 1) -> Callable[[], None]:
+    """Return steps of arena-pedsim's crowd in so many equal worlds, each person walking between its goal and its start."""
+    side, walls, starts, goals = crossing(people)
+    data = np.zeros((round(side / 0.1) + 1,) * 2, np.int8)
+    for left, bottom, right, top in np.floor(walls / 0.1).astype(int):
+        data[bottom : top + 1, left : right + 1] = 100
+    specs = [PedestrianSpec(k, starts[k], np.stack((goals[k], starts[k])), SPEED, RADIUS) for k in range(people)]
+    hall, here = World("hall", OccupancyGrid(data, 0.1, Pose(0.0, 0.0))), Pose(1.0, 1.0)
+    scenario = Scenario("crowd", 0, hall, here, here, tuple(specs), (), 0.3, 180.0)
+    preset: Any = yaml.safe_load((files("arena_pedsim.conf") / "pedestrians" / "social_force.yaml").read_text())
+    model = load_registry().build("pedestrians", preset)
+    crowd = model.reset(np.arange(worlds), [scenario] * worlds, worlds)
+    robots, ticks = RobotBatch(np.zeros((worlds, 3)), np.zeros((worlds, 2)), 0.2), np.zeros(worlds, np.int64)
+
+    def run() -> None:
+        nonlocal crowd
+        for _ in range(CALLS["ours"][people] // worlds):
+            crowd = model.step(crowd, robots, ticks, STEP)
+
+    return run
+
+
+def pysocialforce(people: int) -> Callable[[], None]:
+    """Return steps of pysocialforce without groups."""
+    import pysocialforce as psf
+
+    logging.getLogger().setLevel(logging.WARNING)  # it turns on everybody's debug messages
+    _, walls, starts, goals = crossing(people)
+    velocities = SPEED * (goals - starts) / np.linalg.norm(goals - starts, axis=1, keepdims=True)
+    simulator = psf.Simulator(np.hstack((starts, velocities, goals)), obstacles=walls[:, [0, 2, 1, 3]].tolist())
+
+    def run() -> None:
+        for _ in range(CALLS["pysocialforce"][people]):
+            simulator.step(1)
+            simulator.peds.ped_states.clear()  # it keeps every state
+            simulator.peds.group_states.clear()
+
+    return run
+
+
+def navground(people: int) -> Callable[[], None]:
+    """Return steps of navground's ORCA; people see as far as ours do."""
+    from navground import core, sim
+
+    _, walls, starts, goals = crossing(people)
+    world = sim.World()
+    for left, bottom, right, top in walls:
+        world.add_wall(sim.Wall(np.array((left, bottom)), np.array((right, top))))
+    for start, goal in zip(starts, goals, strict=True):
+        agent = sim.Agent(radius=RADIUS, control_period=STEP)
+        agent.kinematics = core.kinematics.OmnidirectionalKinematics(SPEED)
+        agent.behavior = core.Behavior.make_type("ORCA")
+        agent.behavior.optimal_speed = SPEED
+        agent.state_estimation = sim.state_estimations.BoundedStateEstimation(range=SIGHT)
+        agent.task = sim.tasks.WaypointsTask([goal, start], loop=True, tolerance=0.5)
+        agent.position = start
+        world.add_agent(agent)
+
+    def run() -> None:
+        for _ in range(CALLS["navground ORCA"][people]):
+            world.update(STEP)
+
+    return run
+
+
+PEERS = {"pysocialforce": ("pysocialforce", pysocialforce), "navground ORCA": ("navground", navground)}
+
+
+def measure() -> list[dict[str, Any]]:
+    """Return a row for each number of people and each peer that is installed, and one for a batch of 64 worlds."""
+    installed = {name: make for name, (module, make) in PEERS.items() if find_spec(module)}
+    rows = []
+    for people in PEOPLE:
+        runs = {"ours": ours(people), **{name: make(people) for name, make in installed.items()}}
+        times = interleave(runs, REPEATS)
+        ms = {name: 1e3 * median(times[name]) / CALLS[name][people] for name in runs}
+        what = f"crowd step, {people} people"
+        rows += [_row(what, ms["ours"], peer, ms[peer], GOALS.get((peer, people))) for peer in installed] or [_row(what, ms["ours"])]
+    batch = interleave({"ours": ours(10, 64)}, REPEATS)["ours"]
+    rows.append(_row("crowd step, 10 people, a world of a batch of 64", 1e3 * median(batch) / (CALLS["ours"][10] // 64 * 64)))
+    return rows
+
+
+def _row(what: str, ours_ms: float, peer: str | None = None, peer_ms: float | None = None, goal: float | None = None) -> dict[str, Any]:
+    ratio = None if peer_ms is None else ours_ms / peer_ms
+    return {"what": what, "ours_ms": ours_ms, "peer": peer, "peer_ms": peer_ms, "ratio": ratio, "goal": goal, "unit": "x peer"}
+
+
+if __name__ == "__main__":
+    for row in measure():
+        print(f"{row['what']}: {row['ours_ms']:.4f} ms", end="")
+        print("" if row["peer"] is None else f", {row['peer']} {row['peer_ms']:.4f} ms, 1/{1 / row['ratio']:.1f}")
