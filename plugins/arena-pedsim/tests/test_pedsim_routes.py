@@ -9,7 +9,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from arena_core import Crowd, OccupancyGrid, Pose
 from arena_kernels.grids import stack_grids
-from arena_pedsim.ground import clearance, ground_of
+from arena_pedsim.ground import clearance, ground_of, layouts_of
 from arena_pedsim.route_grid import rooms_of, stack_rooms
 from arena_pedsim.routes import COST, DIAGONAL, STRAIGHT, _search, find_corners, nearest_room, nodes_for
 from arena_pedsim.walls import SIGHT, is_visible
@@ -48,7 +48,7 @@ def test_the_search_finds_the_cheapest_way(seed, clutter):
 
 def terrain(grid, cell=0.2):
     stack, rooms = stack_grids([grid])[0], stack_rooms([grid], cell)
-    return ground_of(stack, 0), rooms_of(rooms, 0), nodes_for(rooms)
+    return ground_of(stack.distance, layouts_of(stack)[0]), rooms_of(rooms, 0), nodes_for(rooms)
 
 
 def route(grid, start, goal, radius=0.3):

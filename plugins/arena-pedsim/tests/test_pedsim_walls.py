@@ -7,7 +7,7 @@ from scipy.ndimage import label
 from arena_core import OccupancyGrid, Pose
 from arena_kernels.distance import grid_distance
 from arena_kernels.grids import distance_and_gradient, stack_grids
-from arena_pedsim.ground import clearance_and_gradient, ground_of
+from arena_pedsim.ground import clearance_and_gradient, ground_of, layouts_of
 from arena_pedsim.walls import is_visible, slide
 
 coordinate, move = st.floats(-1.0, 9.0), st.floats(-3.0, 3.0)
@@ -22,8 +22,13 @@ def cluttered(yaw: float) -> OccupancyGrid:
     return OccupancyGrid(data, 0.05, Pose(0.0, 0.0, yaw))
 
 
+def ground_in(grid: OccupancyGrid):
+    stack, _ = stack_grids([grid])
+    return ground_of(stack.distance, layouts_of(stack)[0])
+
+
 STACK, _ = stack_grids([cluttered(0.0), cluttered(0.3)])
-GROUNDS = [ground_of(STACK, g) for g in range(2)]
+GROUNDS = [ground_of(STACK.distance, layouts_of(STACK)[g]) for g in range(2)]
 grounds = st.sampled_from(GROUNDS)
 
 
@@ -53,25 +58,25 @@ def test_no_move_crosses_a_wall(x, y, dx, dy):
 
 def test_a_wall_of_one_cell_holds_somebody_fast(stage):
     hall = stage.hall(10, 4, [(5.0, 0.0, 5.05, 4.0)])
-    ground = ground_of(stack_grids([hall])[0], 0)
+    ground = ground_in(hall)
     for length in (0.1, 1.0, 8.0):
         assert slide(ground, 2.0, 2.0, length, 0.0, 0.3)[0] <= 4.7 + 1e-9
 
 
 def test_who_walks_into_a_wall_slides_along_it(stage):
-    ground = ground_of(stack_grids([stage.hall(10, 4)])[0], 0)
+    ground = ground_in(stage.hall(10, 4))
     x, y = slide(ground, 5.0, 0.4, 1.0, -1.0, 0.3)
     assert x == pytest.approx(6.0, abs=1e-6)
     assert y == pytest.approx(0.35, abs=1e-6)
 
 
 def test_a_body_pressed_into_a_wall_gets_out(stage):
-    ground = ground_of(stack_grids([stage.hall(10, 4)])[0], 0)
+    ground = ground_in(stage.hall(10, 4))
     assert slide(ground, 5.0, 0.2, 0.0, 0.0, 0.3)[1] == pytest.approx(0.35, abs=1e-6)
 
 
 def test_sight_needs_room_on_both_sides(stage):
-    ground = ground_of(stack_grids([stage.hall(10, 4, [(5.0, 0.0, 5.2, 1.5), (5.0, 2.5, 5.2, 4.0)])])[0], 0)
+    ground = ground_in(stage.hall(10, 4, [(5.0, 0.0, 5.2, 1.5), (5.0, 2.5, 5.2, 4.0)]))
     assert is_visible(ground, 2.0, 2.0, 8.0, 2.0, 0.45)
     assert not is_visible(ground, 2.0, 2.0, 8.0, 2.0, 0.55)
     assert not is_visible(ground, 2.0, 1.0, 8.0, 1.0, 0.1)

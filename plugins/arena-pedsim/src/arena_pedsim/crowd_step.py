@@ -31,7 +31,8 @@ def step_crowds(
     people: NDArray[np.void],
     corners: Floats,
     grids: NDArray[np.int64],
-    stack: Any,
+    distance: NDArray[np.float32],
+    layouts: NDArray[np.void],
     robot_poses: Floats,
     robot_velocities: Floats,
     robot_radius: float,
@@ -40,7 +41,7 @@ def step_crowds(
 ) -> int:
     """Move everybody by ``dt`` s, in place; return how many people wish for a route.
 
-    ``people`` (N, P) and ``corners`` (N, P, C, 2) are the model's memory, ``grids`` (N,) says which of the stack's each world uses.
+    ``people`` (N, P) and ``corners`` (N, P, C, 2) are the model's memory, ``grids`` (N,) says which of the ``layouts`` each world uses.
     """
     slots = positions.shape[1]
     headings, forces = np.empty((slots, 4)), np.empty((slots, 2))
@@ -53,7 +54,7 @@ def step_crowds(
         if n == 0:
             continue
         robot = (robot_poses[world, 0], robot_poses[world, 1], robot_velocities[world, 0], robot_velocities[world, 1], robot_radius)
-        ground = ground_of(stack, grids[world])
+        ground = ground_of(distance, layouts[grids[world]])
         for _ in range(substeps):
             pairs = _step_crowd(
                 positions[world, :n],

@@ -8,16 +8,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import OccupancyGrid
-from arena_kernels.grids import GridStack, stack_grids
+from arena_kernels.grids import stack_grids
+from arena_pedsim.ground import layouts_of
 from arena_pedsim.route_grid import RoomStack, stack_rooms
 from arena_pedsim.routes import nodes_for
 
 
 class Terrain:
-    """Which grid each world has; ``index`` (N,) points into ``stack`` and ``rooms``. Packed anew only when a grid is not there yet."""
+    """Which grid each world has; ``index`` (N,) points into ``layouts`` and ``rooms``. Packed anew only when a grid is not there yet."""
 
     index: NDArray[np.int64]
-    stack: GridStack
+    distance: NDArray[np.float32]
+    layouts: NDArray[np.void]
     rooms: RoomStack
     nodes: NDArray[np.int32]
 
@@ -39,6 +41,7 @@ class Terrain:
     def _pack(self) -> None:
         self._packed = list({id(grid): grid for grid in self._grids}.values())  # kept, so that no id is used again
         self._places = {id(grid): place for place, grid in enumerate(self._packed)}
-        self.stack, _ = stack_grids(self._packed)
+        stack, _ = stack_grids(self._packed)
+        self.distance, self.layouts = stack.distance, layouts_of(stack)
         self.rooms = stack_rooms(self._packed, self._cell)
         self.nodes = nodes_for(self.rooms)

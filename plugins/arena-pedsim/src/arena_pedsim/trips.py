@@ -28,7 +28,8 @@ def grant_wishes(
     legs: Floats,
     leg_corners: NDArray[np.int32],
     grids: NDArray[np.int64],
-    stack: Any,
+    distance: NDArray[np.float32],
+    layouts: NDArray[np.void],
     rooms: Any,
     nodes: NDArray[np.int32],
     parameters: NDArray[np.void],
@@ -39,7 +40,7 @@ def grant_wishes(
     next time round.
     """
     for world in range(len(counts)):
-        ground, world_rooms = ground_of(stack, grids[world]), rooms_of(rooms, grids[world])
+        ground, world_rooms = ground_of(distance, layouts[grids[world]]), rooms_of(rooms, grids[world])
         for i in range(counts[world]):
             person = people[world, i]
             if person.wish == NOTHING:
