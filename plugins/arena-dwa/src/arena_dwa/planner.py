@@ -128,7 +128,7 @@ class DwaPlanner(Planner):
         grids = map_grids(window, settings.body, path, state[0], state[1], settings.scales.forward_point_distance)
         speeds = self._closing.update(observation.stamp, observation.local_map)
         reachable = dynamic_window(state[3:], settings.limits, self._period)
-        turn = None if _approached(speeds) else self._turn.narrowed(reachable, observation.pose, path)
+        turn = None if _approached(speeds) else self._turn.narrowed(reachable, observation.pose, observation.twist.wz, path)
         for velocities in (reachable,) if turn is None else (turn, reachable):
             best = cheapest_sample(window, grids, speeds, path, state, velocities, self._period, settings, self._oscillation.only)
             vx, vy, wz, cost = best.tolist()

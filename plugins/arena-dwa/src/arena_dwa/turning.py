@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from arena_core import Pose
+from arena_core import Pose, wrap_angle
 from arena_dwa.parameters import FloatArray
 
 
@@ -24,10 +24,11 @@ class TurnInPlace:
         """Begin without a turn."""
         self._turning = False
 
-    def narrowed(self, velocities: FloatArray, pose: Pose, path: FloatArray) -> FloatArray | None:
+    def narrowed(self, velocities: FloatArray, pose: Pose, wz: float, path: FloatArray) -> FloatArray | None:
         """Return the window (3, 2) that only turns towards ``path`` (M, 3), None when the robot faces it well enough.
 
-        The turn is as fast as the window and braking at the path's bearing allow; whatever else moves is braked.
+        The turn goes the shorter way from where the robot, turning with ``wz`` now, could face at the earliest; it is as fast as the
+        window and braking at the path's bearing allow. Whatever else moves is braked.
         """
         if self._begin is None:
             return None
@@ -35,8 +36,9 @@ class TurnInPlace:
         self._turning = abs(bearing) > (self._end if self._turning else self._begin)
         if not self._turning:
             return None
+        left = float(wrap_angle(bearing - wz * abs(wz) / (2.0 * self._alpha_max)))
         rest = np.clip(np.zeros(3), velocities[:, 0], velocities[:, 1])
-        stoppable = math.copysign(math.sqrt(2.0 * self._alpha_max * abs(bearing)), bearing)
+        stoppable = math.copysign(math.sqrt(self._alpha_max * abs(bearing)), left)  # half of what braking at alpha_max allows
         rest[2] = min(max(stoppable, velocities[2, 0]), velocities[2, 1])
         return np.stack((rest, rest), axis=1)
 
