@@ -10,8 +10,13 @@ from typing import Any, TypeVar
 
 from numba import njit
 from numba.core.caching import FunctionCache
+from numba.core.registry import CPUDispatcher
 
 Kernel = TypeVar("Kernel", bound=Callable[..., Any])
+
+BORROWING: dict[str, Any] = {"error_model": "numpy", "no_cfunc_wrapper": True, "_nrt": False}
+INNER: dict[str, Any] = {**BORROWING, "no_cpython_wrapper": True}
+INLINED: dict[str, Any] = {**BORROWING, "forceinline": True}
 
 
 def compiled(kernel: Kernel) -> Kernel:
@@ -19,26 +24,43 @@ def compiled(kernel: Kernel) -> Kernel:
 
     A division that cannot raise lets the compiler drop much of the reference counting of array arguments.
     """
-    return _kept(njit(error_model="numpy")(kernel), kernel)
+    return _kept(njit(error_model="numpy", no_cfunc_wrapper=True)(kernel), kernel)  # type: ignore[call-overload]
 
 
 def borrowing(kernel: Kernel) -> Kernel:
     """Compile a kernel that only borrows arrays and makes none, without any reference counting.
 
     Counting is atomic, and was most of the time of short kernels that take whole named tuples of arrays. numba refuses to compile
-    an allocation here.
+    an allocation here. Such a kernel returns numbers only: arrays in a returned tuple would be released once too often.
     """
-    return _kept(njit(error_model="numpy", _nrt=False)(kernel), kernel)  # type: ignore[call-overload]
+    return _kept(njit(**BORROWING)(kernel), kernel)
+
+
+def inner(kernel: Kernel) -> Kernel:
+    """Compile a borrowing kernel that only other borrowing kernels call, never Python: half the work for the compiler.
+
+    Such a kernel may return named tuples of borrowed arrays.
+    """
+    dispatcher: Any = njit(**INNER)(kernel)
+    dispatcher.__class__ = _InnerDispatcher
+    return _kept(dispatcher, kernel)
 
 
 def inlined(kernel: Kernel) -> Kernel:
     """Compile a borrowing kernel into every caller, however large: loops over a call cannot run in vector registers."""
-    return _kept(njit(error_model="numpy", forceinline=True, _nrt=False)(kernel), kernel)  # type: ignore[call-overload]
+    return _kept(njit(**INLINED)(kernel), kernel)
 
 
 def _kept(dispatcher: Any, kernel: Kernel) -> Kernel:
     dispatcher._cache = _KernelCache(kernel)
     return dispatcher  # type: ignore[no-any-return]
+
+
+class _InnerDispatcher(CPUDispatcher):
+    """A kernel without an entry for Python; calling it would end the process."""
+
+    def __call__(self, *arguments: Any) -> Any:
+        raise TypeError(f"{self.py_func.__name__} is an inner kernel: only other kernels can call it")
 
 
 class _KernelCache(FunctionCache):
@@ -49,7 +71,7 @@ class _KernelCache(FunctionCache):
 
     def __init__(self, kernel: Callable[..., Any]) -> None:
         super().__init__(kernel)  # type: ignore[no-untyped-call]
-        self._cache_file._source_stamp = (_stamp(Path(inspect.getfile(kernel)).parent), _stamp(Path(__file__).parent))
+        self._cache_file._source_stamp = (stamp(Path(inspect.getfile(kernel)).parent), stamp(Path(__file__).parent))
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return what was compiled for a signature, None if there is nothing, or only what names types that have moved since."""
@@ -61,7 +83,7 @@ class _KernelCache(FunctionCache):
 
 
 @lru_cache
-def _stamp(folder: Path) -> tuple[tuple[str, int, int], ...]:
+def stamp(folder: Path) -> tuple[tuple[str, int, int], ...]:
     """Return name, time of change and size of every module in a folder."""
     files = ((path.name, path.stat()) for path in sorted(folder.glob("*.py")))
     return tuple((name, status.st_mtime_ns, status.st_size) for name, status in files)

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_kernels.compiled import borrowing
+from arena_kernels.compiled import borrowing, inner
 from arena_kernels.grids import GridStack
 from arena_kernels.scalars import Integer
 
@@ -62,7 +62,7 @@ def make_body(vertices_xy: Points, radius: float) -> Body:
     return Body(points, np.zeros(2), corners, 0.0 if len(vertices) else float(radius), float(radius))
 
 
-@borrowing
+@inner
 def disc_like(body: Body, radius: float) -> Body:
     """Return a disc of ``radius`` that uses the arrays of another disc."""
     return Body(body.points, body.at, 1, radius, radius)
@@ -78,7 +78,7 @@ def place(body: Body, x: float, y: float, theta: float) -> None:
         body.points[1, i, 0], body.points[1, i, 1] = x + c * px - s * py, y + s * px + c * py
 
 
-@borrowing
+@inner
 def walls_of(stack: GridStack, g: Integer) -> Walls:
     """Return grid ``g`` of a stack."""
     return Walls(
@@ -126,7 +126,7 @@ def gap_to_cells(stack: GridStack, g: Integer, body: Body, within: float) -> Gap
     return gap_to_walls(walls_of(stack, g), body, within)
 
 
-@borrowing
+@inner
 def gap_to_walls(walls: Walls, body: Body, within: float) -> Gap:
     """Return the gap between a body and the nearest occupied cell, ``NOTHING`` unless it is less than ``within``."""
     u, v = _to_cells(walls, body.at[0], body.at[1])
@@ -136,7 +136,7 @@ def gap_to_walls(walls: Walls, body: Body, within: float) -> Gap:
     return _search(walls, body, u, v, min(within / walls.resolution, nearest + away + 1e-6))
 
 
-@borrowing
+@inner
 def walls_beyond(walls: Walls, x: float, y: float, reach: float) -> bool:
     """Tell whether every occupied cell surely is farther than ``reach`` from a point; one look-up, for the many who are far away."""
     u, v = _to_cells(walls, x, y)
@@ -144,7 +144,7 @@ def walls_beyond(walls: Walls, x: float, y: float, reach: float) -> bool:
     return bool(nearest - away - HALF_DIAGONAL >= reach / walls.resolution)
 
 
-@borrowing
+@inner
 def _nearest_centre(walls: Walls, u: float, v: float) -> tuple[float, float]:
     """Return how far the cell of (u, v) is from the nearest occupied one, and (u, v) from that cell's centre, in cells."""
     column = np.int64(min(max(u, 0.0), walls.columns - 1.0))
@@ -153,13 +153,13 @@ def _nearest_centre(walls: Walls, u: float, v: float) -> tuple[float, float]:
     return nearest, math.sqrt((u - column - 0.5) ** 2 + (v - row - 0.5) ** 2)
 
 
-@borrowing
+@inner
 def _to_cells(walls: Walls, x: float, y: float) -> tuple[float, float]:
     dx, dy = (x - walls.x) / walls.resolution, (y - walls.y) / walls.resolution
     return walls.cosine * dx + walls.sine * dy, walls.cosine * dy - walls.sine * dx
 
 
-@borrowing
+@inner
 def _search(walls: Walls, body: Body, u: float, v: float, within: float) -> Gap:
     """Walk the rows outwards from (u, v), and each row outwards, leaping by the distance field; lengths in cells."""
     radius, rounding = body.radius / walls.resolution, body.rounding / walls.resolution
@@ -168,6 +168,7 @@ def _search(walls: Walls, body: Body, u: float, v: float, within: float) -> Gap:
         hull[i, 0], hull[i, 1] = _to_cells(walls, body.points[1, i, 0], body.points[1, i, 1])
     first_row = np.int64(min(max(v, 0.0), walls.rows - 1.0))
     first_column = np.int64(min(max(u, 0.0), walls.columns - 1.0))
+    beside = max(first_column - u, u - first_column - 1.0, 0.0)  # how far outside the grid
     best = (within, 0.0, 0.0, np.inf, np.inf)
     found = False
     for side in range(-1, 2, 2):
@@ -177,25 +178,28 @@ def _search(walls: Walls, body: Body, u: float, v: float, within: float) -> Gap:
             if dy >= best[0] + radius:
                 break
             start = walls.offset + row * walls.columns
-            for way in range(-1, 2, 2):
-                column = first_column if way > 0 else first_column - 1
-                while 0 <= column < walls.columns:
-                    dx = max(column - u, u - column - 1.0, 0.0)
-                    if dx * dx + dy * dy >= (best[0] + radius) ** 2:
-                        break
-                    free = walls.distance[start + column]
-                    if free > 0.0:
-                        column += way * np.int64(max(free / walls.resolution, 1.0))
-                        continue
-                    gap = _gap_to_cell(hull, rounding, column, row, body.points[3, :4])
-                    if gap[0] < best[0]:
-                        best, found = gap, True
-                    column += way
+            half = math.sqrt((best[0] + radius) ** 2 - dy * dy)  # of the chord in which a nearer cell could lie
+            # the row's middle cell sees the whole chord, up to the rim of the last cell
+            if walls.distance[start + first_column] < (half + 1.0) * walls.resolution or beside > 0.0:
+                for way in range(-1, 2, 2):
+                    column = first_column if way > 0 else first_column - 1
+                    while 0 <= column < walls.columns:
+                        dx = max(column - u, u - column - 1.0, 0.0)
+                        if dx * dx + dy * dy >= (best[0] + radius) ** 2:
+                            break
+                        free = walls.distance[start + column]
+                        if free > 0.0:
+                            column += way * np.int64(max(free / walls.resolution, 1.0))
+                            continue
+                        gap = _gap_to_cell(hull, rounding, column, row, body.points[3, :4])
+                        if gap[0] < best[0]:
+                            best, found = gap, True
+                        column += way
             row += side
     return _to_map(walls, best) if found else NOTHING
 
 
-@borrowing
+@inner
 def _gap_to_cell(hull: Points, rounding: float, column: Integer, row: Integer, square: Points) -> Gap:
     """Return the gap between a body and a cell, both in cells; ``square`` (4, 2) is scratch."""
     if len(hull) == 1:
@@ -211,7 +215,7 @@ def _gap_to_cell(hull: Points, rounding: float, column: Integer, row: Integer, s
     return _hull_gap(hull, rounding, square)
 
 
-@borrowing
+@inner
 def _hull_gap(hull: Points, rounding: float, other: Points) -> Gap:
     """Return the gap between two convex hulls: the separating axis if they overlap, else the nearest vertex and side."""
     depth_a, ax, ay = _separation(hull, other)
@@ -232,7 +236,7 @@ def _hull_gap(hull: Points, rounding: float, other: Points) -> Gap:
     return best[0] - rounding, best[1], best[2], best[3], best[4]
 
 
-@borrowing
+@inner
 def _to_map(walls: Walls, gap: Gap) -> Gap:
     """Turn a gap from the grid's frame in cells to ``map`` in m."""
     c, s = walls.cosine, walls.sine
@@ -242,7 +246,7 @@ def _to_map(walls: Walls, gap: Gap) -> Gap:
     return distance * walls.resolution, c * nx - s * ny, s * nx + c * ny, x, y
 
 
-@borrowing
+@inner
 def _point_gap(hull: Points, x: float, y: float) -> tuple[float, float, float]:
     """Return the signed distance from a convex hull to a point and the unit normal towards the point; negative inside."""
     best, bx, by = np.inf, 0.0, 0.0
@@ -270,7 +274,7 @@ def _point_gap(hull: Points, x: float, y: float) -> tuple[float, float, float]:
     return 0.0, ix, iy
 
 
-@borrowing
+@inner
 def _separation(hull: Points, other: Points) -> tuple[float, float, float]:
     """Return the widest separation of two hulls along the edge normals of the first, and that normal."""
     best, nx, ny = -np.inf, 0.0, 0.0
@@ -288,7 +292,7 @@ def _separation(hull: Points, other: Points) -> tuple[float, float, float]:
     return best, nx, ny
 
 
-@borrowing
+@inner
 def _support(points: Points, nx: float, ny: float) -> int:
     """Return which point lies farthest along (nx, ny)."""
     best, index = -np.inf, 0
@@ -299,7 +303,7 @@ def _support(points: Points, nx: float, ny: float) -> int:
     return index
 
 
-@borrowing
+@inner
 def _inside(sides: NDArray[np.float64], x: float, y: float) -> bool:
     """Tell whether a point lies inside a simple polygon (crossing number)."""
     inside = False

@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_kernels.compiled import borrowing, inlined
+from arena_kernels.compiled import borrowing, inlined, inner
 from arena_kernels.scalars import Integer
 
 Words = tuple[np.uint64, np.uint64, np.uint64, np.uint64]
@@ -59,7 +59,7 @@ def _block(key: Integer, tick: Integer, index: Integer, domain: np.uint64) -> Wo
     return philox(i & _LOW, i >> _HALF, t & _LOW, (t >> _HALF) ^ domain, k & _LOW, k >> _HALF)
 
 
-@borrowing
+@inner
 def _unit(high: np.uint64, low: np.uint64) -> float:
     """Return a float in [0, 1) with 53 random bits."""
     return (float(high >> np.uint64(5)) * 67108864.0 + float(low >> np.uint64(6))) / 9007199254740992.0
@@ -98,7 +98,7 @@ def normals(key: Integer, tick: Integer, out: NDArray[np.float64]) -> None:
             out[i] = _tail_quantile(0.25 * out[i])
 
 
-@borrowing
+@inner
 def _centred(high: np.uint64, low: np.uint64) -> float:
     """Return a number in (-1/2, 1/2) with 52 random bits, never an end or the middle."""
     bits = (high << np.uint64(20)) ^ (low >> np.uint64(12))

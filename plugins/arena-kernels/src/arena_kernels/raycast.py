@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_kernels.compiled import borrowing
+from arena_kernels.compiled import borrowing, inner
 from arena_kernels.grids import GridStack, to_grid
 from arena_kernels.scalars import Integer
 
@@ -60,7 +60,7 @@ def cast_grid(stack: GridStack, g: Integer, x: float, y: float, theta: float, be
         ranges[i] *= stack.resolutions[g]
 
 
-@borrowing
+@inner
 def _cast(
     reach: NDArray[np.uint8],
     offset: Integer,
@@ -98,7 +98,7 @@ def _cast(
         ranges[i3] = t3 if t3 < limit and c3 < columns and r3 < rows else np.inf
 
 
-@borrowing
+@inner
 def _turn(beams: Beams, yaw: float, out: NDArray[np.float64]) -> None:
     """Write the beams' unit vectors turned by ``yaw``, and their inverses, into ``out`` (4, B)."""
     c, s = math.cos(yaw), math.sin(yaw)
@@ -109,7 +109,7 @@ def _turn(beams: Beams, yaw: float, out: NDArray[np.float64]) -> None:
         out[3, i] = 1.0 / out[1, i]
 
 
-@borrowing
+@inner
 def _begin(
     offset: Integer, rows: Integer, columns: Integer, u: float, v: float, directions: NDArray[np.float64], i: int
 ) -> tuple[Ray, float, Integer, Integer]:
@@ -129,7 +129,7 @@ def _begin(
     return ray, t, np.int64(min(enter_x, columns)), np.int64(min(enter_y, rows))
 
 
-@borrowing
+@inner
 def _leap(ray: Ray, side: Integer, t: float, column: Integer, row: Integer) -> tuple[float, Integer, Integer]:
     """Return where the ray leaves the empty square, without branches; a ray that has ended (side 0) stays."""
     _, x, y, dx, dy, inverse_x, inverse_y = ray
@@ -144,7 +144,7 @@ def _leap(ray: Ray, side: Integer, t: float, column: Integer, row: Integer) -> t
     return (t if ended else leave), (column if ended else new_column), (row if ended else new_row)
 
 
-@borrowing
+@inner
 def _clamp(value: Integer, low: Integer, high: Integer) -> Integer:
     return max(min(value, high), low)
 
@@ -227,7 +227,7 @@ def cast_segments(x: float, y: float, theta: float, beams: Beams, segments: NDAr
                     _shorten(ranges, i, (px * qy - py * qx) / cross, beams.range_max)
 
 
-@borrowing
+@inner
 def _window(beams: Beams, start: float, width: float) -> tuple[int, int]:
     """Return the half-open range of beams between the angles ``start`` and ``start + width``, a beam wider on both sides."""
     first = math.floor((start - beams.angle_min) / beams.angle_increment) - 1.0
@@ -236,7 +236,7 @@ def _window(beams: Beams, start: float, width: float) -> tuple[int, int]:
     return int(min(max(first, 0.0), count)), int(min(max(last, 0.0), count))
 
 
-@borrowing
+@inner
 def _shorten(ranges: NDArray[np.float32], i: int, t: float, range_max: float) -> None:
     if 0.0 <= t < range_max and t < ranges[i]:
         ranges[i] = t

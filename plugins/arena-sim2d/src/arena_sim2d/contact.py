@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from arena_kernels.compiled import borrowing
+from arena_kernels.compiled import inner
 from arena_kernels.footprint import NOTHING, Gap, gap_to_walls, place
 from arena_sim2d.bodies import World
 from arena_sim2d.gaps import gap_to_obstacle, gap_to_round
@@ -13,7 +13,7 @@ RELEASE = 0.01  # m; a contact ends when the gap is wider, so that one long touc
 APPROACH = 0.01  # m/s; a robot that approaches more slowly than this did not cause the contact
 
 
-@borrowing
+@inner
 def note_overlaps(world: World, tick: int, velocity: Velocity) -> None:
     """Note a contact with everything that the robot's body, put where it wanted to be, overlaps; ``velocity`` (``map``) led there."""
     for thing in range(world.first_person + world.robots[world.k].people):
@@ -26,7 +26,7 @@ def note_overlaps(world: World, tick: int, velocity: Velocity) -> None:
             note_contact(world, tick, thing, gap, velocity, vx, vy)
 
 
-@borrowing
+@inner
 def _gap_to_thing(world: World, thing: int, within: float) -> Gap:
     if thing == 0:
         return gap_to_walls(world.walls, world.body, within)
@@ -38,7 +38,7 @@ def _gap_to_thing(world: World, thing: int, within: float) -> Gap:
     return NOTHING
 
 
-@borrowing
+@inner
 def note_contact(world: World, tick: int, thing: int, gap: Gap, velocity: Velocity, other_vx: float, other_vy: float) -> None:
     """Note the rising edge of a contact, unless the robot already touches the thing; velocities are in ``map``.
 
@@ -59,7 +59,7 @@ def note_contact(world: World, tick: int, thing: int, gap: Gap, velocity: Veloci
     contact.x, contact.y = robot.x, robot.y
 
 
-@borrowing
+@inner
 def release_contacts(world: World) -> bool:
     """End the contacts whose gap has opened; tell whether any is left."""
     robot, any_left = world.robots[world.k], False

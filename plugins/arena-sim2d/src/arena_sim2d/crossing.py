@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from arena_kernels.compiled import borrowing
+from arena_kernels.compiled import borrowing, inner
 from arena_kernels.footprint import disc_like, gap_to_disc, place
 from arena_sim2d.bodies import Floats, Row, Rows, World
 from arena_sim2d.contact import TOLERANCE, note_contact, note_overlaps
@@ -24,7 +24,7 @@ def take_strides(people: Rows, wanted: Floats, velocities: Floats, ticks: int) -
             person.vx, person.vy = velocities[k, i, 0], velocities[k, i, 1]
 
 
-@borrowing
+@inner
 def move_people(world: World, tick: int, dt: float) -> None:
     """Let each person go its way of a tick, kept out of walls, obstacles and the robot."""
     robot = world.robots[world.k]
@@ -45,7 +45,7 @@ def move_people(world: World, tick: int, dt: float) -> None:
             person.vx, person.vy = 0.0, 0.0
 
 
-@borrowing
+@inner
 def _out_of_things(world: World, person: Row) -> tuple[float, float, bool]:
     """Return where a person's way of a tick ends, sliding along what stands there; False if there is no room."""
     body = disc_like(world.person, person.radius)
@@ -65,7 +65,7 @@ def _out_of_things(world: World, person: Row) -> tuple[float, float, bool]:
     return x, y, False
 
 
-@borrowing
+@inner
 def _off_the_robot(world: World, i: int, tick: int, dt: float, x: float, y: float) -> tuple[float, float, bool]:
     """Return where person i ends that wants to be at (x, y), sliding along the robot; False if there is no room."""
     robot, person = world.robots[world.k], world.people[i]
@@ -82,7 +82,7 @@ def _off_the_robot(world: World, i: int, tick: int, dt: float, x: float, y: floa
     return x, y, free
 
 
-@borrowing
+@inner
 def _stop_into(person: Row, nx: float, ny: float) -> None:
     """Take away the part of a person's velocity that points along the unit vector (nx, ny)."""
     inward = max(person.vx * nx + person.vy * ny, 0.0)
@@ -90,7 +90,7 @@ def _stop_into(person: Row, nx: float, ny: float) -> None:
     person.vy -= inward * ny
 
 
-@borrowing
+@inner
 def move_robot(world: World, chassis: Chassis, tick: int, command: Floats, dt: float) -> None:
     """Drive the robot for a tick; a motion that would end in another body is cut short, and the robot may still turn on the spot."""
     robot = world.robots[world.k]
@@ -113,13 +113,13 @@ def move_robot(world: World, chassis: Chassis, tick: int, command: Floats, dt: f
             _settle(robot, pose, (0.0, 0.0, 0.0))
 
 
-@borrowing
+@inner
 def _settle(robot: Row, pose: Position, velocity: Velocity) -> None:
     robot.x, robot.y, robot.theta = pose
     robot.vx, robot.vy, robot.wz = velocity
 
 
-@borrowing
+@inner
 def _is_free(world: World, pose: Position) -> bool:
     """Tell whether the robot's body would overlap nothing at a pose; it is put there."""
     place(world.body, pose[0], pose[1], pose[2])
@@ -127,7 +127,7 @@ def _is_free(world: World, pose: Position) -> bool:
     return alone and gap_to_people(world, world.body, -TOLERANCE) == -TOLERANCE
 
 
-@borrowing
+@inner
 def _free_share(world: World, pose: Position, velocity: Velocity, dt: float) -> float:
     """Return how much of a motion that ends in a body is free, by bisection."""
     low, high = 0.0, 1.0

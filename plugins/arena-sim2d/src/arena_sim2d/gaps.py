@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from arena_kernels.compiled import borrowing
+from arena_kernels.compiled import inner
 from arena_kernels.footprint import NOTHING, Body, Gap, gap_to_disc, gap_to_polygon, gap_to_walls, walls_beyond
 from arena_sim2d.bodies import World
 
 
-@borrowing
+@inner
 def is_clear(world: World, x: float, y: float, reach: float) -> bool:
     """Tell whether all that stands surely is farther than ``reach`` from a point; cheap, and true for most bodies at most times."""
     clear = walls_beyond(world.walls, x, y, reach)
@@ -17,7 +17,7 @@ def is_clear(world: World, x: float, y: float, reach: float) -> bool:
     return bool(clear)
 
 
-@borrowing
+@inner
 def gap_to_things(world: World, body: Body, within: float) -> Gap:
     """Return the least gap between a body and all that stands, ``NOTHING`` unless it is less than ``within``."""
     wall = gap_to_walls(world.walls, body, within)
@@ -25,7 +25,7 @@ def gap_to_things(world: World, body: Body, within: float) -> Gap:
     return obstacle if obstacle[0] < wall[0] else wall
 
 
-@borrowing
+@inner
 def gap_to_obstacles(world: World, body: Body, within: float) -> Gap:
     """Return the gap to the nearest obstacle, ``NOTHING`` unless it is less than ``within``."""
     best = NOTHING
@@ -36,7 +36,7 @@ def gap_to_obstacles(world: World, body: Body, within: float) -> Gap:
     return best
 
 
-@borrowing
+@inner
 def gap_to_obstacle(world: World, index: int, body: Body, within: float) -> Gap:
     """Return the gap to one obstacle, ``NOTHING`` unless it is less than ``within``."""
     obstacle = world.obstacles[index]
@@ -46,7 +46,7 @@ def gap_to_obstacle(world: World, index: int, body: Body, within: float) -> Gap:
     return gap if gap[0] < within else NOTHING
 
 
-@borrowing
+@inner
 def gap_to_round(body: Body, x: float, y: float, radius: float, within: float) -> Gap:
     """Return the gap to a disc, ``NOTHING`` unless it is less than ``within``."""
     reach = within + body.radius + radius
@@ -56,7 +56,7 @@ def gap_to_round(body: Body, x: float, y: float, radius: float, within: float) -
     return gap if gap[0] < within else NOTHING
 
 
-@borrowing
+@inner
 def gap_to_people(world: World, body: Body, within: float) -> float:
     """Return the least gap to the world's people, ``within`` if none is nearer."""
     for i in range(world.robots[world.k].people):

@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 from arena_core import Robot
-from arena_kernels.compiled import borrowing
+from arena_kernels.compiled import borrowing, inner
 from arena_sim2d.bodies import Floats
 
 DIFFERENTIAL, OMNIDIRECTIONAL, ACKERMANN = 0, 1, 2
@@ -59,7 +59,7 @@ def next_velocity(chassis: Chassis, velocity: Velocity, command: Floats, dt: flo
     return vx, _towards(velocity[1], _clip(command[1], -chassis.vy_max, chassis.vy_max), chassis.ay_max * dt), wz
 
 
-@borrowing
+@inner
 def _turn_of_wheels(chassis: Chassis, wz: float, vx: float, command: Floats, dt: float) -> float:
     """Return the turn rate of a car that steers along the commanded arc; it never turns tighter than its steering allows.
 
@@ -88,24 +88,24 @@ def drive(pose: Position, velocity: Velocity, dt: float) -> Position:
     return x + c * dx - s * dy, y + s * dx + c * dy, wrap(theta + turn)
 
 
-@borrowing
+@inner
 def in_map(theta: float, velocity: Velocity) -> Velocity:
     """Turn a velocity from ``base_link`` to ``map``."""
     c, s = math.cos(theta), math.sin(theta)
     return c * velocity[0] - s * velocity[1], s * velocity[0] + c * velocity[1], velocity[2]
 
 
-@borrowing
+@inner
 def wrap(angle: float) -> float:
     """Wrap an angle to [-pi, pi)."""
     return angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
 
 
-@borrowing
+@inner
 def _towards(value: float, wanted: float, change: float) -> float:
     return value + _clip(wanted - value, -change, change)
 
 
-@borrowing
+@inner
 def _clip(value: float, low: float, high: float) -> float:
     return min(max(value, low), high)

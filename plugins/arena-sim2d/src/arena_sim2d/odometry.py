@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 from arena_core import OdometryModel
-from arena_kernels.compiled import borrowing
+from arena_kernels.compiled import inner
 from arena_kernels.random import normal
 from arena_sim2d.bodies import Row
 from arena_sim2d.motion import wrap
@@ -32,7 +32,7 @@ def wheels(model: OdometryModel, holonomic: bool, inner_step: float) -> Wheels:
     return Wheels(round(model.period / inner_step), holonomic, *alphas)
 
 
-@borrowing
+@inner
 def measure_motion(wheels: Wheels, robot: Row, tick: int, dt: float) -> None:
     """Add the noisy motion of a robot since its last odometry; ``dt`` is the length of a tick, s."""
     dx, dy = robot.x - robot.odometry_from_x, robot.y - robot.odometry_from_y
@@ -47,7 +47,7 @@ def measure_motion(wheels: Wheels, robot: Row, tick: int, dt: float) -> None:
     robot.odometry_from_x, robot.odometry_from_y, robot.odometry_from_theta = robot.x, robot.y, robot.theta
 
 
-@borrowing
+@inner
 def _noisy_rotations(wheels: Wheels, step: Step, noise: Noise) -> Step:
     """Disturb a motion seen as rotation, translation, rotation; driving backwards is a translation backwards."""
     length = math.sqrt(step[0] * step[0] + step[1] * step[1])
@@ -61,7 +61,7 @@ def _noisy_rotations(wheels: Wheels, step: Step, noise: Noise) -> Step:
     return moved * math.cos(first), moved * math.sin(first), first + second
 
 
-@borrowing
+@inner
 def _noisy_shift(wheels: Wheels, step: Step, noise: Noise) -> Step:
     """Disturb a motion that needs no turning: both translations and the rotation, with the same four alphas."""
     squared, turning = step[0] * step[0] + step[1] * step[1], step[2] * step[2]
@@ -70,7 +70,7 @@ def _noisy_shift(wheels: Wheels, step: Step, noise: Noise) -> Step:
     return step[0] + shift * noise[0], step[1] + shift * noise[1], step[2] + turn * noise[2]
 
 
-@borrowing
+@inner
 def _add(robot: Row, step: Step, seconds: float) -> None:
     """Move the odometry pose by a step in its own frame; the twist is the mean velocity over that time."""
     theta = robot.odometry_theta

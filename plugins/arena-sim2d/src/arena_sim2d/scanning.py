@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import Lidar
-from arena_kernels.compiled import borrowing
+from arena_kernels.compiled import inner
 from arena_kernels.random import normals
 from arena_kernels.raycast import Beams, cast_disc, cast_grid, cast_segments, make_beams
 from arena_sim2d.bodies import Floats, Row, Worlds
@@ -41,7 +41,7 @@ def scanner(lidar: Lidar, inner_step: float) -> Scanner:
     )
 
 
-@borrowing
+@inner
 def scan(worlds: Worlds, device: Scanner, k: int, tick: int, ranges: NDArray[np.float32]) -> None:
     """Take the scan of robot k at ``tick`` into ``ranges`` (B,)."""
     robot = worlds.robots[k]
@@ -63,7 +63,7 @@ def scan(worlds: Worlds, device: Scanner, k: int, tick: int, ranges: NDArray[np.
     robot.scan_tick = tick
 
 
-@borrowing
+@inner
 def _disturb(device: Scanner, robot: Row, tick: int, ranges: NDArray[np.float32]) -> None:
     """Add Gaussian noise to what was hit; what is nearer than the minimum range reads as the minimum range."""
     if device.noise_std > 0.0:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_kernels.compiled import borrowing
+from arena_kernels.compiled import borrowing, inner
 from arena_kernels.footprint import gap_to_walls, place, walls_of
 from arena_sim2d.bodies import Floats, World, Worlds
 from arena_sim2d.contact import release_contacts
@@ -65,7 +65,7 @@ def measure_gaps(worlds: Worlds, gaps: Floats) -> None:
         gaps[k, 2] = gap_to_people(world, world.body, math.inf)
 
 
-@borrowing
+@inner
 def _world(worlds: Worlds, k: int) -> World:
     """Return world k."""
     return World(
