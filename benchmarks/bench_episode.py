@@ -31,9 +31,9 @@ def measure() -> list[dict[str, Any]]:
     rows = [_episode_row(robot) for robot in ("turtlebot3", "jackal", "robotino")]
     here = str(Path(__file__).parent)
     memory = float(subprocess.run([sys.executable, "-c", MEMORY, here], capture_output=True, text=True, check=True).stdout)
-    rows.append(_row("memory of a worker", memory, "MB", None, None, 400.0))
+    rows.append(_row("memory of a worker", memory, "MB", 400.0))
     arena = str(Path(sys.executable).parent / "arena")
-    rows.append(_row("arena list", statistics.median(_wall([arena, "list"]) for _ in range(5)), "s", None, None, 1.0))
+    rows.append(_row("arena list", statistics.median(_wall([arena, "list"]) for _ in range(5)), "s", 1.0))
     return rows
 
 
@@ -56,13 +56,14 @@ def _run(benchmark: Benchmark, episode: int, folder: Path) -> float:
 
 def _episode_row(robot: str) -> dict[str, Any]:
     seconds, simulated = drive(robot, EPISODES)
-    return _row(f"DWA episode, {robot}, per simulated s", 1e3 * seconds / simulated, "ms", "real time", 1e3, 100.0, simulated / seconds)
+    return _row(f"DWA episode, {robot}, per simulated s", 1e3 * seconds / simulated, "ms", 100.0, simulated / seconds)
 
 
-def _row(
-    what: str, ours: float, unit: str, peer: str | None, peer_ms: float | None, goal: float, ratio: float | None = None
-) -> dict[str, Any]:
-    return {"what": what, "ours_ms": ours, "ours_unit": unit, "peer": peer, "peer_ms": peer_ms, "ratio": ratio, "goal": goal, "unit": "x peer"}
+def _row(what: str, ours: float, unit: str, goal: float, real_time: float | None = None) -> dict[str, Any]:
+    """Return a row without a named peer; ``real_time`` is how many times faster than real time it ran."""
+    peer = None if real_time is None else "real time"
+    peer_ms = None if real_time is None else 1e3
+    return {"what": what, "ours_ms": ours, "ours_unit": unit, "peer": peer, "peer_ms": peer_ms, "ratio": real_time, "goal": goal}
 
 
 def _wall(command: list[str]) -> float:

@@ -116,7 +116,7 @@ def test_a_constructor_that_fails_names_its_plugin():
     def failing(robot: Robot) -> Planner:
         raise IndexError("no such gear")
 
-    with pytest.raises(BrokenPlugin, match="plugin mine .*no such gear"):
+    with pytest.raises(BrokenPlugin, match=r"plugin mine .*no such gear"):
         registry(mine=Plugin(lost=failing)).build("planner", {"name": "lost"}, robot=robot())
 
 
