@@ -47,12 +47,12 @@ def test_differential_motion_has_the_variances_of_table_5_6():
     assert (np.mean(theta), np.mean(np.hypot(x, y))) == pytest.approx((0.9, travel), abs=0.01)
 
 
-def test_omnidirectional_motion_has_the_variances_of_ros():
+def test_omnidirectional_motion_has_the_variances_of_nav2():
     a1, a2, a3, a4, a5 = ALPHAS
     x, y, theta = moved(Pose(0.0, 0.7, 0.4), "omni-corrected", ALPHAS, count=40_000)
-    assert np.var(y) == pytest.approx(a3 * 0.7**2 + a1 * 0.4**2, rel=0.05)
-    assert np.var(x) == pytest.approx(a1 * 0.4**2 + a5 * 0.7**2, rel=0.05)
-    assert np.var(theta) == pytest.approx(a4 * 0.4**2 + a2 * 0.7**2, rel=0.05)
+    assert np.var(y) == pytest.approx(a3 * 0.7**2 + a4 * 0.4**2, rel=0.05)
+    assert np.var(x) == pytest.approx(a4 * 0.4**2 + a5 * 0.7**2, rel=0.05)
+    assert np.var(theta) == pytest.approx(a1 * 0.4**2 + a2 * 0.7**2, rel=0.05)
     assert (np.mean(x), np.mean(y), np.mean(theta)) == pytest.approx((0.0, 0.7, 0.4), abs=0.01)
 
 
@@ -60,6 +60,15 @@ def test_models_that_are_not_corrected_take_the_variance_for_the_deviation():
     step = Pose(0.5, 0.1, 0.3)
     plain, corrected = motion(step, "diff", ALPHAS), motion(step, "diff-corrected", ALPHAS)
     assert plain[:3] == corrected[:3]
+    assert plain[3:] == pytest.approx(np.square(corrected[3:]))
+
+
+def test_omni_that_is_not_corrected_has_two_alphas_the_wrong_way_round():
+    step = Pose(0.5, 0.1, 0.3)
+    swapped = ALPHAS._replace(
+        rotation_from_rotation=ALPHAS.translation_from_rotation, translation_from_rotation=ALPHAS.rotation_from_rotation
+    )
+    plain, corrected = motion(step, "omni", ALPHAS), motion(step, "omni-corrected", swapped)
     assert plain[3:] == pytest.approx(np.square(corrected[3:]))
 
 

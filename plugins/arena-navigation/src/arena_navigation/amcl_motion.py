@@ -47,8 +47,13 @@ class Motion(NamedTuple):
 def motion(displacement: Pose, model: OdometryModelType, alphas: Alphas) -> Motion:
     """Return the motion that odometry reports as ``displacement`` (the new pose in the frame of the old one).
 
-    Without ``-corrected`` the models take the variance for a standard deviation, as ROS amcl does for compatibility.
+    Without ``-corrected`` the models are those of ROS 1, which takes the variance for a standard deviation, and in ``omni`` also
+    ``odom_alpha1`` for ``odom_alpha4`` and the other way round.
     """
+    if model == "omni":
+        alphas = alphas._replace(
+            rotation_from_rotation=alphas.translation_from_rotation, translation_from_rotation=alphas.rotation_from_rotation
+        )
     parts = _omni(displacement, alphas) if model.startswith("omni") else _diff(displacement, alphas)
     if not model.endswith("-corrected"):
         return parts
@@ -74,7 +79,7 @@ def _diff(displacement: Pose, alphas: Alphas) -> Motion:
 
 
 def _omni(displacement: Pose, alphas: Alphas) -> Motion:
-    """Decompose into a travel in any direction and a rotation that does not depend on it (ROS amcl's omni model)."""
+    """Decompose into a travel in any direction and a rotation that does not depend on it (Nav2's omni model)."""
     travel = math.hypot(displacement.x, displacement.y)
     bearing = math.atan2(displacement.y, displacement.x)
     a1, a2, a3, a4, a5 = alphas
@@ -84,9 +89,9 @@ def _omni(displacement: Pose, alphas: Alphas) -> Motion:
         travel,
         displacement.theta - bearing,
         0.0,
-        a3 * travel**2 + a1 * turned,
-        a4 * turned + a2 * travel**2,
-        a1 * turned + a5 * travel**2,
+        a3 * travel**2 + a4 * turned,
+        a1 * turned + a2 * travel**2,
+        a4 * turned + a5 * travel**2,
     )
 
 
