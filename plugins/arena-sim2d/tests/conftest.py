@@ -11,8 +11,10 @@ from arena_core.testing import component, room
 
 
 def build(body: Robot, *overrides: str) -> Simulator:
+    """Return a simulator with ticks of 0.01 s, so that a control period has ten, and two crowd steps."""
     crowd = component("pedestrians", "social_force", ["pedestrians.reaction=ignore"])
-    simulator: Simulator = component("simulator", "sim2d", overrides, robot=body, pedestrians=crowd)
+    timing = ["simulator.inner_step=0.01", "simulator.crowd_period=0.05"]
+    simulator: Simulator = component("simulator", "sim2d", [*timing, *overrides], robot=body, pedestrians=crowd)
     return simulator
 
 

@@ -43,7 +43,7 @@ OBSTACLE = np.dtype([*((name, np.float64) for name in ("x", "y", "radius")), ("f
 
 
 class Worlds(NamedTuple):
-    """N worlds: ``robots`` (N,), ``people`` (N, P), ``obstacles`` (N, O) with ``sides`` (S, 2, 2), and grid ``grid_of[k]`` of a stack.
+    """N worlds: ``robots`` (N,), ``people`` (N, P), ``obstacles`` (N, O) with ``sides`` (N, S, 2, 2), and grid ``grid_of[k]`` of a stack.
 
     ``touching`` (N, M) tells which things each robot touches: 0 the walls, then its obstacles, from ``first_person`` on its people.
     ``contacts`` (N, E) are the rising edges. ``body`` and ``person`` are put wherever a gap is asked for.

@@ -1,8 +1,6 @@
-"""Static obstacles of N scenarios, checked and tabled for the kernels."""
+"""Static obstacles of a scenario, checked and tabled for the kernels."""
 
 from __future__ import annotations
-
-from collections.abc import Sequence
 
 import numpy as np
 from shapely.geometry import Polygon
@@ -12,20 +10,17 @@ from arena_core import ImpossibleScenario, Obstacle, Scenario
 from arena_sim2d.bodies import OBSTACLE, Floats, Rows
 
 
-def table_obstacles(scenarios: Sequence[Scenario]) -> tuple[Rows, Floats]:
-    """Return the obstacles (N, O) of N scenarios and the sides (S, 2, 2) of all polygons; O is the most that one scenario has.
+def table_obstacles(scenario: Scenario) -> tuple[Rows, Floats]:
+    """Return a scenario's obstacles (O,) and the sides (S, 2, 2) of all its polygons.
 
     Raises ImpossibleScenario for an outline that is no simple polygon.
     """
-    table = np.zeros((len(scenarios), max((len(scenario.obstacles) for scenario in scenarios), default=0)), OBSTACLE)
-    sides: list[Floats] = []
-    for rows, scenario in zip(table, scenarios, strict=True):
-        for place, obstacle in enumerate(scenario.obstacles):
-            added = _sides(scenario, obstacle)
-            first = sum(map(len, sides))
-            rows[place] = (*_disc(obstacle), first, first + len(added))
-            sides.append(added)
-    return table, np.concatenate([np.empty((0, 2, 2)), *sides])
+    table = np.zeros(len(scenario.obstacles), OBSTACLE)
+    sides = [np.empty((0, 2, 2)), *(_sides(scenario, obstacle) for obstacle in scenario.obstacles)]
+    ends = np.cumsum([len(part) for part in sides])
+    for row, obstacle in enumerate(scenario.obstacles):
+        table[row] = (*_disc(obstacle), ends[row], ends[row + 1])
+    return table, np.concatenate(sides)
 
 
 def _disc(obstacle: Obstacle) -> tuple[float, float, float]:

@@ -53,7 +53,7 @@ def scan(worlds: Worlds, device: Scanner, k: int, tick: int, ranges: NDArray[np.
     for i in range(robot.obstacles):
         obstacle = worlds.obstacles[k, i]
         if obstacle.first < obstacle.last:
-            cast_segments(x, y, yaw, device.beams, worlds.sides[obstacle.first : obstacle.last], ranges)
+            cast_segments(x, y, yaw, device.beams, worlds.sides[k, obstacle.first : obstacle.last], ranges)
         else:
             cast_disc(x, y, yaw, device.beams, obstacle.x, obstacle.y, obstacle.radius, ranges)
     for i in range(robot.people):

@@ -22,13 +22,14 @@ from arena_core import (
     Simulator,
     Snapshot,
 )
+from arena_kernels.pool import GridPool
 from arena_sim2d.bodies import Floats, Rows, Worlds
 from arena_sim2d.crossing import take_strides
 from arena_sim2d.motion import chassis
 from arena_sim2d.odometry import wheels
 from arena_sim2d.scanning import scanner
 from arena_sim2d.ticking import measure_gaps, run_ticks, scan_slots
-from arena_sim2d.worlds import begin_all, begin_some, check_starts
+from arena_sim2d.worlds import begin, check_starts, no_worlds
 
 
 class Sim2d(Simulator):
@@ -50,6 +51,7 @@ class Sim2d(Simulator):
         self._wheels = wheels(robot.odometry, robot.holonomic, inner_step)
         self._scanner = scanner(robot.lidar, inner_step)
         self._header = _header(robot)
+        self._pool = GridPool()
         self._edges = (self._crowd_ticks + 1) // 2  # a contact ends a tick after it began at the earliest
         self._scenarios: list[Scenario] = []
         self._contacts: list[tuple[Contact, ...]] = []
@@ -58,22 +60,18 @@ class Sim2d(Simulator):
     def reset(self, scenarios: Sequence[Scenario], slots: NDArray[np.int64] | None = None) -> Snapshot:
         """Begin ``scenarios``: all worlds anew, or only in these ``slots``; raise ImpossibleScenario where a start is blocked."""
         if slots is None:
-            slots = np.arange(len(scenarios))
             self._reset_all(scenarios)
         else:
-            slots = np.asarray(slots, np.int64)
-            self._reset_some(scenarios, slots)
-        check_starts(self._worlds, self._scenarios, slots)
-        scan_slots(self._worlds, self._scanner, self._ranges, slots)
+            self._reset_some(scenarios, np.asarray(slots, np.int64))
         return self._snapshot()
 
     def _reset_all(self, scenarios: Sequence[Scenario]) -> None:
         self._scenarios = list(scenarios)
         self._contacts = [()] * len(scenarios)
         self._phase = 0
-        self._crowd = self._pedestrians.reset(np.arange(len(scenarios)), scenarios, len(scenarios))
-        self._worlds = begin_all(self._robot, scenarios, self._crowd, self._edges)
+        self._worlds = no_worlds(self._robot, scenarios, self._pool)
         self._ranges = np.zeros((len(scenarios), self._robot.lidar.beams), np.float32)
+        self._begin(np.arange(len(scenarios)))
 
     def _reset_some(self, scenarios: Sequence[Scenario], slots: NDArray[np.int64]) -> None:
         if self._phase != 0:
@@ -81,8 +79,14 @@ class Sim2d(Simulator):
         for slot, scenario in zip(slots.tolist(), scenarios, strict=True):
             self._scenarios[slot] = scenario
             self._contacts[slot] = ()
+        self._begin(slots)
+
+    def _begin(self, slots: NDArray[np.int64]) -> None:
+        scenarios = [self._scenarios[slot] for slot in slots.tolist()]
         self._crowd = self._pedestrians.reset(slots, scenarios, len(self._scenarios))
-        self._worlds = begin_some(self._robot, self._worlds, self._scenarios, slots, self._crowd, self._edges)
+        self._worlds = begin(self._worlds, self._scenarios, slots, self._crowd, self._pool, self._edges)
+        check_starts(self._worlds, self._scenarios, slots)
+        scan_slots(self._worlds, self._scanner, self._ranges, slots)
 
     def advance(self, commands: Floats, ticks: int) -> Snapshot:
         """Hold ``commands`` (N, 3) for ``ticks`` inner steps and return what then is."""

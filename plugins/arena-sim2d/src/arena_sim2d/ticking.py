@@ -71,7 +71,7 @@ def _world(worlds: Worlds, k: int) -> World:
     return World(
         walls_of(worlds.stack, worlds.grid_of[k]),
         worlds.obstacles[k],
-        worlds.sides,
+        worlds.sides[k],
         worlds.robots,
         k,
         worlds.people[k],

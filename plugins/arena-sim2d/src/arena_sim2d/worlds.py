@@ -1,16 +1,17 @@
-"""How N worlds begin, all together or single ones anew."""
+"""How worlds begin, all together or single ones anew."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import Crowd, ImpossibleScenario, Robot, Scenario, stream_key
 from arena_kernels.footprint import make_body
-from arena_kernels.grids import stack_grids
-from arena_sim2d.bodies import CONTACT, PERSON, ROBOT, Rows, Worlds
+from arena_kernels.pool import GridPool
+from arena_sim2d.bodies import CONTACT, OBSTACLE, PERSON, ROBOT, Rows, Worlds
 from arena_sim2d.contact import TOLERANCE
 from arena_sim2d.obstacles import table_obstacles
 from arena_sim2d.ticking import measure_gaps
@@ -20,48 +21,68 @@ Slots = NDArray[np.int64]
 THINGS = ("a wall", "an obstacle", "a person")
 
 
-def begin_all(robot: Robot, scenarios: Sequence[Scenario], crowd: Crowd, edges: int) -> Worlds:
-    """Begin N worlds; a robot gains at most ``edges`` contacts with one thing between two looks at them."""
+def no_worlds(robot: Robot, scenarios: Sequence[Scenario], pool: GridPool) -> Worlds:
+    """Return the tables of N worlds in which nothing is yet."""
     total = len(scenarios)
-    stack, grid_of = stack_grids([scenario.world.grid for scenario in scenarios])
-    obstacles, sides = table_obstacles(scenarios)
-    people = table_people(crowd)
-    first_person = 1 + obstacles.shape[1]
-    things = first_person + people.shape[1]
-    worlds = Worlds(
-        stack,
-        grid_of,
-        obstacles,
-        sides,
-        np.zeros(total, ROBOT),
-        people,
-        np.zeros((total, things), np.bool_),
-        np.zeros((total, things * edges), CONTACT),
-        first_person,
-        make_body(robot.footprint.vertices_xy, robot.footprint.radius),
-        make_body(np.empty((0, 2)), 1.0),
+    return Worlds(
+        grid_of=pool.place([scenario.world.grid for scenario in scenarios]),
+        stack=pool.stack,
+        obstacles=np.zeros((total, 0), OBSTACLE),
+        sides=np.zeros((total, 0, 2, 2)),
+        robots=np.zeros(total, ROBOT),
+        people=np.zeros((total, 0), PERSON),
+        touching=np.zeros((total, 1), np.bool_),
+        contacts=np.zeros((total, 0), CONTACT),
+        first_person=1,
+        body=make_body(robot.footprint.vertices_xy, robot.footprint.radius),
+        person=make_body(np.empty((0, 2)), 1.0),
     )
-    for row, scenario, count in zip(worlds.robots, scenarios, crowd.counts.tolist(), strict=True):
-        _begin_robot(row, scenario, count)
-    return worlds
 
 
-def begin_some(robot: Robot, before: Worlds, scenarios: Sequence[Scenario], slots: Slots, crowd: Crowd, edges: int) -> Worlds:
-    """Begin the ``scenarios`` of these ``slots`` anew; all other worlds go on as they are."""
-    worlds = begin_all(robot, scenarios, crowd, edges)
-    kept = np.setdiff1d(np.arange(len(scenarios)), slots)
-    people = min(before.people.shape[1], worlds.people.shape[1])
-    obstacles = min(before.first_person, worlds.first_person)
-    worlds.robots[kept] = before.robots[kept]
-    worlds.people[kept, :people] = before.people[kept, :people]
-    worlds.touching[kept, :obstacles] = before.touching[kept, :obstacles]
-    touched = before.touching[kept, before.first_person :][:, :people]
-    worlds.touching[kept, worlds.first_person : worlds.first_person + people] = touched
-    return worlds
+def begin(worlds: Worlds, scenarios: Sequence[Scenario], slots: Slots, crowd: Crowd, pool: GridPool, edges: int) -> Worlds:
+    """Begin the ``scenarios`` of these ``slots``; all other worlds go on as they are.
+
+    ``crowd`` holds the people of all worlds. A robot gains at most ``edges`` contacts with one thing between two looks at them.
+    """
+    tabled = [table_obstacles(scenarios[slot]) for slot in slots.tolist()]
+    obstacles = _widened(worlds.obstacles, max((len(rows) for rows, _ in tabled), default=0))
+    sides = _widened(worlds.sides, max((len(part) for _, part in tabled), default=0))
+    people = _table_people(crowd)
+    kept = np.setdiff1d(np.arange(len(people)), slots)
+    common = min(people.shape[1], worlds.people.shape[1])
+    people[kept, :common] = worlds.people[kept, :common]
+    for slot, (rows, part) in zip(slots.tolist(), tabled, strict=True):
+        obstacles[slot, : len(rows)], sides[slot, : len(part)] = rows, part
+        _begin_robot(worlds.robots[slot : slot + 1], scenarios[slot], int(crowd.counts[slot]))
+    grid_of = pool.place([scenario.world.grid for scenario in scenarios])
+    begun = worlds._replace(obstacles=obstacles, sides=sides, people=people, grid_of=grid_of, stack=pool.stack)
+    return _keep_touching(worlds, begun._replace(first_person=1 + obstacles.shape[1]), slots, edges)
 
 
-def _begin_robot(row: np.void, scenario: Scenario, people: int) -> None:
+def _widened(table: NDArray[Any], width: int) -> NDArray[Any]:
+    """Return a table (N, W, ...) with room for ``width`` columns; the same one if it has."""
+    if table.shape[1] >= width:
+        return table
+    wide = np.zeros((len(table), width, *table.shape[2:]), table.dtype)
+    wide[:, : table.shape[1]] = table
+    return wide
+
+
+def _keep_touching(before: Worlds, worlds: Worlds, slots: Slots, edges: int) -> Worlds:
+    """Make room for contacts; robots that go on still touch what they touched, though people may have got other numbers."""
+    things = worlds.first_person + worlds.people.shape[1]
+    touching = np.zeros((len(worlds.robots), things), np.bool_)
+    touching[:, : before.first_person] = before.touching[:, : before.first_person]
+    known = before.touching[:, before.first_person :][:, : worlds.people.shape[1]]
+    touching[:, worlds.first_person : worlds.first_person + known.shape[1]] = known
+    touching[slots] = False
+    return worlds._replace(touching=touching, contacts=_widened(worlds.contacts, things * edges))
+
+
+def _begin_robot(row: Rows, scenario: Scenario, people: int) -> None:
+    """Write the robot of a scenario at rest into its row, shape (1,)."""
     start = scenario.start
+    row[...] = np.zeros(1, ROBOT)
     row["x"], row["y"], row["theta"] = start.x, start.y, start.theta
     row["odometry_from_x"], row["odometry_from_y"], row["odometry_from_theta"] = start.x, start.y, start.theta
     row["people"], row["obstacles"] = people, len(scenario.obstacles)
@@ -69,8 +90,8 @@ def _begin_robot(row: np.void, scenario: Scenario, people: int) -> None:
     row["scan_key"] = stream_key(scenario.seed, scenario.name, "lidar")
 
 
-def table_people(crowd: Crowd) -> Rows:
-    """Return the people of N worlds, standing still, (N, P)."""
+def _table_people(crowd: Crowd) -> Rows:
+    """Return the people of N worlds, who have nowhere to go yet, (N, P)."""
     table = np.zeros(crowd.ids.shape, PERSON)
     table["id"], table["radius"] = crowd.ids, crowd.radii
     table["x"], table["y"] = crowd.positions[..., 0], crowd.positions[..., 1]

@@ -1,0 +1,75 @@
+"""A grid stack that grows with the worlds that begin, so that one new world does not copy all others."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_kernels.grids import GridStack, PlacedGrid, stack_grids
+
+FLAT = ("cells", "distance", "reach")
+
+
+class GridPool:
+    """Packs grids as they come into use; ``stack`` holds those in use, and earlier ones until their room is needed."""
+
+    stack: GridStack
+
+    def __init__(self) -> None:
+        self._grids: list[PlacedGrid] = []  # in the order of the stack; kept, so that no id is used again
+
+    def place(self, grids: Sequence[PlacedGrid]) -> NDArray[np.int64]:
+        """Return where in the stack the grids of N worlds are, (N,), packing those that are not there yet."""
+        places = self._places()
+        new = [grid for grid in {id(grid): grid for grid in grids}.values() if id(grid) not in places]
+        if new and not self._append(new):
+            self._repack(grids)
+        places = self._places()
+        return np.array([places[id(grid)] for grid in grids], np.int64)
+
+    def _places(self) -> dict[int, int]:
+        return {id(grid): place for place, grid in enumerate(self._grids)}
+
+    def _append(self, grids: Sequence[PlacedGrid]) -> bool:
+        """Write grids behind those in the stack; False if there is no room."""
+        if not self._grids:
+            return False
+        added, _ = stack_grids(grids)
+        room = {name: (self._used(name), getattr(added, name)) for name in FLAT}
+        if any(used + len(part) > len(getattr(self.stack, name)) for name, (used, part) in room.items()):
+            return False
+        for name, (used, part) in room.items():
+            getattr(self.stack, name)[used : used + len(part)] = part
+        self.stack = _joined(self.stack, added, room["cells"][0], room["reach"][0])
+        self._grids += grids
+        return True
+
+    def _used(self, name: str) -> int:
+        """Return how much of a flat array is taken."""
+        rows, columns = self.stack.shapes[-1]
+        if name == "reach":
+            return int(self.stack.reach_offsets[-1] + 4 * (rows + 1) * (columns + 1))
+        return int(self.stack.offsets[-1] + rows * columns)
+
+    def _repack(self, grids: Sequence[PlacedGrid]) -> None:
+        """Pack the grids in use alone, and if they are several leave as much room again."""
+        self._grids = list({id(grid): grid for grid in grids}.values())
+        self.stack, _ = stack_grids(self._grids)
+        if len(self._grids) > 1:
+            self.stack = self.stack._replace(**{name: _doubled(getattr(self.stack, name)) for name in FLAT})
+
+
+def _doubled(array: NDArray[Any]) -> NDArray[Any]:
+    room = np.empty(2 * len(array), array.dtype)
+    room[: len(array)] = array
+    return room
+
+
+def _joined(stack: GridStack, added: GridStack, cells: int, reach: int) -> GridStack:
+    """Return ``stack`` with the places of ``added``, whose cells and reaches were written from there on."""
+    shifted = added._replace(offsets=added.offsets + cells, reach_offsets=added.reach_offsets + reach)
+    names = [name for name in GridStack._fields if name not in FLAT]
+    return stack._replace(**{name: np.concatenate((getattr(stack, name), getattr(shifted, name))) for name in names})
