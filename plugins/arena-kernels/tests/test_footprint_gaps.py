@@ -5,8 +5,9 @@ from hypothesis import strategies as st
 from shapely.geometry import LineString, Point, Polygon
 from shapely.ops import unary_union
 
-from arena_kernels.footprint import NOTHING, gap_to_cells, gap_to_convex, gap_to_disc, gap_to_polygon, make_body, place
+from arena_kernels.footprint import NOTHING, gap_to_convex, gap_to_disc, gap_to_polygon, make_body, place
 from arena_kernels.grids import stack_grids
+from arena_kernels.walls import gap_to_cells
 
 seeds = st.integers(0, 2**32 - 1)
 BOX = np.array([[0.21, -0.165], [0.21, 0.165], [-0.21, 0.165], [-0.21, -0.165]])

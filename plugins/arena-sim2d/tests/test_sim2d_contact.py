@@ -153,3 +153,19 @@ def test_bodies_never_interpenetrate(simulate, crowded, kinematics, footprint):
             assert snapshot.clearances_people[k] == pytest.approx(max(min(gaps), 0.0), abs=2e-4)
             assert solids.distance(Point(snapshot.crowd.positions[k, 0])) > 0.3 - 1e-3
     assert touched > 10
+
+
+def test_blocked_car_does_not_turn_on_the_spot(simulate, crowded):
+    body = robot("ackermann")
+    tightest = np.tan(body.steering_max) / body.wheelbase
+    simulator = simulate(body)
+    before = simulator.reset([crowded(seed) for seed in range(8)])
+    touched = 0
+    for _ in range(300):
+        after = simulator.advance(np.tile((1.0, 0.0, 2.0), (8, 1)), 1)
+        turned = np.abs((after.poses[:, 2] - before.poses[:, 2] + np.pi) % (2 * np.pi) - np.pi)
+        moved = np.hypot(*(after.poses - before.poses)[:, :2].T)
+        assert (turned <= tightest * moved * (1 + 1e-3) + 1e-12).all()
+        touched += after.in_contact.sum()
+        before = after
+    assert touched > 0

@@ -7,8 +7,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_kernels.footprint import Body, Walls
+from arena_kernels.footprint import Body
 from arena_kernels.grids import GridStack
+from arena_kernels.walls import Walls
 
 Floats = NDArray[np.float64]
 Rows = NDArray[np.void]

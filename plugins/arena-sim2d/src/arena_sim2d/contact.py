@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from arena_kernels.compiled import inner
-from arena_kernels.footprint import NOTHING, Gap, gap_to_walls, place
+from arena_kernels.footprint import NOTHING, Gap, place
+from arena_kernels.walls import gap_to_walls
 from arena_sim2d.bodies import World
 from arena_sim2d.gaps import gap_to_obstacle, gap_to_round
 from arena_sim2d.motion import Velocity

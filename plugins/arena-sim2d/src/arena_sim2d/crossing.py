@@ -9,7 +9,7 @@ from arena_kernels.footprint import disc_like, gap_to_disc, place
 from arena_sim2d.bodies import Floats, Row, Rows, World
 from arena_sim2d.contact import TOLERANCE, note_contact, note_overlaps
 from arena_sim2d.gaps import gap_to_people, gap_to_things, is_clear
-from arena_sim2d.motion import Chassis, Position, Velocity, drive, in_map, next_velocity
+from arena_sim2d.motion import ACKERMANN, Chassis, Position, Velocity, drive, in_map, next_velocity
 
 HALVINGS = 8  # of a blocked motion: the fastest robot then stops within 0.1 mm of what it meets
 
@@ -92,11 +92,11 @@ def _stop_into(person: Row, nx: float, ny: float) -> None:
 
 @inner
 def move_robot(world: World, chassis: Chassis, tick: int, command: Floats, dt: float) -> None:
-    """Drive the robot for a tick; a motion that would end in another body is cut short, and the robot may still turn on the spot."""
+    """Drive the robot for a tick; a motion that would end in another body is cut short; all but cars may still turn on the spot."""
     robot = world.robots[world.k]
     pose = (robot.x, robot.y, robot.theta)
     velocity = next_velocity(chassis, (robot.vx, robot.vy, robot.wz), command, dt)
-    turn = (0.0, 0.0, velocity[2])
+    turn = (0.0, 0.0, 0.0 if chassis.kinematics == ACKERMANN else velocity[2])
     if velocity[0] == 0.0 and velocity[1] == 0.0 and velocity[2] == 0.0:
         _settle(robot, pose, velocity)
     elif _is_free(world, drive(pose, velocity, dt)):
@@ -107,7 +107,7 @@ def move_robot(world: World, chassis: Chassis, tick: int, command: Floats, dt: f
         share = _free_share(world, pose, velocity, dt) if robot.contacts > known else 0.0
         if share > 0.0:
             _settle(robot, drive(pose, velocity, share * dt), turn)
-        elif velocity[2] != 0.0 and (world.body.corners == 1 or _is_free(world, drive(pose, turn, dt))):
+        elif turn[2] != 0.0 and (world.body.corners == 1 or _is_free(world, drive(pose, turn, dt))):
             _settle(robot, drive(pose, turn, dt), turn)
         else:
             _settle(robot, pose, (0.0, 0.0, 0.0))

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from arena_kernels.compiled import inner
-from arena_kernels.footprint import NOTHING, Body, Gap, gap_to_disc, gap_to_polygon, gap_to_walls, walls_beyond
+from arena_kernels.footprint import NOTHING, Body, Gap, gap_to_disc, gap_to_polygon
+from arena_kernels.walls import gap_to_walls, walls_beyond
 from arena_sim2d.bodies import World
 
 

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing, inner
-from arena_kernels.footprint import gap_to_walls, place, walls_of
+from arena_kernels.footprint import place
+from arena_kernels.walls import gap_to_walls, walls_of
 from arena_sim2d.bodies import Floats, World, Worlds
 from arena_sim2d.contact import release_contacts
 from arena_sim2d.crossing import move_people, move_robot
