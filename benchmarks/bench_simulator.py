@@ -32,17 +32,17 @@ from arena_core import (
 
 PEOPLE, STEP, BATCH, REPEATS = 10, 0.1, 64, 7
 GOALS = {"navground ORCA + lidar": 0.6, "ir-sim social force": 1 / 200}
-CALLS = {"batch": 40, "single": 400, "navground ORCA + lidar": 3000, "ir-sim social force": 60}
+CALLS = {"batch": 120, "default": 120, "single": 2000, "navground ORCA + lidar": 3000, "ir-sim social force": 60}
 DOORS = ((0.0, 4.25), (5.75, 14.25), (15.75, 20.0))
 BORDER = [((0, 0), (20, 0)), ((20, 0), (20, 20)), ((20, 20), (0, 20)), ((0, 20), (0, 0))]
 WALLS = BORDER + [((a, 10), (b, 10)) for a, b in DOORS] + [((10, a), (10, b)) for a, b in DOORS]
 
 
-def robot() -> Robot:
-    """Return a round robot with a noisy lidar of 10 m and noisy odometry at 50 Hz."""
-    lidar = Lidar(360, -np.pi, 2.0 * np.pi / 360, 0.1, 10.0, STEP, 0.01, Pose(0.0, 0.0))
+def robot(noise: float) -> Robot:
+    """Return a round robot with a lidar of 10 m and odometry at 50 Hz; ``noise`` scales that of both."""
+    lidar = Lidar(360, -np.pi, 2.0 * np.pi / 360, 0.1, 10.0, STEP, 0.01 * noise, Pose(0.0, 0.0))
     limits = VelocityLimits(-0.5, 1.0, 0.0, 2.0, 2.0, 0.0, 4.0)
-    return Robot("round", "differential", Footprint.circle(0.3), limits, lidar, OdometryModel(0.02, 0.1, 0.1, 0.1, 0.1), STEP)
+    return Robot("round", "differential", Footprint.circle(0.3), limits, lidar, OdometryModel(0.02, *[0.1 * noise] * 4), STEP)
 
 
 def scenario(seed: int, world: World) -> Scenario:
@@ -55,21 +55,21 @@ def scenario(seed: int, world: World) -> Scenario:
     return Scenario(f"rooms/{seed}", seed, world, Pose(*start), Pose(1.0, 1.0), people, (), 0.3, 180.0)
 
 
-def build() -> Simulator:
-    """Return the simulator with the social-force crowd, both as configured by default."""
-    registry, body = load_registry(), robot()
+def build(noise: float, **crowd_settings: float) -> Simulator:
+    """Return the simulator with the social-force crowd, both as configured by default but for the settings given."""
+    registry, body = load_registry(), robot(noise)
 
     def preset(package: str, group: str, name: str) -> Any:
         return yaml.safe_load((files(package) / group / f"{name}.yaml").read_text())
 
-    crowd = registry.build("pedestrians", preset("arena_pedsim.conf", "pedestrians", "social_force"))
+    crowd = registry.build("pedestrians", preset("arena_pedsim.conf", "pedestrians", "social_force") | crowd_settings)
     simulator: Simulator = registry.build("simulator", preset("arena_sim2d.conf", "simulator", "sim2d"), robot=body, pedestrians=crowd)
     return simulator
 
 
-def ours(worlds: int, calls: int) -> Callable[[], None]:
+def ours(simulator: Simulator, worlds: int, calls: int) -> Callable[[], None]:
     """Return steps of so many worlds, each with its own people."""
-    simulator, world = build(), World("rooms", rooms())
+    world = World("rooms", rooms())
     simulator.reset([scenario(seed, world) for seed in range(worlds)])
     commands, ticks = np.tile((0.3, 0.0, 0.3), (worlds, 1)), round(STEP / simulator.inner_step)
 
@@ -157,8 +157,16 @@ PEERS = {"navground ORCA + lidar": ("navground", navground), "ir-sim social forc
 
 
 def measure() -> list[dict[str, Any]]:
-    """Return a row for each peer that is installed against a world of a batch of 64, and one for a single world."""
-    runs = {"batch": ours(BATCH, CALLS["batch"]), "single": ours(1, CALLS["single"])}
+    """Return a row for each peer that is installed, both doing the same, and rows for the simulator as configured by default.
+
+    Like the peers, the first senses without noise and steps its crowd once a control step; it does check contacts, keeps bodies
+    apart and measures clearances.
+    """
+    runs = {
+        "batch": ours(build(0.0, longest_step=STEP), BATCH, CALLS["batch"]),
+        "default": ours(build(1.0), BATCH, CALLS["batch"]),
+        "single": ours(build(1.0), 1, CALLS["single"]),
+    }
     for name, (module, make) in PEERS.items():
         if find_spec(module):
             runs[name] = make()
@@ -166,10 +174,11 @@ def measure() -> list[dict[str, Any]]:
             print(f"{module} is not installed: simulator not compared with {name}")
     times = interleave(runs, REPEATS)
     ms = {name: 1e3 * median(times[name]) / CALLS[name] for name in runs}
-    ms["batch"] /= BATCH
-    what = f"control step, 360 beams, {PEOPLE} people, a world of a batch of {BATCH}"
-    rows = [_row(what, ms["batch"], name, ms[name]) for name in PEERS if name in ms] or [_row(what, ms["batch"])]
-    return [*rows, _row(f"control step, 360 beams, {PEOPLE} people, a single world", ms["single"])]
+    what = f"control step, 360 beams, {PEOPLE} people"
+    batch = ms["batch"] / BATCH
+    rows = [_row(f"{what}, of a batch of {BATCH}", batch, name, ms[name]) for name in PEERS if name in ms] or [_row(what, batch)]
+    with_noise = _row(f"{what}, of a batch of {BATCH}, noise, two crowd steps", ms["default"] / BATCH)
+    return [*rows, with_noise, _row(f"{what}, single, noise, two crowd steps", ms["single"])]
 
 
 def _row(what: str, ours_ms: float, peer: str | None = None, peer_ms: float | None = None) -> dict[str, Any]:
