@@ -192,8 +192,8 @@ class Navigator:
         return (Event(stamp, "replan", reason),)
 
     def _planning_grid(self, reason: str, local_map: Callable[[], Costmap]) -> OccupancyGrid:
-        """Return the static map, or what the scans have shown where that is all there is or stands in the way."""
-        if self.mission.map is not None and reason != "blocked":
+        """Return the static map for the first path; later, and where there is no map, what the scans have shown counts too."""
+        if self.mission.map is not None and reason == "start":
             return self.mission.map
         local_map()
         return self.local_map.planning_grid(self.mission.goal)
