@@ -47,7 +47,7 @@ def test_the_order_of_keys_does_not_make_a_cell(config):
 def test_the_control_period_is_the_robots_unless_the_planner_has_one(config):
     assert build_benchmark(config, load_registry()).navigator.control_period == config["robot"]["control_period"]
     assert build_benchmark(changed(config, "planner.control_period", None), load_registry()).navigator.control_period == 0.1
-    assert build_benchmark(changed(config, "planner.control_period", 0.05), load_registry()).navigator.control_period == 0.05
+    assert build_benchmark(changed(config, "planner.control_period", 0.2), load_registry()).navigator.control_period == 0.2
 
 
 @pytest.mark.parametrize("period", [-0.1, "fast", 0.004, 0.015])

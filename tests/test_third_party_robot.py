@@ -28,7 +28,7 @@ ROBOT = """
       angle_increment: 0.01745  # [rad]
       range_min: 0.05  # [m]
       range_max: 12.0  # [m]
-      period: 0.05  # [s]
+      period: 0.1  # [s]
       noise_std: 0.01  # [m]
       mount: {x: 0.2, y: 0.0, theta: 0.0}
     odometry:
