@@ -3,10 +3,11 @@ import pytest
 
 from arena_core import Costmap, Pose, Twist
 from arena_dwa.approach import ClosingSpeeds, approach_cost, lack
-from arena_dwa.parameters import Approach, Body, Window
+from arena_dwa.parameters import Approach, Body
 from arena_dwa.trajectory import stand_at
+from arena_kernels.window import Window, outline_of
 
-DISC = Body(0.113, 0.113, np.empty((0, 2)), 0.03, 0.25, 0.2)
+DISC = Body(outline_of(None, 0.113, 0.113, 0.05), 0.03, 0.25, 0.2)
 CRITIC = Approach(1.0, 2.0, 0.4)
 AHEAD = [(0.1 * k, 0.0) for k in range(40)]
 

@@ -4,9 +4,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arena_dwa.map_grid import UNSEEN, blocked_cells, cost_fields, interpolated, map_grids, path_cells, spread
-from arena_dwa.parameters import Body, Scales, Window
+from arena_dwa.parameters import Body, Scales
+from arena_kernels.window import Window, outline_of
 
-BODY = Body(0.113, 0.113, np.empty((0, 2)), 0.03, 0.25, 0.2)
+BODY = Body(outline_of(None, 0.113, 0.113, 0.05), 0.03, 0.25, 0.2)
 
 
 GOAL_ONLY = Scales(0.0, 2.0, 0.0, True, 0.325, 0.0, 0.0, 0.0)

@@ -3,15 +3,16 @@ import math
 import numpy as np
 import pytest
 
-from arena_dwa.obstacles import REJECTED, clearance, footprint_outline, obstacle_cost, outline_growth
-from arena_dwa.parameters import Body, Limits, RollOut, Window
+from arena_dwa.obstacles import REJECTED, obstacle_cost, outline_growth
+from arena_dwa.parameters import Body, Limits, RollOut
 from arena_dwa.trajectory import stand_at
+from arena_kernels.window import Window, clearance, outline_of
 
 LIMITS = Limits(-0.22, 0.22, 0.0, 2.84, 0.0, 0.22, 0.0, 2.5, 0.0, 3.2, 0.0)
 ROLL_OUT = RollOut(1.5, 0.05, 0.2, 0.2, 20, 0, 40)
-DISC = Body(0.113, 0.113, np.empty((0, 2)), 0.03, 0.25, 0.2)
+DISC = Body(outline_of(None, 0.113, 0.113, 0.05), 0.03, 0.25, 0.2)
 JACKAL = np.array([[0.21, -0.165], [0.21, 0.165], [-0.21, 0.165], [-0.21, -0.165]])
-BOX = Body(math.hypot(0.21, 0.165), 0.165, footprint_outline(JACKAL, 0.05), 0.02, 0.25, 0.2)
+BOX = Body(outline_of(JACKAL, math.hypot(0.21, 0.165), 0.165, 0.05), 0.02, 0.25, 0.2)
 ORIGIN = stand_at(0.0, 0.0, 0.0)
 
 
@@ -21,7 +22,7 @@ def window_of(costmap):
 
 def cost(window, body, sample, pose=(0.0, 0.0, 0.0), mean=False):
     stand = stand_at(*pose)
-    start = clearance(window, body, stand, 1.0)
+    start = clearance(window, body.outline, *stand, 1.0)
     return obstacle_cost(window, body, LIMITS, ROLL_OUT, 0.1, stand, sample, start, mean)
 
 
@@ -48,20 +49,20 @@ def test_fast_sample_is_followed_until_it_could_have_stopped(costmap):
 
 def test_polygon_passes_a_gap_that_its_circumscribed_disc_does_not(costmap):
     window = window_of(costmap((-1.0, 1.0, 0.25, 0.6), (-1.0, 1.0, -0.6, -0.25)))
-    disc = BOX._replace(outline_xy=np.empty((0, 2)), inscribed_radius=BOX.radius)
+    disc = outline_of(None, BOX.outline.radius, BOX.outline.radius, 0.05)
     assert cost(window, BOX, (0.2, 0.0, 0.0)) > 0.0
-    assert clearance(window, disc, ORIGIN, 1.0) < 0.0 < clearance(window, BOX, ORIGIN, 1.0)
+    assert clearance(window, disc, *ORIGIN, 1.0) < 0.0 < clearance(window, BOX.outline, *ORIGIN, 1.0)
 
 
 def test_polygon_across_a_gap_is_in_collision(costmap):
     window = window_of(costmap((-1.0, 1.0, 0.2, 0.6), (-1.0, 1.0, -0.6, -0.2)))
-    assert clearance(window, BOX, ORIGIN, 1.0) > 0.0
-    assert clearance(window, BOX, stand_at(0.0, 0.0, math.pi / 2), 1.0) < 0.0
+    assert clearance(window, BOX.outline, *ORIGIN, 1.0) > 0.0
+    assert clearance(window, BOX.outline, *stand_at(0.0, 0.0, math.pi / 2), 1.0) < 0.0
 
 
 def test_robot_in_contact_may_drive_away_but_not_on(costmap):
     window = window_of(costmap((0.1, 0.5, -1.0, 1.0)))
-    assert clearance(window, DISC, ORIGIN, 1.0) < 0.0
+    assert clearance(window, DISC.outline, *ORIGIN, 1.0) < 0.0
     assert cost(window, DISC, (-0.1, 0.0, 0.0)) > 0.0
     assert cost(window, DISC, (0.1, 0.0, 0.0)) == REJECTED
 
@@ -77,10 +78,3 @@ def test_mean_cost_falls_on_the_way_out_where_the_greatest_stays(costmap):
     window = window_of(costmap((0.25, 0.5, -1.0, 1.0)))
     away, stay = (-0.22, 0.0, 0.0), (0.0, 0.0, 0.0)
     assert cost(window, DISC, away, mean=True) < cost(window, DISC, stay, mean=True) - 10.0
-
-
-def test_outline_points_lie_on_the_edges_without_gaps():
-    points = footprint_outline(JACKAL, 0.05)
-    on_edge = np.isclose(np.abs(points[:, 0]), 0.21) | np.isclose(np.abs(points[:, 1]), 0.165)
-    assert on_edge.all()
-    assert (np.hypot(*(np.roll(points, -1, axis=0) - points).T) <= 0.05 + 1e-9).all()

@@ -8,9 +8,9 @@ import numpy as np
 from numba import njit
 
 from arena_core import Costmap
-from arena_dwa.obstacles import clearance
-from arena_dwa.parameters import Approach, Body, FieldArray, Window
+from arena_dwa.parameters import Approach, Body, FieldArray
 from arena_dwa.trajectory import Stand, arc, moved
+from arena_kernels.window import Window, clearance
 
 STEPS = 10  # that an arc is looked at, evenly over the critic's time
 
@@ -52,7 +52,7 @@ def approach_cost(
             break
         if speeds[row, column] > 0.0:
             nearer = speeds[row, column] * lapse * k
-            gap = clearance(window, body, stand, approach.margin + nearer)
+            gap = clearance(window, body.outline, *stand, approach.margin + nearer)
             total += lack(gap - nearer, approach.margin) - lack(gap, approach.margin)
     return total / STEPS
 

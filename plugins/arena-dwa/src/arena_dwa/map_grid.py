@@ -8,7 +8,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from arena_dwa.parameters import Body, FieldArray, FloatArray, MapGrids, Scales, Window
+from arena_dwa.parameters import Body, FieldArray, FloatArray, MapGrids, Scales
+from arena_kernels.window import Window
 
 UNSEEN = -1
 WALL = -2
@@ -71,13 +72,13 @@ def blocked_cells(window: Window, body: Body, x: float, y: float) -> NDArray[np.
     """Return the flat bordered grid: WALL where the robot's centre cannot be, UNSEEN elsewhere and under the robot itself."""
     rows, columns = window.distance.shape
     cells = np.full((rows + 2) * (columns + 2), WALL, np.int32)
-    least = np.float32(body.inscribed_radius)
+    least = np.float32(body.outline.inscribed_radius)
     for row in range(rows):
         start = (row + 1) * (columns + 2) + 1
         for column in range(columns):
             if window.distance[row, column] >= least:
                 cells[start + column] = UNSEEN
-    reach = math.ceil(body.inscribed_radius / window.resolution)
+    reach = math.ceil(body.outline.inscribed_radius / window.resolution)
     centre = clamped_index(window, x, y)
     centre_row, centre_column = centre // (columns + 2), centre % (columns + 2)
     for row in range(max(1, centre_row - reach), min(rows, centre_row + reach) + 1):

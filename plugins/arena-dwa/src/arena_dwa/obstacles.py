@@ -4,26 +4,13 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 from numba import njit
 
-from arena_dwa.map_grid import interpolated
-from arena_dwa.parameters import Body, FloatArray, Limits, RollOut, Window
+from arena_dwa.parameters import Body, Limits, RollOut
 from arena_dwa.trajectory import Stand, arc, moved
+from arena_kernels.window import Window, clearance
 
 REJECTED = -1.0
-
-
-@njit(cache=True)
-def obstacle_distance(window: Window, x: float, y: float) -> float:
-    """Return the distance from a position to the nearest lethal cell's edge, m, interpolated between cells; outside the window -inf."""
-    rows, columns = window.distance.shape
-    u, v = (x - window.origin_x) / window.resolution - 0.5, (y - window.origin_y) / window.resolution - 0.5
-    if u < -0.5 or v < -0.5 or u >= columns - 0.5 or v >= rows - 0.5:
-        return -math.inf
-    if math.isinf(window.distance[0, 0]):  # a field is infinite everywhere or nowhere
-        return math.inf
-    return interpolated(window.distance, window, x, y) - 0.5 * window.resolution
 
 
 @njit(cache=True)
@@ -33,25 +20,11 @@ def cell_cost(window: Window, x: float, y: float) -> float:
 
 
 @njit(cache=True)
-def clearance(window: Window, body: Body, stand: Stand, enough: float) -> float:
-    """Return how far the outline is from the nearest lethal cell, m, negative in collision; beyond ``enough`` a lower bound will do."""
-    x, y, c, s = stand
-    centre = obstacle_distance(window, x, y)
-    if len(body.outline_xy) == 0 or centre - body.radius > enough:
-        return centre - body.radius
-    least = centre - body.inscribed_radius
-    for i in range(len(body.outline_xy)):
-        px, py = body.outline_xy[i]
-        least = min(least, obstacle_distance(window, x + c * px - s * py, y + s * px + c * py))
-    return least
-
-
-@njit(cache=True)
 def outline_growth(body: Body, limits: Limits, speed: float) -> float:
     """Return how far the outline is widened at ``speed``, m: ROS's scaling_speed and max_scaling_factor."""
     if speed <= body.scaling_speed or limits.trans_max <= body.scaling_speed:
         return 0.0
-    return body.inscribed_radius * body.max_scaling_factor * (speed - body.scaling_speed) / (limits.trans_max - body.scaling_speed)
+    return body.outline.inscribed_radius * body.max_scaling_factor * (speed - body.scaling_speed) / (limits.trans_max - body.scaling_speed)
 
 
 @njit(cache=True)
@@ -94,19 +67,9 @@ def obstacle_cost(
     total, greatest = 0.0, 0.0
     for _ in range(steps):
         stand = moved(stand, step)
-        if clearance(window, body, stand, allowed) < allowed:
+        if clearance(window, body.outline, *stand, allowed) < allowed:
             return REJECTED
         cost = cell_cost(window, stand[0], stand[1])
         total += cost
         greatest = max(greatest, cost)
     return total / steps if mean else greatest
-
-
-def footprint_outline(vertices_xy: FloatArray, spacing: float) -> FloatArray:
-    """Return points along a polygon's edges, at most ``spacing`` m apart, (S, 2)."""
-    points = [(0.0, 0.0)]
-    for i in range(len(vertices_xy)):
-        a, b = vertices_xy[i], vertices_xy[(i + 1) % len(vertices_xy)]
-        parts = math.ceil(math.hypot(b[0] - a[0], b[1] - a[1]) / spacing)
-        points.extend([(a[0] + (b[0] - a[0]) * k / parts, a[1] + (b[1] - a[1]) * k / parts) for k in range(parts)])
-    return np.array(points[1:]).reshape(-1, 2)

@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from arena_kernels.window import Outline
+
 FloatArray = NDArray[np.float64]
 FieldArray = NDArray[np.float32]
 
@@ -43,14 +45,12 @@ class RollOut(NamedTuple):
 
 
 class Body(NamedTuple):
-    """The robot's outline: ``outline_xy`` (S, 2) points along a polygon, empty for a circle; radii and padding in m.
+    """The robot's outline, and the padding (m) that it keeps.
 
     The outline grows with speed above ``scaling_speed`` (m/s), by the fraction ``max_scaling_factor`` at full speed.
     """
 
-    radius: float
-    inscribed_radius: float
-    outline_xy: FloatArray
+    outline: Outline
     padding: float
     scaling_speed: float
     max_scaling_factor: float
@@ -85,16 +85,6 @@ class Settings(NamedTuple):
     body: Body
     scales: Scales
     approach: Approach
-
-
-class Window(NamedTuple):
-    """A rolling costmap: ``costs`` (H, W) uint8, ``distance`` (H, W) m, and where its lower left corner lies in ``map``, m."""
-
-    costs: NDArray[np.uint8]
-    distance: FieldArray
-    resolution: float
-    origin_x: float
-    origin_y: float
 
 
 class MapGrids(NamedTuple):

@@ -23,12 +23,12 @@ from arena_core import (
 )
 from arena_dwa.approach import ClosingSpeeds
 from arena_dwa.map_grid import map_grids
-from arena_dwa.obstacles import footprint_outline
 from arena_dwa.oscillation import OscillationFlags
-from arena_dwa.parameters import Approach, Body, FieldArray, FloatArray, Limits, RollOut, Scales, Settings, Window
+from arena_dwa.parameters import Approach, Body, FieldArray, FloatArray, Limits, RollOut, Scales, Settings
 from arena_dwa.search import cheapest_sample
 from arena_dwa.turning import TurnInPlace
 from arena_dwa.window import dynamic_window
+from arena_kernels.window import Window, outline_of
 
 OUTLINE_SPACING = 0.05  # m, the side of a usual costmap cell: no cell slips between two points
 
@@ -155,8 +155,9 @@ def _turn_radius(robot: Robot) -> float:
 
 def _body(robot: Robot, padding: float, scaling_speed: float, max_scaling_factor: float) -> Body:
     footprint = robot.footprint
-    outline = np.empty((0, 2)) if footprint.is_circle else footprint_outline(footprint.vertices_xy, OUTLINE_SPACING)
-    return Body(footprint.radius, footprint.inscribed_radius, outline, padding, scaling_speed, max_scaling_factor)
+    vertices = None if footprint.is_circle else footprint.vertices_xy
+    outline = outline_of(vertices, footprint.radius, footprint.inscribed_radius, OUTLINE_SPACING)
+    return Body(outline, padding, scaling_speed, max_scaling_factor)
 
 
 def _window(observation: Observation) -> Window:

@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 
 from arena_dwa.approach import approach_cost
 from arena_dwa.map_grid import cost_fields, interpolated
-from arena_dwa.obstacles import REJECTED, clearance, obstacle_cost
+from arena_dwa.obstacles import REJECTED, obstacle_cost
 from arena_dwa.oscillation import oscillates
-from arena_dwa.parameters import FieldArray, FloatArray, MapGrids, Settings, Window
+from arena_dwa.parameters import FieldArray, FloatArray, MapGrids, Settings
 from arena_dwa.trajectory import arc, moved, stand_at
 from arena_dwa.window import axis_samples, driven, turn_samples
+from arena_kernels.window import Window, clearance
 
 
 @njit(cache=True)
@@ -36,7 +37,7 @@ def cheapest_sample(
     """
     limits, roll_out, body, scales, approach = settings
     start = stand_at(state[0], state[1], state[2])
-    gap = clearance(window, body, start, body.padding)
+    gap = clearance(window, body.outline, *start, body.padding)
     aligning = math.hypot(path[-1, 0] - state[0], path[-1, 1] - state[1]) > scales.forward_point_distance
     place, front = cost_fields(grids, window, scales, aligning)
     ahead = scales.forward_point_distance, 0.0, 1.0, 0.0
@@ -57,7 +58,7 @@ def cheapest_sample(
                     continue
                 cost += scales.occdist_scale * near
                 if gap < body.padding:
-                    cost += scales.escape_scale * max(0.0, body.padding - clearance(window, body, end, body.padding))
+                    cost += scales.escape_scale * max(0.0, body.padding - clearance(window, body.outline, *end, body.padding))
                 if approach.scale > 0.0 and cost < best[3]:
                     cost += approach.scale * approach_cost(window, body, speeds, approach, start, (vx, vy, wz))
                 if cost < best[3]:

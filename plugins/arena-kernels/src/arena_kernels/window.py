@@ -1,0 +1,124 @@
+"""A robot's outline in its rolling window: how far it is from what stands there, and the window without what moves."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_kernels.compiled import borrowing
+from arena_kernels.distance import distance_field
+
+LETHAL = 254  # the cost of a cell that holds an obstacle, as in costmap_2d
+HALF_DIAGONAL = 0.7072  # of a cell, rounded up
+
+
+class Window(NamedTuple):
+    """A rolling costmap, axis-aligned in ``map``: ``costs`` (H, W), ``distance`` (H, W) m, and its lower left corner, m.
+
+    ``distance`` is that of a cell's centre to the nearest lethal cell's centre, infinite everywhere when no cell is lethal.
+    """
+
+    costs: NDArray[np.uint8]
+    distance: NDArray[np.float32]
+    resolution: float
+    origin_x: float
+    origin_y: float
+
+
+class Outline(NamedTuple):
+    """A footprint: points (S, 2) m along a polygon's edges, none for a circle, and its radii, m."""
+
+    radius: float
+    inscribed_radius: float
+    points_xy: NDArray[np.float64]
+
+
+def outline_of(vertices_xy: NDArray[np.float64] | None, radius: float, inscribed_radius: float, spacing: float) -> Outline:
+    """Return a circle's outline, or a polygon's with points at most ``spacing`` m apart."""
+    points = np.empty((0, 2)) if vertices_xy is None else points_along(vertices_xy, spacing)
+    return Outline(float(radius), float(inscribed_radius), points)
+
+
+def points_along(vertices_xy: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
+    """Return points along a polygon's edges, at most ``spacing`` m apart, (S, 2)."""
+    edges = zip(vertices_xy, np.roll(vertices_xy, -1, axis=0), strict=True)
+    return np.concatenate([_edge(start, end, spacing) for start, end in edges])
+
+
+def _edge(start: NDArray[np.float64], end: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
+    parts = max(1, math.ceil(math.dist(start, end) / spacing))
+    return np.linspace(start, end, parts, endpoint=False)
+
+
+def without_discs(window: Window, positions_xy: NDArray[np.float64], radii: NDArray[np.float64], margin: float) -> Window:
+    """Return the window without the lethal cells of discs that are ``margin`` m larger than ``radii`` (K,) at ``positions_xy`` (K, 2).
+
+    What a tracker follows as moving must not stand in the way as well. The distance field is made anew; costs of the cells taken
+    out are 0, those around them stay.
+    """
+    if len(radii) == 0:
+        return window
+    costs = window.costs.copy()
+    if clear_discs(costs, window.resolution, window.origin_x, window.origin_y, positions_xy, radii, float(margin)) == 0:
+        return window
+    return window._replace(costs=costs, distance=distance_field(costs >= LETHAL, window.resolution))
+
+
+@borrowing
+def clear_discs(
+    costs: NDArray[np.uint8],
+    resolution: float,
+    origin_x: float,
+    origin_y: float,
+    positions_xy: NDArray[np.float64],
+    radii: NDArray[np.float64],
+    margin: float,
+) -> int:
+    """Set the lethal cells whose square touches a disc to 0 and return how many there were."""
+    rows, columns = costs.shape
+    cleared = 0
+    for k in range(len(radii)):
+        reach = radii[k] + margin + HALF_DIAGONAL * resolution
+        u, v = (positions_xy[k, 0] - origin_x) / resolution - 0.5, (positions_xy[k, 1] - origin_y) / resolution - 0.5
+        cells = reach / resolution
+        for row in range(max(0, math.ceil(v - cells)), min(rows - 1, math.floor(v + cells)) + 1):
+            for column in range(max(0, math.ceil(u - cells)), min(columns - 1, math.floor(u + cells)) + 1):
+                if costs[row, column] >= LETHAL and (row - v) ** 2 + (column - u) ** 2 <= cells**2:
+                    costs[row, column] = 0
+                    cleared += 1
+    return cleared
+
+
+@borrowing
+def distance_at(window: Window, x: float, y: float) -> float:
+    """Return the distance from a position to the nearest lethal cell's edge, m, interpolated between cells; outside the window -inf."""
+    rows, columns = window.distance.shape
+    u, v = (x - window.origin_x) / window.resolution - 0.5, (y - window.origin_y) / window.resolution - 0.5
+    if u < -0.5 or v < -0.5 or u >= columns - 0.5 or v >= rows - 0.5:
+        return -math.inf
+    if math.isinf(window.distance[0, 0]):  # a field is infinite everywhere or nowhere
+        return math.inf
+    column, row = min(max(int(u), 0), columns - 2), min(max(int(v), 0), rows - 2)
+    u, v = min(max(u - column, 0.0), 1.0), min(max(v - row, 0.0), 1.0)
+    below = window.distance[row, column] * (1.0 - u) + window.distance[row, column + 1] * u
+    above = window.distance[row + 1, column] * (1.0 - u) + window.distance[row + 1, column + 1] * u
+    return below * (1.0 - v) + above * v - 0.5 * window.resolution  # type: ignore[no-any-return]
+
+
+@borrowing
+def clearance(window: Window, outline: Outline, x: float, y: float, cosine: float, sine: float, enough: float) -> float:
+    """Return how far an outline at a pose is from the nearest lethal cell, m, negative in collision, -inf outside the window.
+
+    Beyond ``enough`` a lower bound will do, which spares the look along a polygon's edges.
+    """
+    centre = distance_at(window, x, y)
+    if len(outline.points_xy) == 0 or centre - outline.radius > enough:
+        return centre - outline.radius
+    least = centre - outline.inscribed_radius
+    for i in range(len(outline.points_xy)):
+        px, py = outline.points_xy[i]
+        least = min(least, distance_at(window, x + cosine * px - sine * py, y + sine * px + cosine * py))
+    return least
