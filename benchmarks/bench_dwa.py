@@ -11,14 +11,15 @@ import numpy as np
 from timing import interleave
 
 from arena_dwa.map_grid import map_grids
-from arena_dwa.parameters import Approach, Body, Limits, MapGrids, RollOut, Scales, Settings, Window
+from arena_dwa.parameters import Approach, Body, Limits, MapGrids, RollOut, Scales, Settings
 from arena_dwa.search import cheapest_sample
 from arena_dwa.window import axis_samples, dynamic_window
 from arena_kernels.distance import distance_field
+from arena_kernels.window import Window, outline_of
 
 LIMITS = Limits(-0.5, 1.0, 0.0, 2.0, 0.0, 1.0, 0.0, 100.0, 0.0, 100.0, 0.0)
 ROLL_OUT = RollOut(1.7, 0.1, 0.2, 0.2, 20, 1, 40)
-BODY = Body(0.2, 0.2, np.empty((0, 2)), 0.02, 0.25, 0.2)
+BODY = Body(outline_of(None, 0.2, 0.2, 0.05), 0.02, 0.25, 0.2)
 SCALES = Scales(32.0, 20.0, 0.02, True, 0.325, 0.0, 30.0, 100.0)
 SETTINGS = Settings(LIMITS, ROLL_OUT, BODY, SCALES, Approach(0.0, 1.0, 1.0))
 NOTHING_MOVES = np.zeros((120, 120), np.float32)
@@ -55,7 +56,7 @@ def search(window: Window, path: np.ndarray, state: np.ndarray, grids: MapGrids)
 def vectorised_step(window: Window, path: np.ndarray, state: np.ndarray, grids: MapGrids) -> np.ndarray:
     """Choose a velocity in numpy, map grids included."""
     seeds = grids.path == 0, grids.goal == 0
-    blocked = np.pad(window.distance < BODY.inscribed_radius, 1, constant_values=True)
+    blocked = np.pad(window.distance < BODY.outline.inscribed_radius, 1, constant_values=True)
     waves = [_dilate(blocked, seed.reshape(blocked.shape)) for seed in seeds]
     return vectorised_search(window, path, state, MapGrids(waves[0].ravel(), waves[1].ravel(), waves[1].ravel()))
 
@@ -91,8 +92,9 @@ def vectorised_search(window: Window, path: np.ndarray, state: np.ndarray, grids
     times = np.arange(1, STEPS + 1) * ROLL_OUT.sim_time / STEPS
     x, y, theta = _poses(state, vx[:, None], wz[:, None], times)
     rows, columns = _cells(window, x, y)
-    growth = BODY.max_scaling_factor * BODY.radius * np.clip((np.abs(vx) - BODY.scaling_speed) / (1.0 - BODY.scaling_speed), 0.0, None)
-    gaps = window.distance[rows, columns] - 0.025 - BODY.radius
+    faster = np.clip((np.abs(vx) - BODY.scaling_speed) / (1.0 - BODY.scaling_speed), 0.0, None)
+    growth = BODY.max_scaling_factor * BODY.outline.radius * faster
+    gaps = window.distance[rows, columns] - 0.025 - BODY.outline.radius
     free = (gaps >= (growth + BODY.padding)[:, None]).all(axis=1)
     cost = SCALES.occdist_scale * window.costs[rows, columns].mean(axis=1) + SCALES.reverse_scale * np.maximum(0.0, -vx)
     front_x = x[:, -1] + SCALES.forward_point_distance * np.cos(theta[:, -1])
