@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from arena_core import generator
 
 FloatArray = NDArray[np.float64]
-Method = Literal["BCa bootstrap", "Wilson", "none"]
+Method = Literal["BCa bootstrap", "Wilson", "Agresti-Min", "none"]
 
 RESAMPLES = 5000  # Efron and Tibshirani 1993, section 14.3, ask for 1000 or more
 Z95 = 1.959963984540054  # standard normal quantile of 0.975
@@ -53,6 +53,26 @@ def estimates(columns: Sequence[ArrayLike], proportions: Sequence[bool]) -> list
 def estimate(values: ArrayLike, proportion: bool = False) -> Estimate:
     """Estimate one mean."""
     return estimates([values], [proportion])[0]
+
+
+def difference(values: ArrayLike, baseline: ArrayLike, proportion: bool = False) -> Estimate:
+    """Estimate the mean of ``values - baseline`` over the pairs in which both are defined."""
+    differences = _defined(np.asarray(values, dtype=np.float64) - np.asarray(baseline, dtype=np.float64))
+    if len(differences) < 2:
+        return estimate(differences)
+    return _agresti_min(differences) if proportion else estimate(differences)
+
+
+def _agresti_min(differences: FloatArray) -> Estimate:
+    """Return the interval of a difference of paired proportions (Agresti and Min 2005): half a pair is added to each kind.
+
+    Unlike a bootstrap it is no point when all pairs are alike.
+    """
+    n = len(differences)
+    won, lost = (differences > 0.0).sum() + 0.5, (differences < 0.0).sum() + 0.5
+    centre = (won - lost) / (n + 2)
+    half = Z95 * math.sqrt(won + lost - (won - lost) ** 2 / (n + 2)) / (n + 2)
+    return Estimate(float(differences.mean()), max(-1.0, float(centre - half)), min(1.0, float(centre + half)), n, "Agresti-Min")
 
 
 def _defined(column: ArrayLike) -> FloatArray:

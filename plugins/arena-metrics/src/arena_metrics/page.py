@@ -27,7 +27,9 @@ CELLS_COMPARED = 12  # columns of that table
 PACKAGES = ("arena-", "numpy", "numba", "scipy", "shapely", "torch", "mujoco", "casadi", "ompl")
 
 
-def render(summary: Summary, runs: Sequence[Run], repeats: int, figures: Sequence[Image], pictures: Sequence[Image]) -> str:
+def render(
+    summary: Summary, pairs: Table | None, runs: Sequence[Run], repeats: int, figures: Sequence[Image], pictures: Sequence[Image]
+) -> str:
     """Return the page."""
     from jinja2 import Environment, StrictUndefined
 
@@ -43,6 +45,7 @@ def render(summary: Summary, runs: Sequence[Run], repeats: int, figures: Sequenc
         more_pictures=[_embedded(image) for image in pictures[PICTURES:]],
         pictures_first=len(summary.cells.cells) <= PICTURES_FIRST,
         pictures_left_out=len(summary.cells.cells) - len(pictures),
+        pairs=pairs,
         tables=_tables(summary),
         cells_in_full=CELLS_IN_FULL,
         **_episodes(summary),

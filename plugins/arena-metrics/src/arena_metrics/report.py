@@ -33,7 +33,7 @@ class ReportCommand(Command):
         target = Path(given.out) if given.out else Path(given.directories[0]) / "report"
         if given.out is None:
             _write_summaries(runs)
-        write_report(runs, target, given.pictures, figures=not given.no_figures)
+        write_report(runs, target, given.pictures, figures=not given.no_figures, baseline=given.baseline)
         return 0
 
 
@@ -46,14 +46,16 @@ def _parser(description: str | None) -> argparse.ArgumentParser:
     parser.add_argument(
         "--pictures", type=int, default=PICTURES, metavar="N", help=f"most cells whose trajectories are drawn (default {PICTURES})"
     )
+    parser.add_argument("--baseline", metavar="PLANNER", help="what the other planners are compared with in pairs (default: the first)")
     parser.add_argument("--no-figures", action="store_true", help="tables alone, within seconds")
     return parser
 
 
-def write_report(runs: Sequence[Run], target: Path, pictures: int = PICTURES, figures: bool = True) -> None:
-    """Write a report over these runs to the folder ``target``; raise InputFileError when they hold no episode."""
+def write_report(runs: Sequence[Run], target: Path, pictures: int = PICTURES, figures: bool = True, baseline: str | None = None) -> None:
+    """Write a report over these runs to the folder ``target``; raise InputFileError when they hold no episode, or not the baseline."""
     from arena_metrics.cells import cells_of
     from arena_metrics.page import render
+    from arena_metrics.pairs import paired_table
     from arena_metrics.runs import metric_columns, pooled
     from arena_metrics.summary import summarise
 
@@ -61,9 +63,13 @@ def write_report(runs: Sequence[Run], target: Path, pictures: int = PICTURES, fi
     if not episodes:
         raise InputFileError(f"{runs[0].folder / 'episodes.csv'}: holds no episode yet; allowed: a run with one finished episode or more")
     summary = summarise(cells_of(episodes), metric_columns(runs))
-    _write_tables(summary, target)
+    planners = sorted({cell.factors["planner"] for cell in summary.cells.cells})
+    if baseline is not None and baseline not in planners:
+        raise InputFileError(f"--baseline is {baseline}; allowed: {', '.join(planners)}")
+    pairs = paired_table(summary, baseline)
+    _write_tables(summary, pairs, target)
     drawn = _draw(summary, pictures, target) if figures else ([], [])
-    write_text_whole(target / "index.html", render(summary, runs, repeats, *drawn))
+    write_text_whole(target / "index.html", render(summary, pairs, runs, repeats, *drawn))
     _print_headline(summary)
     print(f"report: {target / 'index.html'}")
 
@@ -81,7 +87,7 @@ def _write_summaries(runs: Sequence[Run]) -> None:
             write_text_whole(run.folder / "summary.csv", summary_csv(summarise(cells_of(episodes), columns)))
 
 
-def _write_tables(summary: Summary, target: Path) -> None:
+def _write_tables(summary: Summary, pairs: Table | None, target: Path) -> None:
     from arena_metrics.summary import summary_csv
     from arena_metrics.tables import comma_separated, headline, latex, markdown, metric_tables
 
@@ -90,8 +96,9 @@ def _write_tables(summary: Summary, target: Path) -> None:
         "headline": [headline(summary)],
         "all_episodes": metric_tables(summary, "all"),
         "successful_episodes": metric_tables(summary, "successful"),
+        "paired_differences": [pairs] if pairs else [],
     }
-    for name, content in tables.items():
+    for name, content in ((name, content) for name, content in tables.items() if content):
         write_text_whole(target / "tables" / f"{name}.csv", comma_separated(content))
         write_text_whole(target / "tables" / f"{name}.md", markdown(content))
         write_text_whole(target / "tables" / f"{name}.tex", latex(content))
