@@ -24,8 +24,9 @@ def register_local_maps(register: Register) -> None:
 
 @hookimpl
 def register_trackers(register: Register) -> None:
-    """Offer the tracker that sees nothing move."""
+    """Offer Kalman filters over discs, and the tracker that sees nothing move."""
     register("none", "arena_navigation.no_tracker:NoTracker")
+    register("kalman", "arena_navigation.tracker:KalmanTracker")
 
 
 @hookimpl

@@ -1,0 +1,157 @@
+"""Which returns of a scan show something that the robot does not know of: not on the map, and where it could see through before."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core import OccupancyGrid
+from arena_kernels.compiled import borrowing, inner
+from arena_kernels.distance import grid_distance
+from arena_navigation.marks import Beams
+
+_TURN = 2.0 * math.pi
+
+
+class KnownPlane(NamedTuple):
+    """What the map tells: ``distance`` (H, W) to the nearest occupied cell's centre, m, ``free`` (H, W), and its place in ``map``.
+
+    Without a map both are empty and nothing is known.
+    """
+
+    distance: NDArray[np.float32]
+    free: NDArray[np.uint8]
+    resolution: float
+    origin: tuple[float, float]
+    rotation: tuple[float, float]
+
+    @staticmethod
+    def of(grid: OccupancyGrid | None) -> KnownPlane:
+        """Read a map."""
+        if grid is None:
+            return KnownPlane(np.empty((0, 0), np.float32), np.empty((0, 0), np.uint8), 1.0, (0.0, 0.0), (1.0, 0.0))
+        turn = float(grid.origin.theta)
+        place = (float(grid.origin.x), float(grid.origin.y))
+        return KnownPlane(grid.derive(grid_distance), grid.derive(_free), float(grid.resolution), place, (math.cos(turn), math.sin(turn)))
+
+
+def _free(grid: OccupancyGrid) -> NDArray[np.uint8]:
+    return ((grid.data >= 0) & ~grid.occupied).astype(np.uint8)
+
+
+class PastScans(NamedTuple):
+    """Some scans of the last seconds: ``ranges`` (K, B), ``sensors`` (K, 3) in ``map``; a scan not yet taken has only NaN."""
+
+    ranges: NDArray[np.float32]
+    sensors: NDArray[np.float64]
+
+    @staticmethod
+    def none(scans: int, beams: int) -> PastScans:
+        """Return room for so many scans."""
+        return PastScans(np.full((scans, beams), np.nan, np.float32), np.zeros((scans, 3)))
+
+
+class Doubt(NamedTuple):
+    """How far off a return may be: ``map`` m and ``heading`` rad beside the map's walls, ``past`` m in front of what was seen before."""
+
+    map: float
+    heading: float
+    past: float
+
+
+class Returns(NamedTuple):
+    """Scratch space and result: where each beam ends, ``x`` and ``y`` (B,) from the sensor in the axes of ``map``, and whether it ``counts``."""
+
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    counts: NDArray[np.uint8]
+
+    @staticmethod
+    def room(beams: int) -> Returns:
+        """Return room for so many beams."""
+        return Returns(np.zeros(beams), np.zeros(beams), np.zeros(beams, np.uint8))
+
+
+@borrowing
+def note_unknown(
+    beams: Beams,
+    plane: KnownPlane,
+    past: PastScans,
+    tracks: NDArray[np.float64],
+    doubt: Doubt,
+    farthest: float,
+    body: float,
+    returns: Returns,
+) -> None:
+    """Write which returns up to ``farthest`` m count; ``tracks`` (K, 3) are x, y and reach of what is already followed.
+
+    A return beside an occupied cell is the map's. In a cell that the map says is free every other return counts; where nothing is
+    known, one counts that a past scan has seen through, or that lies on a track. Returns within ``body`` m are the robot's own.
+    """
+    reach = min(farthest, beams.range_max)
+    for beam in range(len(beams.ranges)):
+        away = float(beams.ranges[beam])
+        returns.counts[beam] = 0
+        if not beams.range_min <= away <= reach:
+            continue
+        angle = beams.sensor[2] + beams.angle_min + beam * beams.angle_increment
+        returns.x[beam], returns.y[beam] = away * math.cos(angle), away * math.sin(angle)
+        x, y = beams.sensor[0] + returns.x[beam], beams.sensor[1] + returns.y[beam]
+        if math.hypot(x - beams.robot[0], y - beams.robot[1]) < body:
+            continue
+        wall, free = _at(plane, x, y)
+        if wall < doubt.map + doubt.heading * away:
+            continue
+        if free or _followed(tracks, x, y) or _seen_through(past, beams, x, y, doubt.past):
+            returns.counts[beam] = 1
+
+
+@inner
+def _at(plane: KnownPlane, x: float, y: float) -> tuple[float, bool]:
+    """Return the distance to the nearest wall's surface, m, inf outside the map, and whether the map says that this is free."""
+    dx, dy = (x - plane.origin[0]) / plane.resolution, (y - plane.origin[1]) / plane.resolution
+    u = plane.rotation[0] * dx + plane.rotation[1] * dy
+    v = plane.rotation[0] * dy - plane.rotation[1] * dx
+    rows, columns = plane.distance.shape
+    if not (0.0 <= u < columns and 0.0 <= v < rows):
+        return np.inf, False
+    row, column = int(v), int(u)
+    free = plane.free[row, column] > 0
+    if plane.distance[row, column] == np.inf:
+        return np.inf, free
+    u, v = min(max(u - 0.5, 0.0), columns - 1.0), min(max(v - 0.5, 0.0), rows - 1.0)
+    low_row, low_column = int(v), int(u)
+    high_row, high_column = min(low_row + 1, rows - 1), min(low_column + 1, columns - 1)
+    a, b = u - low_column, v - low_row
+    below = (1.0 - a) * plane.distance[low_row, low_column] + a * plane.distance[low_row, high_column]
+    above = (1.0 - a) * plane.distance[high_row, low_column] + a * plane.distance[high_row, high_column]
+    return (1.0 - b) * below + b * above - 0.5 * plane.resolution, free
+
+
+@inner
+def _followed(tracks: NDArray[np.float64], x: float, y: float) -> bool:
+    for k in range(len(tracks)):  # noqa: SIM110 - numba compiles no generator expressions
+        if (x - tracks[k, 0]) ** 2 + (y - tracks[k, 1]) ** 2 < tracks[k, 2] ** 2:
+            return True
+    return False
+
+
+@inner
+def _seen_through(past: PastScans, beams: Beams, x: float, y: float, margin: float) -> bool:
+    """Tell whether a past scan saw ``margin`` m beyond a point, with the nearest beam and both beside it: one alone may graze an edge."""
+    count = past.ranges.shape[1]
+    for k in range(len(past.ranges)):
+        dx, dy = x - past.sensors[k, 0], y - past.sensors[k, 1]
+        behind = math.hypot(dx, dy) + margin
+        if behind > beams.range_max:
+            continue
+        bearing = (math.atan2(dy, dx) - past.sensors[k, 2] - beams.angle_min) % _TURN
+        beam = int(round(bearing / beams.angle_increment))
+        if not 1 <= beam < count - 1:
+            continue
+        if past.ranges[k, beam - 1] >= behind and past.ranges[k, beam] >= behind and past.ranges[k, beam + 1] >= behind:
+            return True
+    return False
