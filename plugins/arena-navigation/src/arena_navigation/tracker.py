@@ -40,7 +40,10 @@ class ReturnRules:
 
 @dataclass(frozen=True, slots=True)
 class Memory:
-    """Past scans that tell where nothing stood: ``scans`` of them, ``interval`` s apart; new is what lies ``margin`` m before what they saw."""
+    """Past scans that tell where nothing stood: ``scans`` of them, ``interval`` s apart.
+
+    They saw through what lies ``margin`` m before their returns.
+    """
 
     scans: PositiveInt
     interval: Positive

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,4 +54,8 @@ class Belief(NamedTuple):
             np.zeros(count, np.int64),
             np.full(count, stamp),
         )
-        return Belief._make(np.concatenate(pair) for pair in zip(self, born, strict=True))
+        return Belief._make(_joined(old, new) for old, new in zip(self, born, strict=True))
+
+
+def _joined(old: Any, new: Any) -> NDArray[Any]:
+    return np.concatenate((old, new))

@@ -27,7 +27,7 @@ class Cut(NamedTuple):
 
 
 class Pieces(NamedTuple):
-    """Scratch space and result: ``beams`` (B,) that count, counter-clockwise; piece k is ``beams[ends[k, 0]:ends[k, 1]]``; ``hull`` (B,)."""
+    """Scratch space and result: ``beams`` (B,) that count, counter-clockwise; piece k is ``beams[ends[k, 0]:ends[k, 1]]``."""
 
     beams: NDArray[np.int64]
     ends: NDArray[np.int64]

@@ -63,7 +63,7 @@ class Doubt(NamedTuple):
 
 
 class Returns(NamedTuple):
-    """Scratch space and result: where each beam ends, ``x`` and ``y`` (B,) from the sensor in the axes of ``map``, and whether it ``counts``."""
+    """Scratch space and result: where each beam ends, ``x`` and ``y`` (B,) from the sensor along the axes of ``map``; which ``counts``."""
 
     x: NDArray[np.float64]
     y: NDArray[np.float64]
@@ -149,7 +149,7 @@ def _seen_through(past: PastScans, beams: Beams, x: float, y: float, margin: flo
         if behind > beams.range_max:
             continue
         bearing = (math.atan2(dy, dx) - past.sensors[k, 2] - beams.angle_min) % _TURN
-        beam = int(round(bearing / beams.angle_increment))
+        beam = round(bearing / beams.angle_increment)
         if not 1 <= beam < count - 1:
             continue
         if past.ranges[k, beam - 1] >= behind and past.ranges[k, beam] >= behind and past.ranges[k, beam + 1] >= behind:

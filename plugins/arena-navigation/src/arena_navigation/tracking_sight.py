@@ -36,12 +36,9 @@ def judge_sight(
             continue
         dx, dy = states[k, 0] - beams.sensor[0], states[k, 1] - beams.sensor[1]
         away = math.hypot(dx, dy)
-        sight[k] = HIDDEN
-        if _taken(states, radii, matches, k):
-            sight[k] = GONE
-        elif radii[k] < away < reach:
-            if _open_share(beams, dx, dy, away, radii[k], min(away + radii[k] + slack, beams.range_max)) >= 0.5:
-                sight[k] = GONE
+        behind = min(away + radii[k] + slack, beams.range_max)
+        seen_through = radii[k] < away < reach and _open_share(beams, dx, dy, away, radii[k], behind) >= 0.5
+        sight[k] = GONE if seen_through or _taken(states, radii, matches, k) else HIDDEN
 
 
 @borrowing

@@ -1,0 +1,78 @@
+import numpy as np
+from filterpy.common import Q_continuous_white_noise
+from filterpy.kalman import KalmanFilter
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from arena_navigation.tracking_filter import correct, correct_radii, predict
+
+DENSITY = 0.7
+
+
+def positive(random, size):
+    a = random.normal(size=(size, size))
+    return a @ a.T + 0.01 * np.eye(size)
+
+
+def peer(state, covariance):
+    peer = KalmanFilter(dim_x=4, dim_z=2)
+    peer.x, peer.P = state.copy(), covariance.copy()
+    peer.H = np.eye(2, 4)
+    return peer
+
+
+def predict_peer(peer, dt):
+    peer.F = np.eye(4) + dt * np.eye(4, k=2)
+    axis = Q_continuous_white_noise(2, dt, DENSITY)
+    peer.Q = np.kron(axis, np.eye(2))
+    peer.predict()
+
+
+@settings(derandomize=True, deadline=None, max_examples=30)
+@given(st.integers(0, 10**6), st.integers(1, 12))
+def test_the_filters_are_those_of_filterpy(seed, count):
+    random = np.random.default_rng(seed)
+    states, covariances = random.normal(size=(count, 4)), np.array([positive(random, 4) for _ in range(count)])
+    peers = [peer(*pair) for pair in zip(states, covariances, strict=True)]
+    for _ in range(5):
+        dt = float(random.uniform(0.0, 0.5))
+        positions, noises = random.normal(size=(count, 2)), np.array([positive(random, 2) for _ in range(count)])
+        matches = np.where(random.random(count) < 0.7, random.permutation(count), -1)
+        predict(states, covariances, dt, DENSITY)
+        correct(states, covariances, matches, positions, noises)
+        for other, match in zip(peers, matches, strict=True):
+            predict_peer(other, dt)
+            if match >= 0:
+                other.update(positions[match], R=noises[match])
+        np.testing.assert_allclose(states, [p.x for p in peers], atol=1e-9, rtol=1e-9)
+        np.testing.assert_allclose(covariances, [p.P for p in peers], atol=1e-9, rtol=1e-9)
+
+
+@settings(derandomize=True, deadline=None, max_examples=30)
+@given(st.integers(0, 10**6))
+def test_covariances_stay_symmetric_and_positive(seed):
+    random = np.random.default_rng(seed)
+    states, covariances = np.zeros((1, 4)), np.diag((1e-4, 1e-4, 4.0, 4.0))[None].copy()
+    for _ in range(200):
+        predict(states, covariances, float(random.choice((0.0, 0.02, 0.1, 3.0))), 1.0)
+        correct(states, covariances, np.zeros(1, np.int64), random.normal(size=(1, 2)), 1e-4 * positive(random, 2)[None])
+    np.testing.assert_array_equal(covariances[0], covariances[0].T)
+    assert np.linalg.eigvalsh(covariances[0]).min() > 0.0
+
+
+def test_two_short_predictions_are_one_long_one():
+    random = np.random.default_rng(0)
+    state, covariance = random.normal(size=(1, 4)), positive(random, 4)[None]
+    once, twice = (state.copy(), covariance.copy()), (state.copy(), covariance.copy())
+    predict(*once, 0.3, DENSITY)
+    predict(*twice, 0.1, DENSITY)
+    predict(*twice, 0.2, DENSITY)
+    np.testing.assert_allclose(once[0], twice[0], atol=1e-12)
+    np.testing.assert_allclose(once[1], twice[1], atol=1e-12)
+
+
+def test_a_radius_is_the_weighted_mean_of_what_was_measured():
+    radii, variances = np.array((0.3, 0.3)), np.array((0.01, 0.01))
+    correct_radii(radii, variances, np.array((0, -1)), np.array((0.4,)), np.array((0.01,)))
+    np.testing.assert_allclose(radii, (0.35, 0.3))
+    np.testing.assert_allclose(variances, (0.005, 0.01))
