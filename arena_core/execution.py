@@ -64,6 +64,7 @@ def run_episode(
     queue = CommandQueue()
     tick = 0
     navigator.reset(_mission(scenario))
+    navigator.rehearse(sensors)
     while True:
         try:
             decision = navigator.decide(sensors)

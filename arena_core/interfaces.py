@@ -19,8 +19,11 @@ from arena_core.world import Costmap, Crowd, OccupancyGrid, Path, World
 class Planner(ABC):
     """A local planner: turns an observation into a velocity command.
 
-    The constructor receives ``robot: Robot`` and, by keyword, exactly the keys of its YAML.
+    The constructor receives ``robot: Robot`` and, by keyword, exactly the keys of its YAML. A planner whose first command waits for
+    a compiler says so by ``compiles``: it then decides once for nothing before its first episode, and is reset.
     """
+
+    compiles: ClassVar[bool] = False
 
     def reset(self, episode: EpisodeStart) -> None:  # noqa: B027 - a planner without memory has nothing to reset
         """Forget the episode before; nothing but compiled solvers may survive."""

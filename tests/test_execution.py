@@ -59,6 +59,9 @@ class Brain:
     def reset(self, mission):
         self.mission = mission
 
+    def rehearse(self, sensors):
+        pass
+
     def decide(self, sensors):
         if self.error and sensors.stamp > 0.95:
             raise self.error

@@ -335,3 +335,28 @@ def test_nothing_of_one_episode_is_kept_for_the_next(drive):
     decision = navigator.decide(at(0.0))
     assert reasons(decision) == [("replan", "start")]
     assert decision.waypoint.y == 3.0
+
+
+def test_a_planner_that_compiles_decides_once_for_nothing_before_its_first_episode_only(drive, monkeypatch):
+    navigator = drive()
+    navigator.rehearse(at(0.0))
+    assert navigator.planner.seen == []
+    monkeypatch.setattr(Says, "compiles", True)
+    navigator = drive()
+    navigator.rehearse(at(0.0))
+    assert len(navigator.planner.seen) == 1
+    assert reasons(navigator.decide(at(0.0))) == [("replan", "start")]
+    navigator.reset(navigator.mission)
+    navigator.rehearse(at(0.0))
+    assert len(navigator.planner.seen) == 2
+
+
+def test_what_goes_wrong_in_the_rehearsal_is_reported_in_the_episode():
+    class Broken(Says):
+        compiles = True
+
+    navigator = Navigator(robot(), Odometer(), Straight(), Ahead(), Window(), Nobody(), Broken(RuntimeError("lost")), WHEN_ASKED, 0.1)
+    navigator.reset(Mission(room(), Pose(0.0, 0.0), GOAL, 0.3, 7, "sample/0"))
+    navigator.rehearse(at(0.0))
+    with pytest.raises(RuntimeError, match="lost"):
+        navigator.decide(at(0.0))

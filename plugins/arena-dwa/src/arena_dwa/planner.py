@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 
@@ -35,6 +35,8 @@ OUTLINE_SPACING = 0.05  # m, the side of a usual costmap cell: no cell slips bet
 
 class DwaPlanner(Planner):
     """Samples velocities of the dynamic window, follows each for ``sim_time`` and drives the cheapest that does not collide."""
+
+    compiles: ClassVar[bool] = True
 
     def __init__(
         self,
