@@ -21,7 +21,7 @@ class Scenario:
     """One concrete problem: everything that every planner faces alike.
 
     ``seed`` and ``name`` key every random stream of the episode. ``goal_radius`` m, ``time_limit`` s. The goal's heading does
-    not count for arrival.
+    not count for arrival. ``reference_length`` m is that of a known way from start to goal; None where no such way is known.
     """
 
     name: str
@@ -33,6 +33,7 @@ class Scenario:
     obstacles: tuple[Obstacle, ...]
     goal_radius: float
     time_limit: float
+    reference_length: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

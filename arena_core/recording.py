@@ -227,6 +227,7 @@ def _scenario_meta(scenario: Scenario) -> dict[str, Any]:
         "goal": _pose(scenario.goal),
         "goal_radius": scenario.goal_radius,
         "time_limit": scenario.time_limit,
+        "reference_length": scenario.reference_length,
         "obstacles": obstacles,
     }
 

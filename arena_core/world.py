@@ -91,11 +91,15 @@ class Obstacle:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class World:
-    """A static environment: its map, and whether the robot is given that map (``known``)."""
+    """A static environment: its map, and whether the robot is given that map (``known``).
+
+    ``reference_xy`` (M, 2), m, is the way through that comes with the world, None where there is none; only metrics see it.
+    """
 
     name: str
     grid: OccupancyGrid
     known: bool = True
+    reference_xy: FloatArray | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

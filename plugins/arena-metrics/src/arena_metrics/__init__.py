@@ -5,8 +5,9 @@ from arena_core import Register, hookimpl
 
 @hookimpl
 def register_metrics(register: Register) -> None:
-    """Offer metrics in SI units and those of the original release."""
+    """Offer metrics in SI units, those of the original release, and the score of the BARN challenge."""
     register("si", "arena_metrics.si:SiMetrics")
+    register("barn", "arena_metrics.barn:BarnMetrics")
     register("paper_legacy", "arena_metrics.paper_legacy:PaperLegacyMetrics")
 
 

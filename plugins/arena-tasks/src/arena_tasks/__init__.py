@@ -1,13 +1,14 @@
-"""Random and scenario tasks for the arena suite."""
+"""Task modes of the arena suite."""
 
 from arena_core import Register, hookimpl
 
 
 @hookimpl
 def register_task_modes(register: Register) -> None:
-    """Offer random problems, and problems from a file."""
+    """Offer random problems, problems from a file, and BARN's."""
     register("random", "arena_tasks.random_task:RandomTask")
     register("scenario", "arena_tasks.scenario_task:ScenarioTask")
+    register("barn", "arena_tasks.barn_task:BarnTask")
 
 
 @hookimpl

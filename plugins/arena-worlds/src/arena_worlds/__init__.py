@@ -5,8 +5,9 @@ from arena_core import Register, hookimpl
 
 @hookimpl
 def register_worlds(register: Register) -> None:
-    """Offer ROS maps, the built-in halls and the two generators."""
+    """Offer ROS maps, BARN's worlds, the built-in halls and the two generators."""
     register("ros_map", "arena_worlds.ros_map:RosMap")
+    register("barn", "arena_worlds.barn:BarnWorlds")
     register("empty", "arena_worlds.empty:EmptyRoom")
     register("warehouse", "arena_worlds.warehouse:Warehouse")
     register("indoor", "arena_worlds.indoor:Indoor")

@@ -1,0 +1,50 @@
+"""BARN's task: the same way through every world, with the length of its reference path."""
+
+import math
+from importlib.resources import files
+
+import numpy as np
+import pytest
+import yaml
+
+from arena_core import ConfigurationError, OccupancyGrid, Pose, World, WorldSource, testing
+from arena_tasks.barn_task import BarnTask
+
+GRID = OccupancyGrid(np.zeros((120, 60), np.int8), 0.15, Pose(-5.0, 0.0))
+
+
+class Fields(WorldSource):
+    def world(self, seed: int, index: int) -> World:
+        return World(f"barn/world_{index}", GRID, False, np.array(((-2.0, 5.0), (1.0, 9.0))) if index else None)
+
+
+def task(**keys: object) -> BarnTask:
+    preset = yaml.safe_load((files("arena_tasks.conf") / "task" / "barn.yaml").read_text())
+    values = {**preset, **keys, "robot": testing.robot(), "world": Fields()}
+    values |= {key: Pose(**values[key]) for key in ("start", "goal")}
+    return BarnTask(**{key: value for key, value in values.items() if key != "name"})
+
+
+def test_scenario_goes_ten_metres_straight_ahead() -> None:
+    scenario = task().scenario(5, 1)
+    assert scenario.start == Pose(-2.0, 3.0, math.pi / 2)
+    assert scenario.start.compose(Pose(10.0, 0.0)).distance(scenario.goal) < 1e-9
+    assert (scenario.goal_radius, scenario.time_limit, scenario.seed) == (1.0, 100.0, 5)
+    assert not scenario.world.known
+
+
+def test_every_repetition_has_a_name_and_so_random_streams_of_its_own() -> None:
+    assert [task().scenario(0, k).name for k in (1, 2)] == ["barn/world_1/0001", "barn/world_2/0002"]
+
+
+def test_reference_length_is_that_of_start_path_and_goal() -> None:
+    assert task().scenario(0, 1).reference_length == pytest.approx(2.0 + 5.0 + 5.0)
+
+
+def test_world_without_reference_path_gives_no_reference_length() -> None:
+    assert task().scenario(0, 0).reference_length is None
+
+
+def test_goal_within_its_radius_of_the_start_is_refused() -> None:
+    with pytest.raises(ConfigurationError, match=r"task\.goal_radius is 11"):
+        task(goal_radius=11.0)

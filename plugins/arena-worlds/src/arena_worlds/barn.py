@@ -1,0 +1,125 @@
+"""The worlds of the BARN challenge (Perille et al. 2020): fields of cylinders, and the reference paths that come with them."""
+
+from __future__ import annotations
+
+import re
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core import FREE, OCCUPIED, ConfigurationError, InputFileError, NonNegative, OccupancyGrid, Pose, Positive, World, WorldSource
+from arena_worlds.canvas import LARGEST
+from arena_worlds.sdf import Cylinder, read_cylinders
+
+CELL = 0.15  # m, of the grid that the worlds and paths were made on: a cylinder's diameter
+CELL_ORIGIN = (-4.575, 5.075)  # m, x and y of a reference path's cell (0, 0) in the world (the challenge's run.py)
+LONGEST_PATH = 100_000  # cells
+
+
+class BarnWorlds(WorldSource):
+    """World ``index`` is file ``index`` modulo their number, in the order of the numbers in their names.
+
+    ``path`` is a file or a folder; ``path_files`` the folder of the reference paths, which World.reference_xy then has.
+    """
+
+    def __init__(self, path: str | None, path_files: str | None, resolution: Positive, margin: NonNegative, known: bool) -> None:
+        if path is None:
+            raise ConfigurationError("world.path is null; allowed: a .world or .world.gz file or a folder, as in world.path=world_files")
+        self._files = world_files(Path(path))
+        self._paths = _paths_folder(self._files[0], path_files)
+        self._resolution, self._margin, self._known = resolution, margin, known
+        for file in self._files:  # what is wrong with a file is said before anything runs
+            self._made(file)
+
+    def world(self, seed: int, index: int) -> World:
+        """Return the world of scenario ``index``, the same for every seed."""
+        return self._made(self._files[index % len(self._files)])
+
+    def _made(self, file: Path) -> World:
+        written = file.stat()
+        name = file.name.split(".")[0]
+        grid = _grid(file, written.st_mtime_ns, written.st_size, self._resolution, self._margin)
+        return World(f"barn/{name}", grid, self._known, _reference(self._paths, name))
+
+
+def world_files(path: Path) -> list[Path]:
+    """Return the world files that ``path`` names, in the order of their numbers; raise InputFileError when there is none."""
+    if path.is_file():
+        return [path]
+    files = [file for file in path.iterdir() if file.name.endswith((".world", ".world.gz"))] if path.is_dir() else []
+    if not files:
+        raise InputFileError(f"{path}: is no file and no folder with world files; allowed: a .world or .world.gz file or a folder of them")
+    return sorted(files, key=lambda file: (_number(file.name), file.name))
+
+
+def disc_grid(cylinders: list[Cylinder], resolution: float, margin: float) -> OccupancyGrid:
+    """Return the grid whose occupied cells have their centre in a disc, with ``margin`` m of open ground around the discs.
+
+    Cells lie at whole multiples of ``resolution``. Raises ConfigurationError for cells larger than the smallest radius.
+    """
+    xy = np.array([(c.x, c.y) for c in cylinders])
+    radii = np.array([c.radius for c in cylinders])
+    if resolution > radii.min():
+        raise ConfigurationError(f"world.resolution is {resolution:g}; allowed: up to the smallest cylinder's radius, {radii.min():g} m")
+    low = np.floor(((xy - radii[:, None]).min(axis=0) - margin) / resolution).astype(np.int64)
+    high = np.ceil(((xy + radii[:, None]).max(axis=0) + margin) / resolution).astype(np.int64)
+    columns, rows = (high - low).tolist()
+    if rows * columns > LARGEST:
+        raise ConfigurationError(
+            f"world.resolution is {resolution:g} and margin {margin:g}; allowed: at most {LARGEST} cells, here {rows} x {columns}"
+        )
+    data = np.full((rows, columns), FREE, np.int8)
+    for (x, y), radius in zip(xy, radii, strict=True):
+        _draw_disc(data, x / resolution - low[0], y / resolution - low[1], radius / resolution)
+    return OccupancyGrid(data, resolution, Pose(low[0] * resolution, low[1] * resolution))
+
+
+def _draw_disc(data: NDArray[np.int8], column: float, row: float, radius: float) -> None:
+    """Occupy the cells whose centre is within ``radius`` of (column, row), all in cells."""
+    first_row, first_column = int(row - radius), int(column - radius)
+    window = data[first_row : int(row + radius) + 2, first_column : int(column + radius) + 2]
+    rows, columns = np.ogrid[: window.shape[0], : window.shape[1]]
+    inside = np.hypot(rows + 0.5 + first_row - row, columns + 0.5 + first_column - column) <= radius
+    window[inside] = OCCUPIED
+
+
+def read_reference_path(path: Path) -> NDArray[np.float64]:
+    """Return a reference path (M, 2) in the world, m, from its cells; raise InputFileError."""
+    try:
+        cells = np.load(path, allow_pickle=False, mmap_mode="r")
+    except OSError as error:
+        raise InputFileError(f"{path}: cannot be read ({error.strerror or 'damaged'}); allowed: the path_N.npy of world_N") from None
+    except (ValueError, EOFError) as error:
+        raise InputFileError(f"{path}: is no NumPy file ({str(error).splitlines()[0]}); allowed: the path_N.npy of world_N") from None
+    if not isinstance(cells, np.ndarray) or cells.ndim != 2 or cells.shape[1] != 2 or not 0 < len(cells) <= LONGEST_PATH:
+        shape = getattr(cells, "shape", "none")
+        raise InputFileError(f"{path}: shape is {shape}; allowed: (M, 2), up to {LONGEST_PATH} cells of column and row")
+    if cells.dtype.kind not in "iu":
+        raise InputFileError(f"{path}: type is {cells.dtype}; allowed: whole numbers")
+    return np.asarray(cells, np.float64) * CELL + CELL_ORIGIN
+
+
+def _paths_folder(world: Path, path_files: str | None) -> Path | None:
+    if path_files is None:
+        beside = world.resolve().parent.parent / "path_files"
+        return beside if beside.is_dir() else None
+    if not Path(path_files).is_dir():
+        raise ConfigurationError(f"world.path_files is {path_files}; allowed: a folder of path_N.npy files, or null")
+    return Path(path_files)
+
+
+def _reference(folder: Path | None, name: str) -> NDArray[np.float64] | None:
+    return None if folder is None else read_reference_path(folder / f"path_{_number(name)}.npy")
+
+
+def _number(name: str) -> int:
+    """Return the first number in a name, -1 where there is none."""
+    digits = re.search(r"\d{1,9}", name)
+    return int(digits[0]) if digits else -1
+
+
+@lru_cache(maxsize=512)
+def _grid(file: Path, written_ns: int, size: int, resolution: float, margin: float) -> OccupancyGrid:
+    return disc_grid(read_cylinders(file), resolution, margin)
