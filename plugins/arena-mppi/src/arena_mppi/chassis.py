@@ -1,0 +1,56 @@
+"""The motion models, with the limits that a robot and its tuning allow."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import numpy as np
+
+from arena_core import ConfigurationError, Robot
+from arena_mppi.parameters import Chassis
+from arena_mppi.settings import SpeedLimits
+
+MotionModel = Literal["DiffDrive", "Omni", "Ackermann"]
+MODELS: dict[str, tuple[MotionModel, ...]] = {
+    "differential": ("DiffDrive", "Ackermann"),
+    "omnidirectional": ("Omni", "DiffDrive", "Ackermann"),
+    "ackermann": ("Ackermann",),
+}
+ANY_CURVATURE = 1e6  # 1/m, of robots that can turn on the spot
+
+
+def motion_model_of(robot: Robot, chosen: MotionModel | None) -> MotionModel:
+    """Return the chosen motion model, or the robot's own; raise ConfigurationError for one that the robot cannot follow."""
+    possible = MODELS[robot.kinematics]
+    if chosen is not None and chosen not in possible:
+        raise ConfigurationError(f"mppi: motion_model is {chosen}; allowed for {robot.name} ({robot.kinematics}): {', '.join(possible)}")
+    return chosen or possible[0]
+
+
+def chassis_of(robot: Robot, model: MotionModel, limits: SpeedLimits, turning_radius: float | None, dt: float) -> Chassis:
+    """Return the limits of a motion model with a step of ``dt`` s; raise ConfigurationError when an arc needs more than it has."""
+    own = robot.limits
+    sideways = model == "Omni"
+    return Chassis(
+        _or(limits.vx_min, own.vx_min),
+        _or(limits.vx_max, own.vx_max),
+        _or(limits.vy_max, own.vy_max) if sideways else np.float32(0.0),
+        _or(limits.wz_max, own.wz_max),
+        _or(limits.ax_max, own.ax_max, dt),
+        _or(limits.ay_max, own.ay_max, dt) if sideways else np.float32(0.0),
+        _or(limits.alpha_max, own.alpha_max, dt),
+        np.float32(_curvature(robot, turning_radius) if model == "Ackermann" else ANY_CURVATURE),
+    )
+
+
+def _or(value: float | None, otherwise: float, scale: float = 1.0) -> np.float32:
+    return np.float32((otherwise if value is None else value) * scale)
+
+
+def _curvature(robot: Robot, turning_radius: float | None) -> float:
+    """Return the greatest curvature, 1/m, of the steering or of ``turning_radius``, whichever is less."""
+    steering = math.tan(robot.steering_max) / robot.wheelbase if robot.kinematics == "ackermann" else ANY_CURVATURE
+    if not turning_radius and steering == ANY_CURVATURE:
+        raise ConfigurationError(f"mppi: turning_radius is {turning_radius}; allowed: > 0 (m) for {robot.name} with motion_model Ackermann")
+    return min(steering, 1.0 / turning_radius) if turning_radius else steering

@@ -1,0 +1,242 @@
+"""One control step: sample, roll out, judge, and move the mean towards what was cheap."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from arena_kernels.compiled import borrowing, inner
+from arena_kernels.scalars import Integer
+from arena_kernels.window import clearance
+from arena_mppi.critics import COLLISION_COST, FAR, SPACING, judge_alignment, judge_goal, judge_moving, judge_progress, judge_static
+from arena_mppi.parameters import Body, Chassis, Critics, Floats, Sampling, Scene, Workspace
+from arena_mppi.rollout import COSINE, COST, LANES, ONE, SINE, ZERO, X, Y, draw_noise, drive_lanes, start_lanes, towards
+
+PATH_STRIDE = 4  # steps between two looks at the path, as in Nav2
+BELIEVED = np.float32(0.3)  # least belief in a predicted contact that the chosen sequence must not run into
+WINDOW = np.array((-21.0, 14.0, 39.0, 54.0, 59.0, 54.0, 39.0, 14.0, -21.0), np.float32) / np.float32(231.0)
+REACH = 4  # steps to either side that the smoothing looks at
+
+
+@borrowing
+def control_step(
+    work: Workspace,
+    scene: Scene,
+    body: Body,
+    chassis: Chassis,
+    sampling: Sampling,
+    critics: Critics,
+    state: Floats,
+    least: float,
+    key: Integer,
+    tick: Integer,
+) -> int:
+    """Improve ``work.mean`` (T, 3) from ``state`` (cosine, sine, vx, vy, wz) on and return how many roll-outs are free of collision.
+
+    Williams, Drews, Goldfain, Rehg, Theodorou, Information-Theoretic Model Predictive Control, IEEE T-RO 34(6), 2018, algorithm 2.
+    Where the gap is now less than ``critics.collision_gap``, ``least`` is smaller: a robot that stands too near can drive away.
+    """
+    free = 0
+    for iteration in range(sampling.iterations):
+        for block in range(len(work.costs) // LANES):
+            roll_out(work, scene, body, chassis, sampling, critics, state, least, key, tick * sampling.iterations + iteration, block)
+        judge_ends(work, scene, sampling, critics, state)
+        free = weigh(work, sampling)
+        if free == 0:
+            return 0
+        average(work, sampling)
+        choose(work, scene, body, chassis, sampling, state, least)
+    return free
+
+
+@inner
+def roll_out(
+    work: Workspace,
+    scene: Scene,
+    body: Body,
+    chassis: Chassis,
+    sampling: Sampling,
+    critics: Critics,
+    state: Floats,
+    least: float,
+    key: Integer,
+    tick: Integer,
+    block: int,
+) -> None:
+    """Sample, drive and judge one block of control sequences."""
+    lanes, steps, dt = work.lanes, sampling.time_steps, sampling.dt
+    start_lanes(lanes, work.fixed, block, state)
+    fastest = max(max(chassis.vx_max, -chassis.vx_min), abs(state[2])) + max(chassis.vy_max, abs(state[3]))
+    share = np.float32(1.0 - critics.end_share) * critics.progress / np.float32(steps // PATH_STRIDE)
+    for t in range(steps):
+        if t == 0:
+            draw_noise(lanes, work.normals, key, tick, block * steps, ZERO, ONE)
+        elif t >= sampling.tied:
+            draw_noise(lanes, work.normals, key, tick, block * steps + t, sampling.kept, sampling.renewed)
+        drive_lanes(lanes, work.velocities[block, t], work.mean[max(t, sampling.tied - 1)], chassis, sampling, critics)
+        judge_static(lanes, scene, body, critics, least, dt)
+        judge_moving(lanes, scene, body, critics, t, fastest * dt * np.float32(t + 1), dt)
+        if critics.goal + critics.goal_angle > ZERO:
+            judge_goal(lanes, scene, critics.goal * dt, critics.goal_angle * dt)
+        if t % PATH_STRIDE == PATH_STRIDE - 1:
+            if critics.align > ZERO:
+                judge_alignment(lanes, scene, critics.align * dt * np.float32(PATH_STRIDE))
+            if share > ZERO:
+                judge_progress(lanes, scene, share)
+    if critics.progress > ZERO:
+        judge_progress(lanes, scene, critics.end_share * critics.progress)
+    begin = block * LANES
+    for k in range(LANES):
+        work.costs[begin + k] = lanes[COST + k]
+        work.ends[0, begin + k], work.ends[1, begin + k] = lanes[X + k], lanes[Y + k]
+        work.ends[2, begin + k], work.ends[3, begin + k] = lanes[COSINE + k], lanes[SINE + k]
+
+
+@inner
+def judge_ends(work: Workspace, scene: Scene, sampling: Sampling, critics: Critics, state: Floats) -> None:
+    """Add the distance of each end from a point ahead of the farthest path point that any end reaches, and its bearing from there."""
+    if critics.follow <= ZERO and critics.angle <= ZERO:
+        return
+    reached = 0
+    for k in range(sampling.batch_size):
+        if work.costs[k] < COLLISION_COST:
+            reached = max(reached, nearest_point(scene.path, reached, work.ends[0, k], work.ends[1, k]))
+    last = len(scene.path) - 1
+    follow, ahead = min(reached + int(critics.follow_ahead / SPACING), last), min(reached + int(critics.angle_ahead / SPACING), last)
+    turning = abs(bearing(state[0], state[1], scene.path[ahead, 0], scene.path[ahead, 1])) > critics.angle_tolerance
+    for k in range(sampling.batch_size):
+        x, y = work.ends[0, k], work.ends[1, k]
+        dx, dy = scene.path[follow, 0] - x, scene.path[follow, 1] - y
+        work.costs[k] += critics.follow * np.sqrt(dx * dx + dy * dy)
+        if turning:
+            dx, dy = scene.path[ahead, 0] - x, scene.path[ahead, 1] - y
+            work.costs[k] += critics.angle * abs(bearing(work.ends[2, k], work.ends[3, k], dx, dy))
+
+
+@inner
+def bearing(cosine: np.float32, sine: np.float32, x: np.float32, y: np.float32) -> np.float32:
+    """Return the angle from a heading to a direction, rad."""
+    return np.float32(math.atan2(cosine * y - sine * x, cosine * x + sine * y))
+
+
+@inner
+def nearest_point(path: Floats, first: int, x: np.float32, y: np.float32) -> int:
+    """Return the row of ``path`` (M, 2) from ``first`` on that is nearest to a position."""
+    best, least = first, np.float32(np.inf)
+    for i in range(first, len(path)):
+        dx, dy = path[i, 0] - x, path[i, 1] - y
+        squared = dx * dx + dy * dy
+        if squared < least:
+            best, least = i, squared
+    return best
+
+
+@inner
+def weigh(work: Workspace, sampling: Sampling) -> int:
+    """Fill the weights, the softmax of minus cost over temperature, and return how many roll-outs are free of collision."""
+    least, free, total = np.inf, 0, 0.0
+    for k in range(sampling.batch_size):
+        least = min(least, float(work.costs[k]))
+        free += work.costs[k] < COLLISION_COST
+    for k in range(len(work.weights)):
+        weight = math.exp((least - float(work.costs[k])) / sampling.temperature) if k < sampling.batch_size else 0.0
+        work.weights[k] = weight
+        total += float(work.weights[k])
+    for k in range(len(work.weights)):
+        work.weights[k] = np.float32(float(work.weights[k]) / total)
+    return free
+
+
+@inner
+def average(work: Workspace, sampling: Sampling) -> None:
+    """Set the mean to the weighted average of the velocities reached, which no acceleration limit breaks: the limits are convex."""
+    for t in range(sampling.time_steps):
+        for axis in range(3):
+            for k in range(LANES):
+                work.lanes[k] = ZERO
+            for block in range(len(work.costs) // LANES):
+                begin = block * LANES
+                for k in range(LANES):
+                    work.lanes[k] += work.weights[begin + k] * work.velocities[block, t, axis * LANES + k]
+            total = 0.0
+            for k in range(LANES):
+                total += float(work.lanes[k])
+            work.mean[t, axis] = np.float32(total)
+
+
+@inner
+def choose(work: Workspace, scene: Scene, body: Body, chassis: Chassis, sampling: Sampling, state: Floats, least: float) -> None:
+    """Keep in ``work.mean`` the smoothed mean, the mean or the cheapest roll-out: the first that stays free as long as the last does.
+
+    The average of two ways round an obstacle may lead into it.
+    """
+    best = 0
+    for k in range(sampling.batch_size):
+        if work.costs[k] < work.costs[best]:
+            best = k
+    smooth(work, sampling)
+    for t in range(sampling.time_steps):
+        for axis in range(3):
+            work.cheapest[t, axis] = work.velocities[best // LANES, t, axis * LANES + best % LANES]
+    wanted = free_steps(work.cheapest, scene, body, chassis, sampling, state, least)
+    if sampling.smoothing and free_steps(work.smoothed, scene, body, chassis, sampling, state, least) >= wanted:
+        copy(work.smoothed, work.mean)
+    elif free_steps(work.mean, scene, body, chassis, sampling, state, least) < wanted:
+        copy(work.cheapest, work.mean)
+
+
+@inner
+def copy(source: Floats, target: Floats) -> None:
+    """Copy a sequence (T, 3): assigning slices would allocate."""
+    for t in range(len(source)):
+        for axis in range(3):
+            target[t, axis] = source[t, axis]
+
+
+@inner
+def smooth(work: Workspace, sampling: Sampling) -> None:
+    """Fit parabolas to nine velocities each (Savitzky, Golay 1964), those of the past and the last one repeated at the ends."""
+    steps = sampling.time_steps
+    for t in range(steps):
+        for axis in range(3):
+            total = ZERO
+            for i in range(2 * REACH + 1):
+                at = t + i - REACH
+                total += WINDOW[i] * (work.history[REACH + at, axis] if at < 0 else work.mean[min(at, steps - 1), axis])
+            work.smoothed[t, axis] = total
+
+
+@inner
+def free_steps(velocities: Floats, scene: Scene, body: Body, chassis: Chassis, sampling: Sampling, state: Floats, least: float) -> int:
+    """Return how many steps a robot that is sent ``velocities`` (T, 3) goes before it meets a wall or what probably is there by then."""
+    x, y, c, s = ZERO, ZERO, state[0], state[1]
+    vx, vy, wz = state[2], state[3], state[4]
+    for t in range(sampling.time_steps):
+        sent = velocities[max(t, sampling.tied - 1)]
+        old_x, old_y, old_w = vx, vy, wz
+        vx, vy = towards(vx, sent[0], chassis.vx_change), towards(vy, sent[1], chassis.vy_change)
+        wz = towards(wz, sent[2], chassis.wz_change)
+        middle = np.float32(0.25) * sampling.dt * (old_w + wz)
+        along, aside = np.float32(0.5) * sampling.dt * (old_x + vx), np.float32(0.5) * sampling.dt * (old_y + vy)
+        turn_c, turn_s = np.float32(math.cos(middle)), np.float32(math.sin(middle))
+        c, s = c * turn_c - s * turn_s, s * turn_c + c * turn_s
+        x, y = x + c * along - s * aside, y + s * along + c * aside
+        c, s = c * turn_c - s * turn_s, s * turn_c + c * turn_s
+        gap = clearance(scene.window, body.outline, scene.x + float(x), scene.y + float(y), float(c), float(s), least)
+        if (gap < least and gap > -float(FAR)) or (scene.belief[t] > BELIEVED and met(scene, body, t, x, y, c, s)):
+            return t
+    return sampling.time_steps
+
+
+@inner
+def met(scene: Scene, body: Body, t: int, x: np.float32, y: np.float32, c: np.float32, s: np.float32) -> bool:
+    """Tell whether a robot at a pose touches where a moving obstacle is expected at step ``t``."""
+    for n in range(scene.moving.shape[1]):
+        for d in range(len(body.discs)):
+            at_x, at_y, radius = body.discs[d, 0], body.discs[d, 1], body.discs[d, 2] + scene.moving[t, n, 2]
+            dx = x + c * at_x - s * at_y - scene.moving[t, n, 0]
+            dy = y + s * at_x + c * at_y - scene.moving[t, n, 1]
+            if dx * dx + dy * dy < radius * radius:
+                return True
+    return False

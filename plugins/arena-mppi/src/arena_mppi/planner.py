@@ -1,0 +1,128 @@
+"""Model predictive path integral control of Williams et al. (2017, 2018), in the manner of Nav2's controller."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from arena_core import (
+    EpisodeStart,
+    Fraction,
+    NonNegative,
+    NonNegativeInt,
+    NoValidCommand,
+    Observation,
+    Planner,
+    Positive,
+    PositiveInt,
+    Robot,
+    Twist,
+)
+from arena_kernels.window import clearance
+from arena_mppi.chassis import MotionModel, chassis_of, motion_model_of
+from arena_mppi.optimizer import control_step
+from arena_mppi.parameters import Critics, Floats, Scene
+from arena_mppi.sampling import sampling_of, workspace
+from arena_mppi.scene import body_of, scene_of, standing_window
+from arena_mppi.sequence import Sequence
+from arena_mppi.settings import Goal, Motion, Moving, Noise, PathCritics, Progress, SpeedLimits, Static
+from arena_mppi.weights import critics_of
+
+CREEP = 0.005  # m that a robot which stands too near to a wall may come nearer still, so that it can turn away
+
+
+class MppiPlanner(Planner):
+    """Samples control sequences round the last one, rolls them out and drives their average, weighted by what they cost."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        batch_size: PositiveInt,
+        time_steps: PositiveInt,
+        model_dt: Positive,
+        iterations: PositiveInt,
+        temperature: Positive,
+        gamma: NonNegative,
+        smoothing: bool,
+        arcs: Fraction,
+        retry_attempt_limit: NonNegativeInt,
+        motion_model: MotionModel | None,
+        turning_radius: NonNegative | None,
+        noise: Noise,
+        limits: SpeedLimits,
+        static: Static,
+        moving: Moving,
+        goal: Goal,
+        path: PathCritics,
+        progress: Progress,
+        motion: Motion,
+    ) -> None:
+        model = motion_model_of(robot, motion_model)
+        self._chassis = chassis_of(robot, model, limits, turning_radius, model_dt)
+        self._sampling = sampling_of(self._chassis, noise, batch_size, time_steps, model_dt, iterations, temperature, gamma, smoothing)
+        self._work = workspace(self._sampling, self._chassis, arcs)
+        self._sequence = Sequence(time_steps, model_dt)
+        self._body = body_of(robot.footprint)
+        self._attempts = 1 + retry_attempt_limit
+        self._static, self._moving, self._goal, self._path = static, moving, goal, path
+        self._progress, self._motion = progress, motion
+        self._period = robot.control_period
+        self._key, self._steps = 0, 0
+
+    def reset(self, episode: EpisodeStart) -> None:
+        """Forget the sequence and draw the episode's table of normal numbers."""
+        self._period = episode.control_period
+        tied = max(1, round(self._period / float(self._sampling.dt)))
+        self._sampling = self._sampling._replace(tied=min(tied, self._sampling.time_steps))
+        self._work.normals[:] = episode.random.standard_normal(len(self._work.normals), np.float32)
+        self._key, self._steps = int(episode.random.integers(1 << 62)), 0
+        self._sequence.clear()
+
+    def compute_velocity(self, observation: Observation) -> Twist:
+        """Return the velocity that the best sequence has at the end of the coming period; NoValidCommand when every roll-out collides."""
+        self._check(observation)
+        scene = self._scene(observation)
+        now = np.array((observation.twist.vx, observation.twist.vy, observation.twist.wz), np.float32)
+        work = self._work
+        work.history[:] = self._sequence.past(now, observation.stamp)
+        work.mean[:] = self._sequence.ahead(now, observation.stamp)
+        for _ in range(self._attempts):
+            if self._improve(observation, scene, now) > 0:
+                vx, vy, wz = self._sequence.keep(work.mean, now, observation.stamp, self._period).tolist()
+                return Twist(vx, vy, wz)
+            work.mean[:] = 0.0
+        self._sequence.clear()
+        raise NoValidCommand("mppi: every roll-out collides")
+
+    def _improve(self, observation: Observation, scene: Scene, now: Floats) -> int:
+        """Run one control step and return how many roll-outs are free."""
+        pose = observation.pose
+        c, s = math.cos(pose.theta), math.sin(pose.theta)
+        wanted = self._static.collision_gap
+        gap = clearance(scene.window, self._body.outline, pose.x, pose.y, c, s, wanted)
+        least = min(wanted, gap - CREEP) if math.isfinite(gap) else wanted
+        state = np.array((c, s, *now), np.float32)
+        critics = self._critics(observation)
+        self._steps += 1
+        return control_step(
+            self._work, scene, self._body, self._chassis, self._sampling, critics, state, float(least), self._key, self._steps
+        )
+
+    def _scene(self, observation: Observation) -> Scene:
+        window = standing_window(observation, self._moving.speed_min)
+        dt, steps = float(self._sampling.dt), self._sampling.time_steps
+        return scene_of(observation, window, self._body, self._moving, self._progress, dt, steps)
+
+    def _critics(self, observation: Observation) -> Critics:
+        distance = observation.pose.distance(observation.goal)
+        return critics_of(self._static, self._moving, self._goal, self._path, self._progress, self._motion, distance)
+
+    @staticmethod
+    def _check(observation: Observation) -> None:
+        """Raise NoValidCommand unless there are a path and finite numbers."""
+        pose, twist, poses = observation.pose, observation.twist, observation.path.poses
+        if len(poses) == 0:
+            raise NoValidCommand("mppi: the path is empty")
+        if not (np.isfinite(poses).all() and np.isfinite((pose.x, pose.y, pose.theta, twist.vx, twist.vy, twist.wz)).all()):
+            raise NoValidCommand("mppi: pose, twist or path is not finite")

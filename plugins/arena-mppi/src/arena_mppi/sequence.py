@@ -1,0 +1,52 @@
+"""The control sequence between two control steps: velocities at the ends of the model's steps, moved on by the time that has passed."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from arena_mppi.parameters import Doubles, Floats
+from arena_mppi.sampling import HISTORY
+
+
+class Sequence:
+    """Remembers the velocities planned last (T, 3), and those driven before.
+
+    The model's step and the control period need not agree: both are read off the planned velocities at the times wanted.
+    """
+
+    def __init__(self, time_steps: int, dt: float) -> None:
+        self._steps = time_steps
+        self._dt = dt
+        self.clear()
+
+    def clear(self) -> None:
+        """Begin at rest."""
+        self._times: Doubles = np.zeros(1)
+        self._velocities: Floats = np.zeros((1, 3), np.float32)
+        self._stamp: float | None = None
+
+    def keep(self, mean: Floats, now: Floats, stamp: float, period: float) -> Floats:
+        """Remember ``mean`` (T, 3), planned at ``stamp`` from velocity ``now`` (3,) on; return the velocity to be reached in ``period`` s."""
+        before = self._dt * np.arange(1 - HISTORY, 0)
+        past = self._at(before + self._passed(stamp))
+        self._times = self._dt * np.arange(1 - HISTORY, self._steps + 1)
+        self._velocities, self._stamp = np.vstack((past, now[None], mean)), stamp
+        return self._at(np.array((period,)))[0]
+
+    def ahead(self, now: Floats, stamp: float) -> Floats:
+        """Return the sequence (T, 3) as it is seen at ``stamp``; without one, ``now`` goes on."""
+        if self._stamp is None:
+            return np.tile(now, (self._steps, 1))
+        return self._at(self._dt * np.arange(1, self._steps + 1) + self._passed(stamp))
+
+    def past(self, now: Floats, stamp: float) -> Floats:
+        """Return the velocities at the model's last steps, (HISTORY, 3), the last of them ``now``."""
+        if self._stamp is None:
+            return np.tile(now, (HISTORY, 1))
+        return np.vstack((self._at(self._dt * np.arange(1 - HISTORY, 0) + self._passed(stamp)), now[None]))
+
+    def _passed(self, stamp: float) -> float:
+        return 0.0 if self._stamp is None else stamp - self._stamp
+
+    def _at(self, times: Doubles) -> Floats:
+        return np.column_stack([np.interp(times, self._times, axis) for axis in self._velocities.T]).astype(np.float32)
