@@ -29,8 +29,8 @@ def slownesses(gaps: Floats, radius: float, comfort_gap: float, comfort_cost: fl
             if room < 0.0:
                 slow[row, column] = np.float32(blocked_cost)
             else:
-                lack = max(0.0, 1.0 - room / comfort_gap)
-                slow[row, column] = np.float32(1.0 + comfort_cost * lack * lack)
+                lack = max(0.0, 1.0 - float(room) / comfort_gap)
+                slow[row, column] = np.float32(1.0 + comfort_cost * lack**2)
 
 
 @borrowing
@@ -64,8 +64,8 @@ def arrival(left: Floats, row: int, column: int, pace: np.float32) -> np.float32
     b = min(left[max(row - 1, 0), column], left[min(row + 1, rows - 1), column])
     difference = a - b
     if abs(difference) >= pace:
-        return min(a, b) + pace
-    return np.float32(0.5) * (a + b + np.float32(math.sqrt(np.float32(2.0) * pace * pace - difference * difference)))
+        return min(a, b) + pace  # type: ignore[no-any-return]
+    return np.float32(0.5) * (a + b + np.float32(math.sqrt(np.float32(2.0) * pace * pace - difference * difference)))  # type: ignore[no-any-return]
 
 
 @borrowing

@@ -10,6 +10,7 @@ from arena_mppi.parameters import Body, Critics, Floats, Scene
 from arena_mppi.rollout import COSINE, COST, HALF, HIT, LANES, ONE, SINE, TRAVELLED, ZERO, X, Y
 
 COLLISION_COST = np.float32(1e6)
+COLLIDED = np.float32(0.5e6)  # what costs more has collided: other critics add thousands, and the control cost may be negative
 FAR = np.float32(1e3)  # m, the gap outside the window, of which nothing is known
 SPACING = np.float32(0.05)  # m between two points of the path
 
@@ -22,7 +23,7 @@ def interpolated(field: Floats, u: np.float32, v: np.float32) -> np.float32:
     right, up = u - np.float32(column), v - np.float32(row)
     below = field[row, column] + right * (field[row, column + 1] - field[row, column])
     above = field[row + 1, column] + right * (field[row + 1, column + 1] - field[row + 1, column])
-    return below + up * (above - below)
+    return below + up * (above - below)  # type: ignore[no-any-return]
 
 
 @inlined
@@ -42,7 +43,7 @@ def left_at(scene: Scene, x: np.float32, y: np.float32) -> np.float32:
     u, v = (x - scene.left_x) / scene.left_resolution - HALF, (y - scene.left_y) / scene.left_resolution - HALF
     inside_u, inside_v = min(max(u, ZERO), np.float32(columns - 1)), min(max(v, ZERO), np.float32(rows - 1))
     beyond = np.sqrt((u - inside_u) * (u - inside_u) + (v - inside_v) * (v - inside_v))
-    return interpolated(scene.left, inside_u, inside_v) + beyond * scene.left_resolution
+    return interpolated(scene.left, inside_u, inside_v) + beyond * scene.left_resolution  # type: ignore[no-any-return]
 
 
 @inner

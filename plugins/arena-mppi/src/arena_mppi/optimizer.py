@@ -9,7 +9,7 @@ import numpy as np
 from arena_kernels.compiled import borrowing, inner
 from arena_kernels.scalars import Integer
 from arena_kernels.window import clearance
-from arena_mppi.critics import COLLISION_COST, FAR, SPACING, judge_alignment, judge_goal, judge_moving, judge_progress, judge_static
+from arena_mppi.critics import COLLIDED, FAR, SPACING, judge_alignment, judge_goal, judge_moving, judge_progress, judge_static
 from arena_mppi.parameters import Body, Chassis, Critics, Floats, Sampling, Scene, Workspace
 from arena_mppi.rollout import COSINE, COST, LANES, ONE, SINE, ZERO, X, Y, draw_noise, drive_lanes, start_lanes, towards
 
@@ -100,7 +100,7 @@ def judge_ends(work: Workspace, scene: Scene, sampling: Sampling, critics: Criti
         return
     reached = 0
     for k in range(sampling.batch_size):
-        if work.costs[k] < COLLISION_COST:
+        if work.costs[k] < COLLIDED:
             reached = max(reached, nearest_point(scene.path, reached, work.ends[0, k], work.ends[1, k]))
     last = len(scene.path) - 1
     follow, ahead = min(reached + int(critics.follow_ahead / SPACING), last), min(reached + int(critics.angle_ahead / SPACING), last)
@@ -138,7 +138,7 @@ def weigh(work: Workspace, sampling: Sampling) -> int:
     least, free, total = np.inf, 0, 0.0
     for k in range(sampling.batch_size):
         least = min(least, float(work.costs[k]))
-        free += work.costs[k] < COLLISION_COST
+        free += work.costs[k] < COLLIDED
     for k in range(len(work.weights)):
         weight = math.exp((least - float(work.costs[k])) / sampling.temperature) if k < sampling.batch_size else 0.0
         work.weights[k] = weight

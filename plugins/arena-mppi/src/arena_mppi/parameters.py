@@ -106,9 +106,9 @@ class Workspace(NamedTuple):
     """Memory of the control step: all that is written. L is the number of lanes, B of blocks, T of steps.
 
     ``normals`` (N,) are standard normal numbers of the episode; ``fixed`` (5, B L) has for each roll-out how much of the mean and of the
-    noise it takes, and a constant velocity of its own. ``lanes`` is one block's state, ``velocities`` (B, T, 3 L) every roll-out's, ``costs`` and
-    ``weights`` (B L,), ``ends`` (4, B L) last poses. ``mean`` (T, 3) is the sequence, ``smoothed`` and ``cheapest`` (T, 3) others,
-    ``history`` (4, 3) the velocities before.
+    noise it takes, and a constant velocity of its own. ``lanes`` is one block's state, ``velocities`` (B, T, 3 L) every roll-out's,
+    ``costs`` and ``weights`` (B L,), ``ends`` (4, B L) last poses. ``mean`` (T, 3) is the sequence, ``smoothed`` and ``cheapest``
+    (T, 3) others, ``history`` (4, 3) the velocities before.
     """
 
     normals: Floats

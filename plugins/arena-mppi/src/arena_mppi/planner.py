@@ -89,11 +89,16 @@ class MppiPlanner(Planner):
         work.mean[:] = self._sequence.ahead(now, observation.stamp)
         for _ in range(self._attempts):
             if self._improve(observation, scene, now) > 0:
-                vx, vy, wz = self._sequence.keep(work.mean, now, observation.stamp, self._period).tolist()
-                return Twist(vx, vy, wz)
+                return self._command(self._sequence.keep(work.mean, now, observation.stamp, self._period))
             work.mean[:] = 0.0
         self._sequence.clear()
         raise NoValidCommand("mppi: every roll-out collides")
+
+    def _command(self, velocity: Floats) -> Twist:
+        """Return a velocity as a command; the average of two bends may be a bend that no car can drive."""
+        vx, vy, wz = velocity.tolist()
+        tightest = float(self._chassis.curvature) * abs(vx)
+        return Twist(vx, vy, min(max(wz, -tightest), tightest))
 
     def _improve(self, observation: Observation, scene: Scene, now: Floats) -> int:
         """Run one control step and return how many roll-outs are free."""
@@ -116,7 +121,8 @@ class MppiPlanner(Planner):
 
     def _critics(self, observation: Observation) -> Critics:
         distance = observation.pose.distance(observation.goal)
-        return critics_of(self._static, self._moving, self._goal, self._path, self._progress, self._motion, distance)
+        speed = float(max(self._chassis.vx_max, self._chassis.vy_max))
+        return critics_of(self._static, self._moving, self._goal, self._path, self._progress, self._motion, speed, distance)
 
     @staticmethod
     def _check(observation: Observation) -> None:

@@ -57,7 +57,9 @@ def workspace(sampling: Sampling, chassis: Chassis, arcs: float) -> Workspace:
         np.zeros(lanes, np.float32),
         np.zeros(lanes, np.float32),
         np.zeros((4, lanes), np.float32),
-        *(np.zeros((steps, 3), np.float32) for _ in range(3)),
+        np.zeros((steps, 3), np.float32),
+        np.zeros((steps, 3), np.float32),
+        np.zeros((steps, 3), np.float32),
         np.zeros((HISTORY, 3), np.float32),
     )
 

@@ -52,7 +52,7 @@ def scene_of(observation: Observation, window: Window, body: Body, moving: Movin
     corner_x, corner_y = np.float32(window.origin_x - x), np.float32(window.origin_y - y)
     goal, here = observation.goal, observation.pose
     facing = (goal.x - x, goal.y - y, math.cos(goal.theta), math.sin(goal.theta))
-    times = dt * np.arange(1, steps + 1)
+    times = np.arange(1, steps + 1, dtype=np.float64) * dt
     return Scene(
         gaps,
         corner_x,

@@ -26,27 +26,31 @@ class Sequence:
         self._stamp: float | None = None
 
     def keep(self, mean: Floats, now: Floats, stamp: float, period: float) -> Floats:
-        """Remember ``mean`` (T, 3), planned at ``stamp`` from velocity ``now`` (3,) on; return the velocity to be reached in ``period`` s."""
-        before = self._dt * np.arange(1 - HISTORY, 0)
+        """Remember ``mean`` (T, 3), planned at ``stamp`` from ``now`` (3,) on; return the velocity to be reached in ``period`` s."""
+        before = self._steps_at(1 - HISTORY, 0)
         past = self._at(before + self._passed(stamp))
-        self._times = self._dt * np.arange(1 - HISTORY, self._steps + 1)
+        self._times = self._steps_at(1 - HISTORY, self._steps + 1)
         self._velocities, self._stamp = np.vstack((past, now[None], mean)), stamp
-        return self._at(np.array((period,)))[0]
+        command: Floats = self._at(np.array((period,)))[0]
+        return command
 
     def ahead(self, now: Floats, stamp: float) -> Floats:
         """Return the sequence (T, 3) as it is seen at ``stamp``; without one, ``now`` goes on."""
         if self._stamp is None:
             return np.tile(now, (self._steps, 1))
-        return self._at(self._dt * np.arange(1, self._steps + 1) + self._passed(stamp))
+        return self._at(self._steps_at(1, self._steps + 1) + self._passed(stamp))
 
     def past(self, now: Floats, stamp: float) -> Floats:
         """Return the velocities at the model's last steps, (HISTORY, 3), the last of them ``now``."""
         if self._stamp is None:
             return np.tile(now, (HISTORY, 1))
-        return np.vstack((self._at(self._dt * np.arange(1 - HISTORY, 0) + self._passed(stamp)), now[None]))
+        return np.vstack((self._at(self._steps_at(1 - HISTORY, 0) + self._passed(stamp)), now[None]))
 
     def _passed(self, stamp: float) -> float:
         return 0.0 if self._stamp is None else stamp - self._stamp
+
+    def _steps_at(self, first: int, end: int) -> Doubles:
+        return np.arange(first, end, dtype=np.float64) * self._dt
 
     def _at(self, times: Doubles) -> Floats:
         return np.column_stack([np.interp(times, self._times, axis) for axis in self._velocities.T]).astype(np.float32)

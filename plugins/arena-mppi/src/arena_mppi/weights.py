@@ -9,9 +9,12 @@ from arena_mppi.settings import Goal, Motion, Moving, PathCritics, Progress, Sta
 
 
 def critics_of(
-    static: Static, moving: Moving, goal: Goal, path: PathCritics, progress: Progress, motion: Motion, distance: float
+    static: Static, moving: Moving, goal: Goal, path: PathCritics, progress: Progress, motion: Motion, speed: float, distance: float
 ) -> Critics:
-    """Return the weights ``distance`` m before the goal: near it the goal critics take over from those of the path, as in Nav2."""
+    """Return the weights ``distance`` m before the goal: near it the goal critics take over from those of the path, as in Nav2.
+
+    Ways are weighed by the time that they take at full ``speed`` (m/s): what is far for a slow robot is near for a fast one.
+    """
     near = distance < goal.within
     numbers = (
         static.weight,
@@ -30,10 +33,10 @@ def critics_of(
         0.0 if near else path.angle_weight,
         path.angle_ahead,
         path.angle_tolerance,
-        progress.weight,
+        progress.weight / speed,
         progress.end_share,
         motion.constraint_weight,
-        motion.forward_weight if distance > motion.forward_until else 0.0,
+        motion.forward_weight / speed if distance > motion.forward_until else 0.0,
         motion.twirling_weight,
     )
     return Critics(*(np.float32(number) for number in numbers))
