@@ -1,0 +1,122 @@
+"""Optimal reciprocal collision avoidance of van den Berg, Guy, Lin and Manocha (2011), for one robot among tracked people."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from arena_core import ConfigurationError, EpisodeStart, NoValidCommand, Observation, Planner, Robot, Tracks, Twist
+from arena_kernels.window import Outline, Window, outline_of, without_discs
+from arena_orca.gears import Gears
+from arena_orca.half_planes import FloatArray
+from arena_orca.parameters import (
+    ACKERMANN,
+    DIFFERENTIAL,
+    OMNIDIRECTIONAL,
+    Body,
+    DriveRules,
+    Driving,
+    Limits,
+    People,
+    PersonRules,
+    Settings,
+    Speeds,
+    StaticRules,
+    Statics,
+)
+from arena_orca.step import choose_command
+
+KINEMATICS = {"omnidirectional": OMNIDIRECTIONAL, "differential": DIFFERENTIAL, "ackermann": ACKERMANN}
+OUTLINE_SPACING = 0.05  # m, the side of a usual costmap cell: no cell slips between two points
+
+
+class OrcaPlanner(Planner):
+    """Drives the velocity nearest to the path's that every tracked person and every wall nearby leaves free for a while."""
+
+    def __init__(self, robot: Robot, speeds: Speeds, people: People, statics: Statics, driving: Driving) -> None:
+        if robot.kinematics not in KINEMATICS:
+            raise ConfigurationError(f"orca: robot {robot.name} is {robot.kinematics}; allowed: {', '.join(KINEMATICS)}")
+        footprint = robot.footprint
+        vertices = None if footprint.is_circle else footprint.vertices_xy
+        self._outline = outline_of(vertices, footprint.radius, footprint.inscribed_radius, OUTLINE_SPACING)
+        self._settings = Settings(
+            _body(robot, driving.centre_ahead),
+            _limits(robot, speeds),
+            PersonRules(people.horizon, people.reciprocity, people.margin, people.overlap_time, people.greatest_number),
+            StaticRules(statics.horizon, statics.margin, statics.padding, people.overlap_time),
+            DriveRules(driving.reach_time, driving.lookahead, driving.turn_time, driving.goal_time, robot.control_period),
+        )
+        self._erase_margin = people.erase_margin
+        self._gears = Gears(robot.kinematics == "ackermann", driving.lookahead)
+
+    def reset(self, episode: EpisodeStart) -> None:
+        """Begin an episode in the forward gear."""
+        self._settings = self._settings._replace(drive=self._settings.drive._replace(period=float(episode.control_period)))
+        self._gears.clear()
+
+    def compute_velocity(self, observation: Observation) -> Twist:
+        """Return the command of this step; raise NoValidCommand without a path, or when not even braking keeps clear."""
+        path = np.ascontiguousarray(observation.path.poses, dtype=np.float64)
+        if len(path) == 0:
+            raise NoValidCommand("orca: the path is empty")
+        window, state = _window(observation), _state(observation)
+        people = nearest_people(observation.tracks, state, self._settings.people.greatest_number)
+        standing = without_discs(window, people[:, :2].copy(), people[:, 4].copy(), self._erase_margin)
+        for gear in self._gears.choices(observation.pose):
+            valid, vx, vy, wz = choose_command(window, standing, self._outline, path, state, people, self._settings, gear)
+            if valid and self._gears.accepts(observation.pose, gear, vx):
+                return Twist(vx, vy, wz)
+        if valid:
+            return Twist(vx, vy, wz)
+        raise NoValidCommand("orca: not even braking keeps the footprint clear of what stands around")
+
+
+def nearest_people(tracks: Tracks, state: FloatArray, most: int) -> FloatArray:
+    """Return rows (x, y, vx, vy, radius) of the ``most`` tracks nearest to the robot, nearest first."""
+    gaps = np.hypot(*(tracks.positions - state[:2]).T) - tracks.radii
+    chosen = np.argsort(gaps, kind="stable")[:most]
+    return np.column_stack((tracks.positions[chosen], tracks.velocities[chosen], tracks.radii[chosen])).astype(np.float64)
+
+
+def _body(robot: Robot, centre_ahead: float) -> Body:
+    """Return the effective centre's place and the discs about it that hold the footprint and its front half."""
+    footprint, kinematics = robot.footprint, KINEMATICS[robot.kinematics]
+    if kinematics == OMNIDIRECTIONAL:
+        return Body(kinematics, 0.0, footprint.radius, footprint.radius)
+    if footprint.is_circle:
+        return Body(kinematics, centre_ahead, footprint.radius + centre_ahead, math.hypot(footprint.radius, centre_ahead))
+    corners = footprint.vertices_xy - (centre_ahead, 0.0)
+    whole = float(np.hypot(*corners.T).max())
+    half_width = float(np.abs(corners[:, 1]).max())
+    front = np.vstack((corners[corners[:, 0] > -centre_ahead], [(-centre_ahead, half_width)]))
+    return Body(kinematics, centre_ahead, whole, float(np.hypot(*front.T).max()))
+
+
+def _limits(robot: Robot, speeds: Speeds) -> Limits:
+    own = robot.limits
+    return Limits(
+        vx_min=_or(speeds.vx_min, own.vx_min),
+        vx_max=_or(speeds.vx_max, own.vx_max),
+        vy_max=_or(speeds.vy_max, own.vy_max) if robot.holonomic else 0.0,
+        wz_max=_or(speeds.wz_max, own.wz_max),
+        ax_max=float(own.ax_max),
+        ay_max=float(own.ay_max),
+        alpha_max=float(own.alpha_max),
+        turn_radius=robot.wheelbase / math.tan(robot.steering_max) if robot.kinematics == "ackermann" else 0.0,
+    )
+
+
+def _or(value: float | None, otherwise: float) -> float:
+    return float(otherwise if value is None else value)
+
+
+def _window(observation: Observation) -> Window:
+    costmap = observation.local_map
+    x, y = costmap.origin_xy.tolist()
+    return Window(costmap.costs, costmap.distance, float(costmap.resolution), x, y)
+
+
+def _state(observation: Observation) -> FloatArray:
+    pose, twist = observation.pose, observation.twist
+    return np.array((pose.x, pose.y, pose.theta, twist.vx, twist.vy, twist.wz))

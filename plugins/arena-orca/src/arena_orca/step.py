@@ -1,0 +1,116 @@
+"""One control step: half-planes, preferred velocity, linear programme, command; one compiled call."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from arena_kernels.compiled import borrowing, compiled
+from arena_kernels.window import Outline, Window, clearance
+from arena_orca.braking import allowed_gap, can_stop
+from arena_orca.free_space import MOST_CELLS, MOST_WALLS, put_walls
+from arena_orca.half_planes import ALONG_X, ALONG_Y, POINT_X, POINT_Y, FloatArray, lack, put_person
+from arena_orca.motion import centre_velocity, command_for, put_reach, top_speed
+from arena_orca.parameters import Body, PersonRules, Settings
+from arena_orca.preference import preferred_velocity
+from arena_orca.programme import nearest_allowed, safest
+
+MOST_REACH_LINES = 6
+SLOWER = (1.0, 0.6, 0.3, 0.0)  # shares of a velocity that are tried while its braking path is not free
+Stand = tuple[float, float, float, float]  # x, y (m, map), cosine and sine of the heading
+
+
+@compiled
+def choose_command(
+    window: Window,
+    standing: Window,
+    outline: Outline,
+    path: FloatArray,
+    state: FloatArray,
+    people: FloatArray,
+    settings: Settings,
+    gear: float,
+) -> tuple[bool, float, float, float]:
+    """Return whether there is a valid command, and its (vx, vy, wz), for a robot in ``state`` (x, y, theta, vx, vy, wz).
+
+    ``window`` holds all that the scans show, ``standing`` what does not move; ``path`` (M, 3); ``people`` rows are
+    (x, y, vx, vy, radius), nearest first; all in ``map``. ``gear`` is 1, or -1 for an Ackermann robot that shall back up.
+    """
+    body, limits, persons, statics, drive = settings
+    stand = (state[0], state[1], math.cos(state[2]), math.sin(state[2]))
+    centre = (stand[0] + body.ahead * stand[2], stand[1] + body.ahead * stand[3], stand[2], stand[3])
+    now = centre_velocity(body, limits, state[3], state[4], state[5])
+    speed = top_speed(body, limits)
+    lines = np.empty((MOST_REACH_LINES + MOST_WALLS + len(people), 4))
+
+    reach_end = put_reach(lines, 0, body, limits, now, drive.reach_time, gear)
+    walls_end = put_walls(lines, reach_end, standing, outline, body, statics, centre, speed, np.empty((MOST_CELLS, 3)))
+    count = put_people(lines, walls_end, people, body, persons, centre, now)
+    wish = preferred_velocity(path, standing, outline, body, limits, drive, stand, gear)
+    x, y = best_velocity(lines, reach_end, walls_end, count, speed, wish, np.empty_like(lines))
+    return stoppable_command(window, outline, settings, stand, (state[3], state[4], state[5]), (x, y))
+
+
+@borrowing
+def put_people(
+    lines: FloatArray, row: int, people: FloatArray, body: Body, rules: PersonRules, centre: Stand, now: tuple[float, float]
+) -> int:
+    """Write the half-planes of ``people`` seen from the effective centre; return the next row."""
+    x, y, cosine, sine = centre
+    how = (rules.horizon, rules.overlap_time, rules.reciprocity)
+    for k in range(len(people)):
+        dx, dy, vx, vy = people[k, 0] - x, people[k, 1] - y, people[k, 2], people[k, 3]
+        place = (cosine * dx + sine * dy, cosine * dy - sine * dx, cosine * vx + sine * vy, cosine * vy - sine * vx)
+        put_person(lines, row + k, place, now, people[k, 4] + body.whole + rules.margin, how)
+    return row + len(people)
+
+
+@borrowing
+def best_velocity(
+    lines: FloatArray, reach_end: int, walls_end: int, count: int, speed: float, wish: tuple[float, float], scratch: FloatArray
+) -> tuple[float, float]:
+    """Return the velocity nearest to ``wish`` that all lines allow; else give up people's half-planes evenly, and before them walls'.
+
+    What the robot cannot drive is never chosen.
+    """
+    kept, x, y = nearest_allowed(lines, count, speed, wish, False)
+    if kept < walls_end:
+        x, y = safest(lines, reach_end, walls_end, kept, speed, (x, y), scratch)
+        loosen(lines, reach_end, walls_end, x, y)
+        kept, x, y = nearest_allowed(lines, count, speed, wish, False)
+    if walls_end <= kept < count:
+        x, y = safest(lines, walls_end, count, kept, speed, (x, y), scratch)
+    return x, y
+
+
+@borrowing
+def loosen(lines: FloatArray, first: int, end: int, x: float, y: float) -> None:
+    """Move lines first .. end - 1 back, all as far, until they allow (x, y)."""
+    worst = 0.0
+    for i in range(first, end):
+        worst = max(worst, lack(lines[i], x, y))
+    for i in range(first, end):
+        lines[i, POINT_X] += lines[i, ALONG_Y] * (worst + 1e-9)
+        lines[i, POINT_Y] -= lines[i, ALONG_X] * (worst + 1e-9)
+
+
+@borrowing
+def stoppable_command(
+    window: Window, outline: Outline, settings: Settings, stand: Stand, twist: tuple[float, float, float], best: tuple[float, float]
+) -> tuple[bool, float, float, float]:
+    """Return the command for velocity ``best`` of the effective centre, slower or only turning where it could not be braked in time."""
+    body, limits, _, statics, drive = settings
+    gap_now = clearance(window, outline, stand[0], stand[1], stand[2], stand[3], statics.padding)
+    gap = allowed_gap(gap_now, statics.padding, window.resolution)
+    for share in SLOWER:
+        vx, vy, wz = command_for(body, limits, twist, (share * best[0], share * best[1]), drive.period)
+        if can_stop(window, outline, limits, stand, (vx, vy, wz), drive.period, gap):
+            if share > 0.0 or abs(best[1]) < 1e-9:
+                return True, vx, vy, wz
+            break
+    vx, vy, wz = command_for(body, limits, twist, (0.0, best[1]), drive.period)
+    if can_stop(window, outline, limits, stand, (vx, vy, wz), drive.period, gap):
+        return True, vx, vy, wz
+    vx, vy, wz = command_for(body, limits, twist, (0.0, 0.0), drive.period)
+    return can_stop(window, outline, limits, stand, (vx, vy, wz), drive.period, gap), vx, vy, wz
