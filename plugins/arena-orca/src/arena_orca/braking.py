@@ -1,4 +1,4 @@
-"""The last word: the exact footprint, along the command's arc until the robot stands, in the window."""
+"""The last word: the exact footprint, for one period of a command and while the robot is braked to rest, in the window."""
 
 from __future__ import annotations
 
@@ -6,9 +6,11 @@ import math
 
 from arena_kernels.compiled import borrowing
 from arena_kernels.window import Outline, Window, clearance
+from arena_orca.motion import toward
 from arena_orca.parameters import Limits
 
-LENGTH_STEP, TURN_STEP = 0.05, 0.15  # m and rad between two poses that are looked at
+LAPSE = 0.02  # s between two poses that are looked at: a cell at most, for robots below 2.5 m/s
+MOST_LOOKS = 500
 
 
 @borrowing
@@ -23,24 +25,26 @@ def can_stop(
     outline: Outline,
     limits: Limits,
     stand: tuple[float, float, float, float],
+    twist: tuple[float, float, float],
     command: tuple[float, float, float],
     period: float,
     gap: float,
 ) -> bool:
-    """Tell whether the footprint keeps ``gap`` m for one period of ``command`` and while it is braked, every speed alike, to rest."""
+    """Tell whether the footprint keeps ``gap`` m when ``command`` is held for a period and then every axis braked, from ``twist`` now."""
     x, y, cosine, sine = stand
-    vx, vy, wz = command
-    braking = max(abs(vx) / limits.ax_max, abs(wz) / limits.alpha_max)
-    if limits.ay_max > 0.0:
-        braking = max(braking, abs(vy) / limits.ay_max)
-    time = period + 0.5 * braking  # at full speed: the braking path is half as long
-    steps = max(1, math.ceil(max(math.hypot(vx, vy) * time / LENGTH_STEP, abs(wz) * time / TURN_STEP)))
-    lapse = time / steps
-    half_c, half_s = math.cos(0.5 * wz * lapse), math.sin(0.5 * wz * lapse)
-    for _ in range(steps):
+    vx, vy, wz = twist
+    held = round(period / LAPSE)
+    for look in range(MOST_LOOKS):
+        holding = look < held
+        vx = toward(vx, command[0] if holding else 0.0, limits.ax_max * LAPSE)
+        vy = toward(vy, command[1] if holding else 0.0, limits.ay_max * LAPSE)
+        wz = toward(wz, command[2] if holding else 0.0, limits.alpha_max * LAPSE)
+        if not holding and vx == 0.0 and vy == 0.0 and wz == 0.0:
+            break
+        half_c, half_s = math.cos(0.5 * wz * LAPSE), math.sin(0.5 * wz * LAPSE)
         cosine, sine = cosine * half_c - sine * half_s, sine * half_c + cosine * half_s
-        x += (cosine * vx - sine * vy) * lapse
-        y += (sine * vx + cosine * vy) * lapse
+        x += (cosine * vx - sine * vy) * LAPSE
+        y += (sine * vx + cosine * vy) * LAPSE
         cosine, sine = cosine * half_c - sine * half_s, sine * half_c + cosine * half_s
         if clearance(window, outline, x, y, cosine, sine, gap) < gap:
             return False

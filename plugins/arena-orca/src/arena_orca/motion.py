@@ -10,7 +10,7 @@ import math
 
 from arena_kernels.compiled import borrowing
 from arena_orca.half_planes import FloatArray, put_bound
-from arena_orca.parameters import ACKERMANN, OMNIDIRECTIONAL, Body, DriveRules, Limits
+from arena_orca.parameters import ACKERMANN, OMNIDIRECTIONAL, Body, Limits
 
 FORWARD, BACKWARD = 1.0, -1.0
 
@@ -42,9 +42,7 @@ def top_speed(body: Body, limits: Limits) -> float:
 
 
 @borrowing
-def put_reach(
-    lines: FloatArray, row: int, body: Body, limits: Limits, now: tuple[float, float], reach_time: float, gear: float
-) -> int:
+def put_reach(lines: FloatArray, row: int, body: Body, limits: Limits, now: tuple[float, float], reach_time: float, gear: float) -> int:
     """Write the half-planes of velocities within the limits that can be had ``reach_time`` s from now; return the next row.
 
     An Ackermann robot turns no tighter than its steering allows: in one gear, a cone.

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from arena_core import ConfigurationError, EpisodeStart, NoValidCommand, Observation, Planner, Robot, Tracks, Twist
-from arena_kernels.window import Outline, Window, outline_of, without_discs
+from arena_kernels.window import Window, outline_of, without_discs
 from arena_orca.gears import Gears
 from arena_orca.half_planes import FloatArray
 from arena_orca.parameters import (

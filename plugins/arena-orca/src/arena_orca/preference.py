@@ -27,7 +27,7 @@ def nearest_index(path: FloatArray, x: float, y: float) -> int:
 def in_sight(window: Window, x: float, y: float, to_x: float, to_y: float, needed: float) -> bool:
     """Tell whether a disc of radius ``needed`` fits along the straight line between two positions."""
     parts = max(1, math.ceil(math.hypot(to_x - x, to_y - y) / STEP))
-    for k in range(1, parts + 1):
+    for k in range(1, parts + 1):  # noqa: SIM110 - kernels know no generators
         if distance_at(window, x + (to_x - x) * k / parts, y + (to_y - y) * k / parts) < needed:
             return False
     return True

@@ -15,9 +15,7 @@ PARALLEL = 1e-9
 
 
 @borrowing
-def nearest_on_line(
-    lines: FloatArray, last: int, speed: float, wish: tuple[float, float], by_direction: bool
-) -> tuple[bool, float, float]:
+def nearest_on_line(lines: FloatArray, last: int, speed: float, wish: tuple[float, float], by_direction: bool) -> tuple[bool, float, float]:
     """Return whether line ``last`` holds an allowed velocity, given the lines before it, and the one nearest to ``wish``.
 
     Velocities are no faster than ``speed``. With ``by_direction`` it is the farthest one along the unit vector ``wish`` instead.
@@ -41,17 +39,13 @@ def nearest_on_line(
         if low > high:
             return False, 0.0, 0.0
     along = ax * wish[0] + ay * wish[1]
-    if by_direction:
-        t = high if along > 0.0 else low
-    else:
-        t = min(max(along + middle, low), high)
+    farthest = high if along > 0.0 else low
+    t = farthest if by_direction else min(max(along + middle, low), high)
     return True, px + t * ax, py + t * ay
 
 
 @borrowing
-def nearest_allowed(
-    lines: FloatArray, count: int, speed: float, wish: tuple[float, float], by_direction: bool
-) -> tuple[int, float, float]:
+def nearest_allowed(lines: FloatArray, count: int, speed: float, wish: tuple[float, float], by_direction: bool) -> tuple[int, float, float]:
     """Return how many of the first ``count`` lines could be kept (all, or up to the one that failed) and the best velocity then."""
     x, y = wish
     length = math.hypot(x, y)

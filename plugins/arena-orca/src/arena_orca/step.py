@@ -105,12 +105,12 @@ def stoppable_command(
     gap = allowed_gap(gap_now, statics.padding, window.resolution)
     for share in SLOWER:
         vx, vy, wz = command_for(body, limits, twist, (share * best[0], share * best[1]), drive.period)
-        if can_stop(window, outline, limits, stand, (vx, vy, wz), drive.period, gap):
+        if can_stop(window, outline, limits, stand, twist, (vx, vy, wz), drive.period, gap):
             if share > 0.0 or abs(best[1]) < 1e-9:
                 return True, vx, vy, wz
             break
     vx, vy, wz = command_for(body, limits, twist, (0.0, best[1]), drive.period)
-    if can_stop(window, outline, limits, stand, (vx, vy, wz), drive.period, gap):
+    if can_stop(window, outline, limits, stand, twist, (vx, vy, wz), drive.period, gap):
         return True, vx, vy, wz
     vx, vy, wz = command_for(body, limits, twist, (0.0, 0.0), drive.period)
-    return can_stop(window, outline, limits, stand, (vx, vy, wz), drive.period, gap), vx, vy, wz
+    return can_stop(window, outline, limits, stand, twist, (vx, vy, wz), drive.period, gap), vx, vy, wz
