@@ -5,9 +5,9 @@ from arena_dwa.oscillation import OscillationFlags, oscillates
 
 
 def flags_after(*commands, still_below=0.0):
-    flags = OscillationFlags(0.05, 0.2, still_below)
+    flags = OscillationFlags(0.05, 0.2, 2.0, still_below)
     for command in commands:
-        flags.note(Pose(0.0, 0.0), Twist(*command))
+        flags.note(0.0, Pose(0.0, 0.0), Twist(*command))
     return flags
 
 
@@ -29,15 +29,23 @@ def test_strafing_back_is_forbidden():
 
 def test_flags_fall_when_the_robot_has_moved_on():
     flags = flags_after((0.2, 0.0, 0.0), (-0.1, 0.0, 0.0))
-    flags.note(Pose(-0.04, 0.0), Twist(-0.1))
+    flags.note(0.1, Pose(-0.04, 0.0), Twist(-0.1))
     assert flags.only.any()
-    flags.note(Pose(-0.06, 0.0), Twist(-0.1))
+    flags.note(0.1, Pose(-0.06, 0.0), Twist(-0.1))
     assert not flags.only.any()
 
 
 def test_flags_fall_when_the_robot_has_turned():
     flags = flags_after((0.0, 0.0, 1.0), (0.0, 0.0, -1.0))
-    flags.note(Pose(0.0, 0.0, -0.25), Twist(0.0, 0.0, -1.0))
+    flags.note(0.1, Pose(0.0, 0.0, -0.25), Twist(0.0, 0.0, -1.0))
+    assert not flags.only.any()
+
+
+def test_flags_fall_with_time_so_that_a_waiting_robot_can_turn_back():
+    flags = flags_after((0.0, 0.0, 1.0), (0.0, 0.0, -1.0))
+    flags.note(1.9, Pose(0.0, 0.0), Twist(0.0))
+    assert flags.only.any()
+    flags.note(2.1, Pose(0.0, 0.0), Twist(0.0))
     assert not flags.only.any()
 
 

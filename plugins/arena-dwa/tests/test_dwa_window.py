@@ -17,11 +17,18 @@ def test_window_respects_limits_and_accelerations(vx, vy, wz, period):
     window = dynamic_window(np.array((vx, vy, wz)), LIMITS, period)
     lows, highs = np.array((-0.3, -0.4, -1.5)), np.array((0.8, 0.4, 1.5))
     accelerations = np.array((1.0, 0.7, 2.0))
-    inside = np.clip((vx, vy, wz), lows, highs)
+    excess = max(1.0, math.hypot(vx, vy) / LIMITS.trans_max)
+    inside = np.clip((vx / excess, vy / excess, wz), lows, highs)
     assert (window[:, 0] <= window[:, 1]).all()
     assert (window[:, 0] >= lows).all()
     assert (window[:, 1] <= highs).all()
     assert (np.abs(window - inside[:, None]) <= accelerations[:, None] * period + 1e-12).all()
+
+
+def test_robot_measured_too_fast_has_samples_that_are_driven():
+    limits = LIMITS._replace(vx_max=2.78, vy_max=2.78, trans_max=2.78, ax_max=2.5, ay_max=2.5)
+    window = dynamic_window(np.array((2.02, 2.72, 0.0)), limits, 0.1)
+    assert driven(window[0, 0], window[1, 0], 0.0, limits)
 
 
 @settings(derandomize=True, deadline=None)

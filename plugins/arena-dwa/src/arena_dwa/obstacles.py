@@ -61,7 +61,8 @@ def obstacle_cost(
     vx, vy, wz = sample
     speed = math.hypot(vx, vy)
     allowed = outline_growth(body, limits, speed) + least_gap(window, body, start_clearance)
-    time = max(roll_out.sim_time, period + stopping_time(vx, vy, wz, limits) + roll_out.stop_time_buffer)
+    braking = 0.5 * stopping_time(vx, vy, wz, limits)  # at full speed as far as the robot comes while it brakes evenly
+    time = max(roll_out.sim_time, period + braking + roll_out.stop_time_buffer)
     steps = max(1, math.ceil(max(speed * time / roll_out.sim_granularity, abs(wz) * time / roll_out.angular_sim_granularity)))
     step = arc(vx, vy, wz, time / steps)
     total, greatest = 0.0, 0.0

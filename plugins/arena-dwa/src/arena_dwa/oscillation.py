@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -18,11 +20,15 @@ def oscillates(only: NDArray[np.int8], vx: float, vy: float, wz: float) -> bool:
 
 
 class OscillationFlags:
-    """Flags as ROS's oscillation critic keeps them: a reversal forbids the old direction until the robot moved or turned far enough."""
+    """Flags as ROS's oscillation critic keeps them: a reversal forbids the old direction until the robot moved or turned far enough.
 
-    def __init__(self, reset_dist: float, reset_angle: float, still_below: float) -> None:
+    After ``reset_time`` s (None: never, as in ROS) they fall as well: a robot that waits would else never turn back.
+    """
+
+    def __init__(self, reset_dist: float, reset_angle: float, reset_time: float | None, still_below: float) -> None:
         self._reset_dist = reset_dist
         self._reset_angle = reset_angle
+        self._reset_time = math.inf if reset_time is None else reset_time
         self._still_below = still_below
         self.clear()
 
@@ -30,25 +36,25 @@ class OscillationFlags:
         """Forget all directions."""
         self.only = np.zeros(3, np.int8)
         self._driven = np.zeros(3, np.int8)
-        self._flagged_at: Pose | None = None
+        self._flagged: tuple[float, Pose] | None = None
 
-    def note(self, pose: Pose, command: Twist) -> None:
-        """Take in the command that was chosen at ``pose``: raise flags at a reversal, drop them once the robot is away."""
-        self._turn_over(FORWARD, command.vx, pose)
+    def note(self, stamp: float, pose: Pose, command: Twist) -> None:
+        """Take in the command chosen at ``stamp`` s and ``pose``: raise flags at a reversal, drop them when they have done their work."""
+        self._turn_over(FORWARD, command.vx, stamp, pose)
         if abs(command.vx) <= self._still_below:
-            self._turn_over(LEFT, command.vy, pose)
-            self._turn_over(TURN, command.wz, pose)
-        if self._flagged_at is not None and self._away(self._flagged_at, pose):
+            self._turn_over(LEFT, command.vy, stamp, pose)
+            self._turn_over(TURN, command.wz, stamp, pose)
+        if self._flagged is not None and self._is_over(*self._flagged, stamp, pose):
             self.clear()
 
-    def _turn_over(self, axis: int, speed: float, pose: Pose) -> None:
+    def _turn_over(self, axis: int, speed: float, stamp: float, pose: Pose) -> None:
         sign = int(np.sign(speed))
         if sign and self._driven[axis] == -sign:
             self.only[axis] = sign
-            self._flagged_at = pose
+            self._flagged = (stamp, pose)
         if sign:
             self._driven[axis] = sign
 
-    def _away(self, flagged_at: Pose, pose: Pose) -> bool:
-        turned = abs(flagged_at.relative(pose).theta)
-        return flagged_at.distance(pose) > self._reset_dist or turned > self._reset_angle
+    def _is_over(self, began: float, where: Pose, stamp: float, pose: Pose) -> bool:
+        turned = abs(where.relative(pose).theta)
+        return where.distance(pose) > self._reset_dist or turned > self._reset_angle or stamp - began > self._reset_time

@@ -77,6 +77,7 @@ class DwaPlanner(Planner):
         max_scaling_factor: NonNegative,
         oscillation_reset_dist: NonNegative,
         oscillation_reset_angle: NonNegative,
+        oscillation_reset_time: Positive | None,
         turn_in_place_from: Positive | None,
         turn_in_place_until: NonNegative,
         turn_in_place_ahead: NonNegative,
@@ -111,7 +112,7 @@ class DwaPlanner(Planner):
         )
         self._settings = Settings(limits, roll_out, body, scales, Approach(approach_scale, approach_time, approach_margin))
         self._closing = ClosingSpeeds(approach_lapse, approach_speed_min, approach_speed_max)
-        self._oscillation = OscillationFlags(oscillation_reset_dist, oscillation_reset_angle, trans_min)
+        self._oscillation = OscillationFlags(oscillation_reset_dist, oscillation_reset_angle, oscillation_reset_time, trans_min)
         turns = turn_in_place_from if robot.kinematics == "differential" else None
         self._turn = TurnInPlace(turns, turn_in_place_until, turn_in_place_ahead, limits.alpha_max)
         self._period = robot.control_period
@@ -136,7 +137,7 @@ class DwaPlanner(Planner):
             vx, vy, wz, cost = best.tolist()
             if math.isfinite(cost):
                 command = Twist(vx, vy, wz)
-                self._oscillation.note(observation.pose, command)
+                self._oscillation.note(observation.stamp, observation.pose, command)
                 return command
         raise NoValidCommand("dwa: every velocity of the window collides, oscillates or is too slow")
 

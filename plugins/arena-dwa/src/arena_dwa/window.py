@@ -22,10 +22,14 @@ def reachable(speed: float, low: float, high: float, acceleration: float, period
 
 @njit(cache=True)
 def dynamic_window(twist: FloatArray, limits: Limits, period: float) -> FloatArray:
-    """Return the window V_d of Fox, Burgard, Thrun (1997), eq. 14, cut to the limits: (3, 2) lows and highs of vx, vy, wz."""
+    """Return the window V_d of Fox, Burgard, Thrun (1997), eq. 14, cut to the limits: (3, 2) lows and highs of vx, vy, wz.
+
+    A robot that is measured faster than ``trans_max`` counts as that fast, or noise would leave it no sample.
+    """
     window = np.empty((3, 2))
-    window[0, 0], window[0, 1] = reachable(twist[0], limits.vx_min, limits.vx_max, limits.ax_max, period)
-    window[1, 0], window[1, 1] = reachable(twist[1], -limits.vy_max, limits.vy_max, limits.ay_max, period)
+    excess = max(1.0, math.hypot(twist[0], twist[1]) / limits.trans_max)
+    window[0, 0], window[0, 1] = reachable(twist[0] / excess, limits.vx_min, limits.vx_max, limits.ax_max, period)
+    window[1, 0], window[1, 1] = reachable(twist[1] / excess, -limits.vy_max, limits.vy_max, limits.ay_max, period)
     window[2, 0], window[2, 1] = reachable(twist[2], -limits.wz_max, limits.wz_max, limits.alpha_max, period)
     return window
 
