@@ -13,7 +13,7 @@ from arena_core.conversion import convert
 from arena_core.episode import EpisodeRecord
 from arena_core.errors import ConfigurationError
 from arena_core.execution import Timing, run_episode
-from arena_core.interfaces import Metric, MetricPack, Simulator, TaskMode
+from arena_core.interfaces import Localizer, Metric, MetricPack, Simulator, TaskMode
 from arena_core.navigator import Navigator, ReplanRules
 from arena_core.parameters import NonNegativeInt, PositiveInt
 from arena_core.recording import Recorder, write_grid
@@ -83,6 +83,7 @@ def build_benchmark(config: Mapping[str, Any], registry: Registry) -> Benchmark:
     control_period = _control_period(config, robot, simulator)
     replan = convert(config["replan"], ReplanRules, "replan", {}, _no_components)
     parts = {k: registry.build(k, config[k], robot=robot) for k in BRAIN}
+    _check_map(config, parts["localizer"])
     planner = registry.build("planner", {k: v for k, v in config["planner"].items() if k != "control_period"}, robot=robot)
     navigator = Navigator(robot, **parts, planner=planner, replan=replan, control_period=control_period)
     timing = convert(config["timing"], Timing, "timing", {}, _no_components)
@@ -130,6 +131,13 @@ def _check_complete(config: Mapping[str, Any]) -> None:
     lacking = [key for key in (*NEEDED, *RunSettings.__slots__) if key not in config]
     if lacking:
         raise ConfigurationError(f"the configuration lacks {', '.join(lacking)}; `arena list` shows what can be chosen")
+
+
+def _check_map(config: Mapping[str, Any], localizer: Localizer) -> None:
+    """Raise ConfigurationError when the localiser needs a map and the robot is given none."""
+    if localizer.needs_map and config["world"].get("known") is False:
+        name = config["localizer"]["name"]
+        raise ConfigurationError(f"world.known is false and localizer {name} needs a map; allowed: world.known=true, or another localizer")
 
 
 def _control_period(config: Mapping[str, Any], robot: Robot, simulator: Simulator) -> float:

@@ -34,7 +34,9 @@ class Planner(ABC):
 
 
 class Localizer(ABC):
-    """Estimates the robot's pose in ``map`` from its sensors."""
+    """Estimates the robot's pose in ``map`` from its sensors; one that ``needs_map`` is refused where the robot has none."""
+
+    needs_map: ClassVar[bool] = False
 
     @abstractmethod
     def reset(self, grid: OccupancyGrid | None, start: Pose, random: np.random.Generator) -> None:

@@ -90,6 +90,13 @@ def test_a_wrong_request_is_one_line_that_says_what_is_allowed(arena, override, 
     assert not half_written()
 
 
+def test_a_localizer_that_needs_a_map_is_refused_where_the_robot_has_none(arena):
+    words = [word.replace("ground_truth", "amcl") for word in QUICK]
+    answer = arena("run", *words, "world.known=false")
+    assert answer.status == 2
+    assert answer.line.startswith("arena: world.known is false and localizer amcl needs a map; allowed: world.known=true, or another")
+
+
 def test_a_robot_without_extent_is_refused(arena):
     answer = arena("run", *QUICK, "robot=turtlebot3", "robot.footprint.radius=0")
     assert (answer.status, answer.line) == (2, "arena: robot.footprint.radius is 0; allowed: > 0")

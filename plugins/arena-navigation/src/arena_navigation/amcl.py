@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +38,8 @@ RangeLimit = Annotated[float, Bounds(low=-1.0)]
 
 class AmclLocalizer(Localizer):
     """A particle filter over poses on a known map, fed by odometry and scans."""
+
+    needs_map: ClassVar[bool] = True
 
     def __init__(
         self,
