@@ -50,6 +50,8 @@ class Driving:
     lookahead: Positive  # m
     turn_time: Positive  # s
     goal_time: Positive  # s
+    patience: Positive | None  # s
+    escape_time: Positive  # s
 
 
 class Body(NamedTuple):

@@ -8,6 +8,7 @@ import numpy as np
 
 from arena_core import ConfigurationError, EpisodeStart, NoValidCommand, Observation, Planner, Robot, Tracks, Twist
 from arena_kernels.window import Window, outline_of, without_discs
+from arena_orca.escape import Patience, escape_command
 from arena_orca.gears import Gears
 from arena_orca.half_planes import FloatArray
 from arena_orca.parameters import (
@@ -28,6 +29,7 @@ from arena_orca.parameters import (
 from arena_orca.step import choose_command
 
 KINEMATICS = {"omnidirectional": OMNIDIRECTIONAL, "differential": DIFFERENTIAL, "ackermann": ACKERMANN}
+ESCAPE_TIME = 1.0  # s that an escape is looked ahead
 OUTLINE_SPACING = 0.05  # m, the side of a usual costmap cell: no cell slips between two points
 
 
@@ -48,12 +50,14 @@ class OrcaPlanner(Planner):
             DriveRules(driving.reach_time, driving.lookahead, driving.turn_time, driving.goal_time, robot.control_period),
         )
         self._erase_margin = people.erase_margin
+        self._patience = Patience(driving.patience, driving.escape_time)
         self._gears = Gears(robot.kinematics == "ackermann", driving.lookahead)
 
     def reset(self, episode: EpisodeStart) -> None:
         """Begin an episode in the forward gear."""
         self._settings = self._settings._replace(drive=self._settings.drive._replace(period=float(episode.control_period)))
         self._gears.clear()
+        self._patience.clear()
 
     def compute_velocity(self, observation: Observation) -> Twist:
         """Return the command of this step; raise NoValidCommand without a path, or when not even braking keeps clear."""
@@ -61,6 +65,10 @@ class OrcaPlanner(Planner):
         if len(path) == 0:
             raise NoValidCommand("orca: the path is empty")
         window, state = _window(observation), _state(observation)
+        if self._patience.is_over(observation.stamp, observation.pose):
+            escape = self._escape(window, state)
+            if escape is not None:
+                return escape
         people = nearest_people(observation.tracks, state, self._settings.people.greatest_number)
         standing = without_discs(window, people[:, :2].copy(), people[:, 4].copy(), self._erase_margin)
         for gear in self._gears.choices(observation.pose):
@@ -70,6 +78,11 @@ class OrcaPlanner(Planner):
         if valid:
             return Twist(vx, vy, wz)
         raise NoValidCommand("orca: not even braking keeps the footprint clear of what stands around")
+
+    def _escape(self, window: Window, state: FloatArray) -> Twist | None:
+        """Return the command that leads to more room, None if there is none."""
+        found, vx, vy, wz = escape_command(window, self._outline, state, self._settings, ESCAPE_TIME)
+        return Twist(vx, vy, wz) if found else None
 
 
 def nearest_people(tracks: Tracks, state: FloatArray, most: int) -> FloatArray:

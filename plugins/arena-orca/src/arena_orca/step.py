@@ -8,8 +8,8 @@ import numpy as np
 
 from arena_kernels.compiled import borrowing, compiled
 from arena_kernels.window import Outline, Window, clearance
-from arena_orca.braking import allowed_gap, can_stop
-from arena_orca.free_space import MOST_CELLS, MOST_WALLS, put_walls
+from arena_orca.braking import Stand, allowed_gap, can_stop
+from arena_orca.free_space import MOST_CELLS, MOST_WALLS, put_walls, radius_towards
 from arena_orca.half_planes import ALONG_X, ALONG_Y, POINT_X, POINT_Y, FloatArray, lack, put_person
 from arena_orca.motion import centre_velocity, command_for, put_reach, top_speed
 from arena_orca.parameters import Body, PersonRules, Settings
@@ -17,8 +17,9 @@ from arena_orca.preference import preferred_velocity
 from arena_orca.programme import nearest_allowed, safest
 
 MOST_REACH_LINES = 6
+ALMOST = 0.999
+WALKING = 0.2  # m/s: who is slower stands, more or less
 SLOWER = (1.0, 0.6, 0.3, 0.0)  # shares of a velocity that are tried while its braking path is not free
-Stand = tuple[float, float, float, float]  # x, y (m, map), cosine and sine of the heading
 
 
 @compiled
@@ -46,7 +47,7 @@ def choose_command(
 
     reach_end = put_reach(lines, 0, body, limits, now, drive.reach_time, gear)
     walls_end = put_walls(lines, reach_end, standing, outline, body, statics, centre, speed, np.empty((MOST_CELLS, 3)))
-    count = put_people(lines, walls_end, people, body, persons, centre, now)
+    count = put_people(lines, walls_end, people, outline, body, persons, centre, now)
     wish = preferred_velocity(path, standing, outline, body, limits, drive, stand, gear)
     x, y = best_velocity(lines, reach_end, walls_end, count, speed, wish, np.empty_like(lines))
     return stoppable_command(window, outline, settings, stand, (state[3], state[4], state[5]), (x, y))
@@ -54,7 +55,14 @@ def choose_command(
 
 @borrowing
 def put_people(
-    lines: FloatArray, row: int, people: FloatArray, body: Body, rules: PersonRules, centre: Stand, now: tuple[float, float]
+    lines: FloatArray,
+    row: int,
+    people: FloatArray,
+    outline: Outline,
+    body: Body,
+    rules: PersonRules,
+    centre: Stand,
+    now: tuple[float, float],
 ) -> int:
     """Write the half-planes of ``people`` seen from the effective centre; return the next row."""
     x, y, cosine, sine = centre
@@ -62,8 +70,23 @@ def put_people(
     for k in range(len(people)):
         dx, dy, vx, vy = people[k, 0] - x, people[k, 1] - y, people[k, 2], people[k, 3]
         place = (cosine * dx + sine * dy, cosine * dy - sine * dx, cosine * vx + sine * vy, cosine * vy - sine * vx)
-        put_person(lines, row + k, place, now, people[k, 4] + body.whole + rules.margin, how)
+        put_person(lines, row + k, place, now, wanted_distance(outline, body, rules.margin, place, people[k, 4]), how)
     return row + len(people)
+
+
+@borrowing
+def wanted_distance(outline: Outline, body: Body, margin: float, place: tuple[float, float, float, float], radius: float) -> float:
+    """Return the distance to keep from a person of ``radius`` at ``place``, m: as far as the robot reaches any way, and ``margin``.
+
+    To someone who stands nearer already the robot only wants not to come nearer, until the footprint itself would touch: two
+    who wait for each other to step back would wait for ever.
+    """
+    wanted, apart = radius + body.whole + margin, math.hypot(place[0], place[1])
+    standing = max(0.0, 1.0 - math.hypot(place[2], place[3]) / WALKING)
+    if apart > wanted or apart < 1e-9:
+        return wanted
+    least = max(radius + radius_towards(body, outline, place[0] / apart, place[1] / apart), ALMOST * apart)
+    return wanted - standing * max(0.0, wanted - least)
 
 
 @borrowing
