@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import numpy as np
 import pytest
@@ -27,9 +26,12 @@ def robot() -> Callable[[str], Robot]:
 def build(robot: Callable[[str], Robot]) -> Callable[..., Planner]:
     """Give a function that builds and resets a planner: robot's name, overrides, preset."""
 
+    built: dict[tuple[str, ...], Planner] = {}
+
     def _build(name: str = "turtlebot3", *overrides: str, preset: str = "orca") -> Planner:
-        body = robot(name)
-        planner: Planner = component("planner", preset, overrides, name, robot=body)
+        body, key = robot(name), (name, preset, *overrides)
+        planner = built[key] if key in built else component("planner", preset, overrides, name, robot=body)
+        built[key] = planner
         planner.reset(EpisodeStart(None, Pose(3.0, 0.0), body.control_period, np.random.default_rng(0)))
         return planner
 
@@ -70,12 +72,12 @@ def observe() -> Callable[..., Observation]:
     """Give a function that makes an observation of a costmap, pose, path rows (x, y), twist and tracks."""
 
     def _observe(
-        costmap: Costmap, pose: Pose, path_xy: ArrayLike, twist: Twist = REST, tracks: Tracks = NO_TRACKS, **changes: Any
+        costmap: Costmap, pose: Pose, path_xy: ArrayLike, twist: Twist = REST, tracks: Tracks = NO_TRACKS, stamp: float = 0.0
     ) -> Observation:
         rows = np.asarray(path_xy, dtype=np.float64).reshape(-1, 2)
         path = Path(np.column_stack((rows, np.zeros(len(rows)))))
         scan = LaserScan(0.0, 0.0, 0.1, 0.12, 3.5, np.full(4, np.inf, np.float32), Pose(0.0, 0.0))
         goal = Pose.of(path.poses[-1]) if len(rows) else Pose(1.0, 0.0)
-        return Observation(0.0, pose, np.zeros((3, 3)), twist, scan, goal, goal, path, None, lambda: costmap, lambda: tracks)
+        return Observation(stamp, pose, np.zeros((3, 3)), twist, scan, goal, goal, path, None, lambda: costmap, lambda: tracks)
 
     return _observe
