@@ -17,7 +17,6 @@ MODELS: dict[str, tuple[MotionModel, ...]] = {
     "omnidirectional": ("Omni", "DiffDrive", "Ackermann"),
     "ackermann": ("Ackermann",),
 }
-ANY_CURVATURE = 1e6  # 1/m, of robots that can turn on the spot
 
 
 def motion_model_of(robot: Robot, chosen: MotionModel | None) -> MotionModel:
@@ -40,7 +39,8 @@ def chassis_of(robot: Robot, model: MotionModel, limits: SpeedLimits, turning_ra
         _or(limits.ax_max, own.ax_max, dt),
         _or(limits.ay_max, own.ay_max, dt) if sideways else np.float32(0.0),
         _or(limits.alpha_max, own.alpha_max, dt),
-        np.float32(_curvature(robot, turning_radius) if model == "Ackermann" else ANY_CURVATURE),
+        np.float32(0.0 if model == "Ackermann" else math.inf),
+        np.float32(_curvature(robot, turning_radius) if model == "Ackermann" else 0.0),
     )
 
 
@@ -50,7 +50,7 @@ def _or(value: float | None, otherwise: float, scale: float = 1.0) -> np.float32
 
 def _curvature(robot: Robot, turning_radius: float | None) -> float:
     """Return the greatest curvature, 1/m, of the steering or of ``turning_radius``, whichever is less."""
-    steering = math.tan(robot.steering_max) / robot.wheelbase if robot.kinematics == "ackermann" else ANY_CURVATURE
-    if not turning_radius and steering == ANY_CURVATURE:
+    steering = math.tan(robot.steering_max) / robot.wheelbase if robot.kinematics == "ackermann" else math.inf
+    if not turning_radius and math.isinf(steering):
         raise ConfigurationError(f"mppi: turning_radius is {turning_radius}; allowed: > 0 (m) for {robot.name} with motion_model Ackermann")
     return min(steering, 1.0 / turning_radius) if turning_radius else steering

@@ -21,15 +21,15 @@ def slownesses(gaps: Floats, radius: float, comfort_gap: float, comfort_cost: fl
     rows, columns = gaps.shape
     for row in range(slow.shape[0]):
         for column in range(slow.shape[1]):
-            gap = np.float32(np.inf)
+            gap, cells = 0.0, 0
             for i in range(STEP * row, min(STEP * row + STEP, rows)):
                 for j in range(STEP * column, min(STEP * column + STEP, columns)):
-                    gap = min(gap, gaps[i, j])
-            room = gap - np.float32(radius)
+                    gap, cells = gap + float(gaps[i, j]), cells + 1
+            room = gap / cells - radius
             if room < 0.0:
                 slow[row, column] = np.float32(blocked_cost)
             else:
-                lack = max(0.0, 1.0 - float(room) / comfort_gap)
+                lack = max(0.0, 1.0 - room / comfort_gap)
                 slow[row, column] = np.float32(1.0 + comfort_cost * lack**2)
 
 

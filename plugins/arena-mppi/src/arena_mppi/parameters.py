@@ -14,7 +14,7 @@ Doubles = NDArray[np.float64]
 
 
 class Chassis(NamedTuple):
-    """Speeds, what they can change in one step of the model, and the greatest curvature (1/m, only bounded for Ackermann)."""
+    """Speeds, what they can change in one step of the model, and the greatest turn: ``turn_at_rest`` + ``curvature`` abs(vx)."""
 
     vx_min: np.float32
     vx_max: np.float32
@@ -23,6 +23,7 @@ class Chassis(NamedTuple):
     vx_change: np.float32
     vy_change: np.float32
     wz_change: np.float32
+    turn_at_rest: np.float32
     curvature: np.float32
 
 

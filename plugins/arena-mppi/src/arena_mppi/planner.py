@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import ClassVar
 
 import numpy as np
 
@@ -34,6 +35,8 @@ CREEP = 0.005  # m that a robot which stands too near to a wall may come nearer 
 
 class MppiPlanner(Planner):
     """Samples control sequences round the last one, rolls them out and drives their average, weighted by what they cost."""
+
+    compiles: ClassVar[bool] = True
 
     def __init__(
         self,
@@ -97,7 +100,7 @@ class MppiPlanner(Planner):
     def _command(self, velocity: Floats) -> Twist:
         """Return a velocity as a command; the average of two bends may be a bend that no car can drive."""
         vx, vy, wz = velocity.tolist()
-        tightest = float(self._chassis.curvature) * abs(vx)
+        tightest = float(self._chassis.turn_at_rest) + float(self._chassis.curvature) * abs(vx)
         return Twist(vx, vy, min(max(wz, -tightest), tightest))
 
     def _improve(self, observation: Observation, scene: Scene, now: Floats) -> int:

@@ -74,7 +74,7 @@ def drive_lanes(lanes: Floats, out: Floats, mean: Floats, chassis: Chassis, samp
         vx = towards(old_x, min(max(wanted_x, chassis.vx_min), chassis.vx_max), chassis.vx_change)
         vy = towards(old_y, min(max(wanted_y, -chassis.vy_max), chassis.vy_max), chassis.vy_change)
         wz = towards(old_w, min(max(wanted_w, -chassis.wz_max), chassis.wz_max), chassis.wz_change)
-        tightest = chassis.curvature * abs(vx)
+        tightest = chassis.turn_at_rest + chassis.curvature * abs(vx)
         wz = min(max(wz, -tightest), tightest)
         lanes[VX + k], lanes[VY + k], lanes[WZ + k] = vx, vy, wz
         along, aside = half * (old_x + vx), half * (old_y + vy)
