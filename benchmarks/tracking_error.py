@@ -142,12 +142,13 @@ def add(score: Score, drive: Drive, told: Sequence[Tracks]) -> None:
             life.setdefault(number, [0, 0])[person is not None] += 1
             if person is None:
                 continue
-            score.switches += track_of.get(person, number) != number
-            track_of[person] = number
             if in_sight[person]:
+                score.switches += track_of.get(person, number) != number
+                track_of[person] = number
                 score.found += 1
                 score.position_errors.append(float(np.hypot(*(tracks.positions[k] - people[person]))))
                 score.velocity_errors.append(float(np.hypot(*(tracks.velocities[k] - velocities[person]))))
+        track_of = {person: number for person, number in track_of.items() if in_sight[person]}
         score.seen += int(in_sight.sum())
     score.false_tracks += sum(off > on for off, on in life.values())
     score.seconds += float(record["stamp"][-1])

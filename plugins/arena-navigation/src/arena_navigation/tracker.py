@@ -158,7 +158,7 @@ class KalmanTracker(Tracker):
     def _correct(self, discs: Discs) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
         """Give each track its disc and take it in; return the matches (N,), -1 for none."""
         belief = self._belief
-        matches = matched(belief.states, belief.covariances, discs.positions, discs.covariances, self._gate)
+        matches = matched(belief.states, belief.covariances, belief.radii, discs.positions, discs.covariances, self._gate)
         correct(belief.states, belief.covariances, matches, discs.positions, discs.covariances)
         correct_radii(belief.radii, belief.radius_variances, matches, discs.radii, discs.radius_variances)
         return matches
@@ -178,9 +178,10 @@ class KalmanTracker(Tracker):
         self._belief = belief.where(~ended)
 
     def _begin_tracks(self, discs: Discs, matches: np.ndarray[tuple[int], np.dtype[np.int64]]) -> None:
-        """Begin a track at every disc that is no track's."""
+        """Begin a track at every disc that is no track's, and whose middle is in no body that was seen now: that is another side of it."""
         free = np.ones(len(discs.radii), np.bool_)
         free[matches[matches >= 0]] = False
+        free &= ~self._inside_seen(discs)
         chosen = np.flatnonzero(free)
         self._belief = self._belief.with_born(discs, chosen, self._next_id, self._motion.speed_std, self._stamp)
         self._next_id += len(chosen)
@@ -191,3 +192,8 @@ class KalmanTracker(Tracker):
         if len(told.ids) and stamp > self._stamp:
             predict(told.states, told.covariances, stamp - self._stamp, self._motion.acceleration_density)
         return Tracks(told.ids, told.states[:, :2].copy(), told.states[:, 2:].copy(), told.radii, told.covariances)
+
+    def _inside_seen(self, discs: Discs) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+        seen = self._belief.where(self._belief.seen_at == self._stamp)
+        away = np.hypot(*(discs.positions[:, None] - seen.states[:, :2]).transpose(2, 0, 1))
+        return np.asarray((away < seen.radii).any(axis=1))
