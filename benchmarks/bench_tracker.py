@@ -14,7 +14,7 @@ from timing import interleave
 from arena_core import LaserScan, OccupancyGrid, Pose, Tracker
 from arena_core.testing import component
 from arena_kernels.distance import grid_distance
-from arena_navigation.tracking_filter import correct, predict
+from arena_navigation.tracking_filter import POSITION, correct, predict
 
 PEOPLE = 10
 STEPS = 40  # a timing
@@ -66,7 +66,7 @@ def batched_filters(positions: np.ndarray) -> np.ndarray:
     noises, matches = np.tile(NOISE * np.eye(2), (PEOPLE, 1, 1)), np.arange(PEOPLE)
     for measured in positions:
         predict(states, covariances, PERIOD, DENSITY)
-        correct(states, covariances, matches, measured, noises)
+        correct(states, covariances, matches, measured, noises, POSITION)
     return states
 
 

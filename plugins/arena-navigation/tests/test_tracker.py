@@ -163,3 +163,39 @@ def test_nothing_survives_a_reset(tracker, scan_of_discs):
 def test_impossible_radii_are_refused():
     with pytest.raises(ConfigurationError, match=r"shape\.radius is 0\.05; allowed: from radius_min"):
         component("tracker", "kalman", ["tracker.shape.radius=0.05"], robot=robot())
+
+
+def box_scan(pose, low, high, stamp):
+    """Return what a lidar at ``pose`` sees of a box that lies along the axes, from corner ``low`` to corner ``high``."""
+    angles = pose.theta - math.pi + np.arange(720) * (2.0 * math.pi / 720)
+    with np.errstate(divide="ignore"):
+        sides = [
+            ((np.array((a, b)) - p) / d)
+            for a, b, p, d in zip(low, high, (pose.x, pose.y), (np.cos(angles)[:, None], np.sin(angles)[:, None]), strict=True)
+        ]
+    enter = np.maximum(*(side.min(axis=1) for side in sides))
+    leave = np.minimum(*(side.max(axis=1) for side in sides))
+    ranges = np.where((enter < leave) & (enter > 0.0), enter, np.inf) + 0.005 * np.random.default_rng(int(10 * stamp)).standard_normal(720)
+    return LaserScan(stamp, -math.pi, 2.0 * math.pi / 720, 0.05, 8.0, ranges.astype(np.float32), Pose(0.0, 0.0))
+
+
+@pytest.mark.parametrize("speed", [0.5, 1.5])
+def test_a_box_that_no_map_shows_stands_while_the_robot_drives_round_it(tracker, speed):
+    speeds = []
+    for k in range(40):
+        angle = speed * 0.1 * k / 2.0
+        pose = Pose(2.0 * math.cos(angle), 2.0 * math.sin(angle), angle + math.pi / 2)
+        tracks = tracker.update(box_scan(pose, (-0.6, -0.3), (0.6, 0.3), 0.1 * k), pose, 0.1 * k)
+        speeds.append(np.hypot(*tracks.velocities.T).max() if len(tracks.ids) else 0.0)
+    assert len(tracks.ids) >= 1
+    assert max(speeds[15:]) < 0.15
+
+
+def test_a_person_close_by_whose_middle_is_nearer_than_the_lidar_can_see_is_one(tracker, scan_of_discs):
+    def seen(t):
+        scan = scan_of_discs(Pose(0.0, 0.0), [(0.55, 0.0, PERSON)], t, noise=0.003, seed=round(10 * t))
+        scan.ranges[scan.ranges < 0.27] = 0.0
+        return scan
+
+    tracks = [tracker.update(seen(0.1 * k), Pose(0.0, 0.0), 0.1 * k) for k in range(10)]
+    assert [len(t.ids) for t in tracks[3:]] == [1] * 7

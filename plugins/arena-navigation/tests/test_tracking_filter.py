@@ -4,7 +4,7 @@ from filterpy.kalman import KalmanFilter
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_navigation.tracking_filter import correct, correct_radii, predict
+from arena_navigation.tracking_filter import POSITION, correct, correct_radii, predict
 
 DENSITY = 0.7
 
@@ -39,7 +39,7 @@ def test_the_filters_are_those_of_filterpy(seed, count):
         positions, noises = random.normal(size=(count, 2)), np.array([positive(random, 2) for _ in range(count)])
         matches = np.where(random.random(count) < 0.7, random.permutation(count), -1)
         predict(states, covariances, dt, DENSITY)
-        correct(states, covariances, matches, positions, noises)
+        correct(states, covariances, matches, positions, noises, POSITION)
         for other, match in zip(peers, matches, strict=True):
             predict_peer(other, dt)
             if match >= 0:
@@ -55,7 +55,7 @@ def test_covariances_stay_symmetric_and_positive(seed):
     states, covariances = np.zeros((1, 4)), np.diag((1e-4, 1e-4, 4.0, 4.0))[None].copy()
     for _ in range(200):
         predict(states, covariances, float(random.choice((0.0, 0.02, 0.1, 3.0))), 1.0)
-        correct(states, covariances, np.zeros(1, np.int64), random.normal(size=(1, 2)), 1e-4 * positive(random, 2)[None])
+        correct(states, covariances, np.zeros(1, np.int64), random.normal(size=(1, 2)), 1e-4 * positive(random, 2)[None], POSITION)
     np.testing.assert_array_equal(covariances[0], covariances[0].T)
     assert np.linalg.eigvalsh(covariances[0]).min() > 0.0
 

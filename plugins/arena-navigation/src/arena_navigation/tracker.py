@@ -23,7 +23,7 @@ from arena_navigation.tracking_belief import Belief
 from arena_navigation.tracking_clusters import Cut
 from arena_navigation.tracking_detector import Detector
 from arena_navigation.tracking_discs import Discs, PoseDoubt, Shape
-from arena_navigation.tracking_filter import correct, correct_radii, predict
+from arena_navigation.tracking_filter import POSITION, VELOCITY, correct, correct_radii, predict
 from arena_navigation.tracking_matches import matched
 from arena_navigation.tracking_returns import Doubt
 from arena_navigation.tracking_sight import GONE, SEEN, judge_sight
@@ -42,12 +42,14 @@ class ReturnRules:
 class Memory:
     """Past scans that tell where nothing stood: ``scans`` of them, ``interval`` s apart.
 
-    They saw through what lies ``margin`` m before their returns.
+    They saw through what lies ``margin`` m before their returns; what they saw within ``same`` m ``standing`` s ago stands.
     """
 
     scans: PositiveInt
     interval: Positive
     margin: Positive
+    same: Positive
+    standing: Positive
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,10 +76,11 @@ class BodyShape:
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """How bodies move: the density of their acceleration, m^2/s^3, and how fast they may be when first seen, m/s."""
+    """How bodies move: the density of their acceleration, m^2/s^3; how fast they may be when first seen and when they stand, m/s."""
 
     acceleration_density: Positive
     speed_std: Positive
+    standing_std: Positive
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +88,8 @@ class Life:
     """When a track is believed and when it ends.
 
     It is told of from the ``confirm_hits``-th hit on. It ends after ``misses`` scans in a row that see through it (the first one does
-    before it is told of), after ``hidden_for`` s out of sight, or when its position is uncertain by more than ``position_std`` m.
+    before it is told of), after ``hidden_for`` s out of sight or as long as it was in sight, or when its position is uncertain by more than
+    ``position_std`` m.
     """
 
     confirm_hits: PositiveInt
@@ -117,7 +121,7 @@ class KalmanTracker(Tracker):
         self._detector = Detector(
             farthest=returns.range,
             body=robot.footprint.inscribed_radius,
-            doubt=Doubt(returns.map_tolerance, returns.heading_tolerance, memory.margin),
+            doubt=Doubt(returns.map_tolerance, memory.margin, returns.heading_tolerance, memory.same, memory.standing),
             scans=memory.scans,
             interval=memory.interval,
             cut=Cut(*astuple(cut)),
@@ -159,9 +163,17 @@ class KalmanTracker(Tracker):
         """Give each track its disc and take it in; return the matches (N,), -1 for none."""
         belief = self._belief
         matches = matched(belief.states, belief.covariances, belief.radii, discs.positions, discs.covariances, self._gate)
-        correct(belief.states, belief.covariances, matches, discs.positions, discs.covariances)
+        correct(belief.states, belief.covariances, matches, discs.positions, discs.covariances, POSITION)
+        self._hold_still(discs, matches)
         correct_radii(belief.radii, belief.radius_variances, matches, discs.radii, discs.radius_variances)
         return matches
+
+    def _hold_still(self, discs: Discs, matches: np.ndarray[tuple[int], np.dtype[np.int64]]) -> None:
+        """Measure zero velocity of what stands where it stood: what is seen of it may shift as the robot drives by."""
+        standing = np.where((matches >= 0) & discs.standing[matches].astype(np.bool_), matches, -1) if len(discs.radii) else matches
+        count = len(discs.radii)
+        still = np.tile(self._motion.standing_std**2 * np.eye(2), (count, 1, 1))
+        correct(self._belief.states, self._belief.covariances, standing, np.zeros((count, 2)), still, VELOCITY)
 
     def _end_tracks(self, beams: Beams, matches: np.ndarray[tuple[int], np.dtype[np.int64]]) -> None:
         """Count hits and misses, and drop the tracks that have ended."""
@@ -174,7 +186,8 @@ class KalmanTracker(Tracker):
         belief.misses[sight == GONE] += 1
         allowed = np.where(belief.hits >= life.confirm_hits, life.misses, 1)
         uncertain = np.maximum(belief.covariances[:, 0, 0], belief.covariances[:, 1, 1]) > life.position_std**2
-        ended = (belief.misses >= allowed) | (beams.stamp - belief.seen_at > life.hidden_for) | uncertain
+        hidden = beams.stamp - belief.seen_at > np.minimum(life.hidden_for, belief.seen_at - belief.born_at)
+        ended = (belief.misses >= allowed) | hidden | uncertain
         self._belief = belief.where(~ended)
 
     def _begin_tracks(self, discs: Discs, matches: np.ndarray[tuple[int], np.dtype[np.int64]]) -> None:
@@ -183,7 +196,8 @@ class KalmanTracker(Tracker):
         free[matches[matches >= 0]] = False
         free &= ~self._inside_seen(discs)
         chosen = np.flatnonzero(free)
-        self._belief = self._belief.with_born(discs, chosen, self._next_id, self._motion.speed_std, self._stamp)
+        speeds = np.where(discs.round[chosen], self._motion.speed_std, self._motion.standing_std)
+        self._belief = self._belief.with_born(discs, chosen, self._next_id, speeds, self._stamp)
         self._next_id += len(chosen)
 
     def _published(self, stamp: float) -> Tracks:

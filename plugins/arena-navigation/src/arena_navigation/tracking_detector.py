@@ -75,4 +75,5 @@ class Detector:
             slot = self._kept % self._scans
             self._past.ranges[slot] = beams.ranges
             self._past.sensors[slot] = beams.sensor
+            self._past.stamps[slot] = beams.stamp
             self._kept, self._kept_at = self._kept + 1, beams.stamp

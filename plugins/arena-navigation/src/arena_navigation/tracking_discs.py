@@ -12,10 +12,11 @@ from arena_kernels.compiled import borrowing, inner
 from arena_kernels.scalars import Integer
 from arena_navigation.marks import Beams
 from arena_navigation.tracking_clusters import Cut, Pieces, cut_pieces, full_circle
-from arena_navigation.tracking_returns import Doubt, KnownPlane, PastScans, Returns, note_unknown
+from arena_navigation.tracking_returns import NEW, OLD, Doubt, KnownPlane, PastScans, Returns, note_unknown
 
 _STEPS = 8  # of Gauss-Newton at most; three are usual
 _CONVERGED = 1e-5  # m
+_HARDLY = 0.1
 
 
 class Shape(NamedTuple):
@@ -37,22 +38,27 @@ class PoseDoubt(NamedTuple):
 
 
 class Discs(NamedTuple):
-    """Bodies as one scan shows them, in ``map``: positions (M, 2), covariances (M, 2, 2), radii (M,), radius_variances (M,), round (M,)."""
+    """Bodies as one scan shows them, in ``map``: positions (M, 2), covariances (M, 2, 2), radii (M,), radius_variances (M,).
+
+    ``round`` (M,): it looks like a disc; ``standing`` (M,): it is where it was in past scans.
+    """
 
     positions: NDArray[np.float64]
     covariances: NDArray[np.float64]
     radii: NDArray[np.float64]
     radius_variances: NDArray[np.float64]
     round: NDArray[np.uint8]
+    standing: NDArray[np.uint8]
 
     @staticmethod
     def room(count: int) -> Discs:
         """Return room for so many bodies."""
-        return Discs(np.zeros((count, 2)), np.zeros((count, 2, 2)), np.zeros(count), np.zeros(count), np.zeros(count, np.uint8))
+        flags = np.zeros((2, count), np.uint8)
+        return Discs(np.zeros((count, 2)), np.zeros((count, 2, 2)), np.zeros(count), np.zeros(count), flags[0], flags[1])
 
     def first(self, count: int) -> Discs:
         """Return views of the first ``count`` bodies."""
-        return Discs(self[0][:count], self[1][:count], self[2][:count], self[3][:count], self[4][:count])
+        return Discs._make(values[:count] for values in self)
 
 
 @borrowing
@@ -76,6 +82,7 @@ def find_discs(
     count = cut_pieces(beams, returns, cut, pieces)
     for k in range(count):
         fit_disc(beams, returns, pieces, k, cut.gap, shape, pose_doubt, discs)
+        discs.standing[k] = _stands(returns, pieces, k, cut.least)
     return count
 
 
@@ -163,6 +170,16 @@ def fit_disc(
         x, y = _middle(returns, pieces, k, shape, discs)
     _add_pose_doubt(discs, k, x, y, pose_doubt)
     discs.positions[k, 0], discs.positions[k, 1] = beams.sensor[0] + x, beams.sensor[1] + y
+
+
+@inner
+def _stands(returns: Returns, pieces: Pieces, k: Integer, least: int) -> bool:
+    """Tell whether past scans saw piece k where it is now: at least ``least`` returns are old, and hardly one is new."""
+    old, new = 0, 0
+    for i in range(pieces.ends[k, 0], pieces.ends[k, 1]):
+        old += returns.past[pieces.beams[i]] == OLD
+        new += returns.past[pieces.beams[i]] == NEW
+    return old >= least and new <= _HARDLY * old
 
 
 @inner

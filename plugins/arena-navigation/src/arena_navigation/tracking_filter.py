@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing
 
+POSITION, VELOCITY = 0, 2
+
 
 @borrowing
 def predict(states: NDArray[np.float64], covariances: NDArray[np.float64], dt: float, density: float) -> None:
@@ -37,10 +39,13 @@ def correct(
     states: NDArray[np.float64],
     covariances: NDArray[np.float64],
     matches: NDArray[np.int64],
-    positions: NDArray[np.float64],
+    measured: NDArray[np.float64],
     noises: NDArray[np.float64],
+    first: int,
 ) -> None:
-    """Take in the position ``positions[matches[k]]`` with covariance ``noises[matches[k]]`` (2, 2) for every k matched (not -1).
+    """Take in ``measured[matches[k]]`` with covariance ``noises[matches[k]]`` (2, 2) for every k matched (not -1).
+
+    ``first`` is what was measured: POSITION or VELOCITY.
 
     The covariance is (I - K H) P (I - K H)' + K R K', Joseph's form, which stays symmetric and positive.
     """
@@ -49,24 +54,26 @@ def correct(
         if m < 0:
             continue
         p, r = covariances[k], noises[m]
-        sxx, sxy, syy = p[0, 0] + r[0, 0], p[0, 1] + r[0, 1], p[1, 1] + r[1, 1]
-        det = sxx * syy - sxy * sxy
-        off_x, off_y = positions[m, 0] - states[k, 0], positions[m, 1] - states[k, 1]
-        g00, g01 = (p[0, 0] * syy - p[0, 1] * sxy) / det, (p[0, 1] * sxx - p[0, 0] * sxy) / det
-        g10, g11 = (p[1, 0] * syy - p[1, 1] * sxy) / det, (p[1, 1] * sxx - p[1, 0] * sxy) / det
-        g20, g21 = (p[2, 0] * syy - p[2, 1] * sxy) / det, (p[2, 1] * sxx - p[2, 0] * sxy) / det
-        g30, g31 = (p[3, 0] * syy - p[3, 1] * sxy) / det, (p[3, 1] * sxx - p[3, 0] * sxy) / det
-        gains = ((g00, g01), (g10, g11), (g20, g21), (g30, g31))
+        u, v = first, first + 1
+        suu, suv, svv = p[u, u] + r[0, 0], p[u, v] + r[0, 1], p[v, v] + r[1, 1]
+        det = suu * svv - suv * suv
+        off_u, off_v = measured[m, 0] - states[k, u], measured[m, 1] - states[k, v]
+        gains = (
+            ((p[0, u] * svv - p[0, v] * suv) / det, (p[0, v] * suu - p[0, u] * suv) / det),
+            ((p[1, u] * svv - p[1, v] * suv) / det, (p[1, v] * suu - p[1, u] * suv) / det),
+            ((p[2, u] * svv - p[2, v] * suv) / det, (p[2, v] * suu - p[2, u] * suv) / det),
+            ((p[3, u] * svv - p[3, v] * suv) / det, (p[3, v] * suu - p[3, u] * suv) / det),
+        )
         for row in range(4):
-            states[k, row] += gains[row][0] * off_x + gains[row][1] * off_y
+            states[k, row] += gains[row][0] * off_u + gains[row][1] * off_v
         for column in range(4):  # (I - K H) P
-            p0, p1 = p[0, column], p[1, column]
+            pu, pv = p[u, column], p[v, column]
             for row in range(4):
-                p[row, column] -= gains[row][0] * p0 + gains[row][1] * p1
+                p[row, column] -= gains[row][0] * pu + gains[row][1] * pv
         for row in range(4):  # ... (I - K H)'
-            p0, p1 = p[row, 0], p[row, 1]
+            pu, pv = p[row, u], p[row, v]
             for column in range(4):
-                p[row, column] -= p0 * gains[column][0] + p1 * gains[column][1]
+                p[row, column] -= pu * gains[column][0] + pv * gains[column][1]
         for row in range(4):
             for column in range(4):
                 a, b = gains[row], gains[column]

@@ -13,6 +13,7 @@ from arena_kernels.compiled import borrowing, inner
 from arena_kernels.distance import grid_distance
 from arena_navigation.marks import Beams
 
+UNTOLD, OLD, NEW = 0, 1, 2
 _TURN = 2.0 * math.pi
 
 
@@ -43,36 +44,46 @@ def _free(grid: OccupancyGrid) -> NDArray[np.uint8]:
 
 
 class PastScans(NamedTuple):
-    """Some scans of the last seconds: ``ranges`` (K, B), ``sensors`` (K, 3) in ``map``; a scan not yet taken has only NaN."""
+    """Some scans of the last seconds: ``ranges`` (K, B), ``sensors`` (K, 3) in ``map``, ``stamps`` (K,); one not yet taken has only NaN."""
 
     ranges: NDArray[np.float32]
     sensors: NDArray[np.float64]
+    stamps: NDArray[np.float64]
 
     @staticmethod
     def none(scans: int, beams: int) -> PastScans:
         """Return room for so many scans."""
-        return PastScans(np.full((scans, beams), np.nan, np.float32), np.zeros((scans, 3)))
+        return PastScans(np.full((scans, beams), np.nan, np.float32), np.zeros((scans, 3)), np.zeros(scans))
 
 
 class Doubt(NamedTuple):
-    """How far off a return may be: ``map`` m and ``heading`` rad beside the map's walls, ``past`` m in front of what was seen before."""
+    """How far off returns may be: ``map`` m from the map's walls, ``past`` m from what past scans saw; by ``heading`` rad more each.
+
+    Within ``same`` m of what a past scan saw ``standing`` s ago something stands.
+    """
 
     map: float
-    heading: float
     past: float
+    heading: float
+    same: float
+    standing: float
 
 
 class Returns(NamedTuple):
-    """Scratch space and result: where each beam ends, ``x`` and ``y`` (B,) from the sensor along the axes of ``map``; which ``counts``."""
+    """Scratch space and result: where each beam ends, ``x`` and ``y`` (B,) from the sensor along the axes of ``map``; which ``counts``.
+
+    ``past`` (B,) is NEW, OLD or UNTOLD.
+    """
 
     x: NDArray[np.float64]
     y: NDArray[np.float64]
     counts: NDArray[np.uint8]
+    past: NDArray[np.int8]
 
     @staticmethod
     def room(beams: int) -> Returns:
         """Return room for so many beams."""
-        return Returns(np.zeros(beams), np.zeros(beams), np.zeros(beams, np.uint8))
+        return Returns(np.zeros(beams), np.zeros(beams), np.zeros(beams, np.uint8), np.zeros(beams, np.int8))
 
 
 @borrowing
@@ -105,8 +116,8 @@ def note_unknown(
         wall, free = _at(plane, x, y)
         if wall < doubt.map + doubt.heading * away:
             continue
-        if free or _followed(tracks, x, y) or _seen_through(past, beams, x, y, doubt.past):
-            returns.counts[beam] = 1
+        returns.past[beam] = _in_the_past(past, beams, x, y, doubt)
+        returns.counts[beam] = free or returns.past[beam] == NEW or _followed(tracks, x, y)
 
 
 @inner
@@ -140,18 +151,29 @@ def _followed(tracks: NDArray[np.float64], x: float, y: float) -> bool:
 
 
 @inner
-def _seen_through(past: PastScans, beams: Beams, x: float, y: float, margin: float) -> bool:
-    """Tell whether a past scan saw ``margin`` m beyond a point, with the nearest beam and both beside it: one alone may graze an edge."""
+def _in_the_past(past: PastScans, beams: Beams, x: float, y: float, doubt: Doubt) -> int:
+    """Tell what past scans showed at a point.
+
+    NEW: one of them saw beyond it, with all beams that pass nearer than half the doubt. OLD: none did, and one saw a return there
+    long enough ago. UNTOLD: it was hidden or out of sight, as are places behind a body that walks away.
+    """
     count = past.ranges.shape[1]
+    told = UNTOLD
     for k in range(len(past.ranges)):
         dx, dy = x - past.sensors[k, 0], y - past.sensors[k, 1]
-        behind = math.hypot(dx, dy) + margin
-        if behind > beams.range_max:
+        away = math.sqrt(dx * dx + dy * dy)
+        margin = doubt.past + doubt.heading * away
+        bearing = ((math.atan2(dy, dx) - past.sensors[k, 2] - beams.angle_min) % _TURN) / beams.angle_increment
+        beside = max(0.5 * margin / max(away, margin) / beams.angle_increment, 1.0)
+        if not beside <= bearing < count - 1 - beside:
             continue
-        bearing = (math.atan2(dy, dx) - past.sensors[k, 2] - beams.angle_min) % _TURN
-        beam = round(bearing / beams.angle_increment)
-        if not 1 <= beam < count - 1:
-            continue
-        if past.ranges[k, beam - 1] >= behind and past.ranges[k, beam] >= behind and past.ranges[k, beam + 1] >= behind:
-            return True
-    return False
+        nearest = past.ranges[k, round(bearing)]
+        if abs(nearest - away) <= doubt.same and beams.stamp - past.stamps[k] >= doubt.standing:
+            told = OLD
+        elif nearest > away and away + margin <= beams.range_max:
+            seen_through = True
+            for step in range(-2, 3):
+                seen_through &= past.ranges[k, round(bearing + 0.5 * step * beside)] >= away + margin
+            if seen_through:
+                return NEW
+    return told
