@@ -160,7 +160,7 @@ def test_roll_outs_and_costs_agree_with_plain_python(boxes, rows, body, curvatur
     view = observe(
         costmap_of(lethal), Pose(0.01, 0.02, 0.3), [(0.05 * k, 0.01 * k) for k in range(50)], tracks=people(*rows) if rows else NO_TRACKS
     )
-    scene = scene_of(view, standing_window(view, 0.1), body, MOVING, PROGRESS, DT, STEPS)
+    scene = scene_of(view, standing_window(view, 0.1), body, MOVING, PROGRESS, DT, STEPS, 3.0)
     chassis = chassis_of(curvature, 0.0 if curvature > 0.0 else 0.5)
     work, arguments, mean = problem(scene, body, chassis, seed=seed)
     sampling, state = arguments[3], arguments[5]
@@ -177,7 +177,7 @@ def test_roll_outs_and_costs_agree_with_plain_python(boxes, rows, body, curvatur
 
 def open_scene(observe, costmap, body, rows=(), people=None):
     view = observe(costmap(), Pose(0.0, 0.0, 0.3), [(0.05 * k, 0.0) for k in range(50)], tracks=people(*rows) if rows else NO_TRACKS)
-    return scene_of(view, standing_window(view, 0.1), body, MOVING, PROGRESS, DT, STEPS)
+    return scene_of(view, standing_window(view, 0.1), body, MOVING, PROGRESS, DT, STEPS, 3.0)
 
 
 def test_weights_sum_to_one_and_fall_with_cost(observe, costmap):
@@ -224,7 +224,7 @@ def test_smoothing_damps_what_jitters(observe, costmap):
 def test_average_of_two_ways_round_a_post_is_not_driven(observe, costmap):
     """Ways left and right of a post cost the same; their average would hit it."""
     view = observe(costmap((0.65, 0.75, -0.05, 0.05)), Pose(0.0, 0.0, 0.0), [(0.05 * k, 0.0) for k in range(50)])
-    scene = scene_of(view, standing_window(view, 0.1), BODIES[0], MOVING, PROGRESS, DT, STEPS)
+    scene = scene_of(view, standing_window(view, 0.1), BODIES[0], MOVING, PROGRESS, DT, STEPS, 3.0)
     chassis = chassis_of()
     sampling = sampling_of(chassis, NOISE, 2000, STEPS, DT, 1, 1e3, 0.0, True)._replace(tied=2)
     work = workspace(sampling, chassis, 0.0)

@@ -120,7 +120,8 @@ class MppiPlanner(Planner):
     def _scene(self, observation: Observation) -> Scene:
         window = standing_window(observation, self._moving.speed_min)
         dt, steps = float(self._sampling.dt), self._sampling.time_steps
-        return scene_of(observation, window, self._body, self._moving, self._progress, dt, steps)
+        reach = float(max(self._chassis.vx_max, self._chassis.vy_max)) * dt * steps + self._path.follow_ahead + self._path.angle_ahead
+        return scene_of(observation, window, self._body, self._moving, self._progress, dt, steps, reach)
 
     def _critics(self, observation: Observation) -> Critics:
         distance = observation.pose.distance(observation.goal)

@@ -43,8 +43,10 @@ def standing_window(observation: Observation, speed_min: float) -> Window:
     return without_discs(window, tracks.positions[moves], tracks.radii[moves], NOT_AROUND)
 
 
-def scene_of(observation: Observation, window: Window, body: Body, moving: Moving, progress: Progress, dt: float, steps: int) -> Scene:
-    """Return the scene of an observation, for roll-outs of ``steps`` steps of ``dt`` s."""
+def scene_of(
+    observation: Observation, window: Window, body: Body, moving: Moving, progress: Progress, dt: float, steps: int, reach: float
+) -> Scene:
+    """Return the scene of an observation, for roll-outs of ``steps`` steps of ``dt`` s that come ``reach`` m far."""
     x, y = observation.pose.x, observation.pose.y
     gaps = np.minimum(window.distance - np.float32(0.5 * window.resolution), FAR)
     route = observation.path.poses
@@ -64,7 +66,7 @@ def scene_of(observation: Observation, window: Window, body: Body, moving: Movin
         np.float32(STEP * window.resolution),
         expected(observation.tracks, here.x, here.y, times, moving),
         np.exp(-times / moving.belief_time).astype(np.float32),
-        even_path(route, nearest_row(route, x, y), x, y),
+        even_path(route, nearest_row(route, x, y), x, y, reach),
         np.array(facing, np.float32),
         window,
         x,
@@ -88,11 +90,11 @@ def way_left(window: Window, gaps: Floats, route: Doubles, x: float, y: float, o
     return left
 
 
-def even_path(route: Doubles, first: int, x: float, y: float) -> Floats:
-    """Return points every SPACING along ``route`` (M, 3) from row ``first`` on, seen from (x, y): (N, 2)."""
+def even_path(route: Doubles, first: int, x: float, y: float, reach: float) -> Floats:
+    """Return points every SPACING along ``reach`` m of ``route`` (M, 3) from row ``first`` on, seen from (x, y): (N, 2)."""
     rest = route[first:, :2] - (x, y)
     along = np.concatenate(((0.0,), np.cumsum(np.hypot(*np.diff(rest, axis=0).T))))
-    places = np.arange(0.0, along[-1] + 0.5 * SPACING, SPACING)
+    places = np.arange(0.0, min(along[-1], reach) + 0.5 * SPACING, SPACING)
     return np.column_stack([np.interp(places, along, rest[:, axis]) for axis in (0, 1)]).astype(np.float32)
 
 
