@@ -22,7 +22,7 @@ from arena_mppi.settings import Moving, Noise, Progress
 MOVING = Moving(weight=20.0, contact_cost=300.0, margin=0.5, belief_time=2.0, growth=1.0, growth_max=0.3, speed_min=0.1)
 PROGRESS = Progress(weight=8.0, end_share=0.5, comfort_gap=0.4, comfort_cost=2.0, blocked_cost=20.0)
 CRITICS = Critics(
-    *map(np.float32, (4.0, 0.5, 30.0, 0.1, 0.03, 20.0, 300.0, 0.5, 5.0, 2.0, 3.0, 5.0, 0.3, 2.0, 0.2, 0.1, 8.0, 0.5, 4.0, 5.0, 0.2))
+    *map(np.float32, (4.0, 0.5, 30.0, 0.1, 0.05, 0.03, 20.0, 300.0, 0.5, 5.0, 2.0, 3.0, 5.0, 0.3, 2.0, 0.2, 0.1, 8.0, 0.5, 4.0, 5.0, 0.2))
 )
 NOISE = Noise(vx_std=0.4, vy_std=0.4, wz_std=0.3, correlation_time=0.3)
 BODIES = [body_of(Footprint.circle(0.2)), body_of(Footprint.polygon([[0.21, -0.165], [0.21, 0.165], [-0.21, 0.165], [-0.21, -0.165]]))]
@@ -94,18 +94,16 @@ def driven(work, mean, chassis, sampling, state, lane):
 def judged(scene, body, chassis, poses, velocities):
     """Return what the critics along the way say of one roll-out."""
     cost, travelled, hit = 0.0, np.cumsum(poses[:, 3]), False
-    for t, ((x, y, theta, _), (vx, _, wz)) in enumerate(zip(poses, velocities, strict=True)):
+    for t, ((x, y, theta, _), (vx, vy, wz)) in enumerate(zip(poses, velocities, strict=True)):
         c, s = math.cos(theta), math.sin(theta)
         cost += DT * (4.0 * (max(0.0, vx - 1.0) + max(0.0, -0.5 - vx)) + 5.0 * max(0.0, -vx) + 0.2 * abs(wz))
         discs = [(x + c * float(px) - s * float(py), y + s * float(px) + c * float(py), float(r)) for px, py, r in body.discs]
         if not hit:
             gap = min(distance_at(scene.window, scene.x + px, scene.y + py) - r for px, py, r in discs)
-            if gap < 0.5:
-                cost += DT * 4.0 * (1.0 - max(gap, 0.0) / 0.5) ** 2
-            if gap < 0.1:
-                cost += DT * 30.0 * (1.0 - max(gap, 0.0) / 0.1)
+            felt = max(gap - 0.05 * math.hypot(vx, vy), 0.0)
+            cost += DT * (4.0 * max(0.0, 1.0 - felt / 0.5) ** 2 + 30.0 * max(0.0, 1.0 - felt / 0.1))
             if gap < LEAST and clearance(scene.window, body.outline, scene.x + x, scene.y + y, c, s, LEAST) < LEAST:
-                cost, hit = cost + float(COLLISION_COST), True
+                cost, hit = cost + float(COLLISION_COST) * (1.0 + math.hypot(vx, vy)), True
         for other_x, other_y, other_radius in scene.moving[t].astype(float):
             for px, py, r in discs:
                 lack = max(0.0, 1.0 - (math.hypot(px - other_x, py - other_y) - r - other_radius) / 0.5)
@@ -182,7 +180,7 @@ def open_scene(observe, costmap, body, rows=(), people=None):
 
 def test_weights_sum_to_one_and_fall_with_cost(observe, costmap):
     work, arguments, _ = problem(open_scene(observe, costmap, BODIES[0]), BODIES[0], chassis_of(), batch_size=700, temperature=2.0)
-    assert control_step(work, *arguments) == 700
+    assert control_step(work, *arguments) == STEPS
     assert work.weights.sum() == pytest.approx(1.0, abs=1e-5)
     assert (work.weights[700:] == 0.0).all()
     order = np.argsort(work.costs[:700])
@@ -231,7 +229,8 @@ def test_average_of_two_ways_round_a_post_is_not_driven(observe, costmap):
     work.normals[:] = np.random.default_rng(1).standard_normal(len(work.normals), np.float32)
     work.mean[:] = work.history[:] = (1.0, 0.0, 0.0)
     state = np.array((1.0, 0.0, 1.0, 0.0, 0.0), np.float32)
-    assert 0 < control_step(work, scene, BODIES[0], chassis, sampling, CRITICS, state, LEAST, KEY, TICK) < 2000
+    assert control_step(work, scene, BODIES[0], chassis, sampling, CRITICS, state, LEAST, KEY, TICK) == STEPS
+    assert 0 < (work.costs[:2000] > COLLIDED).sum() < 2000
     np.testing.assert_array_equal(work.mean, work.cheapest)
 
 

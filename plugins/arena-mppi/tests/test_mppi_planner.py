@@ -69,7 +69,7 @@ def test_robot_that_stands_too_near_to_a_wall_drives_away(build, costmap, observ
 
 
 def test_no_valid_command_when_every_roll_out_collides(build, costmap, observe):
-    with pytest.raises(NoValidCommand, match="mppi: every roll-out collides"):
+    with pytest.raises(NoValidCommand, match="mppi: every roll-out collides before"):
         build("jackal").compute_velocity(observe(costmap((0.35, 0.6, -3.0, 3.0)), Pose(0.0, 0.0), AHEAD, Twist(2.0)))
 
 

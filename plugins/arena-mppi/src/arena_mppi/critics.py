@@ -7,7 +7,7 @@ import numpy as np
 from arena_kernels.compiled import inlined, inner
 from arena_kernels.window import clearance
 from arena_mppi.parameters import Body, Critics, Floats, Scene
-from arena_mppi.rollout import COSINE, COST, HALF, HIT, LANES, ONE, SINE, TRAVELLED, ZERO, X, Y
+from arena_mppi.rollout import COSINE, COST, HALF, HIT, LANES, ONE, SINE, TRAVELLED, VX, VY, ZERO, X, Y
 
 COLLISION_COST = np.float32(1e6)
 COLLIDED = np.float32(0.5e6)  # what costs more has collided: other critics add thousands, and the control cost may be negative
@@ -48,10 +48,10 @@ def left_at(scene: Scene, x: np.float32, y: np.float32) -> np.float32:
 
 @inner
 def judge_static(lanes: Floats, scene: Scene, body: Body, critics: Critics, least: float, share: np.float32) -> None:
-    """Add what lanes near walls cost: repulsion by the square of the missing gap, and COLLISION_COST for the first contact.
+    """Add what lanes near walls cost: repulsion by the square of the missing gap, and for the first contact COLLISION_COST and its speed's.
 
-    The discs that cover the footprint tell the gap within centimetres; only where they come nearer than ``least`` to a wall is
-    the outline looked at itself.
+    To a fast lane walls are nearer, by its speed times ``critics.reaction_time``. The discs that cover the footprint tell the gap within
+    centimetres; only where they come nearer than ``least`` to a wall is the outline looked at itself.
     """
     for k in range(LANES):
         if lanes[HIT + k] > ZERO:
@@ -62,16 +62,18 @@ def judge_static(lanes: Floats, scene: Scene, body: Body, critics: Critics, leas
             x = lanes[X + k] + lanes[COSINE + k] * at_x - lanes[SINE + k] * at_y
             y = lanes[Y + k] + lanes[SINE + k] * at_x + lanes[COSINE + k] * at_y
             gap = min(gap, gap_at(scene, x, y) - body.discs[d, 2])
-        if gap >= critics.inflation_radius:
+        speed = np.sqrt(lanes[VX + k] * lanes[VX + k] + lanes[VY + k] * lanes[VY + k])
+        felt = max(gap - critics.reaction_time * speed, ZERO)
+        if felt >= critics.inflation_radius:
             continue
-        lack = ONE - max(gap, ZERO) / critics.inflation_radius
+        lack = ONE - felt / critics.inflation_radius
         cost = critics.static * lack * lack
-        if gap < critics.near_collision_gap:
-            cost += critics.critical * (ONE - max(gap, ZERO) / critics.near_collision_gap)
+        if felt < critics.near_collision_gap:
+            cost += critics.critical * (ONE - felt / critics.near_collision_gap)
         lanes[COST + k] += share * cost
         if gap < least and exact_gap(lanes, k, scene, body, least) < least:
             lanes[HIT + k] = ONE
-            lanes[COST + k] += COLLISION_COST
+            lanes[COST + k] += COLLISION_COST * (ONE + speed)
 
 
 @inlined

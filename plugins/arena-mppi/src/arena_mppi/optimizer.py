@@ -32,22 +32,20 @@ def control_step(
     key: Integer,
     tick: Integer,
 ) -> int:
-    """Improve ``work.mean`` (T, 3) from ``state`` (cosine, sine, vx, vy, wz) on and return how many roll-outs are free of collision.
+    """Improve ``work.mean`` (T, 3) from ``state`` (cosine, sine, vx, vy, wz) on and return for how many steps it is free of collision.
 
     Williams, Drews, Goldfain, Rehg, Theodorou, Information-Theoretic Model Predictive Control, IEEE T-RO 34(6), 2018, algorithm 2.
     Where the gap is now less than ``critics.collision_gap``, ``least`` is smaller: a robot that stands too near can drive away.
     """
-    free = 0
+    steps = 0
     for iteration in range(sampling.iterations):
         for block in range(len(work.costs) // LANES):
             roll_out(work, scene, body, chassis, sampling, critics, state, least, key, tick * sampling.iterations + iteration, block)
         judge_ends(work, scene, sampling, critics, state)
         free = weigh(work, sampling)
-        if free == 0:
-            return 0
         average(work, sampling)
-        choose(work, scene, body, chassis, sampling, state, least)
-    return free
+        steps = choose(work, scene, body, chassis, sampling, state, least, free)
+    return steps
 
 
 @inner
@@ -166,10 +164,11 @@ def average(work: Workspace, sampling: Sampling) -> None:
 
 
 @inner
-def choose(work: Workspace, scene: Scene, body: Body, chassis: Chassis, sampling: Sampling, state: Floats, least: float) -> None:
+def choose(work: Workspace, scene: Scene, body: Body, chassis: Chassis, sampling: Sampling, state: Floats, least: float, free: int) -> int:
     """Keep in ``work.mean`` the smoothed mean, the mean or the cheapest roll-out: the first that stays free as long as the last does.
 
-    The average of two ways round an obstacle may lead into it.
+    The average of two ways round an obstacle may lead into it. Return all steps when any roll-out is free of walls, else those of the
+    cheapest, which meets one with the least speed.
     """
     best = 0
     for k in range(sampling.batch_size):
@@ -180,10 +179,14 @@ def choose(work: Workspace, scene: Scene, body: Body, chassis: Chassis, sampling
         for axis in range(3):
             work.cheapest[t, axis] = work.velocities[best // LANES, t, axis * LANES + best % LANES]
     wanted = free_steps(work.cheapest, scene, body, chassis, sampling, state, least)
+    if free == 0:
+        copy(work.cheapest, work.mean)
+        return min(wanted, sampling.time_steps - 1)
     if sampling.smoothing and free_steps(work.smoothed, scene, body, chassis, sampling, state, least) >= wanted:
         copy(work.smoothed, work.mean)
     elif free_steps(work.mean, scene, body, chassis, sampling, state, least) < wanted:
         copy(work.cheapest, work.mean)
+    return sampling.time_steps
 
 
 @inner

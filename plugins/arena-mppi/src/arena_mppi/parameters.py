@@ -52,6 +52,7 @@ class Critics(NamedTuple):
     inflation_radius: np.float32
     critical: np.float32
     near_collision_gap: np.float32
+    reaction_time: np.float32
     collision_gap: np.float32
     moving: np.float32
     contact: np.float32

@@ -67,7 +67,7 @@ class MppiPlanner(Planner):
         self._work = workspace(self._sampling, self._chassis, arcs)
         self._sequence = Sequence(time_steps, model_dt)
         self._body = body_of(robot.footprint)
-        self._attempts = 1 + retry_attempt_limit
+        self._retries = retry_attempt_limit
         self._static, self._moving, self._goal, self._path = static, moving, goal, path
         self._progress, self._motion = progress, motion
         self._period = robot.control_period
@@ -83,19 +83,17 @@ class MppiPlanner(Planner):
         self._sequence.clear()
 
     def compute_velocity(self, observation: Observation) -> Twist:
-        """Return the velocity that the best sequence has at the end of the coming period; NoValidCommand when every roll-out collides."""
+        """Return the velocity that the sequence has at the end of the coming period; raise NoValidCommand when all collide within it."""
         self._check(observation)
         scene = self._scene(observation)
         now = np.array((observation.twist.vx, observation.twist.vy, observation.twist.wz), np.float32)
         work = self._work
         work.history[:] = self._sequence.past(now, observation.stamp)
         work.mean[:] = self._sequence.ahead(now, observation.stamp)
-        for _ in range(self._attempts):
-            if self._improve(observation, scene, now) > 0:
-                return self._command(self._sequence.keep(work.mean, now, observation.stamp, self._period))
-            work.mean[:] = 0.0
-        self._sequence.clear()
-        raise NoValidCommand("mppi: every roll-out collides")
+        if self._free_steps(observation, scene, now) <= self._sampling.tied:
+            self._sequence.clear()
+            raise NoValidCommand("mppi: every roll-out collides before the next command")
+        return self._command(self._sequence.keep(work.mean, now, observation.stamp, self._period))
 
     def _command(self, velocity: Floats) -> Twist:
         """Return a velocity as a command; the average of two bends may be a bend that no car can drive."""
@@ -103,8 +101,18 @@ class MppiPlanner(Planner):
         tightest = float(self._chassis.turn_at_rest) + float(self._chassis.curvature) * abs(vx)
         return Twist(vx, vy, min(max(wz, -tightest), tightest))
 
+    def _free_steps(self, observation: Observation, scene: Scene, now: Floats) -> int:
+        """Improve the sequence, once more from rest when every roll-out collides; return for how many steps it is free."""
+        steps = self._improve(observation, scene, now)
+        for _ in range(self._retries):
+            if steps == self._sampling.time_steps:
+                break
+            self._work.mean[:] = 0.0
+            steps = self._improve(observation, scene, now)
+        return steps
+
     def _improve(self, observation: Observation, scene: Scene, now: Floats) -> int:
-        """Run one control step and return how many roll-outs are free."""
+        """Run one control step and return for how many steps its sequence is free."""
         pose = observation.pose
         c, s = math.cos(pose.theta), math.sin(pose.theta)
         wanted = self._static.collision_gap

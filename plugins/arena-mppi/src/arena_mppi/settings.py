@@ -33,12 +33,13 @@ class SpeedLimits:
 
 @dataclass(frozen=True, slots=True)
 class Static:
-    """The cost critic: weight, reach of repulsion (m), what coming near costs more, and the gap that must remain (m)."""
+    """The cost critic: weight, reach (m), what coming near costs more, time by which speed shortens gaps (s), least gap (m)."""
 
     weight: NonNegative
     inflation_radius: Positive
     critical_cost: NonNegative
-    near_collision_gap: NonNegative
+    near_collision_gap: Positive
+    reaction_time: NonNegative
     collision_gap: NonNegative
 
 

@@ -21,6 +21,7 @@ def critics_of(
         static.inflation_radius,
         static.critical_cost,
         static.near_collision_gap,
+        static.reaction_time,
         static.collision_gap,
         moving.weight,
         moving.contact_cost,
