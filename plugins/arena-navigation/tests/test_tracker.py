@@ -49,7 +49,7 @@ def test_a_walking_person_is_found_with_place_speed_and_radius(built, scan_of_di
     closest = min(np.hypot(*(start + velocity * t)) for t in np.linspace(0.0, 1.9, 40))
     if closest < 0.6 or np.hypot(*start) > 6.5:
         return
-    tracks = follow(built, scan_of_discs, bodies)
+    tracks = follow(built, scan_of_discs, bodies, beams=720)
     assert len(tracks.ids) == 1
     np.testing.assert_allclose(tracks.positions[0], end, atol=0.05)
     np.testing.assert_allclose(tracks.velocities[0], velocity, atol=0.15)
@@ -60,8 +60,8 @@ def test_a_walking_person_is_found_with_place_speed_and_radius(built, scan_of_di
 @given(st.floats(-1.5, 1.5), st.floats(-2.0, 2.0))
 def test_a_driving_robot_sees_a_standing_person_stand(built, scan_of_discs, speed, turning):
     built.reset(open_plane())
-    tracks = follow(built, scan_of_discs, lambda t: [(3.0, 2.0, PERSON)], lambda t: Pose(speed * t, 0.0, turning * t))
-    assert np.hypot(*tracks.velocities[0]) < 0.2
+    tracks = follow(built, scan_of_discs, lambda t: [(3.0, 2.0, PERSON)], lambda t: Pose(speed * t, 0.0, turning * t), beams=720)
+    assert np.hypot(*tracks.velocities[0]) < 0.1
 
 
 def test_tracks_are_told_of_at_the_stamp_that_was_asked_for(tracker, scan_of_discs):

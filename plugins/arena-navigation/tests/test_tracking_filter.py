@@ -4,7 +4,8 @@ from filterpy.kalman import KalmanFilter
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_navigation.tracking_filter import POSITION, correct, correct_radii, predict
+from arena_navigation.tracking_discs import Discs
+from arena_navigation.tracking_filter import POSITION, VELOCITY, correct, correct_radii, place_by_radii, predict
 
 DENSITY = 0.7
 
@@ -29,8 +30,8 @@ def predict_peer(peer, dt):
 
 
 @settings(derandomize=True, deadline=None, max_examples=30)
-@given(st.integers(0, 10**6), st.integers(1, 12))
-def test_the_filters_are_those_of_filterpy(seed, count):
+@given(st.integers(0, 10**6), st.integers(1, 12), st.sampled_from((POSITION, VELOCITY)))
+def test_the_filters_are_those_of_filterpy(seed, count, first):
     random = np.random.default_rng(seed)
     states, covariances = random.normal(size=(count, 4)), np.array([positive(random, 4) for _ in range(count)])
     peers = [peer(*pair) for pair in zip(states, covariances, strict=True)]
@@ -39,11 +40,11 @@ def test_the_filters_are_those_of_filterpy(seed, count):
         positions, noises = random.normal(size=(count, 2)), np.array([positive(random, 2) for _ in range(count)])
         matches = np.where(random.random(count) < 0.7, random.permutation(count), -1)
         predict(states, covariances, dt, DENSITY)
-        correct(states, covariances, matches, positions, noises, POSITION)
+        correct(states, covariances, matches, positions, noises, first)
         for other, match in zip(peers, matches, strict=True):
             predict_peer(other, dt)
             if match >= 0:
-                other.update(positions[match], R=noises[match])
+                other.update(positions[match], R=noises[match], H=np.eye(2, 4, first))
         np.testing.assert_allclose(states, [p.x for p in peers], atol=1e-9, rtol=1e-9)
         np.testing.assert_allclose(covariances, [p.P for p in peers], atol=1e-9, rtol=1e-9)
 
@@ -76,3 +77,13 @@ def test_a_radius_is_the_weighted_mean_of_what_was_measured():
     correct_radii(radii, variances, np.array((0, -1)), np.array((0.4,)), np.array((0.01,)))
     np.testing.assert_allclose(radii, (0.35, 0.3))
     np.testing.assert_allclose(variances, (0.005, 0.01))
+
+
+def test_a_known_radius_moves_the_disc_along_what_its_arc_leaves_open():
+    discs = Discs.room(1)
+    discs.positions[0], discs.radii[0], discs.radius_variances[0] = (2.1, 0.0), 0.4, 0.01
+    discs.covariances[0], discs.leanings[0] = np.diag((0.0101, 0.0001)), (0.01, 0.0)
+    positions, noises = np.zeros((2, 2)), np.zeros((2, 2, 2))
+    place_by_radii(np.array((-1, 0)), discs, np.array((0.5, 0.3)), np.zeros(2), 0.0, positions, noises)
+    np.testing.assert_allclose(positions, [(0.0, 0.0), (2.0, 0.0)])
+    np.testing.assert_allclose(noises[1], np.diag((0.0001, 0.0001)), atol=1e-15)

@@ -23,7 +23,7 @@ from arena_navigation.tracking_belief import Belief
 from arena_navigation.tracking_clusters import Cut
 from arena_navigation.tracking_detector import Detector
 from arena_navigation.tracking_discs import Discs, PoseDoubt, Shape
-from arena_navigation.tracking_filter import POSITION, VELOCITY, correct, correct_radii, predict
+from arena_navigation.tracking_filter import POSITION, VELOCITY, correct, correct_radii, place_by_radii, predict
 from arena_navigation.tracking_matches import matched
 from arena_navigation.tracking_returns import Doubt
 from arena_navigation.tracking_sight import GONE, SEEN, judge_sight
@@ -131,6 +131,7 @@ class KalmanTracker(Tracker):
         self._returns = returns
         self._margin = memory.margin
         self._gate = gate
+        self._noise = shape.noise
         self._motion = motion
         self._life = life
         self.reset(None)
@@ -163,7 +164,10 @@ class KalmanTracker(Tracker):
         """Give each track its disc and take it in; return the matches (N,), -1 for none."""
         belief = self._belief
         matches = matched(belief.states, belief.covariances, belief.radii, discs.positions, discs.covariances, self._gate)
-        correct(belief.states, belief.covariances, matches, discs.positions, discs.covariances, POSITION)
+        positions, noises = np.zeros((len(matches), 2)), np.zeros((len(matches), 2, 2))
+        place_by_radii(matches, discs, belief.radii, belief.radius_variances, self._noise, positions, noises)
+        own = np.where(matches >= 0, np.arange(len(matches)), -1)
+        correct(belief.states, belief.covariances, own, positions, noises, POSITION)
         self._hold_still(discs, matches)
         correct_radii(belief.radii, belief.radius_variances, matches, discs.radii, discs.radius_variances)
         return matches

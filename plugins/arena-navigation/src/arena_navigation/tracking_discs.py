@@ -40,13 +40,15 @@ class PoseDoubt(NamedTuple):
 class Discs(NamedTuple):
     """Bodies as one scan shows them, in ``map``: positions (M, 2), covariances (M, 2, 2), radii (M,), radius_variances (M,).
 
-    ``round`` (M,): it looks like a disc; ``standing`` (M,): it is where it was in past scans.
+    ``leanings`` (M, 2) is the covariance of position and radius: a larger disc lies farther away. ``round`` (M,): it looks like a disc;
+    ``standing`` (M,): it is where it was in past scans.
     """
 
     positions: NDArray[np.float64]
     covariances: NDArray[np.float64]
     radii: NDArray[np.float64]
     radius_variances: NDArray[np.float64]
+    leanings: NDArray[np.float64]
     round: NDArray[np.uint8]
     standing: NDArray[np.uint8]
 
@@ -54,7 +56,9 @@ class Discs(NamedTuple):
     def room(count: int) -> Discs:
         """Return room for so many bodies."""
         flags = np.zeros((2, count), np.uint8)
-        return Discs(np.zeros((count, 2)), np.zeros((count, 2, 2)), np.zeros(count), np.zeros(count), flags[0], flags[1])
+        return Discs(
+            np.zeros((count, 2)), np.zeros((count, 2, 2)), np.zeros(count), np.zeros(count), np.zeros((count, 2)), flags[0], flags[1]
+        )
 
     def first(self, count: int) -> Discs:
         """Return views of the first ``count`` bodies."""
@@ -165,6 +169,7 @@ def fit_disc(
     if discs.round[k]:
         discs.covariances[k, 0, 0], discs.covariances[k, 1, 1] = cxx / det, cyy / det
         discs.covariances[k, 0, 1] = cxy / det
+        discs.leanings[k, 0], discs.leanings[k, 1] = cxr / det, cyr / det
         discs.radii[k], discs.radius_variances[k] = radius, crr / det
     else:
         x, y = _middle(returns, pieces, k, shape, discs)
@@ -201,6 +206,7 @@ def _middle(returns: Returns, pieces: Pieces, k: Integer, shape: Shape, discs: D
     width = math.hypot(returns.x[last] - returns.x[first], returns.y[last] - returns.y[first])
     discs.covariances[k, 0, 0], discs.covariances[k, 1, 1] = (0.25 * width) ** 2, (0.25 * width) ** 2
     discs.covariances[k, 0, 1] = 0.0
+    discs.leanings[k, 0], discs.leanings[k, 1] = 0.0, 0.0
     discs.radii[k], discs.radius_variances[k] = min(max(0.5 * width, shape.radius_min), shape.radius_max), shape.radius_std**2
     return 0.5 * (returns.x[first] + returns.x[last]), 0.5 * (returns.y[first] + returns.y[last])
 

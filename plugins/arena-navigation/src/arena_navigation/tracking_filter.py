@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing
+from arena_navigation.tracking_discs import Discs
 
 POSITION, VELOCITY = 0, 2
 
@@ -98,3 +99,30 @@ def correct_radii(
             gain = variances[k] / (variances[k] + noises[m])
             radii[k] += gain * (measured[m] - radii[k])
             variances[k] *= 1.0 - gain
+
+
+@borrowing
+def place_by_radii(
+    matches: NDArray[np.int64],
+    discs: Discs,
+    radii: NDArray[np.float64],
+    variances: NDArray[np.float64],
+    noise: float,
+    positions: NDArray[np.float64],
+    noises: NDArray[np.float64],
+) -> None:
+    """Write where each matched disc lies, (N, 2) and (N, 2, 2), given what its track knows of the radius.
+
+    The conditional of a Gaussian, for a scan alone hardly tells a larger disc from a smaller one that is nearer. Bodies keep their
+    radius but for ``noise`` m.
+    """
+    for k in range(len(matches)):
+        m = matches[k]
+        if m < 0:
+            continue
+        total = discs.radius_variances[m] + variances[k] + noise * noise
+        off = (discs.radii[m] - radii[k]) / total
+        for i in range(2):
+            positions[k, i] = discs.positions[m, i] - discs.leanings[m, i] * off
+            for j in range(2):
+                noises[k, i, j] = discs.covariances[m, i, j] - discs.leanings[m, i] * discs.leanings[m, j] / total
