@@ -34,6 +34,25 @@ def test_every_robot_drives_a_free_path_to_its_goal(robot, build, costmap, obser
     assert poses[-1].distance(goal) < 0.3
 
 
+@pytest.mark.parametrize("robot", ["jackal", "robotino", "stranger"])
+def test_as_nav2_drives_a_free_path_to_its_goal(robot, build, costmap, observe):
+    path, goal = [(-2.0 + 0.1 * k, 0.0) for k in range(36)], Pose(1.5, 0.0)
+    planner = build(robot, "mppi_as_nav2")
+    assert (
+        drive(planner, costmap(), observe, Pose(-2.0, 0.0, 0.4), path, 150, done=lambda pose: pose.distance(goal) < 0.3)[-1].distance(goal)
+        < 0.3
+    )
+
+
+def test_as_nav2_predicts_nobody(build, costmap, observe, people):
+    tracks, planners = people((1.0, 0.0, -1.0, 0.0)), [build("jackal", "mppi_as_nav2") for _ in range(2)]
+    commands = [
+        planner.compute_velocity(observe(costmap(), Pose(0.0, 0.0), AHEAD, tracks=seen))
+        for planner, seen in zip(planners, (tracks, NO_TRACKS), strict=True)
+    ]
+    assert commands[0] == commands[1]
+
+
 def test_free_straight_path_is_driven_near_full_speed(build, costmap, observe):
     planner, twist = build(), Twist(0.2)
     for k in range(5):

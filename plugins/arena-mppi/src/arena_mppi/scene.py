@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from arena_core import Footprint, Observation, Tracks
+from arena_core import NO_TRACKS, Footprint, Observation, Tracks
 from arena_kernels.window import Outline, Window, outline_of, without_discs
 from arena_mppi.cost_to_go import STEP, UNREACHED, last_inside, nearest_row, slownesses, sweep
 from arena_mppi.critics import FAR, SPACING
@@ -64,7 +64,7 @@ def scene_of(
         corner_x,
         corner_y,
         np.float32(STEP * window.resolution),
-        expected(observation.tracks, here.x, here.y, times, moving),
+        expected(observation.tracks if moving.weight + moving.contact_cost > 0.0 else NO_TRACKS, here.x, here.y, times, moving),
         np.exp(-times / moving.belief_time).astype(np.float32),
         even_path(route, nearest_row(route, x, y), x, y, reach),
         np.array(facing, np.float32),
