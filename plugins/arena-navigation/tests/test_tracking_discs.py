@@ -7,12 +7,12 @@ from hypothesis import strategies as st
 
 from arena_core import OccupancyGrid, Pose
 from arena_navigation.marks import Beams
-from arena_navigation.tracking_clusters import Cut, Pieces
-from arena_navigation.tracking_discs import Discs, PoseDoubt, Shape, find_discs
-from arena_navigation.tracking_returns import Doubt, KnownPlane, PastScans, Returns
+from arena_navigation.tracking_clusters import Cut
+from arena_navigation.tracking_discs import PoseDoubt, Rules, Scratch, Shape, find_discs
+from arena_navigation.tracking_returns import Doubt, KnownPlane, PastScans
 
-CUT = Cut(0.15, 2.0, 0.08, 3)
 SHAPE = Shape(0.3, 0.1, 0.1, 0.6, 0.01, 0.05)
+RULES = Rules(8.0, 0.2, Doubt(0.1, 0.1, 0.02, 0.05, 0.6), Cut(0.15, 2.0, 0.08, 3), SHAPE, PoseDoubt(0.0, 0.0))
 NO_TRACKS = np.empty((0, 3))
 PLANE = OccupancyGrid(np.zeros((200, 200), np.int8), 0.1, Pose(-10.0, -10.0))
 
@@ -20,23 +20,9 @@ PLANE = OccupancyGrid(np.zeros((200, 200), np.int8), 0.1, Pose(-10.0, -10.0))
 def found(scan, pose=None, grid=PLANE, past=None, tracks=NO_TRACKS):
     beams = Beams.of(scan, pose or Pose(0.0, 0.0))
     count = len(scan.ranges)
-    discs = Discs.room(count)
-    n = find_discs(
-        beams,
-        KnownPlane.of(grid),
-        past or PastScans.none(2, count),
-        tracks,
-        Doubt(0.1, 0.1, 0.02, 0.05, 0.6),
-        8.0,
-        0.2,
-        CUT,
-        SHAPE,
-        PoseDoubt(0.0, 0.0),
-        Returns.room(count),
-        Pieces.room(count),
-        discs,
-    )
-    return discs.first(n)
+    scratch = Scratch.room(count)
+    n = find_discs(beams, KnownPlane.of(grid), past or PastScans.none(2, count), tracks, RULES, scratch)
+    return scratch.discs.first(n)
 
 
 def in_order(discs):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import astuple, dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from arena_core import (
     ConfigurationError,
@@ -22,7 +23,7 @@ from arena_navigation.marks import Beams
 from arena_navigation.tracking_belief import Belief
 from arena_navigation.tracking_clusters import Cut
 from arena_navigation.tracking_detector import Detector
-from arena_navigation.tracking_discs import Discs, PoseDoubt, Shape
+from arena_navigation.tracking_discs import Discs, PoseDoubt, Rules, Shape
 from arena_navigation.tracking_filter import POSITION, VELOCITY, correct, correct_radii, place_by_radii, predict
 from arena_navigation.tracking_matches import matched
 from arena_navigation.tracking_returns import Doubt
@@ -118,16 +119,15 @@ class KalmanTracker(Tracker):
             raise ConfigurationError(
                 f"kalman: shape.radius is {shape.radius}; allowed: from radius_min {shape.radius_min} to radius_max {shape.radius_max}"
             )
-        self._detector = Detector(
+        rules = Rules(
             farthest=returns.range,
             body=robot.footprint.inscribed_radius,
             doubt=Doubt(returns.map_tolerance, memory.margin, returns.heading_tolerance, memory.same, memory.standing),
-            scans=memory.scans,
-            interval=memory.interval,
             cut=Cut(*astuple(cut)),
             shape=Shape(*astuple(shape)),
             pose_doubt=PoseDoubt(position_doubt, heading_doubt),
         )
+        self._detector = Detector(rules, memory.scans, memory.interval)
         self._returns = returns
         self._margin = memory.margin
         self._gate = gate
@@ -160,7 +160,7 @@ class KalmanTracker(Tracker):
             predict(self._belief.states, self._belief.covariances, stamp - self._stamp, self._motion.acceleration_density)
         self._stamp = stamp
 
-    def _correct(self, discs: Discs) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
+    def _correct(self, discs: Discs) -> NDArray[np.int64]:
         """Give each track its disc and take it in; return the matches (N,), -1 for none."""
         belief = self._belief
         matches = matched(belief.states, belief.covariances, belief.radii, discs.positions, discs.covariances, self._gate)
@@ -172,14 +172,14 @@ class KalmanTracker(Tracker):
         correct_radii(belief.radii, belief.radius_variances, matches, discs.radii, discs.radius_variances)
         return matches
 
-    def _hold_still(self, discs: Discs, matches: np.ndarray[tuple[int], np.dtype[np.int64]]) -> None:
+    def _hold_still(self, discs: Discs, matches: NDArray[np.int64]) -> None:
         """Measure zero velocity of what stands where it stood: what is seen of it may shift as the robot drives by."""
         standing = np.where((matches >= 0) & discs.standing[matches].astype(np.bool_), matches, -1) if len(discs.radii) else matches
         count = len(discs.radii)
         still = np.tile(self._motion.standing_std**2 * np.eye(2), (count, 1, 1))
         correct(self._belief.states, self._belief.covariances, standing, np.zeros((count, 2)), still, VELOCITY)
 
-    def _end_tracks(self, beams: Beams, matches: np.ndarray[tuple[int], np.dtype[np.int64]]) -> None:
+    def _end_tracks(self, beams: Beams, matches: NDArray[np.int64]) -> None:
         """Count hits and misses, and drop the tracks that have ended."""
         belief, life = self._belief, self._life
         sight = np.empty(len(belief.ids), np.uint8)
@@ -194,7 +194,7 @@ class KalmanTracker(Tracker):
         ended = (belief.misses >= allowed) | hidden | uncertain
         self._belief = belief.where(~ended)
 
-    def _begin_tracks(self, discs: Discs, matches: np.ndarray[tuple[int], np.dtype[np.int64]]) -> None:
+    def _begin_tracks(self, discs: Discs, matches: NDArray[np.int64]) -> None:
         """Begin a track at every disc that is no track's, and whose middle is in no body that was seen now: that is another side of it."""
         free = np.ones(len(discs.radii), np.bool_)
         free[matches[matches >= 0]] = False
@@ -211,7 +211,7 @@ class KalmanTracker(Tracker):
             predict(told.states, told.covariances, stamp - self._stamp, self._motion.acceleration_density)
         return Tracks(told.ids, told.states[:, :2].copy(), told.states[:, 2:].copy(), told.radii, told.covariances)
 
-    def _inside_seen(self, discs: Discs) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+    def _inside_seen(self, discs: Discs) -> NDArray[np.bool_]:
         seen = self._belief.where(self._belief.seen_at == self._stamp)
         away = np.hypot(*(discs.positions[:, None] - seen.states[:, :2]).transpose(2, 0, 1))
         return np.asarray((away < seen.radii).any(axis=1))

@@ -65,28 +65,38 @@ class Discs(NamedTuple):
         return Discs._make(values[:count] for values in self)
 
 
+class Rules(NamedTuple):
+    """What a body is: returns up to ``farthest`` m, those within ``body`` m of the robot's centre left out, and the steps' own figures."""
+
+    farthest: float
+    body: float
+    doubt: Doubt
+    cut: Cut
+    shape: Shape
+    pose_doubt: PoseDoubt
+
+
+class Scratch(NamedTuple):
+    """What the steps write, one after the other."""
+
+    returns: Returns
+    pieces: Pieces
+    discs: Discs
+
+    @staticmethod
+    def room(beams: int) -> Scratch:
+        """Return room for scans of so many beams."""
+        return Scratch(Returns.room(beams), Pieces.room(beams), Discs.room(beams))
+
+
 @borrowing
-def find_discs(
-    beams: Beams,
-    plane: KnownPlane,
-    past: PastScans,
-    tracks: NDArray[np.float64],
-    doubt: Doubt,
-    farthest: float,
-    body: float,
-    cut: Cut,
-    shape: Shape,
-    pose_doubt: PoseDoubt,
-    returns: Returns,
-    pieces: Pieces,
-    discs: Discs,
-) -> Integer:
-    """Write the bodies that the map does not explain and return their number."""
-    note_unknown(beams, plane, past, tracks, doubt, farthest, body, returns)
-    count = cut_pieces(beams, returns, cut, pieces)
+def find_discs(beams: Beams, plane: KnownPlane, past: PastScans, tracks: NDArray[np.float64], rules: Rules, scratch: Scratch) -> Integer:
+    """Write the bodies that the map does not explain and return their number; ``tracks`` as in ``note_unknown``."""
+    note_unknown(beams, plane, past, tracks, rules.doubt, rules.farthest, rules.body, scratch.returns)
+    count = cut_pieces(beams, scratch.returns, rules.cut, scratch.pieces)
     for k in range(count):
-        fit_disc(beams, returns, pieces, k, cut.gap, shape, pose_doubt, discs)
-        discs.standing[k] = _stands(returns, pieces, k, cut.least)
+        fit_disc(beams, scratch.returns, scratch.pieces, k, rules.cut.gap, rules.shape, rules.pose_doubt, scratch.discs)
+        scratch.discs.standing[k] = _stands(scratch.returns, scratch.pieces, k, rules.cut.least)
     return count
 
 
