@@ -54,6 +54,15 @@ class GlobalPlanner(ABC):
     def plan(self, grid: OccupancyGrid, start: Pose, goal: Pose) -> Path:
         """Return a path from start to goal; raise NoPath when there is none."""
 
+    def cost(self, grid: OccupancyGrid, path: Path) -> float:
+        """Return what a path costs on a grid, to compare it with others of this planner; inf where it is blocked.
+
+        Unless a planner knows better: its length, inf where a pose lies in an occupied cell.
+        """
+        cells = grid.cells(path.poses[:, :2])
+        inside = cells[grid.contains(cells)]
+        return float("inf") if grid.occupied[inside[:, 0], inside[:, 1]].any() else path.length
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PathBatch:

@@ -25,7 +25,7 @@ from arena_core.interfaces import (
     Tracker,
     WaypointGenerator,
 )
-from arena_core.parameters import NonNegative, Positive
+from arena_core.parameters import Fraction, NonNegative, Positive
 from arena_core.robot import Robot
 from arena_core.sensing import Observation, PoseEstimate, Sensors
 from arena_core.streams import generator
@@ -52,12 +52,16 @@ class Mission:
 
 @dataclass(frozen=True, slots=True)
 class ReplanRules:
-    """When the navigator plans anew: every ``period`` s, when the waypoint generator asks, when blocked for so long (s)."""
+    """When the navigator plans anew: every ``period`` s, when the waypoint generator asks, when blocked for so long (s).
+
+    A periodic plan takes the old one's place if it costs less than that by a share of more than ``gain``, or the old one is blocked.
+    """
 
     period: Positive | None
     on_request: bool
     blocked_for: Positive | None
     min_interval: NonNegative
+    gain: Fraction
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -193,14 +197,24 @@ class Navigator:
     def _replan(self, pose: Pose, stamp: float, reason: str, local_map: Callable[[], Costmap]) -> tuple[Event, ...]:
         """Plan anew and note it; keep the old path when there is no new one."""
         self._planned_at, self._blocked_since = stamp, None
+        grid = self._planning_grid(reason, local_map)
         try:
-            self._path = self.global_planner.plan(self._planning_grid(reason, local_map), pose, self.mission.goal)
+            path = self.global_planner.plan(grid, pose, self.mission.goal)
         except NoPath:
             if self._path is None:
                 raise
             return (Event(stamp, "replan", f"{reason}: no path, keeping the old one"),)
+        if reason == "period" and self._is_as_good(grid, pose, path):
+            return (Event(stamp, "replan", "period: little to gain, keeping the old one"),)
+        self._path = path
         self.waypoints.reset(_SLOT, 1)
         return (Event(stamp, "replan", reason),)
+
+    def _is_as_good(self, grid: OccupancyGrid, pose: Pose, new: Path) -> bool:
+        """Tell whether what is left of the old path costs little more than the new one."""
+        assert self._path is not None
+        old = self.global_planner.cost(grid, _rest(self._path, pose))
+        return math.isfinite(old) and (1.0 - self.replan.gain) * old <= self.global_planner.cost(grid, new)
 
     def _planning_grid(self, reason: str, local_map: Callable[[], Costmap]) -> OccupancyGrid:
         """Return the static map for the first path; later, and where there is no map, what the scans have shown counts too."""
@@ -248,11 +262,18 @@ def _pose_at_scan(pose: Pose, sensors: Sensors) -> Pose:
     return replace(moved, theta=pose.theta - twist.wz * age)
 
 
+def _nearest(path: Path, pose: Pose) -> int:
+    return int(np.argmin(((path.poses[:, :2] - (pose.x, pose.y)) ** 2).sum(axis=1)))
+
+
+def _rest(path: Path, pose: Pose) -> Path:
+    """Return the path from the robot on: its own pose, then those behind the nearest one."""
+    return Path(np.vstack((pose.array(), path.poses[min(_nearest(path, pose) + 1, len(path.poses) - 1) :])))
+
+
 def _blocked(path: Path, pose: Pose, local_map: Costmap) -> bool:
     """Tell whether the rest of the path, inside the window, runs through cells where the robot would touch something."""
-    positions = path.poses[:, :2]
-    nearest = int(np.argmin(((positions - (pose.x, pose.y)) ** 2).sum(axis=1)))
-    cells = ((positions[nearest:] - local_map.origin_xy) / local_map.resolution).astype(np.int64)
+    cells = ((path.poses[_nearest(path, pose) :, :2] - local_map.origin_xy) / local_map.resolution).astype(np.int64)
     inside = (cells >= 0).all(axis=1) & (cells < local_map.costs.shape[::-1]).all(axis=1)
     end = len(cells) if inside.all() else int(np.argmin(inside))
     return bool((local_map.costs[cells[:end, 1], cells[:end, 0]] >= INSCRIBED).any())

@@ -29,7 +29,7 @@ from arena_core.navigator import BRAKE, Mission, Navigator, ReplanRules
 from arena_core.testing import free_costmap, robot, room, sensors, straight_path
 
 GOAL = Pose(3.0, 0.0)
-WHEN_ASKED = ReplanRules(None, True, None, 0.0)
+WHEN_ASKED = ReplanRules(None, True, None, 0.0, 0.0)
 
 
 class Odometer(Localizer):
@@ -43,16 +43,20 @@ class Odometer(Localizer):
 
 
 class Straight(GlobalPlanner):
-    """Plans straight lines, unless there is no way."""
+    """Plans straight lines, unless there is no way; ``detour`` times its length is what the old path costs."""
 
     def __init__(self):
-        self.grids, self.no_way = [], False
+        self.grids, self.no_way, self.paths, self.detour = [], False, [], 1.0
 
     def plan(self, grid, start, goal):
         self.grids.append(grid)
         if self.no_way:
             raise NoPath("walled in")
-        return straight_path(start, goal)
+        self.paths.append(straight_path(start, goal))
+        return self.paths[-1]
+
+    def cost(self, grid, path):
+        return path.length if path is self.paths[-1] else self.detour * path.length
 
 
 class Ahead(WaypointGenerator):
@@ -169,7 +173,7 @@ def test_local_map_and_tracks_are_computed_only_when_asked_for_and_once(drive):
 
 
 def test_replans_every_period(drive):
-    navigator = drive(rules=ReplanRules(0.5, False, None, 0.0))
+    navigator = drive(rules=ReplanRules(0.5, False, None, 0.0, 0.0))
     stamps = [k for k in range(21) if navigator.decide(at(0.0, 0.1 * k)).events]
     assert stamps == [0, 5, 10, 15, 20]
 
@@ -185,22 +189,55 @@ def test_replans_when_the_waypoint_generator_asks(drive, status, reason):
 
 
 def test_a_new_path_resets_the_waypoint_generator(drive):
-    navigator = drive(rules=ReplanRules(0.1, False, None, 0.0))
+    navigator = drive(rules=ReplanRules(0.1, False, None, 0.0, 0.0))
     before = navigator.waypoints.resets
     navigator.decide(at(0.0))
+    navigator.global_planner.detour = 2.0
     navigator.decide(at(0.0, 0.1))
     assert navigator.waypoints.resets == before + 2
 
 
+@pytest.mark.parametrize(("detour", "kept"), [(1.0, True), (1.2, True), (1.3, False), (math.inf, False)])
+def test_a_periodic_plan_replaces_the_old_path_only_if_that_is_blocked_or_costs_notably_more(drive, detour, kept):
+    navigator = drive(rules=ReplanRules(0.5, False, None, 0.0, 0.2))
+    old = navigator.decide(at(0.0)).planned
+    navigator.global_planner.detour = detour
+    decision = navigator.decide(at(1.0, 0.5))
+    assert reasons(decision) == [("replan", "period: little to gain, keeping the old one" if kept else "period")]
+    assert (decision.planned is None) == kept
+    assert (navigator.planner.seen[-1].path is old) == kept
+
+
+def test_only_what_is_left_of_the_old_path_counts(drive):
+    navigator = drive(rules=ReplanRules(0.5, False, None, 0.0, 0.2))
+    navigator.decide(at(0.0))
+    asked = []
+    navigator.global_planner.cost = lambda grid, path: asked.append(path.poses[:, 0].copy()) or 1.0
+    navigator.decide(at(1.04, 0.5))
+    assert asked[0][0] == 1.04
+    assert asked[0][1:].min() > 1.04
+    assert asked[0][-1] == 3.0
+
+
+def test_a_planner_that_prices_no_paths_goes_by_length_and_occupied_cells():
+    class Plain(GlobalPlanner):
+        def plan(self, grid, start, goal):
+            raise NotImplementedError
+
+    through_the_wall = straight_path(Pose(0.02, 0.0), Pose(20.02, 0.0))
+    assert Plain().cost(room(), straight_path(Pose(0.0, 0.0), Pose(3.0, 0.0))) == pytest.approx(3.0)
+    assert Plain().cost(room(), through_the_wall) == math.inf
+
+
 def test_requests_are_ignored_where_the_rules_say_so(drive):
-    navigator = drive(rules=ReplanRules(None, False, None, 0.0))
+    navigator = drive(rules=ReplanRules(None, False, None, 0.0, 0.0))
     navigator.decide(at(0.0))
     navigator.waypoints.status = OFF_PATH
     assert not navigator.decide(at(0.0, 0.1)).events
 
 
 def test_requests_wait_for_the_least_time_between_two_plans(drive):
-    navigator = drive(rules=ReplanRules(None, True, None, 0.5))
+    navigator = drive(rules=ReplanRules(None, True, None, 0.5, 0.0))
     planned = []
     for k in range(11):
         navigator.waypoints.status = OFF_PATH
@@ -218,7 +255,7 @@ def block(navigator, x):
 
 
 def test_replans_on_what_the_scans_show_when_blocked_for_long_enough(drive):
-    navigator = drive(rules=ReplanRules(None, False, 0.3, 0.0))
+    navigator = drive(rules=ReplanRules(None, False, 0.3, 0.0, 0.0))
     block(navigator, 2.0)
     replans = {k: reasons(d) for k in range(7) if (d := navigator.decide(at(0.0, 0.1 * k))).events}
     assert replans == {0: [("replan", "start")], 4: [("replan", "blocked")]}
@@ -227,14 +264,14 @@ def test_replans_on_what_the_scans_show_when_blocked_for_long_enough(drive):
 
 
 def test_what_blocks_the_path_behind_the_robot_does_not_count(drive):
-    navigator = drive(rules=ReplanRules(None, False, 0.3, 0.0))
+    navigator = drive(rules=ReplanRules(None, False, 0.3, 0.0, 0.0))
     navigator.decide(at(0.0))
     block(navigator, 0.5)
     assert not any(navigator.decide(at(1.0, 0.1 * k)).events for k in range(1, 12))
 
 
 def test_a_path_that_is_free_again_in_time_is_kept(drive):
-    navigator = drive(rules=ReplanRules(None, False, 0.3, 0.0))
+    navigator = drive(rules=ReplanRules(None, False, 0.3, 0.0, 0.0))
     navigator.decide(at(0.0))
     for k in range(1, 12):
         navigator.local_map.costmap = free_costmap(Pose(0.0, 0.0))
@@ -244,7 +281,7 @@ def test_a_path_that_is_free_again_in_time_is_kept(drive):
 
 
 def test_the_old_path_is_kept_when_there_is_no_new_one(drive):
-    navigator = drive(rules=ReplanRules(0.5, False, None, 0.0))
+    navigator = drive(rules=ReplanRules(0.5, False, None, 0.0, 0.0))
     path = navigator.decide(at(0.0)).planned
     navigator.global_planner.no_way = True
     decision = navigator.decide(at(0.2, 0.5))

@@ -26,6 +26,7 @@ def planner(**changes: Any) -> AstarPlanner:
         "tolerance": 0.25,
         "spacing": 0.1,
         "smoothing_rounds": 20,
+        "padding": 0.0,
     }
     return AstarPlanner(BODY, **(parameters | changes))
 
@@ -183,9 +184,54 @@ def test_what_was_planned_before_does_not_matter() -> None:
 def test_the_longer_robot_needs_its_inscribed_radius() -> None:
     body = replace(BODY, footprint=Footprint.polygon(((0.4, 0.1), (-0.4, 0.1), (-0.4, -0.1), (0.4, -0.1))))
     with pytest.raises(ConfigurationError, match=r"inscribed radius 0\.100"):
-        AstarPlanner(body, 0.05, 3.0, 50.0, 0.8, False, 0.25, 0.1, 20)
-    assert AstarPlanner(body, 0.1, 3.0, 50.0, 0.8, False, 0.25, 0.1, 20).plan(room(), Pose(0.0, 0.0), Pose(1.0, 0.0)).length > 0.9
+        AstarPlanner(body, 0.05, 3.0, 50.0, 0.8, False, 0.25, 0.1, 20, 0.0)
+    assert AstarPlanner(body, 0.1, 3.0, 50.0, 0.8, False, 0.25, 0.1, 20, 0.0).plan(room(), Pose(0.0, 0.0), Pose(1.0, 0.0)).length > 0.9
 
 
 def test_the_preset_builds_the_planner() -> None:
     assert isinstance(component("global_planner", "astar", robot=BODY), AstarPlanner)
+
+
+def test_a_path_costs_what_its_cells_weigh_and_a_detour_costs_more() -> None:
+    start, goal = Pose(-3.0, 0.0), Pose(3.0, 0.0)
+    plain = planner(inflation_radius=0.0)
+    path = plain.plan(room(), start, goal)
+    assert plain.cost(room(), path) == pytest.approx(50.0 * 6.0 / 0.05)
+    corner = Path(np.array(((-3.0, 0.0, 0.0), (0.0, 2.0, 0.0), (3.0, 0.0, 0.0))))
+    assert plain.cost(room(), corner) == pytest.approx(50.0 * 2.0 * math.hypot(3.0, 2.0) / 0.05)
+    assert planner().cost(room(), corner) >= plain.cost(room(), corner)
+
+
+def test_a_blocked_path_costs_infinitely_much_and_so_does_one_that_leaves_the_map() -> None:
+    through = Path(np.array(((-3.0, -2.0, 0.0), (3.0, -2.0, 0.0))))
+    assert planner().cost(room(), through) < math.inf
+    assert planner().cost(walled_room(), through) == math.inf
+    assert planner().cost(room(), Path(np.array(((0.0, 0.0, 0.0), (9.0, 0.0, 0.0))))) == math.inf
+
+
+def test_a_path_that_begins_beside_an_obstacle_is_not_blocked_by_it() -> None:
+    beside = Path(np.array(((4.9, 0.0, math.pi), (4.5, 0.0, math.pi), (0.0, 0.0, math.pi))))
+    assert planner().cost(room(), beside) < math.inf
+    assert planner().cost(room(), Path(beside.poses[::-1])) == math.inf
+
+
+def gaps(narrow: int, wide: int) -> OccupancyGrid:
+    """The room with a wall across it that has a gap of ``narrow`` cells straight ahead and one of ``wide`` cells far aside."""
+    data = room().data.copy()
+    data[:, 99:101] = 100
+    data[100 - narrow // 2 : 100 - narrow // 2 + narrow, 99:101] = 0
+    data[20 : 20 + wide, 99:101] = 0
+    return OccupancyGrid(data, 0.05, Pose(-5.0, -5.0))
+
+
+def test_padding_prefers_the_wider_gap_and_does_without_where_there_is_none() -> None:
+    start, goal = Pose(-2.0, 0.0), Pose(2.0, 0.0)
+    narrow = math.ceil(2.0 * RADIUS / 0.05) + 2
+
+    def crossing(padding: float, wide: int) -> float:
+        path = planner(padding=padding).plan(gaps(narrow, wide), start, goal)
+        return float(np.interp(0.0, path.poses[:, 0], path.poses[:, 1]))
+
+    assert abs(crossing(0.0, 30)) < 0.2
+    assert crossing(0.1, 30) < -2.0
+    assert abs(crossing(0.1, 0)) < 0.2

@@ -95,12 +95,40 @@ def test_what_was_seen_stays_when_the_window_has_moved_on() -> None:
 
 def test_people_who_walked_on_are_cleared_far_beyond_the_window() -> None:
     built = local_map(None)
-    built.update(hit(8.0, stamp=0.0), Pose(0.0, 0.0))
+    for k in range(30):
+        built.update(hit(8.0, stamp=0.1 * k), Pose(0.0, 0.0))
     assert is_occupied(built.planning_grid(GOAL), 8.0, 0.0)
-    built.update(hit(9.0, stamp=0.1), Pose(0.0, 0.0))
+    for k in range(30, 39):  # no longer than nine scans, however long they stood
+        built.update(hit(9.0, stamp=0.1 * k), Pose(0.0, 0.0))
     planning = built.planning_grid(GOAL)
     assert not is_occupied(planning, 8.0, 0.0)
     assert is_occupied(planning, 9.0, 0.0)
+
+
+def test_a_person_who_steps_in_the_way_is_seen_at_once_where_nobody_stood_before() -> None:
+    built = local_map(None)
+    for k in range(30):
+        built.update(hit(9.0, stamp=0.1 * k), Pose(0.0, 0.0))
+    built.update(hit(5.0, stamp=3.0), Pose(0.0, 0.0))
+    assert is_occupied(built.planning_grid(GOAL), 5.0, 0.0)
+
+
+@pytest.mark.parametrize(("share", "stays"), [(0.5, True), (0.1, False)])
+def test_a_cell_that_is_hit_now_and_then_is_what_most_scans_say(share: float, stays: bool) -> None:
+    built, random = local_map(None), np.random.default_rng(0)
+    shown = []
+    for k in range(300):
+        built.update(hit(6.0 if random.random() < share else 7.0, stamp=0.1 * k), Pose(0.0, 0.0))
+        shown.append(is_occupied(built.planning_grid(GOAL), 6.0, 0.0))
+    assert (np.mean(shown[20:]) > 0.95) if stays else (np.mean(shown[20:]) < 0.2)
+
+
+def test_what_is_under_the_robot_is_no_obstacle() -> None:
+    built = local_map(None)
+    for k in range(10):
+        built.update(hit(2.0, stamp=0.1 * k), Pose(0.0, 0.0))
+    built.update(hit(np.nan, stamp=1.0), Pose(2.02, 0.0))
+    assert not is_occupied(built.planning_grid(GOAL), 2.0, 0.0)
 
 
 @settings(derandomize=True, deadline=None, max_examples=20)

@@ -10,6 +10,7 @@ from scipy.ndimage import distance_transform_edt
 
 from arena_core import LETHAL, Costmap, LaserScan, OccupancyGrid, Pose
 from arena_core.testing import component, robot, room, scan
+from arena_navigation.evidence import Evidence
 from arena_navigation.inflation import Inflation
 from arena_navigation.rolling import RollingMap
 
@@ -28,6 +29,7 @@ def rolling(**changes: Any) -> RollingMap:
         "use_map": True,
         "forget_after": 5.0,
         "mapping_range": 10.0,
+        "evidence": Evidence(0.85, 0.4, 3.5, 2.0),
     }
     return RollingMap(BODY, **(parameters | changes))
 

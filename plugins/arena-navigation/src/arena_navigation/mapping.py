@@ -9,30 +9,33 @@ from numpy.typing import NDArray
 
 from arena_core import FREE, OCCUPIED, OccupancyGrid, Pose
 from arena_kernels.distance import grid_distance
-from arena_navigation.marks import NEVER, Beams, Reach, take_in
+from arena_navigation.evidence import Evidence, weigh
+from arena_navigation.marks import NEVER, Beams, Reach
 
 _GROWTH = 5.0  # m by which the map grows beyond what is needed
 _RIM = 1.0  # m of free plane around a goal
 
 
 class SeenMap:
-    """A map of all hits that no later beam has cleared; it grows with what it has to hold. Cells never seen are free."""
+    """A map of all cells that more speaks for than against; it grows with what it has to hold. Cells never hit are free."""
 
-    def __init__(self, resolution: float, reach: Reach) -> None:
+    def __init__(self, resolution: float, reach: Reach, evidence: Evidence) -> None:
         self._resolution = resolution
         self._reach = reach
+        self._evidence = evidence
         self._corner = (0, 0)  # in cells: row, column
         self._hit_at = np.empty((0, 0), np.float32)
+        self._odds = np.empty((0, 0), np.float32)
 
     def update(self, beams: Beams) -> None:
         """Take in one scan."""
         self._hold(beams.sensor[0], beams.sensor[1], min(self._reach.marking, beams.range_max))
-        take_in(self._hit_at, *self._corner, self._resolution, beams, self._reach)
+        weigh(self._odds, self._hit_at, *self._corner, self._resolution, beams, self._reach, self._evidence)
 
     def grid(self, goal: Pose) -> OccupancyGrid:
         """Return the map as it is now, grown to hold ``goal``."""
         self._hold(goal.x, goal.y, _RIM)
-        data = np.where(self._hit_at > NEVER, OCCUPIED, FREE).astype(np.int8)
+        data = np.where(self._odds > 0.0, OCCUPIED, FREE).astype(np.int8)
         return OccupancyGrid(data, self._resolution, Pose(self._corner[1] * self._resolution, self._corner[0] * self._resolution))
 
     def _hold(self, x: float, y: float, around: float) -> None:
@@ -47,10 +50,15 @@ class SeenMap:
         margin = math.ceil(_GROWTH / self._resolution)
         new_corner = np.where(low < corner, low - margin, corner)
         new_end = np.where(high > corner + size, high + margin, corner + size)
-        grown = np.full(new_end - new_corner, NEVER, np.float32)
-        row, column = corner - new_corner
-        grown[row : row + size[0], column : column + size[1]] = self._hit_at
-        self._corner, self._hit_at = (int(new_corner[0]), int(new_corner[1])), grown
+        self._hit_at, self._odds = (_grown(cells, new_end - new_corner, corner - new_corner) for cells in (self._hit_at, self._odds))
+        self._corner = int(new_corner[0]), int(new_corner[1])
+
+
+def _grown(cells: NDArray[np.float32], shape: NDArray[np.int64], place: NDArray[np.int64]) -> NDArray[np.float32]:
+    """Return cells (H, W) at ``place`` (row, column) of a larger array that is otherwise NEVER."""
+    grown = np.full(shape, NEVER, np.float32)
+    grown[place[0] : place[0] + cells.shape[0], place[1] : place[1] + cells.shape[1]] = cells
+    return grown
 
 
 def with_marks(grid: OccupancyGrid, cells: NDArray[np.int64], resolution: float) -> OccupancyGrid:

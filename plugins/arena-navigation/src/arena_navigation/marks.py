@@ -64,7 +64,7 @@ def take_in(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: fl
     if reach.forget_after < math.inf:
         _forget(hit_at, np.float32(beams.stamp - reach.forget_after))
     _clear(hit_at, row0, column0, resolution, beams, reach)
-    _mark(hit_at, row0, column0, resolution, beams, reach)
+    mark(hit_at, row0, column0, resolution, beams, reach)
 
 
 @njit(cache=True)
@@ -93,12 +93,12 @@ def _clear(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: flo
                 continue
             x = (column0 + column + 0.5) * resolution
             beneath = math.hypot(x - beams.robot[0], y - beams.robot[1]) < reach.body
-            if beneath or _seen_through(x - beams.sensor[0], y - beams.sensor[1], 0.5 * resolution, beams, reach.clearing):
+            if beneath or seen_through(x - beams.sensor[0], y - beams.sensor[1], 0.5 * resolution, beams, reach.clearing):
                 hit_at[row, column] = NEVER
 
 
 @njit(cache=True)
-def _seen_through(dx: float, dy: float, radius: float, beams: Beams, clearing: float) -> bool:
+def seen_through(dx: float, dy: float, radius: float, beams: Beams, clearing: float) -> bool:
     """Tell whether a beam crosses the disc of ``radius`` at (dx, dy) from the sensor and ends behind it."""
     away = math.hypot(dx, dy)
     if away <= radius or away + radius > min(clearing, beams.range_max):
@@ -116,7 +116,7 @@ def _seen_through(dx: float, dy: float, radius: float, beams: Beams, clearing: f
 
 
 @njit(cache=True)
-def _mark(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: Beams, reach: Reach) -> None:
+def mark(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: Beams, reach: Reach) -> None:
     """Note the stamp in the cell behind every beam's end.
 
     A beam ends on a surface, which often is the very edge of a cell: half a cell farther lies what it belongs to.

@@ -8,6 +8,7 @@ import numpy as np
 
 from arena_core import Costmap, LaserScan, LocalMap, NonNegative, OccupancyGrid, Pose, Positive, Robot
 from arena_kernels.distance import distance_field
+from arena_navigation.evidence import Evidence
 from arena_navigation.inflation import Inflation, inflate
 from arena_navigation.mapping import SeenMap, with_marks
 from arena_navigation.marks import NEVER, Beams, Reach, take_in
@@ -33,12 +34,14 @@ class RollingMap(LocalMap):
         use_map: bool,
         forget_after: Positive | None,
         mapping_range: Positive,
+        evidence: Evidence,
     ) -> None:
         inscribed = robot.footprint.inscribed_radius
         self._cells = max(1, math.ceil(size / resolution - 1e-9))
         self._resolution = resolution
         self._reach = Reach(obstacle_range, raytrace_range, inscribed, math.inf if forget_after is None else forget_after)
         self._mapping_reach = Reach(mapping_range, mapping_range, inscribed, math.inf)
+        self._evidence = evidence
         self._table = Inflation(inscribed, inflation_radius, cost_scaling_factor).table(resolution)
         self._use_map = use_map
         self.reset(None)
@@ -47,7 +50,7 @@ class RollingMap(LocalMap):
         """Begin an episode with no marks."""
         self._grid = grid
         self._layer = MapLayer.of(grid if self._use_map else None, self._resolution)
-        self._seen = SeenMap(self._resolution, self._mapping_reach) if grid is None else None
+        self._seen = SeenMap(self._resolution, self._mapping_reach, self._evidence) if grid is None else None
         self._corner = (0, 0)  # of the window, in cells: row, column
         self._hit_at = np.full((self._cells, self._cells), NEVER, np.float32)
         self._static = np.zeros((self._cells, self._cells), np.uint8)

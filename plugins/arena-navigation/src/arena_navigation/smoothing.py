@@ -34,6 +34,18 @@ def refine(
 
 
 @njit(cache=True)
+def path_cost(costs: NDArray[np.uint8], weights: NDArray[np.float64], points: NDArray[np.float64]) -> float:
+    """Return the cost of the lines through ``points`` (K, 2) from the first free cell on; inf if one of them is blocked."""
+    first = 0
+    while first < len(points) - 1 and costs[math.floor(points[first, 1]), math.floor(points[first, 0])] >= INSCRIBED:
+        first += 1
+    total = 0.0
+    for i in range(first, len(points) - 1):
+        total += line_cost(costs, weights, points[i, 0], points[i, 1], points[i + 1, 0], points[i + 1, 1])
+    return total
+
+
+@njit(cache=True)
 def line_cost(costs: NDArray[np.uint8], weights: NDArray[np.float64], x0: float, y0: float, x1: float, y1: float) -> float:
     """Return the cost of a straight line, the sum over the cells it crosses of length times weight; inf if one is blocked.
 
