@@ -1,4 +1,4 @@
-"""The last word: the exact footprint, for one period of a command and while the robot is braked to rest, in the window."""
+"""The last word: the exact footprint, for one period of a command and while the robot is braked to rest, among walls and people."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 
 from arena_kernels.compiled import borrowing
 from arena_kernels.window import Outline, Window, clearance
+from arena_orca.half_planes import FloatArray
 from arena_orca.motion import toward
 from arena_orca.parameters import Limits
 
@@ -70,3 +71,49 @@ def can_stop(
         if clearance(window, outline, stand[0], stand[1], stand[2], stand[3], gap) < gap:
             return False
     return True
+
+
+@borrowing
+def gap_to_person(outline: Outline, stand: Stand, x: float, y: float, radius: float, enough: float) -> float:
+    """Return how far a footprint is from a disc, m, negative where they overlap; beyond ``enough`` a lower bound will do."""
+    dx, dy = x - stand[0], y - stand[1]
+    apart = math.hypot(dx, dy) - radius
+    if len(outline.points_xy) == 0 or apart - outline.radius > enough:
+        return apart - outline.radius
+    px, py = stand[2] * dx + stand[3] * dy, stand[2] * dy - stand[3] * dx
+    least = apart - outline.inscribed_radius
+    for i in range(len(outline.points_xy)):
+        least = min(least, math.hypot(outline.points_xy[i, 0] - px, outline.points_xy[i, 1] - py) - radius)
+    return least
+
+
+@borrowing
+def stopping_time(limits: Limits, twist: tuple[float, float, float]) -> float:
+    """Return how long a robot brakes from ``twist``, s."""
+    time = max(abs(twist[0]) / limits.ax_max, abs(twist[2]) / limits.alpha_max)
+    return max(time, abs(twist[1]) / limits.ay_max) if limits.ay_max > 0.0 else time
+
+
+@borrowing
+def least_gap(
+    people: FloatArray,
+    outline: Outline,
+    limits: Limits,
+    stand: Stand,
+    twist: tuple[float, float, float],
+    command: tuple[float, float, float],
+    times: tuple[float, float],
+    enough: float,
+) -> float:
+    """Return the least gap to ``people`` (x, y, vx, vy, radius), who walk on, in ``times[1]`` s.
+
+    ``command`` is held for ``times[0]`` s, then braked.
+    """
+    held, least = round(times[0] / LAPSE), enough
+    for look in range(min(MOST_LOOKS, math.ceil(times[1] / LAPSE))):
+        twist = next_twist(limits, twist, command if look < held else (0.0, 0.0, 0.0))
+        stand, later = next_stand(stand, twist), (look + 1) * LAPSE
+        for k in range(len(people)):
+            x, y = people[k, 0] + later * people[k, 2], people[k, 1] + later * people[k, 3]
+            least = min(least, gap_to_person(outline, stand, x, y, people[k, 4], least))
+    return least

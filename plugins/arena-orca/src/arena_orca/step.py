@@ -8,7 +8,7 @@ import numpy as np
 
 from arena_kernels.compiled import borrowing, compiled
 from arena_kernels.window import Outline, Window, clearance
-from arena_orca.braking import Stand, allowed_gap, can_stop
+from arena_orca.braking import Stand, allowed_gap, can_stop, least_gap, stopping_time
 from arena_orca.free_space import MOST_CELLS, MOST_WALLS, put_walls, radius_towards
 from arena_orca.half_planes import ALONG_X, ALONG_Y, POINT_X, POINT_Y, FloatArray, lack, put_person
 from arena_orca.motion import centre_velocity, command_for, put_reach, top_speed
@@ -19,7 +19,7 @@ from arena_orca.programme import nearest_allowed, safest
 MOST_REACH_LINES = 6
 ALMOST = 0.999
 WALKING = 0.2  # m/s: who is slower stands, more or less
-SLOWER = (1.0, 0.6, 0.3, 0.0)  # shares of a velocity that are tried while its braking path is not free
+SLOWER = (1.0, 0.6, 0.3)  # shares of a velocity that are tried while its braking path is not free
 
 
 @compiled
@@ -50,7 +50,7 @@ def choose_command(
     count = put_people(lines, walls_end, people, outline, body, persons, centre, now)
     wish = preferred_velocity(path, standing, outline, body, limits, drive, stand, gear)
     x, y = best_velocity(lines, reach_end, walls_end, count, speed, wish, np.empty_like(lines))
-    return stoppable_command(window, outline, settings, stand, (state[3], state[4], state[5]), (x, y))
+    return stoppable_command(window, outline, people, settings, stand, (state[3], state[4], state[5]), (x, y))
 
 
 @borrowing
@@ -120,20 +120,31 @@ def loosen(lines: FloatArray, first: int, end: int, x: float, y: float) -> None:
 
 @borrowing
 def stoppable_command(
-    window: Window, outline: Outline, settings: Settings, stand: Stand, twist: tuple[float, float, float], best: tuple[float, float]
+    window: Window,
+    outline: Outline,
+    people: FloatArray,
+    settings: Settings,
+    stand: Stand,
+    twist: tuple[float, float, float],
+    best: tuple[float, float],
 ) -> tuple[bool, float, float, float]:
-    """Return the command for velocity ``best`` of the effective centre, slower or only turning where it could not be braked in time."""
+    """Return the command for velocity ``best`` of the effective centre: slower, or only turning, where it could not be braked in time.
+
+    A command may lead nearer to someone only if braking at once would do so as well.
+    """
     body, limits, _, statics, drive = settings
     gap_now = clearance(window, outline, stand[0], stand[1], stand[2], stand[3], statics.padding)
     gap = allowed_gap(gap_now, statics.padding, window.resolution)
-    for share in SLOWER:
-        vx, vy, wz = command_for(body, limits, twist, (share * best[0], share * best[1]), drive.period)
-        if can_stop(window, outline, limits, stand, twist, (vx, vy, wz), drive.period, gap):
-            if share > 0.0 or abs(best[1]) < 1e-9:
-                return True, vx, vy, wz
-            break
-    vx, vy, wz = command_for(body, limits, twist, (0.0, best[1]), drive.period)
-    if can_stop(window, outline, limits, stand, twist, (vx, vy, wz), drive.period, gap):
-        return True, vx, vy, wz
-    vx, vy, wz = command_for(body, limits, twist, (0.0, 0.0), drive.period)
-    return can_stop(window, outline, limits, stand, twist, (vx, vy, wz), drive.period, gap), vx, vy, wz
+    brake = command_for(body, limits, twist, (0.0, 0.0), drive.period)
+    times = (drive.period, 2.0 * drive.period + stopping_time(limits, twist))
+    gap_people = least_gap(people, outline, limits, stand, twist, brake, times, statics.padding)
+    for attempt in range(len(SLOWER) + 1):
+        turning = attempt == len(SLOWER)
+        share = 0.0 if turning else SLOWER[attempt]
+        wish = (share * best[0], best[1] if turning else share * best[1])
+        command = command_for(body, limits, twist, wish, drive.period)
+        if can_stop(window, outline, limits, stand, twist, command, drive.period, gap) and (
+            least_gap(people, outline, limits, stand, twist, command, times, statics.padding) >= gap_people - 1e-9
+        ):
+            return True, command[0], command[1], command[2]
+    return can_stop(window, outline, limits, stand, twist, brake, drive.period, gap), brake[0], brake[1], brake[2]
