@@ -1,0 +1,64 @@
+"""Where the optimisation begins: the last plan, moved on in time, or a drive along the path."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from arena_kernels.compiled import compiled
+from arena_mpc.arrays import FloatArray
+
+TURN_FIRST = 1.0  # rad, bearing of the path from which the drive turns on the spot
+AHEAD = 0.4  # m, how far along the path the drive steers to
+
+
+def shifted(states: FloatArray, step: float, elapsed: float, end: FloatArray, stages: int, new_step: float) -> FloatArray:
+    """Return a plan (N + 1, S) as it looks ``elapsed`` s later, in ``stages`` intervals of ``new_step`` s.
+
+    Past its end it goes to ``end``.
+    """
+    knots = np.arange(len(states)) * step
+    times = elapsed + np.arange(stages + 1) * new_step
+    finish = max(float(times[-1]), float(knots[-1]) + 1e-6)
+    rows = np.vstack((states, end))
+    return np.column_stack([np.interp(times, np.append(knots, finish), column) for column in rows.T])
+
+
+@compiled
+def drive_along(
+    path: FloatArray, start: FloatArray, speed: float, turn: float, sideways: bool, radius: float, stages: int, step: float
+) -> FloatArray:
+    """Return a drive (N + 1, 6) of x, y, theta, vx, vy, wz from ``start`` (3,) along ``path`` (M, 3), to its end if there is time.
+
+    It steers to a point of the path ahead, on the spot where that lies aside, unless ``sideways`` motion is possible; ``radius`` is the
+    least of a car's turns, m, 0 for others.
+    """
+    drive = np.zeros((stages + 1, 6))
+    drive[0, :3] = start
+    place = 0
+    for k in range(stages):
+        x, y, theta = drive[k, 0], drive[k, 1], drive[k, 2]
+        while place < len(path) - 1 and math.hypot(path[place, 0] - x, path[place, 1] - y) < max(AHEAD, speed * step):
+            place += 1
+        dx, dy = path[place, 0] - x, path[place, 1] - y
+        left = math.hypot(dx, dy)
+        bearing = 0.0
+        if left > 1e-6:
+            bearing = (math.atan2(dy, dx) - theta + math.pi) % (2.0 * math.pi) - math.pi
+        wz = min(max(bearing / step, -turn), turn)
+        go = min(speed, left / step)
+        vx, vy = go, 0.0
+        if sideways:
+            vx, vy = go * math.cos(bearing), go * math.sin(bearing)
+        elif radius > 0.0:
+            wz = min(max(wz, -go / radius), go / radius)
+        elif abs(bearing) > TURN_FIRST:
+            vx = 0.0
+        middle = theta + 0.5 * wz * step
+        c, s = math.cos(middle), math.sin(middle)
+        drive[k + 1, 0] = x + step * (c * vx - s * vy)
+        drive[k + 1, 1] = y + step * (s * vx + c * vy)
+        drive[k + 1, 2] = theta + step * wz
+        drive[k + 1, 3], drive[k + 1, 4], drive[k + 1, 5] = vx, vy, wz
+    return drive

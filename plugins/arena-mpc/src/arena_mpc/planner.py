@@ -1,0 +1,174 @@
+"""Nonlinear model predictive control after Rösmann, Makarow and Bertram (2021), solved by direct multiple shooting."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from arena_core import EpisodeStart, NonNegativeInt, NoValidCommand, Observation, Planner, Positive, Robot, Twist
+from arena_kernels.window import clearance
+from arena_mpc.arrays import FloatArray
+from arena_mpc.footprint import covering_discs, exact_outline, free_until
+from arena_mpc.guess import drive_along, shifted
+from arena_mpc.models import state_of, twist_of
+from arena_mpc.moving import first_hit
+from arena_mpc.optimiser import Optimiser
+from arena_mpc.parameters import Form, Grid, Limits, ModelName, Obstacles, SolverSettings, Weights, drive_of, model_of
+from arena_mpc.reference import PathProgress, Reference, ahead, cut_where_blocked
+from arena_mpc.resizing import resized
+from arena_mpc.scene import Scene, scene_of
+from arena_mpc.solver import Plan
+
+DEEPER = 0.02  # m, by which a robot that already touches may come nearer: half a cell hides that much
+
+
+@dataclass(slots=True)
+class Counts:
+    """How the commands of an episode came about."""
+
+    optimised: int = 0
+    shifted: int = 0
+    refused: int = 0
+
+
+class MpcPlanner(Planner):
+    """Optimises a plan to a local goal on the path at every control step and drives its beginning."""
+
+    compiles = True
+
+    def __init__(
+        self,
+        robot: Robot,
+        model: ModelName | None,
+        form: Form,
+        discs: NonNegativeInt | None,
+        look_ahead: Positive,
+        reinit_distance: Positive,
+        limits: Limits,
+        grid: Grid,
+        weights: Weights,
+        obstacles: Obstacles,
+        solver: SolverSettings,
+    ) -> None:
+        self._model, self._drive = model_of(robot, model), drive_of(robot, limits)
+        self._form, self._grid, self._obstacles = form, grid, obstacles
+        self._look_ahead, self._reinit_distance = look_ahead, reinit_distance
+        self._outline = exact_outline(robot.footprint)
+        self._turn_radius = robot.wheelbase / math.tan(robot.steering_max) if self._model == "bicycle" else 0.0
+        covering = covering_discs(robot.footprint, discs)
+        self._optimiser = Optimiser(self._model, form, self._drive, covering, grid, weights, obstacles, solver)
+        self._period = robot.control_period
+        self._progress = PathProgress()
+        self._forget()
+
+    def reset(self, episode: EpisodeStart) -> None:
+        """Forget the last plan; compiled problems stay."""
+        self._period = episode.control_period
+        self._forget()
+
+    def _forget(self) -> None:
+        self._progress.clear()
+        self._plan: Plan | None = None
+        self._planned_at = 0.0
+        self._steering = 0.0
+        self.counts = Counts()
+
+    def compute_velocity(self, observation: Observation) -> Twist:
+        """Return the beginning of the optimal plan, or of the last one while that is safe; raise NoValidCommand when neither is."""
+        self._check(observation)
+        scene = scene_of(observation, self._obstacles.moving > 0, self._obstacles.moving_margin)
+        reference = self._reference(observation, scene)
+        state = state_of(self._model, self._drive, observation.pose, observation.twist, self._steering)
+        last = self._last_plan(reference, state, observation.stamp)
+        for aim, guess in self._beginnings(scene, reference, state, last):
+            plan = self._optimiser.optimise(scene, aim, state, guess)
+            if plan is not None and self._safe(plan, scene):
+                self.counts.optimised += 1
+                return self._driven(plan, observation.stamp)
+        if last is not None and self._safe(last, scene) and not first_hit(scene.tracks, last, self._outline.radius) < self._braking(last):
+            self.counts.shifted += 1
+            return self._driven(last, observation.stamp)
+        self.counts.refused += 1
+        self._plan = None
+        raise NoValidCommand("mpc: neither a new plan nor the last one is free of collisions")
+
+    def _beginnings(self, scene: Scene, reference: Reference, state: FloatArray, last: Plan | None) -> Iterator[tuple[Reference, Plan]]:
+        """Yield what to aim at and where to begin, until a plan is safe: the last plan, the path, the path up to what blocks it."""
+        if last is not None:
+            yield reference, last
+        yield reference, self._plan_along(reference, state)
+        blocked = cut_where_blocked(reference, scene.window, self._outline.inscribed_radius)
+        if blocked is not reference:
+            yield blocked, self._plan_along(blocked, state)
+
+    def _check(self, observation: Observation) -> None:
+        """Raise NoValidCommand for what nobody can plan with."""
+        if len(observation.path.poses) == 0:
+            raise NoValidCommand("mpc: the path is empty")
+        if not np.isfinite((*observation.pose.array(), *observation.twist.array())).all():
+            raise NoValidCommand("mpc: pose or twist is not finite")
+
+    def _reference(self, observation: Observation, scene: Scene) -> Reference:
+        pose = observation.pose
+        rest = self._progress.pruned(observation.path.poses, np.array((pose.x, pose.y)))
+        return ahead(rest, self._look_ahead, scene.window)
+
+    def _last_plan(self, reference: Reference, state: FloatArray, stamp: float) -> Plan | None:
+        """Return the last plan as it looks now, resized; None when there is none or the local goal has jumped."""
+        plan, elapsed = self._plan, stamp - self._planned_at
+        if plan is None or not 0.0 <= elapsed < (len(plan.states) - 1) * plan.step:
+            return None
+        if math.dist(plan.states[-1, :2], reference.goal[:2]) > self._reinit_distance:
+            return None
+        stages, step = (len(plan.states) - 1, plan.step) if self._form == "quadratic" else resized(plan, self._grid)
+        end = plan.states[-1].copy()
+        if self._form == "minimum_time":
+            end[:2] = reference.goal[:2]
+        states = shifted(plan.states, plan.step, elapsed, end, stages, step)
+        states[:, 2] += 2.0 * math.pi * round((state[2] - states[0, 2]) / (2.0 * math.pi))
+        states[0] = state
+        slack = shifted(plan.slack[:, None], plan.step, elapsed, plan.slack[-1:], stages, step)[:, 0]
+        return Plan(states, step, slack)
+
+    def _plan_along(self, reference: Reference, state: FloatArray) -> Plan:
+        """Return a drive along the path."""
+        drive, step = self._drive, self._grid.step
+        sideways = self._model == "omnidirectional"
+        speed = drive.vx_max
+        rolled = drive_along(reference.path, state[:3], speed, drive.wz_max, sideways, self._turn_radius, self._grid.stages, step)
+        velocities = rolled[:, 3:]
+        if self._model == "unicycle":
+            velocities = rolled[:, (3, 5)]
+        elif self._model == "bicycle":
+            steering = np.arctan2(rolled[:, 5] * drive.wheelbase, np.maximum(rolled[:, 3], 1e-3))
+            velocities = np.column_stack((rolled[:, 3], np.clip(steering, -drive.steering_max, drive.steering_max)))
+        states = np.column_stack((rolled[:, :3], velocities))
+        states[0] = state
+        return Plan(states, step, np.zeros(len(states)))
+
+    def _safe(self, plan: Plan, scene: Scene) -> bool:
+        """Tell whether the robot touches nothing that stands on this plan, until it could have stopped."""
+        x, y, theta = plan.states[0, :3].tolist()
+        now = clearance(scene.window, self._outline, x, y, math.cos(theta), math.sin(theta), 0.1)
+        allowed = 0.0 if now > 0.0 else now - DEEPER
+        until = free_until(scene.window, self._outline, plan.states[:, :3].copy(), allowed)
+        return until * plan.step >= min(self._braking(plan), (len(plan.states) - 1) * plan.step) - 1e-9
+
+    def _braking(self, plan: Plan) -> float:
+        """Return how long the robot drives the plan at least, s: one control period, and braking."""
+        twist, drive = twist_of(self._model, self._drive, plan.states[1, 3:]), self._drive
+        sideways = abs(twist.vy) / drive.ay_max if drive.ay_max > 0.0 else 0.0
+        return self._period + max(abs(twist.vx) / drive.ax_max, sideways)
+
+    def _driven(self, plan: Plan, stamp: float) -> Twist:
+        """Remember the plan and return the mean of its velocities over the control period."""
+        self._plan, self._planned_at = plan, stamp
+        ends = np.minimum(np.arange(1, len(plan.states)) * plan.step, self._period)
+        shares = np.diff(ends, prepend=0.0) / self._period
+        velocities = shares @ plan.states[1:, 3:] + (1.0 - shares.sum()) * plan.states[-1, 3:]
+        if self._model == "bicycle":
+            self._steering = float(velocities[1])
+        return twist_of(self._model, self._drive, velocities)

@@ -1,0 +1,115 @@
+"""What to follow: the path from the robot to the local goal, and beside each stage of a plan the path's place and direction."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_kernels.compiled import borrowing, compiled
+from arena_kernels.window import Window, distance_at
+from arena_mpc.arrays import FloatArray
+
+EDGE = 0.3  # m, how far inside the window a local goal lies
+SEARCH = 3.0  # m, how far along its path the robot may have come since it was last asked
+
+
+class Reference(NamedTuple):
+    """The part of the path ahead: ``path`` (M, 3) from beside the robot to the local goal; ``final`` when that is the path's end."""
+
+    path: FloatArray
+    final: bool
+
+    @property
+    def goal(self) -> FloatArray:
+        """Return the local goal (3,), heading along the path."""
+        return np.asarray(self.path[-1])
+
+
+class PathProgress:
+    """Remembers how far the robot has come, so that a path that comes near itself is not cut short."""
+
+    def __init__(self) -> None:
+        self.clear()
+
+    def clear(self) -> None:
+        """Forget the path."""
+        self._path: FloatArray | None = None
+        self._place = 0
+
+    def pruned(self, path: FloatArray, position: FloatArray) -> FloatArray:
+        """Return the rest of ``path`` (M, 3) from the pose that is nearest to ``position`` (2,)."""
+        if path is not self._path:
+            self._path, self._place = path, 0
+            candidates = path
+        else:
+            along = np.cumsum(np.hypot(*np.diff(path[self._place :, :2], axis=0).T))
+            candidates = path[self._place : self._place + 1 + int(np.searchsorted(along, SEARCH))]
+        self._place += int(np.argmin(((candidates[:, :2] - position) ** 2).sum(axis=1)))
+        return path[self._place :]
+
+
+def ahead(rest: FloatArray, look_ahead: float, window: Window) -> Reference:
+    """Cut the rest of a path (M, 3) at ``look_ahead`` m or where it leaves the window; headings become those of its pieces."""
+    steps = np.hypot(*np.diff(rest[:, :2], axis=0).T)
+    along = np.concatenate(((0.0,), np.cumsum(steps)))
+    count = int(np.searchsorted(along, look_ahead + 1e-9))
+    inside = _inside(rest[:count, :2], window)
+    if not inside.all():
+        count = int(np.argmin(inside))
+    count = min(max(count, 1), len(rest))
+    path = rest[:count].copy()
+    if count > 1:
+        pieces = np.diff(path[:, :2], axis=0)
+        headings = np.arctan2(pieces[:, 1], pieces[:, 0])
+        path[:, 2] = np.append(headings, headings[-1])
+    return Reference(path, count == len(rest))
+
+
+def cut_where_blocked(reference: Reference, window: Window, radius: float) -> Reference:
+    """Cut a reference before the first pose at which a disc of ``radius`` m would touch something."""
+    count = free_poses(window, reference.path, radius)
+    return reference if count == len(reference.path) else Reference(reference.path[: max(count, 1)], False)
+
+
+@borrowing
+def free_poses(window: Window, path: FloatArray, radius: float) -> int:
+    """Return how many poses of ``path`` (M, 3) come before the first, other than the robot's, with less than ``radius`` m of room."""
+    for i in range(1, len(path)):
+        if distance_at(window, path[i, 0], path[i, 1]) < radius:
+            return i
+    return len(path)
+
+
+def _inside(positions: FloatArray, window: Window) -> NDArray[np.bool_]:
+    rows, columns = window.costs.shape
+    u, v = positions[:, 0] - window.origin_x, positions[:, 1] - window.origin_y
+    width, height = columns * window.resolution, rows * window.resolution
+    return np.asarray((u >= EDGE) & (u <= width - EDGE) & (v >= EDGE) & (v <= height - EDGE))
+
+
+@compiled
+def beside(path: FloatArray, positions: FloatArray) -> FloatArray:
+    """Return (N, 5) for each of ``positions`` (N, 2): the nearest point of ``path`` (M, 3), its normal there and its heading, rad."""
+    found = np.zeros((len(positions), 5))
+    for k in range(len(positions)):
+        x, y = positions[k, 0], positions[k, 1]
+        best = math.inf
+        found[k, 0], found[k, 1], found[k, 4] = path[0, 0], path[0, 1], path[0, 2]
+        for i in range(len(path) - 1):
+            ax, ay = path[i, 0], path[i, 1]
+            dx, dy = path[i + 1, 0] - ax, path[i + 1, 1] - ay
+            length = dx * dx + dy * dy
+            if length < 1e-12:
+                continue
+            share = min(max(((x - ax) * dx + (y - ay) * dy) / length, 0.0), 1.0)
+            px, py = ax + share * dx, ay + share * dy
+            away = (x - px) ** 2 + (y - py) ** 2
+            if away < best:
+                best = away
+                found[k, 0], found[k, 1] = px, py
+                found[k, 4] = math.atan2(dy, dx)
+                found[k, 2], found[k, 3] = -math.sin(found[k, 4]), math.cos(found[k, 4])
+    return found
