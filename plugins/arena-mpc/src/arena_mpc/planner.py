@@ -83,11 +83,10 @@ class MpcPlanner(Planner):
         reference = self._reference(observation, scene)
         state = state_of(self._model, self._drive, observation.pose, observation.twist, self._steering)
         last = self._last_plan(reference, state, observation.stamp)
-        for aim, guess in self._beginnings(scene, reference, state, last):
-            plan = self._optimiser.optimise(scene, aim, state, guess)
-            if plan is not None and self._safe(plan, scene):
-                self.counts.optimised += 1
-                return self._driven(plan, observation.stamp)
+        plan = self._freest_plan(scene, reference, state, last)
+        if plan is not None:
+            self.counts.optimised += 1
+            return self._driven(plan, observation.stamp)
         if last is not None and self._safe(last, scene) and not first_hit(scene.tracks, last, self._outline.radius) < self._braking(last):
             self.counts.shifted += 1
             return self._driven(last, observation.stamp)
@@ -119,7 +118,7 @@ class MpcPlanner(Planner):
     def _last_plan(self, reference: Reference, state: FloatArray, stamp: float) -> Plan | None:
         """Return the last plan as it looks now, resized; None when there is none or the local goal has jumped."""
         plan, elapsed = self._plan, stamp - self._planned_at
-        if plan is None or not 0.0 <= elapsed < (len(plan.states) - 1) * plan.step:
+        if plan is None or not 0.0 <= elapsed < plan.duration:
             return None
         if math.dist(plan.states[-1, :2], reference.goal[:2]) > self._reinit_distance:
             return None
@@ -149,13 +148,28 @@ class MpcPlanner(Planner):
         states[0] = state
         return Plan(states, step, np.zeros(len(states)))
 
+    def _freest_plan(self, scene: Scene, reference: Reference, state: FloatArray, last: Plan | None) -> Plan | None:
+        """Return the first plan that is free to its end, else the one that is free longest, None when none is safe."""
+        best, longest = None, 0.0
+        for aim, guess in self._beginnings(scene, reference, state, last):
+            plan = self._optimiser.optimise(scene, aim, state, guess)
+            share = 0.0 if plan is None else self._free_for(plan, scene) / plan.duration
+            if plan is not None and share >= 1.0 - 1e-9:
+                return plan
+            if plan is not None and share > longest and self._safe(plan, scene):
+                best, longest = plan, share
+        return best
+
     def _safe(self, plan: Plan, scene: Scene) -> bool:
         """Tell whether the robot touches nothing that stands on this plan, until it could have stopped."""
+        return self._free_for(plan, scene) >= min(self._braking(plan), plan.duration) - 1e-9
+
+    def _free_for(self, plan: Plan, scene: Scene) -> float:
+        """Return for how long the robot's outline touches nothing that stands on this plan, s."""
         x, y, theta = plan.states[0, :3].tolist()
         now = clearance(scene.window, self._outline, x, y, math.cos(theta), math.sin(theta), 0.1)
         allowed = 0.0 if now > 0.0 else now - DEEPER
-        until = free_until(scene.window, self._outline, plan.states[:, :3].copy(), allowed)
-        return until * plan.step >= min(self._braking(plan), (len(plan.states) - 1) * plan.step) - 1e-9
+        return free_until(scene.window, self._outline, plan.states[:, :3].copy(), allowed) * plan.step
 
     def _braking(self, plan: Plan) -> float:
         """Return how long the robot drives the plan at least, s: one control period, and braking."""

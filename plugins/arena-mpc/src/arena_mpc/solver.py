@@ -24,6 +24,11 @@ class Plan(NamedTuple):
     step: float
     slack: FloatArray
 
+    @property
+    def duration(self) -> float:
+        """Return how long the plan takes, s."""
+        return (len(self.states) - 1) * self.step
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bounds:
