@@ -86,7 +86,9 @@ class MppiPlanner(Planner):
         """Return the velocity that the sequence has at the end of the coming period; raise NoValidCommand when all collide within it."""
         self._check(observation)
         scene = self._scene(observation)
-        now = np.array((observation.twist.vx, observation.twist.vy, observation.twist.wz), np.float32)
+        twist = observation.twist
+        sideways = twist.vy if self._chassis.vy_max > 0.0 else 0.0
+        now = np.array((twist.vx, sideways, twist.wz), np.float32)
         work = self._work
         work.history[:] = self._sequence.past(now, observation.stamp)
         work.mean[:] = self._sequence.ahead(now, observation.stamp)
