@@ -19,10 +19,13 @@ from arena_mppi.sampling import fixed_lanes, sampling_of, workspace
 from arena_mppi.scene import body_of, scene_of, standing_window
 from arena_mppi.settings import Moving, Noise, Progress
 
-MOVING = Moving(weight=20.0, contact_cost=300.0, margin=0.5, belief_time=2.0, growth=1.0, growth_max=0.3, speed_min=0.1)
+MOVING = Moving(weight=20.0, contact_cost=300.0, margin=0.5, reaction_time=0.1, belief_time=2.0, growth=1.0, growth_max=0.3, speed_min=0.1)
 PROGRESS = Progress(weight=8.0, end_share=0.5, comfort_gap=0.4, comfort_cost=2.0, blocked_cost=20.0)
 CRITICS = Critics(
-    *map(np.float32, (4.0, 0.5, 30.0, 0.1, 0.05, 0.03, 20.0, 300.0, 0.5, 5.0, 2.0, 3.0, 5.0, 0.3, 2.0, 0.2, 0.1, 8.0, 0.5, 4.0, 5.0, 0.2))
+    *map(
+        np.float32,
+        (4.0, 0.5, 30.0, 0.1, 0.05, 0.03, 20.0, 300.0, 0.5, 0.1, 5.0, 2.0, 3.0, 5.0, 0.3, 2.0, 0.2, 0.1, 8.0, 0.5, 4.0, 5.0, 0.2),
+    )
 )
 NOISE = Noise(vx_std=0.4, vy_std=0.4, wz_std=0.3, correlation_time=0.3)
 BODIES = [body_of(Footprint.circle(0.2)), body_of(Footprint.polygon([[0.21, -0.165], [0.21, 0.165], [-0.21, 0.165], [-0.21, -0.165]]))]
@@ -106,7 +109,7 @@ def judged(scene, body, chassis, poses, velocities):
                 cost, hit = cost + float(COLLISION_COST) * (1.0 + math.hypot(vx, vy)), True
         for other_x, other_y, other_radius in scene.moving[t].astype(float):
             for px, py, r in discs:
-                lack = max(0.0, 1.0 - (math.hypot(px - other_x, py - other_y) - r - other_radius) / 0.5)
+                lack = max(0.0, 1.0 - (math.hypot(px - other_x, py - other_y) - r - other_radius - 0.1 * math.hypot(vx, vy)) / 0.5)
                 cost += float(scene.belief[t]) * DT * (20.0 * lack**2 + (300.0 * lack if lack > 1.0 else 0.0))
         cost += DT * 5.0 * math.hypot(x - scene.goal[0], y - scene.goal[1])
         cost += DT * 2.0 * (1.0 - c * float(scene.goal[2]) - s * float(scene.goal[3]))

@@ -11,7 +11,7 @@ from arena_mppi.scene import body_of, even_path, expected, scene_of, standing_wi
 from arena_mppi.settings import Goal, Motion, Moving, PathCritics, Progress, Static
 from arena_mppi.weights import critics_of
 
-MOVING = Moving(weight=20.0, contact_cost=300.0, margin=0.5, belief_time=2.0, growth=1.0, growth_max=0.3, speed_min=0.1)
+MOVING = Moving(weight=20.0, contact_cost=300.0, margin=0.5, reaction_time=0.1, belief_time=2.0, growth=1.0, growth_max=0.3, speed_min=0.1)
 PROGRESS = Progress(weight=8.0, end_share=0.5, comfort_gap=0.4, comfort_cost=2.0, blocked_cost=50.0)
 TIMES = np.arange(1, 5) * 0.5
 

@@ -7,7 +7,7 @@ import numpy as np
 from arena_kernels.compiled import inlined, inner
 from arena_kernels.window import clearance
 from arena_mppi.parameters import Body, Critics, Floats, Scene
-from arena_mppi.rollout import COSINE, COST, HALF, HIT, LANES, ONE, SINE, TRAVELLED, VX, VY, ZERO, X, Y
+from arena_mppi.rollout import COSINE, COST, HALF, HIT, LANES, ONE, SINE, SPEED, TRAVELLED, ZERO, X, Y
 
 COLLISION_COST = np.float32(1e6)
 COLLIDED = np.float32(0.5e6)  # what costs more has collided: other critics add thousands, and the control cost may be negative
@@ -62,8 +62,7 @@ def judge_static(lanes: Floats, scene: Scene, body: Body, critics: Critics, leas
             x = lanes[X + k] + lanes[COSINE + k] * at_x - lanes[SINE + k] * at_y
             y = lanes[Y + k] + lanes[SINE + k] * at_x + lanes[COSINE + k] * at_y
             gap = min(gap, gap_at(scene, x, y) - body.discs[d, 2])
-        speed = np.sqrt(lanes[VX + k] * lanes[VX + k] + lanes[VY + k] * lanes[VY + k])
-        felt = max(gap - critics.reaction_time * speed, ZERO)
+        felt = max(gap - critics.reaction_time * lanes[SPEED + k], ZERO)
         if felt >= critics.inflation_radius:
             continue
         lack = ONE - felt / critics.inflation_radius
@@ -73,7 +72,7 @@ def judge_static(lanes: Floats, scene: Scene, body: Body, critics: Critics, leas
         lanes[COST + k] += share * cost
         if gap < least and exact_gap(lanes, k, scene, body, least) < least:
             lanes[HIT + k] = ONE
-            lanes[COST + k] += COLLISION_COST * (ONE + speed)
+            lanes[COST + k] += COLLISION_COST * (ONE + lanes[SPEED + k])
 
 
 @inlined
@@ -85,13 +84,18 @@ def exact_gap(lanes: Floats, k: int, scene: Scene, body: Body, enough: float) ->
 
 
 @inner
-def judge_moving(lanes: Floats, scene: Scene, body: Body, critics: Critics, t: int, reach: np.float32, dt: np.float32) -> None:
-    """Add what lanes cost that come near to where a moving obstacle is expected at step ``t``; none can be farther than ``reach``."""
+def judge_moving(lanes: Floats, scene: Scene, body: Body, critics: Critics, t: int, fastest: np.float32, dt: np.float32) -> None:
+    """Add what lanes cost that come near to where a moving obstacle is expected at step ``t``; none drives faster than ``fastest``.
+
+    Past people a fast lane needs more room than a slow one, or passing fast would be the cheapest way of passing near.
+    """
     weight, contact = critics.moving * scene.belief[t] * dt, critics.contact * scene.belief[t] * dt
     inverse = ONE / critics.margin
+    reach = fastest * dt * np.float32(t + 1)
+    widest = critics.margin + critics.moving_reaction_time * fastest
     for n in range(scene.moving.shape[1]):
         other_x, other_y, other_radius = scene.moving[t, n, 0], scene.moving[t, n, 1], scene.moving[t, n, 2]
-        nearest = np.sqrt(other_x * other_x + other_y * other_y) - other_radius - body.outline.radius - critics.margin
+        nearest = np.sqrt(other_x * other_x + other_y * other_y) - other_radius - body.outline.radius - widest
         if nearest > reach:
             continue
         for d in range(len(body.discs)):
@@ -99,7 +103,7 @@ def judge_moving(lanes: Floats, scene: Scene, body: Body, critics: Critics, t: i
             for k in range(LANES):
                 dx = lanes[X + k] + lanes[COSINE + k] * at_x - lanes[SINE + k] * at_y - other_x
                 dy = lanes[Y + k] + lanes[SINE + k] * at_x + lanes[COSINE + k] * at_y - other_y
-                lack = max(ZERO, ONE - (np.sqrt(dx * dx + dy * dy) - radius) * inverse)
+                lack = max(ZERO, ONE - (np.sqrt(dx * dx + dy * dy) - radius - critics.moving_reaction_time * lanes[SPEED + k]) * inverse)
                 lanes[COST + k] += weight * lack * lack + (contact * lack if lack > ONE else ZERO)
 
 

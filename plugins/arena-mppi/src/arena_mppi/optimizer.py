@@ -74,7 +74,7 @@ def roll_out(
             draw_noise(lanes, work.normals, key, tick, block * steps + t, sampling.kept, sampling.renewed)
         drive_lanes(lanes, work.velocities[block, t], work.mean[max(t, sampling.tied - 1)], chassis, sampling, critics)
         judge_static(lanes, scene, body, critics, least, dt)
-        judge_moving(lanes, scene, body, critics, t, fastest * dt * np.float32(t + 1), dt)
+        judge_moving(lanes, scene, body, critics, t, fastest, dt)
         if critics.goal + critics.goal_angle > ZERO:
             judge_goal(lanes, scene, critics.goal * dt, critics.goal_angle * dt)
         if t % PATH_STRIDE == PATH_STRIDE - 1:

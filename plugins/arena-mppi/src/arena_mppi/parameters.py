@@ -57,6 +57,7 @@ class Critics(NamedTuple):
     moving: np.float32
     contact: np.float32
     margin: np.float32
+    moving_reaction_time: np.float32
     goal: np.float32
     goal_angle: np.float32
     align: np.float32

@@ -50,6 +50,7 @@ class MppiPlanner(Planner):
         smoothing: bool,
         arcs: Fraction,
         retry_attempt_limit: NonNegativeInt,
+        velocity_feedback: Fraction,
         motion_model: MotionModel | None,
         turning_radius: NonNegative | None,
         noise: Noise,
@@ -65,7 +66,7 @@ class MppiPlanner(Planner):
         self._chassis = chassis_of(robot, model, limits, turning_radius, model_dt)
         self._sampling = sampling_of(self._chassis, noise, batch_size, time_steps, model_dt, iterations, temperature, gamma, smoothing)
         self._work = workspace(self._sampling, self._chassis, arcs)
-        self._sequence = Sequence(time_steps, model_dt)
+        self._sequence = Sequence(time_steps, model_dt, velocity_feedback)
         self._body = body_of(robot.footprint)
         self._retries = retry_attempt_limit
         self._static, self._moving, self._goal, self._path = static, moving, goal, path
@@ -88,7 +89,7 @@ class MppiPlanner(Planner):
         scene = self._scene(observation)
         twist = observation.twist
         sideways = twist.vy if self._chassis.vy_max > 0.0 else 0.0
-        now = np.array((twist.vx, sideways, twist.wz), np.float32)
+        now = self._sequence.velocity(np.array((twist.vx, sideways, twist.wz), np.float32), observation.stamp)
         work = self._work
         work.history[:] = self._sequence.past(now, observation.stamp)
         work.mean[:] = self._sequence.ahead(now, observation.stamp)

@@ -17,8 +17,8 @@ LANES = 256
 X, Y, COSINE, SINE, VX, VY, WZ = 0, 1 * LANES, 2 * LANES, 3 * LANES, 4 * LANES, 5 * LANES, 6 * LANES
 NOISE_X, NOISE_Y, NOISE_W = 7 * LANES, 8 * LANES, 9 * LANES
 FOLLOWS, NOISY, FIXED_X, FIXED_Y, FIXED_W = 10 * LANES, 11 * LANES, 12 * LANES, 13 * LANES, 14 * LANES
-COST, TRAVELLED, HIT = 15 * LANES, 16 * LANES, 17 * LANES
-ROWS = 18
+COST, TRAVELLED, HIT, SPEED = 15 * LANES, 16 * LANES, 17 * LANES, 18 * LANES
+ROWS = 19
 
 ZERO, HALF, ONE = np.float32(0.0), np.float32(0.5), np.float32(1.0)
 SIXTH, TWELFTH, TWENTIETH = np.float32(1.0 / 6.0), np.float32(1.0 / 12.0), np.float32(1.0 / 20.0)
@@ -89,6 +89,7 @@ def drive_lanes(lanes: Floats, out: Floats, mean: Floats, chassis: Chassis, samp
         lanes[COSINE + k] = middle_c * c - middle_s * s
         lanes[SINE + k] = middle_s * c + middle_c * s
         lanes[TRAVELLED + k] += np.sqrt(along * along + aside * aside)
+        lanes[SPEED + k] = np.sqrt(vx * vx + vy * vy)
         beyond = max(ZERO, vx - chassis.vx_max) + max(ZERO, chassis.vx_min - vx)
         cost = critics.constraint * beyond + critics.forward * max(ZERO, -vx) + critics.twirling * abs(wz)
         control = price_x * (vx - mean_x) + price_y * (vy - mean_y) + price_w * (wz - mean_w)

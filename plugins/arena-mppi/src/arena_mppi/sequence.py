@@ -14,9 +14,10 @@ class Sequence:
     The model's step and the control period need not agree: both are read off the planned velocities at the times wanted.
     """
 
-    def __init__(self, time_steps: int, dt: float) -> None:
+    def __init__(self, time_steps: int, dt: float, feedback: float) -> None:
         self._steps = time_steps
         self._dt = dt
+        self._feedback = feedback
         self.clear()
 
     def clear(self) -> None:
@@ -33,6 +34,16 @@ class Sequence:
         self._velocities, self._stamp = np.vstack((past, now[None], mean)), stamp
         command: Floats = self._at(np.array((period,)))[0]
         return command
+
+    def velocity(self, measured: Floats, stamp: float) -> Floats:
+        """Return the velocity (3,) at ``stamp``: the planned one, led towards the ``measured``; that one alone without a plan.
+
+        A robot does what it is told within its limits; what encoders tell of one short period is noisier than that.
+        """
+        if self._stamp is None:
+            return measured
+        planned: Floats = self._at(np.array((self._passed(stamp),)))[0]
+        return planned + np.float32(self._feedback) * (measured - planned)
 
     def ahead(self, now: Floats, stamp: float) -> Floats:
         """Return the sequence (T, 3) as it is seen at ``stamp``; without one, ``now`` goes on."""

@@ -45,11 +45,12 @@ class Static:
 
 @dataclass(frozen=True, slots=True)
 class Moving:
-    """The critic of moving obstacles: weight, cost of a contact, wanted gap (m), decay of belief (s), growth and least speed (m/s)."""
+    """The critic of moving obstacles: weight, cost of contact, wanted gap (m) and what speed adds to it (s), belief (s), growth, speed."""
 
     weight: NonNegative
     contact_cost: NonNegative
     margin: Positive
+    reaction_time: NonNegative
     belief_time: Positive
     growth: NonNegative
     growth_max: NonNegative

@@ -26,6 +26,7 @@ def critics_of(
         moving.weight,
         moving.contact_cost,
         moving.margin,
+        moving.reaction_time,
         goal.weight if near else 0.0,
         goal.angle_weight if distance < goal.angle_within else 0.0,
         0.0 if near else path.align_weight,
