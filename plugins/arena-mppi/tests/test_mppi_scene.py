@@ -62,7 +62,7 @@ def test_path_is_spaced_evenly_from_the_robot_on():
     assert even_path(route[:1], 0, 0.0, 0.0, 0.6).shape == (1, 2)
 
 
-def critics(speed, distance):
+def critics(speed, distance, patience=1.0):
     return critics_of(
         Static(weight=1.0, inflation_radius=0.5, critical_cost=1.0, near_collision_gap=0.1, reaction_time=0.0, collision_gap=0.03),
         MOVING,
@@ -72,6 +72,7 @@ def critics(speed, distance):
         Motion(constraint_weight=4.0, forward_weight=20.0, forward_until=0.3, twirling_weight=0.2),
         speed,
         distance,
+        patience,
     )
 
 
@@ -80,6 +81,12 @@ def test_goal_takes_over_from_the_path_when_it_is_near():
     assert (far.goal, far.goal_angle, far.align, far.follow, far.angle) == (0.0, 0.0, 3.0, 1.0, 4.0)
     assert (near.goal, near.goal_angle, near.align, near.follow, near.angle) == (5.0, 2.0, 0.0, 0.0, 0.0)
     assert (far.forward, critics(1.0, 0.2).forward) == (20.0, 0.0)
+
+
+def test_impatience_wants_less_room_and_still_no_contact():
+    calm, hurried = critics(1.0, 2.0), critics(1.0, 2.0, 0.1)
+    assert (hurried.static, hurried.critical, hurried.moving) == pytest.approx((0.1 * calm.static, 0.1 * calm.critical, 0.1 * calm.moving))
+    assert (hurried.contact, hurried.collision_gap) == (calm.contact, calm.collision_gap)
 
 
 def test_ways_are_weighed_by_the_time_that_they_take():

@@ -24,6 +24,7 @@ from arena_kernels.window import clearance
 from arena_mppi.chassis import MotionModel, chassis_of, motion_model_of
 from arena_mppi.optimizer import control_step
 from arena_mppi.parameters import Critics, Floats, Scene
+from arena_mppi.patience import Patience
 from arena_mppi.sampling import sampling_of, workspace
 from arena_mppi.scene import body_of, scene_of, standing_window
 from arena_mppi.sequence import Sequence
@@ -51,6 +52,7 @@ class MppiPlanner(Planner):
         arcs: Fraction,
         retry_attempt_limit: NonNegativeInt,
         velocity_feedback: Fraction,
+        patience: Positive | None,
         motion_model: MotionModel | None,
         turning_radius: NonNegative | None,
         noise: Noise,
@@ -68,6 +70,7 @@ class MppiPlanner(Planner):
         self._work = workspace(self._sampling, self._chassis, arcs)
         self._sequence = Sequence(time_steps, model_dt, velocity_feedback)
         self._body = body_of(robot.footprint)
+        self._patience = Patience(patience)
         self._retries = retry_attempt_limit
         self._static, self._moving, self._goal, self._path = static, moving, goal, path
         self._progress, self._motion = progress, motion
@@ -82,6 +85,7 @@ class MppiPlanner(Planner):
         self._work.normals[:] = episode.random.standard_normal(len(self._work.normals), np.float32)
         self._key, self._steps = int(episode.random.integers(1 << 62)), 0
         self._sequence.clear()
+        self._patience.clear()
 
     def compute_velocity(self, observation: Observation) -> Twist:
         """Return the velocity that the sequence has at the end of the coming period; raise NoValidCommand when all collide within it."""
@@ -136,8 +140,9 @@ class MppiPlanner(Planner):
 
     def _critics(self, observation: Observation) -> Critics:
         distance = observation.pose.distance(observation.goal)
+        patience = self._patience.left(observation.pose, observation.stamp)
         speed = float(max(self._chassis.vx_max, self._chassis.vy_max))
-        return critics_of(self._static, self._moving, self._goal, self._path, self._progress, self._motion, speed, distance)
+        return critics_of(self._static, self._moving, self._goal, self._path, self._progress, self._motion, speed, distance, patience)
 
     @staticmethod
     def _check(observation: Observation) -> None:

@@ -9,21 +9,30 @@ from arena_mppi.settings import Goal, Motion, Moving, PathCritics, Progress, Sta
 
 
 def critics_of(
-    static: Static, moving: Moving, goal: Goal, path: PathCritics, progress: Progress, motion: Motion, speed: float, distance: float
+    static: Static,
+    moving: Moving,
+    goal: Goal,
+    path: PathCritics,
+    progress: Progress,
+    motion: Motion,
+    speed: float,
+    distance: float,
+    patience: float,
 ) -> Critics:
     """Return the weights ``distance`` m before the goal: near it the goal critics take over from those of the path, as in Nav2.
 
     Ways are weighed by the time that they take at full ``speed`` (m/s): what is far for a slow robot is near for a fast one.
+    Of the wish for room to walls and people only the part ``patience`` counts.
     """
     near = distance < goal.within
     numbers = (
-        static.weight,
+        static.weight * patience,
         static.inflation_radius,
-        static.critical_cost,
+        static.critical_cost * patience,
         static.near_collision_gap,
         static.reaction_time,
         static.collision_gap,
-        moving.weight,
+        moving.weight * patience,
         moving.contact_cost,
         moving.margin,
         moving.reaction_time,

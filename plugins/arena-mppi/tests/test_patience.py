@@ -1,0 +1,30 @@
+import math
+
+import pytest
+
+from arena_core import Pose
+from arena_mppi.patience import LEAST, Patience
+
+HERE = Pose(1.0, 2.0)
+
+
+def test_wish_for_room_falls_while_the_robot_stands():
+    patience = Patience(5.0)
+    assert patience.left(HERE, 3.0) == 1.0
+    assert patience.left(Pose(1.2, 2.0, 1.0), 8.0) == 1.0
+    assert patience.left(HERE, 13.0) == pytest.approx(math.exp(-1.0))
+    assert patience.left(HERE, 1000.0) == LEAST
+
+
+def test_a_robot_that_has_moved_is_patient_again():
+    patience = Patience(5.0)
+    patience.left(HERE, 0.0)
+    assert patience.left(HERE, 20.0) < 0.1
+    assert patience.left(Pose(1.4, 2.0), 20.1) == 1.0
+    assert patience.left(Pose(1.4, 2.0), 24.0) == 1.0
+
+
+def test_patience_can_last_for_ever():
+    patience = Patience(None)
+    patience.left(HERE, 0.0)
+    assert patience.left(HERE, 1e6) == 1.0
