@@ -32,7 +32,7 @@ def run(record_of, straight_line):
     def make(standing=0, length=8.6, **changes):
         poses = straight_line(length, 1.0)
         poses = np.concatenate((np.repeat(poses[:1], standing, axis=0), poses))
-        scenario = {"start": [0, 0, 0], "goal": [9.5, 0, 0], "goal_radius": 1.0, "time_limit": 100.0, "reference_length": 10.0}
+        scenario = {"start": [0, 0, 0], "goal": [9.5, 0, 0], "goal_radius": 0.3, "time_limit": 100.0, "reference_length": 10.0}
         arrays = {key: value for key, value in changes.items() if key.startswith("contact")}
         scenario |= {key: value for key, value in changes.items() if key not in arrays}
         return record_of(poses, meta={"scenario": scenario}, **arrays)

@@ -13,10 +13,10 @@ from arena_core import ConfigurationError, EpisodeRecord, Metric, MetricPack, Po
 class BarnMetrics(MetricPack):
     """BARN's figures. The optimal time is the reference path's, or the straight line's where the scenario has none."""
 
-    def __init__(self, moved: Positive, reference_speed: Positive, fastest: Positive, slowest: Positive) -> None:
+    def __init__(self, moved: Positive, arrival: Positive, reference_speed: Positive, fastest: Positive, slowest: Positive) -> None:
         if fastest > slowest:
             raise ConfigurationError(f"metrics.barn.fastest is {fastest:g}; allowed: up to slowest, {slowest:g}")
-        self._moved = moved
+        self._moved, self._arrival = moved, arrival
         self._reference_speed = reference_speed
         self._fastest, self._slowest = fastest, slowest
 
@@ -42,7 +42,7 @@ class BarnMetrics(MetricPack):
         """Return the time from the first ``moved`` m to the arrival, s; NaN unless that was in time and before any contact."""
         scenario, stamps = record.meta["scenario"], record["stamp"]
         moving = _first(_distances(record, scenario["start"]) >= self._moved)
-        arrived = _first(_distances(record, scenario["goal"]) <= scenario["goal_radius"])
+        arrived = _first(_distances(record, scenario["goal"]) <= self._arrival)
         if moving is None or arrived is None:
             return math.nan
         contacts = record["contact_stamp"]
