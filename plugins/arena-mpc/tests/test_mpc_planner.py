@@ -50,17 +50,17 @@ def test_free_straight_path_is_driven_near_full_speed(build, costmap, observe):
 @pytest.mark.parametrize("preset", ["mpc", "mpc_quadratic", "mpc_as_released"])
 @pytest.mark.parametrize("robot", ALL)
 def test_every_preset_drives_every_robot_to_its_goal(preset, robot, build, costmap, view):
-    path = [(-2.0 + 0.1 * k, 0.0) for k in range(36)]
-    poses = _drive(build(robot, preset), view, path, Pose(-2.0, 0.0, 0.4), 220, costmap())
-    assert min(pose.distance(Pose(1.5, 0.0)) for pose in poses) < 0.3
+    path = [(-0.5 + 0.1 * k, 0.0) for k in range(16)]
+    poses = _drive(build(robot, preset), view, path, Pose(-0.5, 0.0, 0.3), 80, costmap())
+    assert min(pose.distance(Pose(1.0, 0.0)) for pose in poses) < 0.3
 
 
 @pytest.mark.parametrize("robot", ALL)
 def test_robot_goes_round_a_box_on_its_path(robot, build, costmap, view):
     window = costmap((0.2, 0.5, -0.25, 0.1))
-    path = [(-2.0 + 0.1 * k, 0.0) for k in range(40)]
-    poses = _drive(build(robot), view, path, Pose(-1.2, 0.05), 160, window)
-    assert max(pose.x for pose in poses) > 1.0
+    path = [(-1.0 + 0.1 * k, 0.0) for k in range(30)]
+    poses = _drive(build(robot), view, path, Pose(-0.5, 0.05), 90, window)
+    assert max(pose.x for pose in poses) > 0.8
     assert all(_gap(pose, (0.2, 0.5, -0.25, 0.1)) > 0.1 for pose in poses)
 
 

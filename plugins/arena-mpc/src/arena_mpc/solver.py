@@ -103,7 +103,7 @@ class CompiledProblem:
         return Plan(whole[:, : shape.pose_and_velocities].copy(), step, whole[:, -1].copy())
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=40)
 def compiled_problem(shape: Shape, settings: SolverSettings) -> CompiledProblem:
     """Return the problem of this shape, built at the first request of the process."""
     return CompiledProblem(shape, settings)

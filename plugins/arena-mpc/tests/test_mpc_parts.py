@@ -1,0 +1,190 @@
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from arena_core import Footprint
+from arena_kernels.distance import distance_field
+from arena_kernels.window import Window
+from arena_mpc.corridor import FREE, boundary_cells, half_planes
+from arena_mpc.footprint import exact_outline, free_until
+from arena_mpc.guess import drive_along, shifted
+from arena_mpc.moving import FAR, first_hit, relevant_movers
+from arena_mpc.parameters import Grid, SolverSettings
+from arena_mpc.problem import Shape, formulate
+from arena_mpc.reference import PathProgress, ahead, beside, free_poses
+from arena_mpc.resizing import resized
+from arena_mpc.solver import Plan, available, compiled_problem
+
+GRID = Grid(20, 10, 30, 5, 0.2, 0.02, 0.5, 0.1, 1)
+STRAIGHT = np.column_stack((np.linspace(0.0, 2.0, 41), np.zeros(41), np.zeros(41)))
+
+
+def _window(lethal, resolution=0.05):
+    costs = np.where(lethal, 254, 0).astype(np.uint8)
+    half = 0.5 * resolution * lethal.shape[0]
+    return Window(costs, distance_field(lethal, resolution), resolution, -half, -half)
+
+
+def _cells(window):
+    return boundary_cells(window.costs, window.resolution, window.origin_x, window.origin_y)
+
+
+@settings(derandomize=True, deadline=None, max_examples=60)
+@given(
+    st.lists(st.tuples(st.integers(0, 39), st.integers(0, 39), st.integers(1, 6)), min_size=1, max_size=8),
+    st.floats(-0.9, 0.9),
+    st.floats(-0.9, 0.9),
+    st.floats(0.05, 0.3),
+)
+def test_discs_inside_enough_half_planes_touch_no_cell(boxes, x, y, radius):
+    lethal = np.zeros((40, 40), np.bool_)
+    for row, column, size in boxes:
+        lethal[row : row + size, column : column + size] = True
+    window = _window(lethal)
+    cell = int((y + 1.0) / 0.05), int((x + 1.0) / 0.05)
+    if lethal[cell]:
+        return
+    cells = _cells(window)
+    planes = half_planes(window, cells, np.array(((x, y),)), radius, 10.0, 40)[0]
+    assert (planes[-1] == (0.0, 0.0, FREE)).all()  # forty were enough to shut every cell out
+    for px, py in np.random.default_rng(0).uniform(-1.0, 1.0, (200, 2)):
+        if (planes[:, :2] @ (px, py) >= planes[:, 2]).all():
+            gaps = np.hypot(*np.maximum(np.abs(cells - (px, py)) - 0.025, 0.0).T)
+            assert gaps.min() >= radius - 1e-6
+
+
+def test_first_half_plane_faces_the_nearest_cell():
+    lethal = np.zeros((40, 40), np.bool_)
+    lethal[:, 30] = True  # a wall whose centre line lies at x = 0.525
+    planes = half_planes(_window(lethal), _cells(_window(lethal)), np.array(((0.0, 0.025),)), 0.2, 2.0, 2)[0]
+    assert planes[0] == pytest.approx((-1.0, 0.0, -0.5 + 0.2), abs=1e-6)
+    assert planes[1].tolist() == [0.0, 0.0, FREE]
+
+
+def test_half_plane_inside_an_obstacle_leads_out():
+    lethal = np.zeros((40, 40), np.bool_)
+    lethal[:, 18:24] = True
+    window = _window(lethal)
+    planes = half_planes(window, _cells(window), np.array(((-0.03, 0.025),)), 0.1, 2.0, 3)[0]
+    assert planes[0, 0] < -0.9
+    assert planes[0, :2] @ (-0.3, 0.0) > planes[0, 2]
+
+
+def test_only_the_outermost_cells_count():
+    lethal = np.zeros((40, 40), np.bool_)
+    lethal[10:20, 10:20] = True
+    assert len(_cells(_window(lethal))) == 36
+
+
+def test_shifted_plan_is_the_rest_of_the_old_one():
+    states = np.column_stack((np.linspace(0.0, 2.0, 21), np.zeros((21, 4))))
+    moved = shifted(states, 0.1, 0.3, states[-1], 20, 0.1)
+    assert moved[:18, 0] == pytest.approx(states[3:, 0])
+    assert moved[-1] == pytest.approx(states[-1])
+
+
+@settings(derandomize=True, deadline=None, max_examples=60)
+@given(st.floats(-math.pi, math.pi), st.floats(0.1, 3.0), st.sampled_from([0.0, 0.5]), st.booleans())
+def test_drive_along_a_path_keeps_to_the_model(theta, speed, radius, sideways):
+    drive = drive_along(STRAIGHT, np.array((0.0, 0.3, theta)), speed, 1.5, sideways, radius, 25, 0.1)
+    moved = np.diff(drive[:, :2], axis=0)
+    turned = np.diff(drive[:, 2])
+    assert (np.hypot(*moved.T) <= speed * 0.1 + 1e-9).all()
+    assert (np.abs(turned) <= 0.15 + 1e-9).all()
+    if not sideways:
+        middle = drive[:-1, 2] + 0.5 * turned
+        assert moved[:, 1] * np.cos(middle) - moved[:, 0] * np.sin(middle) == pytest.approx(np.zeros(25), abs=1e-9)
+        if radius > 0.0:
+            assert (np.abs(turned) * radius <= np.hypot(*moved.T) + 1e-9).all()
+
+
+def test_stages_find_their_place_on_the_path():
+    corner = np.vstack((STRAIGHT, np.column_stack((np.full(20, 2.0), np.linspace(0.05, 1.0, 20), np.zeros(20)))))
+    rows = beside(corner, np.array(((1.0, 0.2), (2.3, 0.5))))
+    assert rows[0] == pytest.approx((1.0, 0.0, 0.0, 1.0, 0.0))
+    assert rows[1] == pytest.approx((2.0, 0.5, -1.0, 0.0, math.pi / 2))
+
+
+def test_path_that_comes_near_itself_is_not_cut_short():
+    out = np.column_stack((np.linspace(0.0, 8.0, 161), np.zeros(161), np.zeros(161)))
+    back = np.add(out[::-1], (0.0, 0.2, 0.0))
+    path, progress = np.vstack((out, back)), PathProgress()
+    assert len(progress.pruned(path, np.array((0.0, 0.05)))) == 322
+    assert len(progress.pruned(path, np.array((1.0, 0.15)))) == 302
+
+
+def test_local_goal_lies_ahead_and_inside_the_window():
+    path = np.column_stack((np.linspace(0.0, 9.0, 181), np.zeros(181), np.zeros(181)))
+    window = _window(np.zeros((120, 120), np.bool_))
+    assert ahead(path, 1.5, window).goal[0] == pytest.approx(1.5, abs=0.06)
+    assert ahead(path, 8.0, window).goal[0] == pytest.approx(2.7, abs=0.06)
+    assert not ahead(path, 8.0, window).final
+    assert ahead(path[:10], 8.0, window).final
+    assert ahead(np.add(path, (50.0, 0.0, 0.0)), 8.0, window).path.shape == (1, 3)
+
+
+def test_path_is_free_up_to_what_blocks_it():
+    lethal = np.zeros((120, 120), np.bool_)
+    lethal[:, 80:84] = True  # from x = 1.0
+    count = free_poses(_window(lethal), STRAIGHT, 0.2)
+    assert STRAIGHT[count - 1, 0] == pytest.approx(0.8, abs=0.06)
+    assert free_poses(_window(lethal), STRAIGHT[:10], 0.2) == 10
+
+
+def test_nearest_people_come_first_and_the_rest_stands_far_away(people):
+    tracks = people((5.0, 0.0, 0.0, 0.0), (1.0, 1.0, 0.0, -0.5), (1.0, 0.8, 0.0, 1.0))
+    rows = relevant_movers(tracks, STRAIGHT[::2, :2], 0.2, 0.4, 2)
+    assert rows[:, 4] == pytest.approx((0.7, 0.7))
+    assert rows[0, :4] == pytest.approx((1.0, 1.0, 0.0, -0.5))
+    assert (relevant_movers(people(), STRAIGHT[:, :2], 0.2, 0.4, 2)[:, :2] == FAR).all()
+    assert relevant_movers(tracks, STRAIGHT[:, :2], 0.2, 0.4, 0).shape == (0, 5)
+
+
+def test_first_hit_is_when_the_discs_meet(people):
+    plan = Plan(STRAIGHT[::2], 0.1, np.zeros(21))  # 1 m/s
+    assert first_hit(people((2.0, 0.0, -1.0, 0.0)), plan, 0.2) == pytest.approx(0.8)
+    assert first_hit(people((2.0, 3.0, 0.0, 0.0)), plan, 0.2) == math.inf
+    assert first_hit(people(), plan, 0.2) == math.inf
+
+
+def test_plan_is_checked_between_its_stages():
+    lethal = np.zeros((120, 120), np.bool_)
+    lethal[:, 80] = True
+    poses = np.array(((0.0, 0.0, 0.0), (2.0, 0.0, 0.0)))
+    assert free_until(_window(lethal), exact_outline(Footprint.circle(0.1)), poses, 0.0) == pytest.approx(0.45, abs=0.04)
+    assert free_until(_window(np.zeros((120, 120), np.bool_)), exact_outline(Footprint.circle(0.1)), poses, 0.0) == 1.0
+
+
+@pytest.mark.parametrize(("step", "stages"), [(0.3, 25), (0.2, 20), (0.1, 15)])
+def test_intervals_come_and_go_with_their_length(step, stages):
+    plan = Plan(np.zeros((21, 5)), step, np.zeros(21))
+    found, length = resized(plan, GRID)
+    assert found == stages
+    assert found * length == pytest.approx(20 * step)
+
+
+def test_number_of_intervals_stays_within_bounds():
+    long, short = Plan(np.zeros((31, 5)), 0.4, np.zeros(31)), Plan(np.zeros((11, 5)), 0.05, np.zeros(11))
+    assert resized(long, GRID)[0] == 30
+    assert resized(short, GRID)[0] == 10
+
+
+@pytest.mark.parametrize("model", ["unicycle", "bicycle", "omnidirectional"])
+@pytest.mark.parametrize("form", ["minimum_time", "quadratic"])
+def test_every_constraint_row_has_its_kind(model, form):
+    problem = formulate(Shape(model, form, 4, 2, 3, 2))
+    rows = problem.nlp["g"].numel()
+    assert len(problem.equality) == len(problem.lower) == len(problem.upper) == rows
+    assert (problem.lower[problem.equality] == 0.0).all()
+    assert (problem.upper[problem.equality] == 0.0).all()
+
+
+def test_problem_is_compiled_once_per_shape():
+    shape, solver = Shape("unicycle", "quadratic", 3, 1, 1, 1), SolverSettings("ipopt", 10, 1e-3)
+    assert compiled_problem(shape, solver) is compiled_problem(dataclasses.replace(shape), solver)
+    assert available("ipopt")
+    assert not available("no_such_solver")
