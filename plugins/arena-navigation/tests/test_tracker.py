@@ -106,13 +106,24 @@ def test_people_keep_their_numbers_when_they_cross_behind_each_other(tracker, sc
     assert near == before.ids[np.argmin(before.positions[:, 0])]
 
 
-def test_who_is_hidden_is_not_forgotten_and_who_is_gone_is(tracker, scan_of_discs):
-    person, screen = (4.0, 0.0, PERSON), (1.5, 0.0, PERSON)
+@pytest.mark.parametrize("bearing", [0.0, 2.0, math.pi, -3.13])
+def test_who_is_hidden_is_not_forgotten_and_who_is_gone_is(tracker, scan_of_discs, bearing):
+    ahead = np.array((math.cos(bearing), math.sin(bearing)))
+    person, screen = (*(4.0 * ahead), PERSON), (*(1.5 * ahead), PERSON)
     follow(tracker, scan_of_discs, lambda t: [person])
     hidden = [tracker.update(scan_of_discs(Pose(0.0, 0.0), [screen], 2.0 + 0.1 * k), Pose(0.0, 0.0), 2.0 + 0.1 * k) for k in range(8)]
     assert len(hidden[-1].ids) == 2
     gone = [tracker.update(scan_of_discs(Pose(0.0, 0.0), [], 3.0 + 0.1 * k), Pose(0.0, 0.0), 3.0 + 0.1 * k) for k in range(4)]
     assert len(gone[-1].ids) == 0
+
+
+def test_who_is_beside_the_field_of_view_is_not_gone(tracker, scan_of_discs):
+    def pose(t):
+        return Pose(0.0, 0.0, 0.0 if t < 1.95 else math.pi)
+
+    before = follow(tracker, scan_of_discs, lambda t: [(3.0, 0.0, PERSON)], pose, field_of_view=4.0)
+    after = follow(tracker, scan_of_discs, lambda t: [(3.0, 0.0, PERSON)], pose, steps=25, field_of_view=4.0)
+    np.testing.assert_array_equal(before.ids, after.ids)
 
 
 def test_walls_of_the_map_are_not_tracked_even_from_a_pose_that_is_a_little_off(tracker):
