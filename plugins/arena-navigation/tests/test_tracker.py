@@ -210,3 +210,10 @@ def test_a_person_close_by_whose_middle_is_nearer_than_the_lidar_can_see_is_one(
 
     tracks = [tracker.update(seen(0.1 * k), Pose(0.0, 0.0), 0.1 * k) for k in range(10)]
     assert [len(t.ids) for t in tracks[3:]] == [1] * 7
+
+
+def test_a_person_alone_in_an_unknown_world_is_not_taken_for_it(tracker, scan_of_discs):
+    tracker.reset(None)
+    tracks = follow(tracker, scan_of_discs, lambda t: [(3.0 - 0.8 * t, 0.2, PERSON)], steps=25, beams=720)
+    assert len(tracks.ids) == 1
+    np.testing.assert_allclose(tracks.velocities, [(-0.8, 0.0)], atol=0.15)

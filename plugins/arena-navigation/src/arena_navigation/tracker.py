@@ -20,6 +20,7 @@ from arena_core import (
     Tracks,
 )
 from arena_navigation.marks import Beams
+from arena_navigation.tracking_alignment import Alignment
 from arena_navigation.tracking_belief import Belief
 from arena_navigation.tracking_clusters import Cut
 from arena_navigation.tracking_detector import Detector
@@ -51,6 +52,17 @@ class Memory:
     margin: Positive
     same: Positive
     standing: Positive
+
+
+@dataclass(frozen=True, slots=True)
+class AlignRules:
+    """How the new scan is laid on a past one, see ``tracking_alignment.Alignment``."""
+
+    position: Positive
+    heading: Positive
+    baseline: Positive
+    outlier: Positive
+    points: PositiveInt
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,6 +119,7 @@ class KalmanTracker(Tracker):
         robot: Robot,
         returns: ReturnRules,
         memory: Memory,
+        align: AlignRules,
         cut: CutRules,
         shape: BodyShape,
         position_doubt: NonNegative,
@@ -127,7 +140,8 @@ class KalmanTracker(Tracker):
             shape=Shape(*astuple(shape)),
             pose_doubt=PoseDoubt(position_doubt, heading_doubt),
         )
-        self._detector = Detector(rules, memory.scans, memory.interval)
+        alignment = Alignment(align.position, align.heading, shape.noise, align.baseline, align.outlier, align.points)
+        self._detector = Detector(rules, alignment, memory.scans, memory.interval)
         self._returns = returns
         self._margin = memory.margin
         self._gate = gate
@@ -148,6 +162,7 @@ class KalmanTracker(Tracker):
         if scan.stamp > self._stamp:
             beams = Beams.of(scan, pose)
             self._predict(beams.stamp)
+            self._detector.align(beams, self._belief)
             discs = self._detector.discs(beams, self._belief)
             matches = self._correct(discs)
             self._end_tracks(beams, matches)

@@ -113,15 +113,15 @@ def note_unknown(
         x, y = beams.sensor[0] + returns.x[beam], beams.sensor[1] + returns.y[beam]
         if math.hypot(x - beams.robot[0], y - beams.robot[1]) < body:
             continue
-        wall, free = _at(plane, x, y)
+        wall, free = wall_and_freedom(plane, x, y)
         if wall < doubt.map + doubt.heading * away:
             continue
         returns.past[beam] = _in_the_past(past, beams, x, y, doubt)
-        returns.counts[beam] = free or returns.past[beam] == NEW or _followed(tracks, x, y)
+        returns.counts[beam] = free or returns.past[beam] == NEW or followed(tracks, x, y)
 
 
 @inner
-def _at(plane: KnownPlane, x: float, y: float) -> tuple[float, bool]:
+def wall_and_freedom(plane: KnownPlane, x: float, y: float) -> tuple[float, bool]:
     """Return the distance to the nearest wall's surface, m, inf outside the map, and whether the map says that this is free."""
     dx, dy = (x - plane.origin[0]) / plane.resolution, (y - plane.origin[1]) / plane.resolution
     u = plane.rotation[0] * dx + plane.rotation[1] * dy
@@ -143,7 +143,8 @@ def _at(plane: KnownPlane, x: float, y: float) -> tuple[float, bool]:
 
 
 @inner
-def _followed(tracks: NDArray[np.float64], x: float, y: float) -> bool:
+def followed(tracks: NDArray[np.float64], x: float, y: float) -> bool:
+    """Tell whether a point lies within reach of a track."""
     for k in range(len(tracks)):  # noqa: SIM110 - numba compiles no generator expressions
         if (x - tracks[k, 0]) ** 2 + (y - tracks[k, 1]) ** 2 < tracks[k, 2] ** 2:
             return True
