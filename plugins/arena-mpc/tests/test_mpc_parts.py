@@ -16,7 +16,7 @@ from arena_mpc.moving import FAR, first_hit, relevant_movers
 from arena_mpc.parameters import Grid, SolverSettings
 from arena_mpc.problem import Shape, formulate
 from arena_mpc.reference import PathProgress, ahead, beside, free_poses
-from arena_mpc.resizing import resized
+from arena_mpc.resizing import reachable_sizes, resized
 from arena_mpc.solver import Plan, available, compiled_problem
 
 GRID = Grid(20, 10, 30, 5, 0.2, 0.02, 0.5, 0.1, 1)
@@ -188,3 +188,8 @@ def test_problem_is_compiled_once_per_shape():
     assert compiled_problem(shape, solver) is compiled_problem(dataclasses.replace(shape), solver)
     assert available("ipopt")
     assert not available("no_such_solver")
+
+
+def test_every_size_that_resizing_leads_to_is_known_beforehand():
+    assert reachable_sizes(GRID) == {10, 15, 20, 25, 30}
+    assert reachable_sizes(dataclasses.replace(GRID, resize_by=50)) == {10, 20, 30}

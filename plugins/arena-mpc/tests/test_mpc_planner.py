@@ -152,6 +152,15 @@ def test_second_planner_of_a_process_compiles_nothing(build, costmap, observe):
     assert compiled_problem.cache_info().misses == before
 
 
+def test_resizing_never_waits_for_a_compiler(build, costmap, observe):
+    planner = build()
+    planner.compute_velocity(observe(costmap(), Pose(0.0, 0.0), AHEAD))
+    before = compiled_problem.cache_info().misses
+    for stages in (10, 15, 25, 30):
+        compiled_problem(planner._optimiser._shape(stages), planner._optimiser._solvers[0])
+    assert compiled_problem.cache_info().misses == before
+
+
 def test_failed_solver_is_answered_with_the_last_plan_then_with_the_brake(build, costmap, observe, monkeypatch):
     planner = build()
     planner.compute_velocity(observe(costmap(), Pose(0.0, 0.0), AHEAD, Twist(0.2)))

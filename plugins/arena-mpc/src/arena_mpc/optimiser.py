@@ -12,8 +12,11 @@ from arena_mpc.moving import relevant_movers
 from arena_mpc.parameters import Drive, Form, Grid, ModelName, Obstacles, SolverSettings, Weights
 from arena_mpc.problem import PLANE, STAGE_HEAD, WEIGHTS, Shape
 from arena_mpc.reference import Reference, beside
+from arena_mpc.resizing import reachable_sizes
 from arena_mpc.scene import Scene
 from arena_mpc.solver import Bounds, Plan, available, compiled_problem
+
+FEW = 8  # problems, built within half a second
 
 
 class Optimiser:
@@ -37,6 +40,13 @@ class Optimiser:
         self._bounds = Bounds(velocity_bounds(model, drive), control_bounds(model, drive), (grid.step_min, grid.step_max), turn)
         self._solvers = _solvers(solver)
 
+    def prepare(self) -> None:
+        """Build the problems that resizing may ask for, unless they are many, so that no later control step waits for them."""
+        sizes = reachable_sizes(self._grid) if self._form == "minimum_time" else {self._grid.stages}
+        if len(sizes) <= FEW:
+            for stages in sorted(sizes):
+                compiled_problem(self._shape(stages), self._solvers[0])
+
     def optimise(self, scene: Scene, reference: Reference, state: FloatArray, guess: Plan) -> Plan | None:
         """Return the optimal plan from ``state`` in the neighbourhood of ``guess``, None when no solver finds one."""
         for settings in self._solvers:
@@ -49,10 +59,11 @@ class Optimiser:
         return None
 
     def _solved(self, scene: Scene, reference: Reference, state: FloatArray, guess: Plan, settings: SolverSettings) -> Plan | None:
-        shape = Shape(
-            self._model, self._form, len(guess.states) - 1, len(self._discs.centres_xy), self._obstacles.planes, self._obstacles.moving
-        )
+        shape = self._shape(len(guess.states) - 1)
         return compiled_problem(shape, settings).solve(self._parameters(scene, reference, state, guess), guess, self._bounds)
+
+    def _shape(self, stages: int) -> Shape:
+        return Shape(self._model, self._form, stages, len(self._discs.centres_xy), self._obstacles.planes, self._obstacles.moving)
 
     def _parameters(self, scene: Scene, reference: Reference, state: FloatArray, guess: Plan) -> FloatArray:
         """Return the problem's parameters in the order of ``problem.Head``, then the stages' rows."""

@@ -62,6 +62,7 @@ class MpcPlanner(Planner):
         self._optimiser = Optimiser(self._model, form, self._drive, covering, grid, weights, obstacles, solver)
         self._period = robot.control_period
         self._progress = PathProgress()
+        self._prepared = False
         self._forget()
 
     def reset(self, episode: EpisodeStart) -> None:
@@ -79,6 +80,7 @@ class MpcPlanner(Planner):
     def compute_velocity(self, observation: Observation) -> Twist:
         """Return the beginning of the optimal plan, or of the last one while that is safe; raise NoValidCommand when neither is."""
         self._check(observation)
+        self._prepare()
         scene = scene_of(observation, self._obstacles.moving > 0, self._obstacles.moving_margin)
         reference = self._reference(observation, scene)
         state = state_of(self._model, self._drive, observation.pose, observation.twist, self._steering)
@@ -102,6 +104,12 @@ class MpcPlanner(Planner):
         blocked = cut_where_blocked(reference, scene.window, self._outline.inscribed_radius)
         if blocked is not reference:
             yield blocked, self._plan_along(blocked, state)
+
+    def _prepare(self) -> None:
+        """Build problems when the first command is asked for, which may be a rehearsal."""
+        if not self._prepared:
+            self._optimiser.prepare()
+            self._prepared = True
 
     def _check(self, observation: Observation) -> None:
         """Raise NoValidCommand for what nobody can plan with."""

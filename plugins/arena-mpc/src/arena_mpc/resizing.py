@@ -18,3 +18,13 @@ def resized(plan: Plan, grid: Grid) -> tuple[int, float]:
         change = -grid.resize_by
     fitting = min(max(stages + change, grid.stages_min), grid.stages_max)
     return fitting, min(max(plan.step * stages / fitting, grid.step_min), grid.step_max)
+
+
+def reachable_sizes(grid: Grid) -> set[int]:
+    """Return every number of intervals that resizing can lead to."""
+    sizes, fresh = set[int](), {grid.stages}
+    while fresh:
+        sizes |= fresh
+        changed = {size + change for size in fresh for change in (-grid.resize_by, grid.resize_by)}
+        fresh = {min(max(size, grid.stages_min), grid.stages_max) for size in changed} - sizes
+    return sizes
