@@ -18,7 +18,7 @@ def collides(px, py, vx, vy, radius):
     return math.hypot(px - vx * t, py - vy * t) < radius
 
 
-@settings(derandomize=True, deadline=None, max_examples=300)
+@settings(derandomize=True, deadline=None, max_examples=150)
 @given(POSITION, POSITION, SPEED, SPEED, st.floats(0.2, 1.0))
 def test_changed_velocity_just_avoids_the_collision(px, py, vx, vy, radius):
     assume(math.hypot(px, py) > radius * 1.01)

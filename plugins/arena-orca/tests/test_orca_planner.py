@@ -98,7 +98,7 @@ def test_car_turns_round_in_several_moves(build, observe, costmap, people):
     assert poses[-1].distance(Pose(*path[-1])) < 0.3
 
 
-@settings(derandomize=True, deadline=None, max_examples=60)
+@settings(derandomize=True, deadline=None, max_examples=30)
 @given(
     name=st.sampled_from(ROBOTS),
     boxes=st.lists(st.tuples(st.floats(-2.5, 2.5), st.floats(-2.5, 2.5), st.floats(0.1, 0.6)), max_size=15),

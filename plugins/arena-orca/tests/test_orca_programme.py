@@ -54,7 +54,7 @@ def least_worst(lines, hard):
     return solution.fun if solution.status == 0 else None
 
 
-@settings(derandomize=True, deadline=None, max_examples=300)
+@settings(derandomize=True, deadline=None, max_examples=150)
 @given(SEEDS, st.integers(0, 12))
 def test_nearest_allowed_velocity_is_the_exact_one(seed, count):
     lines, wish = random_lines(seed, count)
@@ -65,7 +65,7 @@ def test_nearest_allowed_velocity_is_the_exact_one(seed, count):
         assert (x, y) == pytest.approx(tuple(exact), abs=1e-6)
 
 
-@settings(derandomize=True, deadline=None, max_examples=300)
+@settings(derandomize=True, deadline=None, max_examples=150)
 @given(SEEDS, st.integers(3, 10))
 def test_safest_velocity_breaks_people_s_lines_by_the_least_possible(seed, count):
     box = np.empty((4, 4))

@@ -1,0 +1,42 @@
+"""Every installed planner preset, on every installed robot, keeps the contract or says which kinematics it can drive."""
+
+from functools import cache
+
+import pytest
+
+from arena_core import ConfigurationError, load_registry
+from arena_core.listing import presets
+from arena_core.testing import check, component
+
+KINEMATICS = ("differential", "omnidirectional", "ackermann")
+STANDS = {("dwa_as_released", "robotino"): "from rest it reaches none of the least speeds that the release asks of it"}
+
+
+@cache
+def body(name):
+    return component("robot", name)
+
+
+def cases():
+    """Yield every pair of preset and robot; one that cannot be is marked with the reason."""
+    registry = load_registry()
+    for preset in presets(registry, "planner"):
+        for robot in presets(registry, "robot"):
+            reason = STANDS.get((preset, robot))
+            marks = [pytest.mark.xfail(reason=reason, strict=True)] if reason else []
+            yield pytest.param(preset, robot, marks=marks, id=f"{preset}-{robot}")
+
+
+@pytest.mark.parametrize(("preset", "robot"), list(cases()))
+def test_preset_keeps_the_contract_or_names_what_it_can_drive(preset, robot):
+    refusal = None
+    try:
+        planner = component("planner", preset, robot_preset=robot, robot=body(robot))
+    except ConfigurationError as error:
+        refusal = str(error)
+    if refusal is None:
+        assert check("planner", planner, body(robot))
+    else:
+        _, _, allowed = refusal.partition("allowed:")
+        assert any(kinematics in allowed for kinematics in KINEMATICS), refusal
+        assert body(robot).kinematics not in allowed, refusal
