@@ -1,6 +1,7 @@
 """Every installed planner preset, on every installed robot, keeps the contract or says which kinematics it can drive."""
 
 from functools import cache
+from pathlib import Path
 
 import pytest
 
@@ -8,6 +9,7 @@ from arena_core import ConfigurationError, load_registry
 from arena_core.listing import presets
 from arena_core.testing import check, component
 
+PAGE = Path(__file__).resolve().parents[1] / "docs" / "planners.md"
 KINEMATICS = ("differential", "omnidirectional", "ackermann")
 STANDS = {("dwa_as_released", "robotino"): "from rest it reaches none of the least speeds that the release asks of it"}
 
@@ -40,3 +42,8 @@ def test_preset_keeps_the_contract_or_names_what_it_can_drive(preset, robot):
         _, _, allowed = refusal.partition("allowed:")
         assert any(kinematics in allowed for kinematics in KINEMATICS), refusal
         assert body(robot).kinematics not in allowed, refusal
+
+
+def test_every_planner_is_in_the_comparison():
+    text = PAGE.read_text()
+    assert [name for name in load_registry().names("planner") if f"`{name}`" not in text] == []
