@@ -1,0 +1,296 @@
+"""The terms of the timed elastic band with their analytic derivatives.
+
+Roesmann et al., Trajectory modification considering dynamic constraints of autonomous robots, ROBOTIK 2012; Integrated online
+trajectory planning and optimization in distinctive topologies, RAS 88, 2017; Kinodynamic trajectory optimization and control for
+car-like robots, IROS 2017.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from arena_kernels.compiled import borrowing, compiled, inner, inlined
+from arena_kernels.footprint import point_gap
+from arena_teb.problem import INTERVAL_ROWS, JOINT_ROWS, POSE_ROWS, REACH, Ends, FloatArray, Penalties, Rows, Shape, Surroundings
+
+ROTATION_INTERVALS = 3  # how many intervals a preferred direction of turning holds for (teb_local_planner)
+
+
+@compiled
+def make_rows(count: int, tracks: int, vias: int) -> Rows:
+    """Return room for the terms of a band of ``count`` poses."""
+    total = (count - 1) * INTERVAL_ROWS + count * JOINT_ROWS + (count - 2) * (POSE_ROWS + 2 * tracks) + vias
+    return Rows(
+        np.zeros(total),
+        np.zeros((total, REACH)),
+        np.zeros(total, np.int64),
+        np.zeros(total, np.int64),
+        np.zeros((count, 3)),
+        np.zeros((count, 3, 7)),
+    )
+
+
+@borrowing
+def evaluate(band: FloatArray, penalties: Penalties, shape: Shape, ends: Ends, around: Surroundings, rows: Rows) -> float:
+    """Fill ``rows`` for a band (N, 4) and return half the sum of the squared residuals."""
+    measure_motion(band, rows)
+    at = interval_rows(band, penalties, ends, around, rows)
+    at = acceleration_rows(band, penalties, ends, rows, at)
+    at = obstacle_rows(band, penalties, shape, around, rows, at)
+    via_rows(band, penalties, around, rows, at)
+    total = 0.0
+    for i in range(len(rows.residual)):
+        total += rows.residual[i] * rows.residual[i]
+    return 0.5 * total
+
+
+@inlined
+def wrapped(angle: float) -> float:
+    """Wrap an angle to [-pi, pi)."""
+    return angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5)
+
+
+@inner
+def measure_motion(band: FloatArray, rows: Rows) -> None:
+    """Fill in the body velocity of every interval, at the heading half way between its poses, and its derivatives."""
+    for k in range(len(band) - 1):
+        dx, dy, dt = band[k + 1, 0] - band[k, 0], band[k + 1, 1] - band[k, 1], band[k, 3]
+        turn = wrapped(band[k + 1, 2] - band[k, 2])
+        heading = band[k, 2] + 0.5 * turn
+        rate = 1.0 / dt
+        c, s = math.cos(heading) * rate, math.sin(heading) * rate
+        vx, vy = c * dx + s * dy, c * dy - s * dx
+        speeds, slopes = rows.speeds[k], rows.slopes[k]
+        speeds[0], speeds[1], speeds[2] = vx, vy, turn * rate
+        for axis, along, across, by_heading in ((0, c, s, 0.5 * vy), (1, -s, c, -0.5 * vx)):
+            slope = slopes[axis]
+            slope[0], slope[1], slope[2] = -along, -across, by_heading
+            slope[3] = -speeds[axis] * rate
+            slope[4], slope[5], slope[6] = along, across, by_heading
+        slopes[2, 2], slopes[2, 3], slopes[2, 6] = -rate, -speeds[2] * rate, rate
+
+
+@inner
+def interval_rows(band: FloatArray, penalties: Penalties, ends: Ends, around: Surroundings, rows: Rows) -> int:
+    """Write the terms of every interval; return the next free row."""
+    at = 0
+    for k in range(len(band) - 1):
+        for axis in range(3):
+            cap = around.caps[k] if axis < 2 else 1.0
+            speed, root = rows.speeds[k, axis], penalties.root_speed[axis]
+            excess = beyond(speed, cap * penalties.speed_min[axis], cap * penalties.speed_max[axis])
+            rows.residual[at] = root * excess
+            rows.first[at] = 4 * k
+            rows.width[at] = 7 if root * excess != 0.0 else 0
+            for i in range(7):
+                rows.jacobian[at, i] = root * rows.slopes[k, axis, i]
+            at += 1
+        kinematic_rows(band, k, penalties, rows, at)
+        rows.residual[at + 3] = penalties.root_time * band[k, 3]
+        rows.first[at + 3], rows.width[at + 3] = 4 * k + 3, 1
+        rows.jacobian[at + 3, 0] = penalties.root_time
+        path_row(band, k, penalties, rows, at + 4)
+        rotation_row(band, k, penalties, ends, rows, at + 5)
+        at += INTERVAL_ROWS - 3
+    return at
+
+
+@inlined
+def beyond(value: float, low: float, high: float) -> float:
+    """Return how far a value lies outside an interval, with its sign."""
+    return value - high if value > high else (value - low if value < low else 0.0)
+
+
+@inner
+def kinematic_rows(band: FloatArray, k: int, penalties: Penalties, rows: Rows, at: int) -> None:
+    """Write that both poses lie on one arc (RAS 2017, eq. 13), that it is driven forwards, and that its radius is large enough."""
+    dt = band[k, 3]
+    forward, sideways, turn = dt * rows.speeds[k, 0], dt * rows.speeds[k, 1], dt * rows.speeds[k, 2]
+    slopes = rows.slopes[k]
+    half_c, half_s = math.cos(0.5 * turn), math.sin(0.5 * turn)
+    root = penalties.root_nonholonomic
+    rows.residual[at] = root * 2.0 * half_c * sideways
+    rows.first[at], rows.width[at] = 4 * k, 7 if root > 0.0 else 0
+    for i in range(7):
+        rows.jacobian[at, i] = root * 2.0 * half_c * dt * slopes[1, i]
+    rows.jacobian[at, 2] += root * half_s * sideways
+    rows.jacobian[at, 6] -= root * half_s * sideways
+    rows.jacobian[at, 3] = 0.0
+
+    root = penalties.root_forward
+    backward = min(forward, 0.0)
+    rows.residual[at + 1] = root * backward
+    rows.first[at + 1], rows.width[at + 1] = 4 * k, 7 if root * backward != 0.0 else 0
+    for i in range(7):
+        rows.jacobian[at + 1, i] = root * dt * slopes[0, i]
+    rows.jacobian[at + 1, 3] = 0.0
+
+    root = penalties.root_turn_radius
+    lack = max(penalties.turn_radius * abs(turn) - abs(forward), 0.0)
+    rows.residual[at + 2] = root * lack
+    rows.first[at + 2], rows.width[at + 2] = 4 * k, 7 if root * lack != 0.0 else 0
+    by_turn, by_forward = math.copysign(penalties.turn_radius, turn) * dt, -math.copysign(1.0, forward) * dt
+    for i in range(7):
+        rows.jacobian[at + 2, i] = root * (by_turn * slopes[2, i] + by_forward * slopes[0, i])
+    rows.jacobian[at + 2, 3] = 0.0
+
+
+@inner
+def path_row(band: FloatArray, k: int, penalties: Penalties, rows: Rows, at: int) -> None:
+    """Write the distance between two poses."""
+    dx, dy, root = band[k + 1, 0] - band[k, 0], band[k + 1, 1] - band[k, 1], penalties.root_path
+    length = math.hypot(dx, dy)
+    rows.residual[at] = root * length
+    rows.first[at], rows.width[at] = 4 * k, 6 if root * length > 0.0 else 0
+    if rows.width[at] > 0:
+        ux, uy = root * dx / length, root * dy / length
+        jacobian = rows.jacobian[at]
+        jacobian[0], jacobian[1], jacobian[2], jacobian[3], jacobian[4], jacobian[5] = -ux, -uy, 0.0, 0.0, ux, uy
+
+
+@inner
+def rotation_row(band: FloatArray, k: int, penalties: Penalties, ends: Ends, rows: Rows, at: int) -> None:
+    """Write a turn against the preferred direction of turning."""
+    against = min(ends.rotation * band[k, 3] * rows.speeds[k, 2], 0.0) if k < ROTATION_INTERVALS else 0.0
+    rows.residual[at] = penalties.root_rotation * against
+    rows.first[at], rows.width[at] = 4 * k + 2, 5 if rows.residual[at] != 0.0 else 0
+    slope = penalties.root_rotation * ends.rotation
+    jacobian = rows.jacobian[at]
+    jacobian[0], jacobian[1], jacobian[2], jacobian[3], jacobian[4] = -slope, 0.0, 0.0, 0.0, slope
+
+
+@inner
+def acceleration_rows(band: FloatArray, penalties: Penalties, ends: Ends, rows: Rows, at: int) -> int:
+    """Write the accelerations from the start's velocity, between intervals, and to the goal's velocity."""
+    last = len(band) - 2
+    for axis in range(3):
+        edge_acceleration_row(band, 0, axis, 1.0, ends.start[axis], penalties, rows, at + axis)
+    at += 3
+    for k in range(last):
+        for axis in range(3):
+            joint_acceleration_row(band, k, axis, penalties, rows, at + axis)
+        at += 3
+    for axis in range(3):
+        edge_acceleration_row(band, last, axis, -ends.stops, ends.goal[axis], penalties, rows, at + axis)
+    return at + 3
+
+
+@inner
+def joint_acceleration_row(band: FloatArray, k: int, axis: int, penalties: Penalties, rows: Rows, at: int) -> None:
+    rate = 2.0 / (band[k, 3] + band[k + 1, 3])
+    acceleration = rate * (rows.speeds[k + 1, axis] - rows.speeds[k, axis])
+    root = penalties.root_acceleration[axis]
+    residual = root * beyond(acceleration, -penalties.acceleration[axis], penalties.acceleration[axis])
+    rows.residual[at] = residual
+    rows.first[at], rows.width[at] = 4 * k, 11 if residual != 0.0 else 0
+    if residual == 0.0:
+        return
+    jacobian = rows.jacobian[at]
+    jacobian[7:11] = 0.0
+    for i in range(7):
+        jacobian[i] = -root * rate * rows.slopes[k, axis, i]
+    for i in range(7):
+        jacobian[i + 4] += root * rate * rows.slopes[k + 1, axis, i]
+    jacobian[3] -= 0.5 * root * rate * acceleration
+    jacobian[7] -= 0.5 * root * rate * acceleration
+
+
+@inner
+def edge_acceleration_row(
+    band: FloatArray, k: int, axis: int, sign: float, other: float, penalties: Penalties, rows: Rows, at: int
+) -> None:
+    rate = 1.0 / band[k, 3]
+    acceleration = sign * rate * (rows.speeds[k, axis] - other)
+    root = penalties.root_acceleration[axis]
+    residual = root * beyond(acceleration, -penalties.acceleration[axis], penalties.acceleration[axis])
+    rows.residual[at] = residual
+    rows.first[at], rows.width[at] = 4 * k, 7 if residual != 0.0 else 0
+    for i in range(7):
+        rows.jacobian[at, i] = root * sign * rate * rows.slopes[k, axis, i]
+    rows.jacobian[at, 3] -= root * rate * acceleration
+
+
+@inner
+def obstacle_rows(band: FloatArray, penalties: Penalties, shape: Shape, around: Surroundings, rows: Rows, at: int) -> int:
+    """Write how near every pose between start and goal is to static points and to moving discs."""
+    static_reach = max(penalties.near, penalties.inflated)
+    dynamic_reach = max(penalties.dynamic_near, penalties.dynamic_inflated)
+    for k in range(1, len(band) - 1):
+        c, s = math.cos(band[k, 2]), math.sin(band[k, 2])
+        for side in range(2):
+            x, y = around.points[k, side, 0] - band[k, 0], around.points[k, side, 1] - band[k, 1]
+            enough = static_reach + around.point_radius
+            roots = penalties.root_obstacle, penalties.root_inflation
+            bounds = penalties.near, penalties.inflated
+            distance_rows(k, x, y, c, s, around.point_radius, enough, bounds, roots, shape, rows, at)
+            at += 2
+        for j in range(len(around.radii)):
+            x, y = around.moving[k, j, 0] - band[k, 0], around.moving[k, j, 1] - band[k, 1]
+            enough = dynamic_reach + around.radii[j]
+            roots = penalties.root_dynamic, penalties.root_dynamic_inflation
+            bounds = penalties.dynamic_near, penalties.dynamic_inflated
+            distance_rows(k, x, y, c, s, around.radii[j], enough, bounds, roots, shape, rows, at)
+            at += 2
+    return at
+
+
+@inner
+def distance_rows(
+    k: int,
+    x: float,
+    y: float,
+    c: float,
+    s: float,
+    radius: float,
+    enough: float,
+    bounds: tuple[float, float],
+    roots: tuple[float, float],
+    shape: Shape,
+    rows: Rows,
+    at: int,
+) -> None:
+    """Write two terms for a disc at (x, y) from a pose whose heading has cosine and sine (c, s): nearer than each of ``bounds``."""
+    rows.residual[at], rows.residual[at + 1] = 0.0, 0.0
+    rows.width[at], rows.width[at + 1] = 0, 0
+    far = enough + shape.radius
+    if not x * x + y * y < far * far:
+        return
+    bx, by = c * x + s * y, c * y - s * x
+    gap, nx, ny = hull_distance(shape, bx, by)
+    gap -= radius
+    for i in range(2):
+        lack = bounds[i] - gap
+        if lack > 0.0 and roots[i] > 0.0:
+            root, row = roots[i], at + i
+            rows.residual[row] = root * lack
+            rows.first[row], rows.width[row] = 4 * k, 3
+            rows.jacobian[row, 0] = root * (c * nx - s * ny)
+            rows.jacobian[row, 1] = root * (s * nx + c * ny)
+            rows.jacobian[row, 2] = root * (ny * bx - nx * by)
+
+
+@inlined
+def hull_distance(shape: Shape, x: float, y: float) -> tuple[float, float, float]:
+    """Return the signed distance from the footprint to a point in ``base_link`` and its gradient."""
+    if len(shape.corners) > 1:
+        gap, nx, ny = point_gap(shape.corners, x, y)
+        return gap - shape.rounding, nx, ny
+    distance = math.sqrt(x * x + y * y)
+    if distance > 0.0:
+        return distance - shape.rounding, x / distance, y / distance
+    return -shape.rounding, 1.0, 0.0
+
+
+@inner
+def via_rows(band: FloatArray, penalties: Penalties, around: Surroundings, rows: Rows, at: int) -> None:
+    """Write how far the pose of each via point lies from it."""
+    for j in range(len(around.via_poses)):
+        k, root = around.via_poses[j], penalties.root_via
+        dx, dy = band[k, 0] - around.vias[j, 0], band[k, 1] - around.vias[j, 1]
+        distance = math.hypot(dx, dy)
+        rows.residual[at + j] = root * distance
+        rows.first[at + j], rows.width[at + j] = 4 * k, 2 if root * distance > 0.0 else 0
+        if distance > 0.0:
+            rows.jacobian[at + j, 0], rows.jacobian[at + j, 1] = root * dx / distance, root * dy / distance
