@@ -1,0 +1,72 @@
+"""Bands: made from a line, and carried over from one control step to the next."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from arena_core import wrap_angle
+from arena_teb.problem import FloatArray
+
+SPACING = 0.1  # m between the poses of a new band
+TURN_FROM = 1.0  # rad between the robot's heading and the line's from which a new band begins with a turn on the spot
+TURN_STEP = 0.5  # rad between the poses of that turn
+LEAST_TIME = 0.02  # s between two poses of a new band
+PRUNE_AHEAD = 10  # poses that the robot may have passed since the last step (teb_local_planner)
+
+
+def band_along(line: FloatArray, start: FloatArray, goal: FloatArray, speed: float, turn: float, reverses: bool) -> FloatArray:
+    """Return a band (N, 4) along positions ``line`` (M, 2) from pose ``start`` to pose ``goal``, driven at ``speed`` m/s.
+
+    A first heading that differs from the line's is turned to on the spot with ``turn`` rad/s; ``reverses``: a line that begins
+    behind the robot is driven backwards.
+    """
+    points = evenly(np.concatenate((start[None, :2], line, goal[None, :2])))
+    if len(points) < 3:
+        points = np.linspace(start[:2], goal[:2], 3)
+    steps = np.diff(points, axis=0)
+    headings = np.append(np.arctan2(steps[:, 1], steps[:, 0]), goal[2])
+    if reverses and abs(wrap_angle(headings[0] - start[2])) > 0.5 * math.pi:
+        headings[:-1] = wrap_angle(headings[:-1] + math.pi)
+    times = np.append(np.maximum(np.hypot(*steps.T) / speed, LEAST_TIME), LEAST_TIME)
+    turning = turn_on_spot(start, float(wrap_angle(headings[0] - start[2])), turn)
+    if len(turning) == 0:
+        headings[0] = start[2]
+    return np.concatenate((turning, np.column_stack((points, headings, times))))
+
+
+def turn_on_spot(start: FloatArray, angle: float, turn: float) -> FloatArray:
+    """Return poses (N, 4) of a turn at ``start`` by ``angle``, none where it is small; the pose after the turn is left out."""
+    if abs(angle) < TURN_FROM:
+        return np.empty((0, 4))
+    parts = math.ceil(abs(angle) / TURN_STEP)
+    headings = start[2] + angle * np.arange(parts) / parts
+    return np.column_stack((np.tile(start[:2], (parts, 1)), headings, np.full(parts, abs(angle) / turn / parts)))
+
+
+def evenly(points: FloatArray) -> FloatArray:
+    """Return positions at most SPACING apart along a polyline (M, 2), ends included."""
+    along = np.concatenate(((0.0,), np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
+    kept = np.append(np.diff(along) > 1e-6, True)
+    count = max(2, math.ceil(along[-1] / SPACING) + 1)
+    at = np.linspace(0.0, along[-1], count)
+    return np.column_stack([np.interp(at, along[kept], points[kept, axis]) for axis in range(2)])
+
+
+def carried_over(band: FloatArray, start: FloatArray, goal: FloatArray, fewest: int) -> FloatArray:
+    """Return a band that begins at pose ``start``, without the poses that the robot has passed, and ends at ``goal``."""
+    last = min(PRUNE_AHEAD, len(band) - fewest)
+    passed = 0
+    if last > 0:
+        away = np.hypot(band[: last + 1, 0] - start[0], band[: last + 1, 1] - start[1])
+        passed = int(np.argmin(away))
+    kept = band[passed:].copy()
+    kept[0, :3] = start
+    kept[-1, :3] = goal
+    return kept
+
+
+def duration(band: FloatArray) -> float:
+    """Return how long a band takes, s."""
+    return float(band[:-1, 3].sum())

@@ -1,0 +1,132 @@
+"""Several bands of distinct topologies, kept alive from step to step, of which one is chosen (RAS 2017, section 5)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from arena_core import wrap_angle
+from arena_kernels.window import Outline
+from arena_teb.band import band_along, carried_over, duration
+from arena_teb.clusters import cluster_points
+from arena_teb.feasibility import free_poses
+from arena_teb.model import selection_penalties
+from arena_teb.optimisation import Model, band_cost, optimised
+from arena_teb.parameters import Homotopy, Trajectory
+from arena_teb.problem import Ends, FloatArray
+from arena_teb.roadmap import Roadmap, new_ways, samples
+from arena_teb.signature import same_class, signature
+from arena_teb.surroundings import Scene
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Topology:
+    """A band of one class; ``initial``: the global path's class; ``blocked``: it runs into something static; ``cost`` for the choice."""
+
+    band: FloatArray
+    angles: FloatArray
+    initial: bool
+    blocked: bool = False
+    cost: float = math.inf
+
+
+class Topologies:
+    """The bands of a planner, the chosen one first."""
+
+    def __init__(self, homotopy: Homotopy, trajectory: Trajectory, model: Model, outline: Outline) -> None:
+        self._homotopy = homotopy
+        self._trajectory = trajectory
+        self._model = model
+        self._outline = outline
+        self._selection = selection_penalties(model.penalties, homotopy.selection_obst_cost_scale)
+        speed, turn = float(model.penalties.speed_max[0]), float(model.penalties.speed_max[2])
+        self._roadmap = Roadmap(outline.inscribed_radius, model.penalties.dynamic_near, speed, homotopy.obstacle_heading_threshold)
+        self._turn = turn
+        self.clear(np.random.default_rng(0))
+
+    def clear(self, random: np.random.Generator | None = None) -> None:
+        """Forget all bands."""
+        self._random = self._random if random is None else random
+        self._kept: list[Topology] = []
+        self._goal: FloatArray | None = None
+        self._switched_at = -math.inf
+
+    def plan(self, plan: FloatArray, start: FloatArray, goal: FloatArray, scene: Scene, ends: Ends, stamp: float) -> list[Topology]:
+        """Return optimised bands from ``start`` to ``goal`` (3,), the one to drive first; ``plan`` (M, 3) is the local plan."""
+        points = cluster_points(scene.window, self._outline.inscribed_radius, start[0], start[1], self._homotopy.max_clusters)
+        explored = self._explore(self._renewed(start, goal, points, scene), plan, start, goal, points, scene)
+        solved = [self._solve(topology, scene, ends) for topology in explored]
+        self._kept = self._choose(solved, stamp)
+        return self._kept
+
+    def _renewed(self, start: FloatArray, goal: FloatArray, points: FloatArray, scene: Scene) -> list[Topology]:
+        """Return the bands of the step before from the new start to the new goal, one a class; none when the goal has jumped."""
+        before, self._goal = self._goal, goal
+        if before is None or self._jumped(before, goal):
+            return []
+        renewed: list[Topology] = []
+        for topology in self._kept:
+            band = carried_over(topology.band, start, goal, self._trajectory.min_samples)
+            angles = signature(band, points, scene.positions, scene.velocities)
+            if not any(same_class(angles, other.angles) for other in renewed):
+                renewed.append(replace(topology, band=band, angles=angles, initial=False))
+        return renewed
+
+    def _jumped(self, before: FloatArray, goal: FloatArray) -> bool:
+        moved = math.hypot(goal[0] - before[0], goal[1] - before[1])
+        turned = abs(float(wrap_angle(goal[2] - before[2])))
+        return moved > self._trajectory.force_reinit_new_goal_dist or turned > self._trajectory.force_reinit_new_goal_angular
+
+    def _explore(
+        self, known: list[Topology], plan: FloatArray, start: FloatArray, goal: FloatArray, points: FloatArray, scene: Scene
+    ) -> list[Topology]:
+        """Return the known bands, the global path's if its class is new, and new ones from the roadmap."""
+        initial = self._along(plan[:-1, :2], start, goal)
+        angles = signature(initial, points, scene.positions, scene.velocities)
+        same = [same_class(angles, topology.angles) for topology in known]
+        found = [replace(topology, initial=like) for topology, like in zip(known, same, strict=True)]
+        most = self._homotopy.max_number_classes
+        if not any(same):
+            found = [*found[: max(most - 1, 0)], Topology(initial, angles, True)] if most > 1 or not found else found
+        wanted = most - len(found)
+        if wanted <= 0 or math.hypot(goal[0] - start[0], goal[1] - start[1]) < 2.0 * self._outline.radius:
+            return found
+        drawn = samples(self._random, self._homotopy.roadmap_graph_no_samples, start, goal, self._homotopy.roadmap_graph_area_width)
+        classes = np.array([topology.angles for topology in found])
+        lines, signatures = new_ways(start, goal, drawn, scene, points, classes, wanted, self._roadmap)
+        ways = zip(lines, signatures, strict=True)
+        return found + [Topology(self._along(line, start, goal), angles, False) for line, angles in ways]
+
+    def _along(self, line: FloatArray, start: FloatArray, goal: FloatArray) -> FloatArray:
+        reverses = self._trajectory.allow_init_with_backwards_motion
+        return band_along(line, start, goal, self._roadmap.speed, self._turn, reverses)
+
+    def _solve(self, topology: Topology, scene: Scene, ends: Ends) -> Topology:
+        band, _, _ = optimised(topology.band, scene, self._model, ends)
+        cost = band_cost(band, scene, self._selection, self._model, ends)
+        blocked = free_poses(band, scene.window, self._outline, len(band)) < len(band)
+        return replace(topology, band=band, cost=cost, blocked=blocked)
+
+    def _choose(self, solved: list[Topology], stamp: float) -> list[Topology]:
+        """Return the bands in the order of their costs without detours; the one driven before and the global path's count for less."""
+        homotopy = self._homotopy
+        finite = [topology for topology in solved if np.isfinite(topology.band).all()]
+        if not finite:
+            return []
+        driven = finite[0] if self._kept and finite[0] is solved[0] else None
+
+        def rank(topology: Topology) -> tuple[bool, float]:
+            cost = topology.cost * (homotopy.selection_prefer_initial_plan if topology.initial else 1.0)
+            return topology.blocked, cost * (homotopy.selection_cost_hysteresis if topology is driven else 1.0)
+
+        order = sorted(finite, key=rank)
+        recent = stamp - self._switched_at < homotopy.switching_blocking_period
+        if driven is not None and order[0] is not driven:
+            if recent and not driven.blocked:
+                order = [driven, *(topology for topology in order if topology is not driven)]
+            else:
+                self._switched_at = stamp
+        longest = homotopy.max_ratio_detours_duration_best_duration * duration(order[0].band)
+        return order[:1] + [topology for topology in order[1:] if duration(topology.band) <= longest and not topology.blocked]

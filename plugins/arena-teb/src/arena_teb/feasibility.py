@@ -1,0 +1,37 @@
+"""Whether the robot fits where a band leads it, with its exact footprint."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from arena_kernels.compiled import borrowing
+from arena_kernels.window import Outline, Window, clearance
+from arena_teb.problem import FloatArray
+from arena_teb.terms import wrapped
+
+TURN_STEP = 0.2  # rad between two checks
+
+
+@borrowing
+def free_poses(band: FloatArray, window: Window, outline: Outline, poses: int) -> int:
+    """Return how many of the first ``poses`` poses of a band (N, 4) can be reached without a collision, all interpolated.
+
+    A robot that already touches something may go where it touches less. Beyond the window everything counts as free.
+    """
+    start = clearance(window, outline, band[0, 0], band[0, 1], math.cos(band[0, 2]), math.sin(band[0, 2]), 1.0)
+    least = min(0.0, start - 0.5 * window.resolution)
+    last = min(poses, len(band))
+    for k in range(last - 1):
+        dx, dy = band[k + 1, 0] - band[k, 0], band[k + 1, 1] - band[k, 1]
+        turn = wrapped(band[k + 1, 2] - band[k, 2])
+        parts = max(1, math.ceil(math.hypot(dx, dy) / outline.inscribed_radius), math.ceil(abs(turn) / TURN_STEP))
+        for part in range(1, parts + 1):
+            share = part / parts
+            theta = band[k, 2] + share * turn
+            x, y = band[k, 0] + share * dx, band[k, 1] + share * dy
+            gap = clearance(window, outline, x, y, math.cos(theta), math.sin(theta), 0.0)
+            if gap < least and gap > -np.inf:
+                return k + 1
+    return last

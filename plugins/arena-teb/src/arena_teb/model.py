@@ -1,0 +1,109 @@
+"""The optimiser's model, from the parameters and the robot."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from arena_core import ConfigurationError, Robot
+from arena_teb.optimisation import Effort, Model
+from arena_teb.parameters import Limits, Obstacles, Optimisation, Trajectory, Weights
+from arena_teb.problem import FloatArray, Penalties, Shape
+from arena_teb.resize import Sampling
+from arena_teb.surroundings import Vicinity
+
+
+def speed_limits(robot: Robot, limits: Limits) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return least and greatest speeds and accelerations, (3,) each: forward, left, turn."""
+    own = robot.limits
+    back, side = _or(limits.max_vel_x_backwards, -own.vx_min), _or(limits.max_vel_y, own.vy_max) if robot.holonomic else 0.0
+    turn = _or(limits.max_vel_theta, own.wz_max)
+    most = np.array((_or(limits.max_vel_x, own.vx_max), side, turn))
+    acceleration = np.array((_or(limits.acc_lim_x, own.ax_max), _or(limits.acc_lim_y, own.ay_max), _or(limits.acc_lim_theta, own.alpha_max)))
+    return np.array((-back, -side, -turn)), most, acceleration
+
+
+def turning_radius(robot: Robot, limits: Limits) -> float:
+    """Return the least turning radius, m: the robot's or a greater one."""
+    own = robot.wheelbase / math.tan(robot.steering_max) if robot.kinematics == "ackermann" else 0.0
+    if limits.min_turning_radius is not None and limits.min_turning_radius < own:
+        raise ConfigurationError(f"teb: limits.min_turning_radius is {limits.min_turning_radius}; allowed: null or >= {own:.3f} (m)")
+    return _or(limits.min_turning_radius, own)
+
+
+def make_model(
+    robot: Robot, limits: Limits, trajectory: Trajectory, obstacles: Obstacles, optimisation: Optimisation, weights: Weights
+) -> Model:
+    """Return the model; raise ConfigurationError where parameters contradict each other."""
+    if trajectory.dt_hysteresis >= trajectory.dt_ref:
+        raise ConfigurationError(f"teb: trajectory.dt_hysteresis is {trajectory.dt_hysteresis}; allowed: below dt_ref {trajectory.dt_ref} (s)")
+    if not 3 <= trajectory.min_samples <= trajectory.max_samples:
+        raise ConfigurationError(f"teb: trajectory.min_samples is {trajectory.min_samples}; allowed: 3 to max_samples {trajectory.max_samples}")
+    if obstacles.proximity_lower_bound >= obstacles.proximity_upper_bound:
+        raise ConfigurationError(
+            f"teb: obstacles.proximity_lower_bound is {obstacles.proximity_lower_bound}; "
+            f"allowed: below proximity_upper_bound {obstacles.proximity_upper_bound} (m)"
+        )
+    spacing = math.inf if trajectory.max_spacing is None else trajectory.max_spacing
+    sampling = Sampling(trajectory.dt_ref, trajectory.dt_hysteresis, trajectory.min_samples, trajectory.max_samples, spacing)
+    footprint = robot.footprint
+    corners = np.zeros((1, 2)) if footprint.is_circle else np.ascontiguousarray(footprint.vertices_xy)
+    shape = Shape(corners, footprint.radius if footprint.is_circle else 0.0, footprint.radius)
+    inscribed = footprint.inscribed_radius
+    reach = footprint.radius + max(obstacles.min_obstacle_dist + optimisation.penalty_epsilon, obstacles.inflation_dist)
+    slow = obstacles.proximity_lower_bound + inscribed, obstacles.proximity_upper_bound + inscribed
+    vicinity = Vicinity(reach, obstacles.proximity_ratio_max_vel, *slow)
+    effort = Effort(
+        optimisation.no_inner_iterations, optimisation.no_outer_iterations, optimisation.tolerance, optimisation.weight_adapt_factor
+    )
+    return Model(_penalties(robot, limits, obstacles, optimisation.penalty_epsilon, weights), shape, sampling, vicinity, effort)
+
+
+def _penalties(robot: Robot, limits: Limits, obstacles: Obstacles, epsilon: float, weights: Weights) -> Penalties:
+    least, most, acceleration = speed_limits(robot, limits)
+    radius = turning_radius(robot, limits)
+    holonomic = robot.holonomic
+    return Penalties(
+        speed_min=-_inside(-least, epsilon),
+        speed_max=_inside(most, epsilon),
+        acceleration=_inside(acceleration, epsilon),
+        root_speed=np.sqrt((weights.max_vel_x, weights.max_vel_y if holonomic else 0.0, weights.max_vel_theta)),
+        root_acceleration=np.sqrt((weights.acc_lim_x, weights.acc_lim_y if holonomic else 0.0, weights.acc_lim_theta)),
+        root_nonholonomic=math.sqrt(weights.kinematics_nh_holonomic if holonomic else weights.kinematics_nh),
+        root_forward=math.sqrt(weights.kinematics_forward_drive),
+        root_turn_radius=math.sqrt(weights.kinematics_turning_radius) if radius > 0.0 else 0.0,
+        root_time=math.sqrt(weights.optimaltime),
+        root_path=math.sqrt(weights.shortest_path),
+        root_obstacle=math.sqrt(weights.obstacle),
+        root_inflation=math.sqrt(weights.inflation),
+        root_dynamic=math.sqrt(weights.dynamic_obstacle),
+        root_dynamic_inflation=math.sqrt(weights.dynamic_obstacle_inflation),
+        root_via=math.sqrt(weights.viapoint),
+        root_rotation=math.sqrt(weights.prefer_rotdir),
+        turn_radius=radius,
+        near=obstacles.min_obstacle_dist + epsilon,
+        inflated=obstacles.inflation_dist,
+        dynamic_near=obstacles.dynamic_min_obstacle_dist + epsilon,
+        dynamic_inflated=obstacles.dynamic_obstacle_inflation_dist,
+    )
+
+
+def selection_penalties(penalties: Penalties, scale: float) -> Penalties:
+    """Return the penalties by which topologies are compared: obstacles weigh ``scale`` times as much."""
+    root = math.sqrt(scale)
+    return penalties._replace(
+        root_obstacle=root * penalties.root_obstacle,
+        root_inflation=root * penalties.root_inflation,
+        root_dynamic=root * penalties.root_dynamic,
+        root_dynamic_inflation=root * penalties.root_dynamic_inflation,
+    )
+
+
+def _inside(bounds: FloatArray, epsilon: float) -> FloatArray:
+    """Return bounds a little inside, at most halved."""
+    return np.asarray(bounds - np.minimum(epsilon, 0.5 * bounds))
+
+
+def _or(value: float | None, otherwise: float) -> float:
+    return float(otherwise if value is None else value)

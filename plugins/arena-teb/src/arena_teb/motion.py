@@ -1,0 +1,50 @@
+"""The command that a band asks for, and the ways out when it asks for too much."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from arena_core import Twist
+from arena_teb.problem import FloatArray
+from arena_teb.terms import wrapped
+
+
+def first_velocity(band: FloatArray, period: float) -> FloatArray:
+    """Return the body velocity (3,) that leads to where a band (N, 4) is after about a control period."""
+    times = np.cumsum(band[:-1, 3])
+    k = min(int(np.searchsorted(times, period - 1e-9)), len(times) - 1)
+    turn = wrapped(float(band[k + 1, 2] - band[0, 2]))
+    heading = band[0, 2] + 0.5 * turn
+    dx, dy = band[k + 1, :2] - band[0, :2]
+    c, s = math.cos(heading), math.sin(heading)
+    return np.array((c * dx + s * dy, c * dy - s * dx, turn)) / times[k]
+
+
+def saturated(velocity: FloatArray, least: FloatArray, most: FloatArray, turn_radius: float, holonomic: bool) -> Twist:
+    """Return a velocity within limits, slowed down as a whole so that its curvature stays; sideways only if ``holonomic``."""
+    vx, vy, wz = velocity.tolist()
+    share = 1.0
+    for speed, low, high in zip((vx, vy if holonomic else 0.0, wz), least.tolist(), most.tolist(), strict=True):
+        if speed > high:
+            share = min(share, high / speed)
+        elif speed < low:
+            share = min(share, low / speed)
+    vx, vy, wz = share * vx, share * vy if holonomic else 0.0, share * wz
+    if turn_radius > 0.0:
+        wz = math.copysign(min(abs(wz), abs(vx) / turn_radius), wz)
+    return Twist(vx, vy, wz)
+
+
+def escape_commands(least: FloatArray, most: FloatArray, share: float, turn_radius: float, holonomic: bool) -> FloatArray:
+    """Return slow velocities (C, 3) in all directions that the robot can move."""
+    forward, backward = share * most[0], share * least[0]
+    turns = np.array((0.0, 0.5, -0.5, 1.0, -1.0)) * min(most[2], 1.0)
+    if turn_radius > 0.0:
+        return np.array([(v, 0.0, math.copysign(min(abs(w), abs(v) / turn_radius), w)) for v in (backward, forward) for w in turns])
+    commands = [(v, 0.0, w) for v in (backward, forward, 0.5 * backward, 0.5 * forward, 0.0) for w in turns]
+    if holonomic:
+        side = share * most[1]
+        commands += [(v, u, 0.0) for v in (backward, 0.0, forward) for u in (side, -side)]
+    return np.array(commands)

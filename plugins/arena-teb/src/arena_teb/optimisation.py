@@ -1,0 +1,83 @@
+"""The outer loop of the timed elastic band: resize, pair with obstacles, solve, and weigh obstacles more."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from arena_kernels.compiled import compiled
+from arena_teb.problem import Ends, FloatArray, Penalties, Shape, Surroundings
+from arena_teb.resize import Sampling, resized
+from arena_teb.solver import solve
+from arena_teb.surroundings import Scene, Vicinity, surroundings
+from arena_teb.terms import evaluate, make_rows
+
+
+class Effort(NamedTuple):
+    """How much is done: iterations, the gain (share of the cost) below which an inner loop ends, and by which factor obstacles weigh
+    more from one outer iteration to the next."""
+
+    inner: int
+    outer: int
+    tolerance: float
+    adaptation: float
+
+
+class Model(NamedTuple):
+    """All that does not change from step to step."""
+
+    penalties: Penalties
+    shape: Shape
+    sampling: Sampling
+    vicinity: Vicinity
+    effort: Effort
+
+
+@compiled
+def optimised(band: FloatArray, scene: Scene, model: Model, ends: Ends) -> tuple[FloatArray, Surroundings, Penalties]:
+    """Return the optimised band (M, 4), with the surroundings and penalties of its last solution (RAS 2017, algorithm 1)."""
+    effort = model.effort
+    penalties = model.penalties
+    around = surroundings(band, scene, model.vicinity)
+    for outer in range(effort.outer):
+        band = resized(band, model.sampling)
+        around = surroundings(band, scene, model.vicinity)
+        penalties = weighed(model.penalties, effort.adaptation**outer)
+        solve(band, penalties, model.shape, ends, around, effort.inner, effort.tolerance)
+    return band, around, penalties
+
+
+@compiled
+def weighed(penalties: Penalties, factor: float) -> Penalties:
+    """Return penalties whose weight of static obstacles is ``factor`` times as great."""
+    p = penalties
+    return Penalties(
+        p.speed_min,
+        p.speed_max,
+        p.acceleration,
+        p.root_speed,
+        p.root_acceleration,
+        p.root_nonholonomic,
+        p.root_forward,
+        p.root_turn_radius,
+        p.root_time,
+        p.root_path,
+        p.root_obstacle * factor**0.5,
+        p.root_inflation,
+        p.root_dynamic,
+        p.root_dynamic_inflation,
+        p.root_via,
+        p.root_rotation,
+        p.turn_radius,
+        p.near,
+        p.inflated,
+        p.dynamic_near,
+        p.dynamic_inflated,
+    )
+
+
+@compiled
+def band_cost(band: FloatArray, scene: Scene, penalties: Penalties, model: Model, ends: Ends) -> float:
+    """Return the cost of a band by which topologies are compared."""
+    around = surroundings(band, scene, model.vicinity)
+    rows = make_rows(len(band), len(around.radii), len(around.via_poses))
+    return evaluate(band, penalties, model.shape, ends, around, rows)

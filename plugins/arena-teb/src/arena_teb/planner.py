@@ -1,0 +1,146 @@
+"""The timed elastic band planner of Roesmann et al. (2012 to 2017)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from arena_core import EpisodeStart, NoValidCommand, Observation, Planner, Pose, Robot, Tracks, Twist
+from arena_kernels.window import Window, outline_of, without_discs
+from arena_teb.classes import Topologies, Topology
+from arena_teb.escape import escape_command
+from arena_teb.feasibility import free_poses
+from arena_teb.local_plan import heading_of_end, local_plan
+from arena_teb.model import make_model, speed_limits, turning_radius
+from arena_teb.motion import escape_commands, first_velocity, saturated
+from arena_teb.oscillation import OscillationDetector
+from arena_teb.parameters import Homotopy, Limits, Obstacles, Optimisation, Recovery, Trajectory, Weights
+from arena_teb.problem import Ends, FloatArray
+from arena_teb.surroundings import Scene
+
+OUTLINE_SPACING = 0.05  # m, the side of a usual costmap cell: no cell slips between two points
+HEADING_OVER = 0.3  # m at the end of the local plan over which its direction is taken
+
+
+class TebPlanner(Planner):
+    """Optimises bands of several topologies from where the robot is to a local goal and drives the cheapest that it fits."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        limits: Limits,
+        trajectory: Trajectory,
+        obstacles: Obstacles,
+        optimisation: Optimisation,
+        weights: Weights,
+        homotopy: Homotopy,
+        recovery: Recovery,
+    ) -> None:
+        self._least, self._most, _ = speed_limits(robot, limits)
+        self._turn_radius = turning_radius(robot, limits)
+        self._holonomic = robot.holonomic
+        self._trajectory, self._obstacles, self._recovery = trajectory, obstacles, recovery
+        body = robot.footprint
+        self._outline = outline_of(None if body.is_circle else body.vertices_xy, body.radius, body.inscribed_radius, OUTLINE_SPACING)
+        self._topologies = Topologies(
+            homotopy, trajectory, make_model(robot, limits, trajectory, obstacles, optimisation, weights), self._outline
+        )
+        self._oscillation = OscillationDetector(recovery, float(self._most[0]), float(self._most[2]))
+        self._escapes = escape_commands(self._least, self._most, recovery.escape_speed, self._turn_radius, self._holonomic)
+        self._period = robot.control_period
+        self._infeasible_since: float | None = None
+        self._shrunk_until = -math.inf
+
+    def reset(self, episode: EpisodeStart) -> None:
+        """Forget all bands and troubles."""
+        self._period = episode.control_period
+        self._topologies.clear(episode.random)
+        self._oscillation.clear(episode.control_period)
+        self._infeasible_since, self._shrunk_until = None, -math.inf
+
+    def compute_velocity(self, observation: Observation) -> Twist:
+        """Return the first velocity of the best feasible band; raise NoValidCommand when there is none and no way to back out."""
+        pose, stamp = observation.pose, observation.stamp
+        tracks = nearest_tracks(observation.tracks, pose, self._obstacles)
+        window = without_discs(_window(observation), tracks.positions, tracks.radii, self._obstacles.track_margin)
+        plan, complete = local_plan(observation.path.poses, pose, window, self._lookahead(stamp), self._outline.inscribed_radius)
+        goal = self._local_goal(plan, pose, observation.goal, complete)
+        scene = Scene(window, tracks.positions, tracks.velocities, tracks.radii, self._via_points(plan))
+        topologies = self._topologies.plan(plan, pose.array(), goal, scene, self._ends(observation.twist, complete, stamp), stamp)
+        band = self._feasible(topologies, window)
+        command = self._escape(pose, scene, stamp) if band is None else self._drive(band)
+        self._oscillation.note(command)
+        return command
+
+    def _lookahead(self, stamp: float) -> float:
+        """Return how far ahead the band reaches, m: half as far for some time after nothing was feasible."""
+        full = self._trajectory.max_global_plan_lookahead_dist
+        return 0.5 * full if stamp < self._shrunk_until else full
+
+    def _local_goal(self, plan: FloatArray, pose: Pose, goal: Pose, complete: bool) -> FloatArray:
+        given = complete and self._trajectory.goal_heading == "goal"
+        return np.array((*plan[-1, :2], goal.theta if given else heading_of_end(plan, pose, HEADING_OVER)))
+
+    def _ends(self, twist: Twist, complete: bool, stamp: float) -> Ends:
+        stops = complete or not self._trajectory.free_goal_vel
+        free = self._trajectory.goal_heading == "free"
+        return Ends(twist.array(), np.zeros(3), float(stops), float(free), self._oscillation.preferred(stamp))
+
+    def _via_points(self, plan: FloatArray) -> FloatArray:
+        """Return points of the plan at a distance of ``global_plan_viapoint_sep``, (V, 2)."""
+        spacing = self._trajectory.global_plan_viapoint_sep
+        if spacing is None:
+            return np.empty((0, 2))
+        along = np.concatenate(((0.0,), np.cumsum(np.hypot(*np.diff(plan[:, :2], axis=0).T))))
+        at = np.arange(spacing, along[-1], spacing)
+        return np.column_stack([np.interp(at, along, plan[:, axis]) for axis in range(2)])
+
+    def _feasible(self, topologies: list[Topology], window: Window) -> FloatArray | None:
+        """Return the first band whose first poses the robot fits, None if there is none."""
+        poses = self._trajectory.feasibility_check_no_poses
+        for topology in topologies:
+            if free_poses(topology.band, window, self._outline, poses) >= min(poses, len(topology.band)):
+                return topology.band
+        return None
+
+    def _drive(self, band: FloatArray) -> Twist:
+        self._infeasible_since = None
+        return saturated(first_velocity(band, self._period), self._least, self._most, self._turn_radius, self._holonomic)
+
+    def _escape(self, pose: Pose, scene: Scene, stamp: float) -> Twist:
+        """Begin anew with a shorter horizon; after a while, return a slow way to where there is more room."""
+        recovery = self._recovery
+        self._topologies.clear()
+        self._infeasible_since = stamp if self._infeasible_since is None else self._infeasible_since
+        if recovery.shrink_horizon_backup:
+            self._shrunk_until = stamp + recovery.shrink_horizon_min_duration
+        if recovery.escape_after is not None and stamp - self._infeasible_since >= recovery.escape_after - 1e-9:
+            found = escape_command(
+                pose.array(), scene.window, self._outline, scene.positions, scene.velocities, scene.radii, self._escapes
+            )
+            if len(found):
+                return Twist.of(found[0])
+        raise NoValidCommand("teb: no band is feasible")
+
+
+def nearest_tracks(tracks: Tracks, pose: Pose, obstacles: Obstacles) -> Tracks:
+    """Return the tracks that count, the nearest ones."""
+    if not obstacles.include_dynamic_obstacles:
+        return _chosen(tracks, np.empty(0, np.int64))
+    finite = np.isfinite(tracks.positions).all(axis=1) & np.isfinite(tracks.velocities).all(axis=1)
+    away = np.where(finite, np.hypot(*(tracks.positions - (pose.x, pose.y)).T), np.inf)
+    order = np.argsort(away, kind="stable")[: min(obstacles.max_tracks, int(finite.sum()))]
+    return _chosen(tracks, order)
+
+
+def _chosen(tracks: Tracks, rows: np.ndarray) -> Tracks:
+    fields = (tracks.positions, tracks.velocities, tracks.radii)
+    positions, velocities, radii = (np.ascontiguousarray(field[rows], np.float64) for field in fields)
+    return Tracks(tracks.ids[rows], positions, velocities, radii, tracks.covariances[rows])
+
+
+def _window(observation: Observation) -> Window:
+    costmap = observation.local_map
+    x, y = costmap.origin_xy.tolist()
+    return Window(costmap.costs, costmap.distance, float(costmap.resolution), x, y)

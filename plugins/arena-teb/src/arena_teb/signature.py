@@ -1,0 +1,46 @@
+"""H-signatures: which way round each obstacle a band goes.
+
+Bhattacharya, Likhachev and Kumar, Topological constraints in search-based robot path planning, Autonomous Robots 33, 2012: paths
+with common ends are homologous if the integrals of dz / (z - zeta) agree for a point zeta in every obstacle. Their real parts
+depend on the ends alone; the imaginary parts are kept, an angle an obstacle. Round a moving obstacle the integral follows the relative motion,
+which is the linking with its world line in x-y-t.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from arena_kernels.compiled import borrowing, compiled
+from arena_teb.problem import FloatArray
+
+
+@compiled
+def signature(band: FloatArray, points: FloatArray, positions: FloatArray, velocities: FloatArray) -> FloatArray:
+    """Return the angle, rad, by which a band (N, 4) goes round each of ``points`` (C, 2) and of K moving discs, (C + K,)."""
+    count, static = len(band), len(points)
+    angles = np.zeros(static + len(positions))
+    time = 0.0
+    for k in range(count - 1):
+        later = time + band[k, 3]
+        for j in range(len(angles)):
+            if j < static:
+                ax, ay, bx, by = points[j, 0], points[j, 1], points[j, 0], points[j, 1]
+            else:
+                i = j - static
+                ax, ay = positions[i, 0] + time * velocities[i, 0], positions[i, 1] + time * velocities[i, 1]
+                bx, by = positions[i, 0] + later * velocities[i, 0], positions[i, 1] + later * velocities[i, 1]
+            ax, ay, bx, by = band[k, 0] - ax, band[k, 1] - ay, band[k + 1, 0] - bx, band[k + 1, 1] - by
+            angles[j] += math.atan2(ax * by - ay * bx, ax * bx + ay * by)
+        time = later
+    return angles
+
+
+@borrowing
+def same_class(angles: FloatArray, others: FloatArray) -> bool:
+    """Tell whether two signatures differ by less than half a turn round every obstacle."""
+    for j in range(len(angles)):
+        if abs(angles[j] - others[j]) > math.pi:
+            return False
+    return True
