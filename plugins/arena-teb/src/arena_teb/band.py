@@ -12,6 +12,7 @@ from arena_teb.problem import FloatArray
 SPACING = 0.1  # m between the poses of a new band
 TURN_FROM = 1.0  # rad between the robot's heading and the line's from which a new band begins with a turn on the spot
 TURN_STEP = 0.5  # rad between the poses of that turn
+TURN_ARM = 0.2  # m by which a turn is compared with a way
 LEAST_TIME = 0.02  # s between two poses of a new band
 PRUNE_AHEAD = 10  # poses that the robot may have passed since the last step (teb_local_planner)
 
@@ -62,9 +63,16 @@ def carried_over(band: FloatArray, start: FloatArray, goal: FloatArray, fewest: 
         away = np.hypot(band[: last + 1, 0] - start[0], band[: last + 1, 1] - start[1])
         passed = int(np.argmin(away))
     kept = band[passed:].copy()
+    before = way(kept[0], kept[1])
     kept[0, :3] = start
+    kept[0, 3] *= min(max(way(kept[0], kept[1]) / before, 0.1), 1.0) if before > 0.0 else 1.0
     kept[-1, :3] = goal
     return kept
+
+
+def way(pose: FloatArray, other: FloatArray) -> float:
+    """Return how far apart two poses are, a turn counted as the way of a point TURN_ARM away."""
+    return math.hypot(other[0] - pose[0], other[1] - pose[1]) + TURN_ARM * abs(float(wrap_angle(other[2] - pose[2])))
 
 
 def duration(band: FloatArray) -> float:

@@ -44,11 +44,16 @@ class Topologies:
         speed, turn = float(model.penalties.speed_max[0]), float(model.penalties.speed_max[2])
         self._roadmap = Roadmap(outline.inscribed_radius, model.penalties.dynamic_near, speed, homotopy.obstacle_heading_threshold)
         self._turn = turn
-        self.clear(np.random.default_rng(0))
+        self._random = np.random.default_rng(0)
+        self.clear()
 
-    def clear(self, random: np.random.Generator | None = None) -> None:
+    def begin(self, random: np.random.Generator) -> None:
+        """Forget all bands and draw from ``random`` from now on."""
+        self._random = random
+        self.clear()
+
+    def clear(self) -> None:
         """Forget all bands."""
-        self._random = self._random if random is None else random
         self._kept: list[Topology] = []
         self._goal: FloatArray | None = None
         self._switched_at = -math.inf
@@ -89,12 +94,15 @@ class Topologies:
         found = [replace(topology, initial=like) for topology, like in zip(known, same, strict=True)]
         most = self._homotopy.max_number_classes
         if not any(same):
-            found = [*found[: max(most - 1, 0)], Topology(initial, angles, True)] if most > 1 or not found else found
+            blocked = self._blocked(initial, scene)
+            found = [*found[: max(most - 1, 0)], Topology(initial, angles, True, blocked)] if most > 1 or not found else found
         wanted = most - len(found)
         if wanted <= 0 or math.hypot(goal[0] - start[0], goal[1] - start[1]) < 2.0 * self._outline.radius:
             return found
         drawn = samples(self._random, self._homotopy.roadmap_graph_no_samples, start, goal, self._homotopy.roadmap_graph_area_width)
-        classes = np.array([topology.angles for topology in found])
+        # a band through an obstacle counts for no class: which side of the obstacle's point it runs on says nothing
+        known_angles = [topology.angles for topology in found if not topology.blocked]
+        classes = np.array(known_angles).reshape(len(known_angles), len(angles))
         lines, signatures = new_ways(start, goal, drawn, scene, points, classes, wanted, self._roadmap)
         ways = zip(lines, signatures, strict=True)
         return found + [Topology(self._along(line, start, goal), angles, False) for line, angles in ways]
@@ -106,8 +114,10 @@ class Topologies:
     def _solve(self, topology: Topology, scene: Scene, ends: Ends) -> Topology:
         band, _, _ = optimised(topology.band, scene, self._model, ends)
         cost = band_cost(band, scene, self._selection, self._model, ends)
-        blocked = free_poses(band, scene.window, self._outline, len(band)) < len(band)
-        return replace(topology, band=band, cost=cost, blocked=blocked)
+        return replace(topology, band=band, cost=cost, blocked=self._blocked(band, scene))
+
+    def _blocked(self, band: FloatArray, scene: Scene) -> bool:
+        return free_poses(band, scene.window, self._outline, len(band)) < len(band)
 
     def _choose(self, solved: list[Topology], stamp: float) -> list[Topology]:
         """Return the bands in the order of their costs without detours; the one driven before and the global path's count for less."""

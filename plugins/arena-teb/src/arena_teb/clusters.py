@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from arena_kernels.compiled import compiled
 from arena_kernels.window import Window
@@ -38,7 +39,7 @@ def cluster_points(window: Window, inscribed_radius: float, x: float, y: float, 
 
 
 @compiled
-def labelled(distance: FloatArray, below: float) -> tuple[IntArray, int]:
+def labelled(distance: NDArray[np.float32], below: float) -> tuple[IntArray, int]:
     """Return the number of the region (8 neighbours) that each cell with ``distance`` under ``below`` belongs to, -1 for others."""
     rows, columns = distance.shape
     labels = np.full((rows, columns), -1, np.int64)

@@ -17,7 +17,13 @@ ENOUGH = 0.3  # m of clearance, beyond which more is worth nothing
 
 @compiled
 def escape_command(
-    start: FloatArray, window: Window, outline: Outline, positions: FloatArray, velocities: FloatArray, radii: FloatArray, commands: FloatArray
+    start: FloatArray,
+    window: Window,
+    outline: Outline,
+    positions: FloatArray,
+    velocities: FloatArray,
+    radii: FloatArray,
+    commands: FloatArray,
 ) -> FloatArray:
     """Return the row of ``commands`` (C, 3) whose arc ends with most clearance and never has less than where it begins; none: empty."""
     here = clearance(window, outline, start[0], start[1], math.cos(start[2]), math.sin(start[2]), ENOUGH)

@@ -20,7 +20,9 @@ def speed_limits(robot: Robot, limits: Limits) -> tuple[FloatArray, FloatArray, 
     back, side = _or(limits.max_vel_x_backwards, -own.vx_min), _or(limits.max_vel_y, own.vy_max) if robot.holonomic else 0.0
     turn = _or(limits.max_vel_theta, own.wz_max)
     most = np.array((_or(limits.max_vel_x, own.vx_max), side, turn))
-    acceleration = np.array((_or(limits.acc_lim_x, own.ax_max), _or(limits.acc_lim_y, own.ay_max), _or(limits.acc_lim_theta, own.alpha_max)))
+    acceleration = np.array(
+        (_or(limits.acc_lim_x, own.ax_max), _or(limits.acc_lim_y, own.ay_max), _or(limits.acc_lim_theta, own.alpha_max))
+    )
     return np.array((-back, -side, -turn)), most, acceleration
 
 
@@ -37,9 +39,13 @@ def make_model(
 ) -> Model:
     """Return the model; raise ConfigurationError where parameters contradict each other."""
     if trajectory.dt_hysteresis >= trajectory.dt_ref:
-        raise ConfigurationError(f"teb: trajectory.dt_hysteresis is {trajectory.dt_hysteresis}; allowed: below dt_ref {trajectory.dt_ref} (s)")
+        raise ConfigurationError(
+            f"teb: trajectory.dt_hysteresis is {trajectory.dt_hysteresis}; allowed: below dt_ref {trajectory.dt_ref} (s)"
+        )
     if not 3 <= trajectory.min_samples <= trajectory.max_samples:
-        raise ConfigurationError(f"teb: trajectory.min_samples is {trajectory.min_samples}; allowed: 3 to max_samples {trajectory.max_samples}")
+        raise ConfigurationError(
+            f"teb: trajectory.min_samples is {trajectory.min_samples}; allowed: 3 to max_samples {trajectory.max_samples}"
+        )
     if obstacles.proximity_lower_bound >= obstacles.proximity_upper_bound:
         raise ConfigurationError(
             f"teb: obstacles.proximity_lower_bound is {obstacles.proximity_lower_bound}; "

@@ -19,7 +19,8 @@ def first_velocity(band: FloatArray, period: float) -> FloatArray:
     heading = band[0, 2] + 0.5 * turn
     dx, dy = band[k + 1, :2] - band[0, :2]
     c, s = math.cos(heading), math.sin(heading)
-    return np.array((c * dx + s * dy, c * dy - s * dx, turn)) / times[k]
+    velocity: FloatArray = np.array((c * dx + s * dy, c * dy - s * dx, turn)) / times[k]
+    return velocity
 
 
 def saturated(velocity: FloatArray, least: FloatArray, most: FloatArray, turn_radius: float, holonomic: bool) -> Twist:

@@ -55,7 +55,7 @@ class TebPlanner(Planner):
     def reset(self, episode: EpisodeStart) -> None:
         """Forget all bands and troubles."""
         self._period = episode.control_period
-        self._topologies.clear(episode.random)
+        self._topologies.begin(episode.random)
         self._oscillation.clear(episode.control_period)
         self._infeasible_since, self._shrunk_until = None, -math.inf
 
@@ -116,9 +116,7 @@ class TebPlanner(Planner):
         if recovery.shrink_horizon_backup:
             self._shrunk_until = stamp + recovery.shrink_horizon_min_duration
         if recovery.escape_after is not None and stamp - self._infeasible_since >= recovery.escape_after - 1e-9:
-            found = escape_command(
-                pose.array(), scene.window, self._outline, scene.positions, scene.velocities, scene.radii, self._escapes
-            )
+            found = escape_command(pose.array(), scene.window, self._outline, scene.positions, scene.velocities, scene.radii, self._escapes)
             if len(found):
                 return Twist.of(found[0])
         raise NoValidCommand("teb: no band is feasible")

@@ -68,12 +68,14 @@ def halve_long(poses: FloatArray, count: int, sampling: Sampling) -> int:
 
 @compiled
 def join_short(poses: FloatArray, count: int, sampling: Sampling) -> int:
-    """Take out the pose after every interval that is too short; return the number of poses."""
+    """Take out the pose after every interval that is too short, unless the sum were too long; return the number of poses."""
     k = 0
     while k < count - 2 and count > sampling.fewest:
         length = math.hypot(poses[k + 2, 0] - poses[k, 0], poses[k + 2, 1] - poses[k, 1])
-        if poses[k, 3] < sampling.dt_ref - sampling.dt_hysteresis and length < 0.9 * sampling.spacing:
-            poses[k, 3] += poses[k + 1, 3]
+        time = poses[k, 3] + poses[k + 1, 3]
+        short = poses[k, 3] < sampling.dt_ref - sampling.dt_hysteresis and time <= sampling.dt_ref + sampling.dt_hysteresis
+        if short and length < 0.9 * sampling.spacing:
+            poses[k, 3] = time
             poses[k + 1 : count - 1] = poses[k + 2 : count].copy()
             count -= 1
         k += 1

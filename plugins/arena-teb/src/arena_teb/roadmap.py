@@ -48,7 +48,7 @@ def new_ways(
     wanted: int,
     roadmap: Roadmap,
 ) -> tuple[FloatArray, FloatArray]:
-    """Return up to ``wanted`` lines (L, 2, 2) of two positions each whose classes are neither ``known`` (B, C + K) nor alike, and signatures.
+    """Return up to ``wanted`` lines (L, 2, 2) of two positions whose classes are neither ``known`` (B, C + K) nor alike, and signatures.
 
     Lines over one vertex of the roadmap come first (their two positions are the same), short ones before long ones.
     """

@@ -2,8 +2,8 @@
 
 Bhattacharya, Likhachev and Kumar, Topological constraints in search-based robot path planning, Autonomous Robots 33, 2012: paths
 with common ends are homologous if the integrals of dz / (z - zeta) agree for a point zeta in every obstacle. Their real parts
-depend on the ends alone; the imaginary parts are kept, an angle an obstacle. Round a moving obstacle the integral follows the relative motion,
-which is the linking with its world line in x-y-t.
+depend on the ends alone; the imaginary parts are kept, an angle an obstacle. Round a moving obstacle the integral follows the
+relative motion, which is the linking with its world line in x-y-t.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def signature(band: FloatArray, points: FloatArray, positions: FloatArray, veloc
 @borrowing
 def same_class(angles: FloatArray, others: FloatArray) -> bool:
     """Tell whether two signatures differ by less than half a turn round every obstacle."""
+    same = True
     for j in range(len(angles)):
-        if abs(angles[j] - others[j]) > math.pi:
-            return False
-    return True
+        same = same and abs(angles[j] - others[j]) <= math.pi
+    return same

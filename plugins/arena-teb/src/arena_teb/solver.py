@@ -10,9 +10,10 @@ from arena_kernels.compiled import borrowing, compiled, inner
 from arena_teb.problem import REACH, Ends, FloatArray, Penalties, Rows, Shape, Surroundings
 from arena_teb.terms import evaluate, make_rows
 
-DAMPING = 100.0  # [-] first damping
+DAMPING = 1.0  # [-] first damping
+SETTLED = 0.1  # [-] damping below which a small gain means that there is little to gain, not that the step was short
 TIME_STIFFNESS = 5.0  # [m^2/s^2] how much more a time is damped than a position: times that collapse are slow to come back
-LEAST_SHRINK = 1.0 / 3.0  # [-] a good step divides the damping by no more than 3
+LEAST_SHRINK = 0.1  # [-] a good step divides the damping by no more than 10
 GIVE_UP = 1e12  # [-] damping beyond which no step is worth trying
 DIAGONAL = REACH - 1  # column of the diagonal in band storage
 
@@ -52,16 +53,16 @@ def solve(
         found = evaluate(trial, penalties, shape, ends, around, rows)
         gain = cost - found
         expected = expected_gain(step, gradient, scale, damping)
-        if expected <= 0.1 * tolerance * cost:
+        if damping < SETTLED and expected <= 0.1 * tolerance * cost:
             break
         if not gain > 0.0:
             damping *= growth
             growth *= 2.0
             continue
         band[:] = trial
+        converged = damping < SETTLED and gain < tolerance * cost
         damping *= max(LEAST_SHRINK, 1.0 - (2.0 * gain / expected - 1.0) ** 3)
         growth = 2.0
-        converged = gain < tolerance * cost
         cost = found
         if converged:
             break

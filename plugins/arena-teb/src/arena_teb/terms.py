@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from arena_kernels.compiled import borrowing, compiled, inner, inlined
+from arena_kernels.compiled import borrowing, compiled, inlined, inner
 from arena_kernels.footprint import point_gap
 from arena_teb.problem import INTERVAL_ROWS, JOINT_ROWS, POSE_ROWS, REACH, Ends, FloatArray, Penalties, Rows, Shape, Surroundings
 
@@ -179,6 +179,7 @@ def acceleration_rows(band: FloatArray, penalties: Penalties, ends: Ends, rows: 
 
 @inner
 def joint_acceleration_row(band: FloatArray, k: int, axis: int, penalties: Penalties, rows: Rows, at: int) -> None:
+    """Write the acceleration between two intervals."""
     rate = 2.0 / (band[k, 3] + band[k + 1, 3])
     acceleration = rate * (rows.speeds[k + 1, axis] - rows.speeds[k, axis])
     root = penalties.root_acceleration[axis]
@@ -201,6 +202,7 @@ def joint_acceleration_row(band: FloatArray, k: int, axis: int, penalties: Penal
 def edge_acceleration_row(
     band: FloatArray, k: int, axis: int, sign: float, other: float, penalties: Penalties, rows: Rows, at: int
 ) -> None:
+    """Write the acceleration between an interval and a velocity at an end of the band."""
     rate = 1.0 / band[k, 3]
     acceleration = sign * rate * (rows.speeds[k, axis] - other)
     root = penalties.root_acceleration[axis]
