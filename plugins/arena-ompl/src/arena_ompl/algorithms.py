@@ -25,6 +25,8 @@ Algorithm = Literal[
 
 ROADMAPS = ("prm", "prmstar")
 BATCHES = ("bfmt", "fmt")  # they draw all their samples first, and end when these are used up
+NOT_FOR_CARS = ("aorrtc", "bitstar")  # the first does not end with several goals, the second misses a third of the paths
+NOT_FOR_DUBINS = (*NOT_FOR_CARS, *BATCHES)  # they take a way back to be as long as the way there: BFMT* crashes, FMT* takes seconds
 _ORDERED = 100  # samples that SORRT* orders at once; OMPL's 1000 would use up most evaluations before the first path
 
 _CLASSES = {
@@ -52,6 +54,8 @@ def make_planner(algorithm: Algorithm, space: Any, samples: int, motion_range: f
         planner.setNumSamples(samples)
     if algorithm == "sorrtstar":
         planner.setBatchSize(_ORDERED)
+    if algorithm == "bitstar":
+        planner.setPruning(False)  # with it OMPL 2.0.1 loops for ever, or crashes, behind a narrow door
     if motion_range is not None and hasattr(planner, "setRange"):
         planner.setRange(motion_range)
     return planner

@@ -68,7 +68,7 @@ def _positive(angle: float) -> float:
 
 @inner
 def _dubins(x: float, y: float, phi: float, pieces: Pieces) -> None:
-    """Choose the shortest of Dubins' six words (Dubins 1957; the formulas of Shkel and Lumelsky, Robotics and Autonomous Systems 34, 2001)."""
+    """Choose the shortest of Dubins' six words (formulas of Shkel and Lumelsky, Robotics and Autonomous Systems 34, 2001)."""
     d, theta = math.sqrt(x * x + y * y), math.atan2(y, x)
     a, b = -theta, phi - theta
     sa, ca, sb, cb, cab = math.sin(a), math.cos(a), math.sin(b), math.cos(b), math.cos(a - b)

@@ -19,6 +19,7 @@ from arena_kernels.distance import distance_field, grid_distance
 Field = NDArray[np.float32]
 Discs = NDArray[np.float64]
 
+ROUNDING = 1e-6  # m: four cells of 0.05 m are no more than 0.2 m, also in float32
 _OUTSIDE = -1e3  # m: the clearance outside the grid
 
 
@@ -70,7 +71,7 @@ def body_discs(robot: Robot, count: int) -> Discs:
     """
     footprint = robot.footprint
     if robot.kinematics != "ackermann" or footprint.is_circle:
-        return np.array(((0.0, 0.0, footprint.inscribed_radius),))
+        return np.array(((0.0, 0.0, footprint.inscribed_radius + ROUNDING),))
     low, high = footprint.vertices_xy.min(axis=0), footprint.vertices_xy.max(axis=0)
     half = 0.5 * (high - low) / (count, 1.0)
     centres = low[0] + half[0] * (2.0 * np.arange(count) + 1.0)

@@ -109,7 +109,17 @@ def is_free(field: Field, prices: Field, discs: Discs, figures: Figures, pieces:
 
 @borrowing
 def can_move(
-    field: Field, prices: Field, discs: Discs, figures: Figures, pieces: Pieces, x0: float, y0: float, theta0: float, x1: float, y1: float, theta1: float
+    field: Field,
+    prices: Field,
+    discs: Discs,
+    figures: Figures,
+    pieces: Pieces,
+    x0: float,
+    y0: float,
+    theta0: float,
+    x1: float,
+    y1: float,
+    theta1: float,
 ) -> bool:
     """March along the motion between two poses, as far each time as the clearance surely allows; False where it is blocked."""
     rules = _rules(field, prices, discs, figures)
@@ -150,7 +160,17 @@ def _reach(discs: Discs) -> float:
 
 @borrowing
 def cost(
-    field: Field, prices: Field, discs: Discs, figures: Figures, pieces: Pieces, x0: float, y0: float, theta0: float, x1: float, y1: float, theta1: float
+    field: Field,
+    prices: Field,
+    discs: Discs,
+    figures: Figures,
+    pieces: Pieces,
+    x0: float,
+    y0: float,
+    theta0: float,
+    x1: float,
+    y1: float,
+    theta1: float,
 ) -> float:
     """Return the integral of the price along the motion between two poses."""
     rules = _rules(field, prices, discs, figures)
@@ -191,7 +211,9 @@ def _price(rules: Rules, x: float, y: float) -> float:
 
 
 @borrowing
-def poses_along(field: Field, prices: Field, discs: Discs, figures: Figures, pieces: Pieces, path: Poses, spacing: float, poses: Poses) -> int:
+def poses_along(
+    field: Field, prices: Field, discs: Discs, figures: Figures, pieces: Pieces, path: Poses, spacing: float, poses: Poses
+) -> int:
     """Divide every piece of every motion evenly, its ends included; return how many poses that makes, and write as many as fit."""
     rules = _rules(field, prices, discs, figures)
     count = 0
@@ -230,7 +252,14 @@ def _parts(length: float, spacing: float) -> int:
 
 @borrowing
 def cheapest_chain(
-    field: Field, prices: Field, discs: Discs, figures: Figures, pieces: Pieces, path: Poses, costs: NDArray[np.float64], before: NDArray[np.int64]
+    field: Field,
+    prices: Field,
+    discs: Discs,
+    figures: Figures,
+    pieces: Pieces,
+    path: Poses,
+    costs: NDArray[np.float64],
+    before: NDArray[np.int64],
 ) -> None:
     """Write, for each pose of a path (K, 3), the cost (K,) of the cheapest chain of motions to it and the pose before it there (K,).
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,9 +25,9 @@ from arena_core import (
     Robot,
     stream_key,
 )
-from arena_ompl.algorithms import Algorithm
+from arena_ompl.algorithms import NOT_FOR_CARS, NOT_FOR_DUBINS, Algorithm
 from arena_ompl.curves import DUBINS, REEDS_SHEPP, STRAIGHT
-from arena_ompl.ground import Field, ObstacleField, PriceField, body_discs, clearance, reachable
+from arena_ompl.ground import ROUNDING, Field, ObstacleField, PriceField, body_discs, clearance, reachable
 from arena_ompl.motions import Motions, Poses, Rules
 from arena_ompl.search import Effort, Query, XYTheta, find_path
 from arena_ompl.smoothing import smooth
@@ -76,7 +76,7 @@ class OmplPlanner(GlobalPlanner):
     ) -> None:
         self._effort = Effort(algorithm, evaluations, motion_range, nearness.weight > 0.0)
         self._seed = seed
-        self._steering = _steering(robot, car)
+        self._steering = _steering(robot, car, algorithm)
         self._discs = body_discs(robot, car.discs)
         self._field = ObstacleField(float(self._discs[0, 2]), allow_unknown)
         self._inscribed_radius = robot.footprint.inscribed_radius
@@ -93,8 +93,8 @@ class OmplPlanner(GlobalPlanner):
         field = grid.derive(self._field)
         motions = self._motions(grid, field, start)
         query = self._query(grid, field, motions, start, goal)
-        if math.dist(query.start[:2], query.goals[0][:2]) < self._spacing and self._steering[0] == STRAIGHT:
-            return self._path(grid, np.array((query.start, query.goals[0])))
+        if math.dist(query.start[:2], query.goals[0][:2]) < self._spacing:
+            return self._path(grid, np.array((query.start, (*query.goals[0][:2], query.start[2]))))
         key = stream_key(self._seed, f"{goal.x} {goal.y}", "ompl")
         found = find_path(motions, query, self._effort, 1 + int(key) % _SEEDS)
         if found is None:
@@ -116,7 +116,7 @@ class OmplPlanner(GlobalPlanner):
         barred = grid.occupied if self._field.allow_unknown else grid.occupied | (grid.data == UNKNOWN)
         if barred[start_cell]:
             raise NoPath(f"the start {_at(start)} lies in an occupied or unknown cell; a free one is needed")
-        reached = reachable(field, barred, grid.resolution, self._inscribed_radius, motions.rules.reach, *start_cell)
+        reached = reachable(field, barred, grid.resolution, self._inscribed_radius + ROUNDING, motions.rules.reach, *start_cell)
         goals = next(self._goals(grid, reached, motions, goal, goal_cell), ())
         if not goals:
             raise NoPath(self._reason(field, start, goal, goal_cell))
@@ -143,9 +143,10 @@ class OmplPlanner(GlobalPlanner):
                 yield goals
 
     def _reason(self, field: Field, start: Pose, goal: Pose, goal_cell: Cell) -> str:
-        if field[goal_cell] <= self._inscribed_radius:
-            return f"the goal {_at(goal)} is blocked, no way leads within {self._tolerance} m of it (inscribed radius {self._inscribed_radius:.3f} m)"
-        return f"no way leads from {_at(start)} to {_at(goal)} (inscribed radius {self._inscribed_radius:.3f} m)"
+        body = f"(inscribed radius {self._inscribed_radius:.3f} m)"
+        if field[goal_cell] <= self._inscribed_radius + ROUNDING:
+            return f"the goal {_at(goal)} is blocked, no way leads within {self._tolerance} m of it {body}"
+        return f"no way leads from {_at(start)} to {_at(goal)} {body}"
 
     def _path(self, grid: OccupancyGrid, poses: Poses) -> Path:
         """Return poses of the grid's frame in ``map``; straight lines head for the next pose, the last as the one before."""
@@ -157,12 +158,16 @@ class OmplPlanner(GlobalPlanner):
         return Path(np.column_stack((grid.positions(poses[:, 1::-1] / grid.resolution - 0.5), headings)))
 
 
-def _steering(robot: Robot, car: Car) -> tuple[int, float]:
-    """Return which curves the robot drives, and their turning radius, m."""
+def _steering(robot: Robot, car: Car, algorithm: Algorithm) -> tuple[int, float]:
+    """Return which curves the robot drives, and their turning radius, m; raise ConfigurationError if it cannot drive these."""
     if robot.kinematics != "ackermann":
         return STRAIGHT, 1.0
     if car.curves == "reeds_shepp" and robot.limits.vx_min >= 0.0:
         raise ConfigurationError(f"ompl: car.curves is reeds_shepp; allowed: dubins, for {robot.name} cannot drive backwards")
+    barred = NOT_FOR_DUBINS if car.curves == "dubins" else NOT_FOR_CARS
+    if algorithm in barred:
+        allowed = ", ".join(name for name in get_args(Algorithm) if name not in barred)
+        raise ConfigurationError(f"ompl: algorithm is {algorithm}; allowed for an Ackermann robot on {car.curves} curves: {allowed}")
     return DUBINS if car.curves == "dubins" else REEDS_SHEPP, car.turning_slack * robot.wheelbase / math.tan(robot.steering_max)
 
 

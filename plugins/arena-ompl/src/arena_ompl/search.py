@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -65,7 +66,14 @@ def find_path(motions: Motions, query: Query, effort: Effort, seed: int) -> Pose
         planner.solve(end)
         if not problem.hasExactSolution():
             return None
-        return np.array([read(state) for state in problem.getSolutionPath().getStates()])
+        path = np.array([read(state) for state in problem.getSolutionPath().getStates()])
+        return path if _holds(motions, path) else None
+
+
+def _holds(motions: Motions, path: Poses) -> bool:
+    """Tell whether every motion of a path is free: a tree that grew from the goal may have been checked the wrong way round."""
+    states = path.tolist()
+    return all(motions.can_move(*first, *second) for first, second in pairwise(states))
 
 
 def _needs_no_search(motions: Motions, start: XYTheta, goal: XYTheta, algorithm: Algorithm) -> bool:
@@ -185,7 +193,8 @@ def _way_on_roadmap(planner: Any, information: Any, end: Any, read: Read, motion
     goals = {roadmap.getGoalIndex(i) for i in range(roadmap.numGoalVertices())}
     start = roadmap.getStartIndex(0)
     chain = _cheapest_chain(start, goals, lambda i: [(j, motions.cost(*states[i], *states[j])) for j in roadmap.getEdges(i)])
-    return None if chain is None else np.array([states[i] for i in chain])
+    path = None if chain is None else np.array([states[i] for i in chain])
+    return path if path is not None and _holds(motions, path) else None
 
 
 def _cheapest_chain(start: int, goals: set[int], edges: Callable[[int], list[tuple[int, float]]]) -> list[int] | None:
