@@ -14,7 +14,8 @@ from arena_orca.free_space import put_walls
 from arena_orca.gears import Gears
 from arena_orca.half_planes import lack
 from arena_orca.motion import centre_velocity, command_for, put_reach
-from arena_orca.parameters import ACKERMANN, DIFFERENTIAL, OMNIDIRECTIONAL, Body, Limits, StaticRules
+from arena_orca.parameters import ACKERMANN, DIFFERENTIAL, OMNIDIRECTIONAL, Body, DriveRules, Limits, PersonRules, Settings, StaticRules
+from arena_orca.step import stoppable_command
 
 AHEAD = 0.1
 LIMITS = Limits(-0.5, 1.0, 0.8, 2.0, 2.5, 2.5, 5.0, 0.5)
@@ -68,7 +69,7 @@ def test_wished_velocity_that_is_within_reach_is_driven():
 
 
 @settings(derandomize=True, deadline=None, max_examples=60)
-@given(st.lists(st.tuples(st.integers(0, 119), st.integers(0, 119)), max_size=60), SHARE, SHARE)
+@given(st.lists(st.tuples(st.integers(40, 79), st.integers(40, 79)), min_size=5, max_size=30), SHARE, SHARE)
 def test_velocities_that_walls_allow_keep_the_robot_clear_for_the_horizon(cells, x, y):
     lethal = np.zeros((120, 120), np.bool_)
     for row, column in cells:
@@ -105,6 +106,20 @@ def test_gap_to_a_walking_person_is_that_of_the_nearest_moment():
     assert least_gap(person, DISC, LIMITS, stand, rest, rest, (0.1, 0.3), 1.0) == pytest.approx(1.0 - 0.5 - 0.3)
     box = outline_of(np.array(((0.2, 0.1), (-0.2, 0.1), (-0.2, -0.1), (0.2, -0.1))), math.hypot(0.2, 0.1), 0.1, 0.01)
     assert least_gap(person, box, LIMITS, stand, rest, rest, (0.1, 0.3), 1.0) == pytest.approx(1.0 - 0.5 - 0.3, abs=0.001)
+
+
+def test_velocity_that_could_not_be_braked_before_a_person_is_driven_more_slowly():
+    settings_ = Settings(
+        body_of(OMNIDIRECTIONAL),
+        LIMITS._replace(vx_max=2.0),
+        PersonRules(3.0, 1.0, 0.1, 0.5, 10),
+        StaticRules(0.5, 0.02, 0.02, 0.5),
+        DriveRules(0.5, 1.0, 0.4, 0.5, 0.1),
+    )
+    stand, twist, best = (0.0, 0.0, 1.0, 0.0), (1.0, 0.0, 0.0), (1.5, 0.0)
+    far, near = np.array(((5.0, 0.0, 0.0, 0.0, 0.3),)), np.array(((0.85, 0.0, 0.0, 0.0, 0.3),))
+    assert stoppable_command(OPEN, DISC, far, settings_, stand, twist, best)[1] > 1.0
+    assert stoppable_command(OPEN, DISC, near, settings_, stand, twist, best)[1] < 1.0
 
 
 def test_car_backs_up_until_it_has_room_and_other_robots_never_change_gear():

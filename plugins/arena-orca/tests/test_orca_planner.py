@@ -124,6 +124,8 @@ def test_chosen_command_can_always_be_braked_before_a_collision(name, build, rob
         if body.kinematics == "ackermann" and step >= 10:
             now[2] = 0.0 if before == 0.0 else bent * now[0] / before
         bent = now[2]
+        if step >= 10 and not now.any():
+            break
         pose = moved(pose, Twist.of(now), 0.01)
         if started_clear:
             assert least_distance(window, body, pose) > 0.0
