@@ -11,9 +11,7 @@ from arena_core.testing import check, component
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "planners.md"
 KINEMATICS = ("differential", "omnidirectional", "ackermann")
-STANDS = {
-    ("dwa_as_released", "robotino"): "at the 10 Hz of this test it reaches none of its least speeds from rest; its own 5 Hz let it turn"
-}
+STANDS = {("dwa_as_released", "robotino"): "at 10 Hz, unlike at its own 5 Hz, it reaches none of its least speeds from rest"}
 
 
 @cache

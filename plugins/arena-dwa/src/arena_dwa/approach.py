@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections import deque
 
 import numpy as np
-from numba import njit
 
 from arena_core import Costmap
 from arena_dwa.parameters import Approach, Body, FieldArray
 from arena_dwa.trajectory import Stand, arc, moved
+from arena_kernels.compiled import compiled
 from arena_kernels.window import Window, clearance
 
 STEPS = 10  # that an arc is looked at, evenly over the critic's time
 
 
-@njit(cache=True)
+@compiled
 def closing_speed(before: FieldArray, now: FieldArray, down: int, left: int, lapse: float, least: float, greatest: float) -> FieldArray:
     """Return how fast the nearest obstacle comes nearer to each place of the window, m/s, (H, W).
 
@@ -32,7 +32,7 @@ def closing_speed(before: FieldArray, now: FieldArray, down: int, left: int, lap
     return speeds
 
 
-@njit(cache=True)
+@compiled
 def approach_cost(
     window: Window, body: Body, speeds: FieldArray, approach: Approach, start: Stand, sample: tuple[float, float, float]
 ) -> float:
@@ -57,7 +57,7 @@ def approach_cost(
     return total / STEPS
 
 
-@njit(cache=True)
+@compiled
 def lack(gap: float, margin: float) -> float:
     """Return the square of the share of ``margin`` that ``gap`` falls short of it."""
     return max(0.0, 1.0 - gap / margin) ** 2

@@ -5,17 +5,17 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from arena_dwa.parameters import Body, FieldArray, FloatArray, MapGrids, Scales
+from arena_kernels.compiled import compiled
 from arena_kernels.window import Window
 
 UNSEEN = -1
 WALL = -2
 
 
-@njit(cache=True)
+@compiled
 def nearest_index(path: FloatArray, x: float, y: float) -> int:
     """Return the row of ``path`` (M, 3) nearest to (x, y)."""
     best, best_squared = 0, np.inf
@@ -26,7 +26,7 @@ def nearest_index(path: FloatArray, x: float, y: float) -> int:
     return best
 
 
-@njit(cache=True)
+@compiled
 def bordered_index(window: Window, x: float, y: float) -> int:
     """Return the index of a position in the window's flat grid with a border of one cell; -1 outside the window."""
     rows, columns = window.distance.shape
@@ -37,7 +37,7 @@ def bordered_index(window: Window, x: float, y: float) -> int:
     return (row + 1) * (columns + 2) + column + 1  # type: ignore[no-any-return]
 
 
-@njit(cache=True)
+@compiled
 def clamped_index(window: Window, x: float, y: float) -> int:
     """Return the index of the window's cell nearest to a position, in the flat grid with its border."""
     rows, columns = window.distance.shape
@@ -47,7 +47,7 @@ def clamped_index(window: Window, x: float, y: float) -> int:
     return bordered_index(window, inside_x, inside_y)
 
 
-@njit(cache=True)
+@compiled
 def path_cells(path: FloatArray, window: Window, x: float, y: float) -> tuple[NDArray[np.int64], bool]:
     """Return the cells that the path covers from abreast of (x, y) until it first leaves the window, and whether it ends inside."""
     first = nearest_index(path, x, y)
@@ -67,7 +67,7 @@ def path_cells(path: FloatArray, window: Window, x: float, y: float) -> tuple[ND
     return cells[:count], True
 
 
-@njit(cache=True)
+@compiled
 def blocked_cells(window: Window, body: Body, x: float, y: float) -> NDArray[np.int32]:
     """Return the flat bordered grid: WALL where the robot's centre cannot be, UNSEEN elsewhere and under the robot itself."""
     rows, columns = window.distance.shape
@@ -88,7 +88,7 @@ def blocked_cells(window: Window, body: Body, x: float, y: float) -> NDArray[np.
     return cells
 
 
-@njit(cache=True)
+@compiled
 def spread(steps: NDArray[np.int32], stride: int, seeds: NDArray[np.int64]) -> int:
     """Number the UNSEEN cells of ``steps`` in place with their steps from the nearest seed and return the first number not used.
 
@@ -117,7 +117,7 @@ def spread(steps: NDArray[np.int32], stride: int, seeds: NDArray[np.int64]) -> i
     return ring
 
 
-@njit(cache=True)
+@compiled
 def open_inside(steps: NDArray[np.int32], stride: int) -> None:
     """Make every cell but the border's UNSEEN."""
     for row in range(1, len(steps) // stride - 1):
@@ -125,7 +125,7 @@ def open_inside(steps: NDArray[np.int32], stride: int) -> None:
             steps[i] = UNSEEN
 
 
-@njit(cache=True)
+@compiled
 def map_grid(blocked: NDArray[np.int32], stride: int, seeds: NDArray[np.int64], robot: int) -> NDArray[np.int32]:
     """Return every cell's steps from the nearest seed round walls; walls and what is cut off count as one step beyond the last.
 
@@ -142,7 +142,7 @@ def map_grid(blocked: NDArray[np.int32], stride: int, seeds: NDArray[np.int64], 
     return steps
 
 
-@njit(cache=True)
+@compiled
 def map_grids(window: Window, body: Body, path: FloatArray, x: float, y: float, forward_point_distance: float) -> MapGrids:
     """Return the grids of a robot at (x, y).
 
@@ -162,7 +162,7 @@ def map_grids(window: Window, body: Body, path: FloatArray, x: float, y: float, 
     return MapGrids(map_grid(blocked, stride, cells, robot), goal, goal_front)
 
 
-@njit(cache=True)
+@compiled
 def cost_fields(grids: MapGrids, window: Window, scales: Scales, aligning: bool) -> tuple[FieldArray, FieldArray]:
     """Return what the robot's place and the place of its front cost, (H, W) each: path and goal, alignment and goal-front critics.
 
@@ -182,7 +182,7 @@ def cost_fields(grids: MapGrids, window: Window, scales: Scales, aligning: bool)
     return place, front
 
 
-@njit(cache=True)
+@compiled
 def interpolated(field: FieldArray, window: Window, x: float, y: float) -> float:
     """Return a field's value at a position, between the centres of the four cells around it; beyond the edge the edge's."""
     rows, columns = field.shape

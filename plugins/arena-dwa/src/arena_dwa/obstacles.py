@@ -4,22 +4,21 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
 from arena_dwa.parameters import Body, Limits, RollOut
 from arena_dwa.trajectory import Stand, arc, moved
+from arena_kernels.compiled import compiled
 from arena_kernels.window import Window, clearance
 
 REJECTED = -1.0
 
 
-@njit(cache=True)
+@compiled
 def cell_cost(window: Window, x: float, y: float) -> float:
     """Return the cost of the cell at a position inside the window."""
     return float(window.costs[int((y - window.origin_y) / window.resolution), int((x - window.origin_x) / window.resolution)])
 
 
-@njit(cache=True)
+@compiled
 def outline_growth(body: Body, limits: Limits, speed: float) -> float:
     """Return how far the outline is widened at ``speed``, m: ROS's scaling_speed and max_scaling_factor."""
     if speed <= body.scaling_speed or limits.trans_max <= body.scaling_speed:
@@ -27,21 +26,21 @@ def outline_growth(body: Body, limits: Limits, speed: float) -> float:
     return body.outline.inscribed_radius * body.max_scaling_factor * (speed - body.scaling_speed) / (limits.trans_max - body.scaling_speed)
 
 
-@njit(cache=True)
+@compiled
 def stopping_time(vx: float, vy: float, wz: float, limits: Limits) -> float:
     """Return how long the robot brakes from a velocity, s."""
     time = max(abs(vx) / limits.ax_max, abs(wz) / limits.alpha_max)
     return max(time, abs(vy) / limits.ay_max) if limits.ay_max > 0.0 else time
 
 
-@njit(cache=True)
+@compiled
 def least_gap(window: Window, body: Body, start_clearance: float) -> float:
     """Return how near an obstacle may be, m: the padding, or somewhat less than now where the robot already stands nearer."""
     nearer = 0.5 * start_clearance if start_clearance > 0.0 else start_clearance - 0.5 * window.resolution
     return min(body.padding, nearer)
 
 
-@njit(cache=True)
+@compiled
 def obstacle_cost(
     window: Window,
     body: Body,

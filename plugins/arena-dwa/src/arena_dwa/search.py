@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from arena_dwa.approach import approach_cost
@@ -15,10 +14,11 @@ from arena_dwa.oscillation import oscillates
 from arena_dwa.parameters import FieldArray, FloatArray, MapGrids, Settings
 from arena_dwa.trajectory import arc, moved, stand_at
 from arena_dwa.window import axis_samples, driven, turn_samples
+from arena_kernels.compiled import compiled
 from arena_kernels.window import Window, clearance
 
 
-@njit(cache=True)
+@compiled
 def cheapest_sample(
     window: Window,
     grids: MapGrids,

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
+from arena_kernels.compiled import compiled
 
 Stand = tuple[float, float, float, float]  # x, y (m, map) and cosine and sine of the heading
 
 
-@njit(cache=True)
+@compiled
 def stand_at(x: float, y: float, theta: float) -> Stand:
     """Return a pose with its heading as cosine and sine."""
     return x, y, math.cos(theta), math.sin(theta)
 
 
-@njit(cache=True)
+@compiled
 def arc(vx: float, vy: float, wz: float, time: float) -> Stand:
     """Return the pose after ``time`` s at constant velocity, seen from where it began (Fox, Burgard, Thrun 1997, eq. 10-12)."""
     turn = wz * time
@@ -25,7 +25,7 @@ def arc(vx: float, vy: float, wz: float, time: float) -> Stand:
     return (vx * s - vy * (1.0 - c)) / wz, (vx * (1.0 - c) + vy * s) / wz, c, s
 
 
-@njit(cache=True)
+@compiled
 def moved(stand: Stand, step: Stand) -> Stand:
     """Return the pose that ``step``, seen from ``stand``, has in the frame of ``stand``."""
     x, y, c, s = stand

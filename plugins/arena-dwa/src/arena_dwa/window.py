@@ -5,22 +5,22 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from arena_dwa.parameters import FloatArray, Limits
+from arena_kernels.compiled import compiled
 
 REST = 1e-9  # speeds below this are none
 TOLERANCE = 1e-4  # speeds this close to a minimum count as fast enough, as in ROS
 
 
-@njit(cache=True)
+@compiled
 def reachable(speed: float, low: float, high: float, acceleration: float, period: float) -> tuple[float, float]:
     """Return the least and greatest speed on one axis after ``period`` s; a speed beyond the limits is led back to them."""
     now = min(max(speed, low), high)
     return max(low, now - acceleration * period), min(high, now + acceleration * period)
 
 
-@njit(cache=True)
+@compiled
 def dynamic_window(twist: FloatArray, limits: Limits, period: float) -> FloatArray:
     """Return the window V_d of Fox, Burgard, Thrun (1997), eq. 14, cut to the limits: (3, 2) lows and highs of vx, vy, wz.
 
@@ -34,7 +34,7 @@ def dynamic_window(twist: FloatArray, limits: Limits, period: float) -> FloatArr
     return window
 
 
-@njit(cache=True)
+@compiled
 def axis_samples(low: float, high: float, count: int) -> FloatArray:
     """Return ``count`` evenly spaced speeds from low to high, and 0 with them where it lies between (1 or 0: the one nearest to rest)."""
     if count < 2 or high - low < REST:
@@ -54,7 +54,7 @@ def axis_samples(low: float, high: float, count: int) -> FloatArray:
     return samples[:n]
 
 
-@njit(cache=True)
+@compiled
 def turn_samples(vx: float, window: FloatArray, limits: Limits, count: int) -> FloatArray:
     """Return the turning speeds to try with ``vx``: those of the window, for an Ackermann robot only what its steering allows."""
     low, high = window[2, 0], window[2, 1]
@@ -64,7 +64,7 @@ def turn_samples(vx: float, window: FloatArray, limits: Limits, count: int) -> F
     return axis_samples(low, high, count)
 
 
-@njit(cache=True)
+@compiled
 def driven(vx: float, vy: float, wz: float, limits: Limits) -> bool:
     """Tell whether a sample is neither too slow nor, along its direction, too fast."""
     speed = math.hypot(vx, vy)

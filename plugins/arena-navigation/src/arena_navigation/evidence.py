@@ -10,10 +10,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from arena_core import Positive
+from arena_kernels.compiled import compiled
 from arena_navigation.marks import NEVER, Beams, Reach, mark, seen_through
 
 
@@ -42,7 +42,7 @@ def weigh(
     _weigh(odds, hit_at, row0, column0, resolution, beams, reach, evidence.hit, evidence.miss, evidence.most, evidence.least)
 
 
-@njit(cache=True)
+@compiled
 def _weigh(
     odds: NDArray[np.float32],
     hit_at: NDArray[np.float32],

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from arena_core import INSCRIBED, LETHAL, UNKNOWN, ConfigurationError, OccupancyGrid
+from arena_kernels.compiled import compiled
 from arena_kernels.distance import grid_distance
 
 NO_INFORMATION = 255
@@ -65,7 +65,7 @@ class InflatedCosts:
         return costs
 
 
-@njit(cache=True)
+@compiled
 def inflate(distance: NDArray[np.float32], resolution: float, table: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """Look up the cost of each distance (H, W), m, in the table of ``Inflation.table``."""
     rows, columns = distance.shape

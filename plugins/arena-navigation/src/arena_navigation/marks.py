@@ -10,10 +10,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from arena_core import LaserScan, Pose
+from arena_kernels.compiled import compiled
 
 NEVER = np.float32(-np.inf)
 
@@ -58,7 +58,7 @@ class Beams(NamedTuple):
         )
 
 
-@njit(cache=True)
+@compiled
 def take_in(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: Beams, reach: Reach) -> None:
     """Forget, clear and mark, in this order, so that what is hit now stays."""
     if reach.forget_after < math.inf:
@@ -67,7 +67,7 @@ def take_in(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: fl
     mark(hit_at, row0, column0, resolution, beams, reach)
 
 
-@njit(cache=True)
+@compiled
 def _forget(hit_at: NDArray[np.float32], oldest: np.float32) -> None:
     for row in range(hit_at.shape[0]):
         for column in range(hit_at.shape[1]):
@@ -75,7 +75,7 @@ def _forget(hit_at: NDArray[np.float32], oldest: np.float32) -> None:
                 hit_at[row, column] = NEVER
 
 
-@njit(cache=True)
+@compiled
 def _clear(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: Beams, reach: Reach) -> None:
     """Clear marks under the robot, and those that a beam passes.
 
@@ -97,7 +97,7 @@ def _clear(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: flo
                 hit_at[row, column] = NEVER
 
 
-@njit(cache=True)
+@compiled
 def seen_through(dx: float, dy: float, radius: float, beams: Beams, clearing: float) -> bool:
     """Tell whether a beam crosses the disc of ``radius`` at (dx, dy) from the sensor and ends behind it."""
     away = math.hypot(dx, dy)
@@ -115,7 +115,7 @@ def seen_through(dx: float, dy: float, radius: float, beams: Beams, clearing: fl
     return False
 
 
-@njit(cache=True)
+@compiled
 def mark(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: Beams, reach: Reach) -> None:
     """Note the stamp in the cell behind every beam's end.
 

@@ -6,8 +6,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from arena_kernels.compiled import compiled
 
 FloatArray = NDArray[np.float64]
 
@@ -33,7 +34,7 @@ class Progress(NamedTuple):
         return Progress(np.zeros(total, np.int64), np.zeros(total), np.full((total, 3), -1.0), np.zeros(total), np.zeros(total))
 
 
-@njit(cache=True)
+@compiled
 def follow(progress: Progress, k: int, path: FloatArray, robot: FloatArray, stamp: float) -> bool:
     """Move robot k's place to the nearest pose not far ahead; return True if the path is a new one."""
     sum_x, sum_y = 0.0, 0.0
@@ -50,7 +51,7 @@ def follow(progress: Progress, k: int, path: FloatArray, robot: FloatArray, stam
     return not same
 
 
-@njit(cache=True)
+@compiled
 def _move_to_nearest(progress: Progress, k: int, path: FloatArray, robot: FloatArray, look_ahead: float) -> None:
     i = progress.place[k]
     nearest = distance(path, i, robot)
@@ -65,13 +66,13 @@ def _move_to_nearest(progress: Progress, k: int, path: FloatArray, robot: FloatA
             progress.place[k], progress.travelled[k] = i, start + way
 
 
-@njit(cache=True)
+@compiled
 def distance(path: FloatArray, i: int, robot: FloatArray) -> float:
     """Return the distance of the robot from pose i, m."""
     return math.hypot(path[i, 0] - robot[0], path[i, 1] - robot[1])
 
 
-@njit(cache=True)
+@compiled
 def in_time(progress: Progress, k: int, path: FloatArray, robot: FloatArray, stamp: float, t_lim: float, min_progress: float) -> bool:
     """Tell whether robot k has come ``min_progress`` m farther along its path, or nearer to it, within ``t_lim`` s.
 
@@ -90,7 +91,7 @@ def in_time(progress: Progress, k: int, path: FloatArray, robot: FloatArray, sta
     return not late
 
 
-@njit(cache=True)
+@compiled
 def _rotated(x: float, y: float, heading: float) -> tuple[float, float]:
     """Return the components of (x, y) along ``heading`` and to its left."""
     c, s = math.cos(heading), math.sin(heading)

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from arena_core import INSCRIBED
+from arena_kernels.compiled import compiled
 
 Cell = tuple[int, int]
 
@@ -104,20 +104,20 @@ def _new_queue(dearest: int) -> _Queue:
     return _Queue(heads, np.empty(4096, np.int32), np.empty(4096, np.int32), np.array((0, 0, 0, -1), np.int64))
 
 
-@njit(cache=True)
+@compiled
 def _estimate(row: int, column: int, anchor: NDArray[np.int64]) -> int:
     """Return the octile distance to the anchor, the least that any way there can cost."""
     rows, columns = abs(row - anchor[0]), abs(column - anchor[1])
     return int(STRAIGHT * max(rows, columns) + (DIAGONAL - STRAIGHT) * min(rows, columns))
 
 
-@njit(cache=True)
+@compiled
 def _level(field: _Field, cell: int, togo: int) -> int:
     """Return the bucket level of the least total cost of a way through ``cell``."""
     return (togo + _estimate(cell // field.width, cell % field.width, field.anchor)) >> _BUCKET_BITS
 
 
-@njit(cache=True)
+@compiled
 def _begin(field: _Field, queue: _Queue, goal: int) -> None:
     """Queue the goal, unless it is blocked."""
     if field.togo[goal] == BLOCKED:
@@ -127,7 +127,7 @@ def _begin(field: _Field, queue: _Queue, goal: int) -> None:
     _push(queue, goal, queue.state[LEVEL])
 
 
-@njit(cache=True)
+@compiled
 def _push(queue: _Queue, cell: int, level: int) -> None:
     state = queue.state
     entry = state[FREE]
@@ -143,7 +143,7 @@ def _push(queue: _Queue, cell: int, level: int) -> None:
     state[LENGTH] += 1
 
 
-@njit(cache=True)
+@compiled
 def _pop(queue: _Queue, bucket: int) -> int:
     state = queue.state
     entry = queue.heads[bucket]
@@ -154,7 +154,7 @@ def _pop(queue: _Queue, bucket: int) -> int:
     return int(queue.cells[entry])
 
 
-@njit(cache=True)
+@compiled
 def _expand(field: _Field, queue: _Queue, target: int) -> bool:
     """Search until ``target`` is settled or nothing is left; return False if the queue has to grow first.
 
@@ -177,7 +177,7 @@ def _expand(field: _Field, queue: _Queue, target: int) -> bool:
     return True
 
 
-@njit(cache=True)
+@compiled
 def _expand_cell(field: _Field, queue: _Queue, cell: int) -> None:
     """Better the values of the cells from which one move leads into ``cell``."""
     width, togo = field.width, field.togo
@@ -199,7 +199,7 @@ def _expand_cell(field: _Field, queue: _Queue, cell: int) -> None:
         _push(queue, neighbour, (value + _estimate(from_row, from_column, field.anchor)) >> _BUCKET_BITS)
 
 
-@njit(cache=True)
+@compiled
 def _descend(field: _Field, start: int) -> NDArray[np.int64]:
     """Follow from ``start`` the neighbours that explain each cell's value, straight on where there is a choice."""
     width, togo = field.width, field.togo

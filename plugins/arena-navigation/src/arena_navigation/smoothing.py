@@ -8,17 +8,17 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from arena_core import INSCRIBED
+from arena_kernels.compiled import compiled
 
 _GROWTH = 1.3  # a longer line is tried this much farther ahead each time
 _SLACK = 1.0 + 1e-9  # a straight line along straight moves costs the same but for rounding
 _PULL, _HOLD = 0.4, 0.2  # of the bend at a point, and of its way back, that it moves by at once: rounds corners over some 0.15 m
 
 
-@njit(cache=True)
+@compiled
 def refine(
     costs: NDArray[np.uint8], weights: NDArray[np.float64], points: NDArray[np.float64], pinned: int, spacing: float, rounds: int
 ) -> NDArray[np.float64]:
@@ -33,7 +33,7 @@ def refine(
     return _smooth(costs, weights, even, pinned, rounds)
 
 
-@njit(cache=True)
+@compiled
 def path_cost(costs: NDArray[np.uint8], weights: NDArray[np.float64], points: NDArray[np.float64]) -> float:
     """Return the cost of the lines through ``points`` (K, 2) from the first free cell on; inf if one of them is blocked."""
     first = 0
@@ -45,7 +45,7 @@ def path_cost(costs: NDArray[np.uint8], weights: NDArray[np.float64], points: ND
     return total
 
 
-@njit(cache=True)
+@compiled
 def line_cost(costs: NDArray[np.uint8], weights: NDArray[np.float64], x0: float, y0: float, x1: float, y1: float) -> float:
     """Return the cost of a straight line, the sum over the cells it crosses of length times weight; inf if one is blocked.
 
@@ -81,7 +81,7 @@ def line_cost(costs: NDArray[np.uint8], weights: NDArray[np.float64], x0: float,
     return total
 
 
-@njit(cache=True)
+@compiled
 def _pull_tight(costs: NDArray[np.uint8], weights: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
     """Keep the points between which a straight line costs no more than the way along all, from each the farthest found."""
     count = len(points)
@@ -98,7 +98,7 @@ def _pull_tight(costs: NDArray[np.uint8], weights: NDArray[np.float64], points: 
     return lines[:number]
 
 
-@njit(cache=True)
+@compiled
 def _farthest(
     costs: NDArray[np.uint8], weights: NDArray[np.float64], points: NDArray[np.float64], along: NDArray[np.float64], start: int
 ) -> int:
@@ -125,7 +125,7 @@ def _farthest(
     return best
 
 
-@njit(cache=True)
+@compiled
 def _as_cheap(
     costs: NDArray[np.uint8], weights: NDArray[np.float64], points: NDArray[np.float64], along: NDArray[np.float64], i: int, j: int
 ) -> bool:
@@ -133,7 +133,7 @@ def _as_cheap(
     return bool(direct <= (along[j] - along[i]) * _SLACK)
 
 
-@njit(cache=True)
+@compiled
 def _resample(lines: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
     """Divide each line evenly, corners included."""
     pieces = np.ones(len(lines), np.int64)
@@ -154,7 +154,7 @@ def _resample(lines: NDArray[np.float64], spacing: float) -> NDArray[np.float64]
     return points
 
 
-@njit(cache=True)
+@compiled
 def _smooth(
     costs: NDArray[np.uint8], weights: NDArray[np.float64], even: NDArray[np.float64], pinned: int, rounds: int
 ) -> NDArray[np.float64]:
@@ -178,6 +178,6 @@ def _smooth(
     return points
 
 
-@njit(cache=True)
+@compiled
 def _differ(a: NDArray[np.float64], b: NDArray[np.float64], i: int) -> bool:
     return bool(a[i, 0] != b[i, 0] or a[i, 1] != b[i, 1])

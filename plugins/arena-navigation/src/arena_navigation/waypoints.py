@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from arena_core import (
@@ -19,6 +18,7 @@ from arena_core import (
     WaypointGenerator,
     Waypoints,
 )
+from arena_kernels.compiled import compiled
 from arena_navigation.path_progress import FloatArray, Progress, distance, follow, in_time
 
 
@@ -77,7 +77,7 @@ def _forget(progress: Progress, slots: NDArray[np.int64], total: int) -> Progres
     return progress
 
 
-@njit(cache=True)
+@compiled
 def _horizon(
     progress: Progress,
     packed: FloatArray,
@@ -99,7 +99,7 @@ def _horizon(
         _copy_pose(path, waypoint, poses, k)
 
 
-@njit(cache=True)
+@compiled
 def _leaves_horizon(path: FloatArray, place: int, robot: FloatArray, d_ahead: float, tolerance: float) -> int:
     """Return the last pose in the band about the horizon before the path first leaves it, the goal if it never does, -1 if none."""
     found = -1
@@ -112,7 +112,7 @@ def _leaves_horizon(path: FloatArray, place: int, robot: FloatArray, d_ahead: fl
     return len(path) - 1
 
 
-@njit(cache=True)
+@compiled
 def _every(
     progress: Progress,
     current: NDArray[np.int64],
@@ -138,7 +138,7 @@ def _every(
         _copy_pose(path, current[k], poses, k)
 
 
-@njit(cache=True)
+@compiled
 def _further(path: FloatArray, start: int, spacing: float) -> int:
     """Return the first pose at least ``spacing`` m of path after ``start``, or the last one."""
     way, i = 0.0, start
@@ -148,7 +148,7 @@ def _further(path: FloatArray, start: int, spacing: float) -> int:
     return i
 
 
-@njit(cache=True)
+@compiled
 def _copy_pose(path: FloatArray, i: int, poses: FloatArray, k: int) -> None:
     for axis in range(3):
         poses[k, axis] = path[i, axis]

@@ -6,10 +6,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from arena_core import OccupancyGrid
+from arena_kernels.compiled import compiled
 from arena_navigation.marks import NEVER
 
 
@@ -39,7 +39,7 @@ class MapLayer(NamedTuple):
         return MapLayer(grid.occupied, float(grid.resolution), corner, rotation, float(window_resolution), samples)
 
 
-@njit(cache=True)
+@compiled
 def shifted(
     hit_at: NDArray[np.float32],
     static: NDArray[np.uint8],
@@ -67,7 +67,7 @@ def shifted(
     return moved_hits, moved_static
 
 
-@njit(cache=True)
+@compiled
 def _on_map(layer: MapLayer, row: int, column: int) -> bool:
     """Tell whether the map is occupied anywhere in a window cell; outside the map nothing is."""
     rows, columns = layer.occupied.shape
@@ -85,7 +85,7 @@ def _on_map(layer: MapLayer, row: int, column: int) -> bool:
     return False
 
 
-@njit(cache=True)
+@compiled
 def blocked_cells(hit_at: NDArray[np.float32], static: NDArray[np.uint8]) -> NDArray[np.bool_]:
     """Return which cells are marked or occupied on the map."""
     rows, columns = hit_at.shape

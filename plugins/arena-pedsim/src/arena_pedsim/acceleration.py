@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_pedsim.compiled import compiled
+from arena_kernels.compiled import compiled
 from arena_pedsim.forces import sight_weight, social_force, wall_force
 from arena_pedsim.giving_way import hold_back
 from arena_pedsim.ground import Ground, clearance_and_gradient

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from arena_kernels.compiled import compiled
 from arena_pedsim.acceleration import accelerate, sum_forces
-from arena_pedsim.compiled import compiled
 from arena_pedsim.giving_way import detour
 from arena_pedsim.ground import Ground, ground_of
 from arena_pedsim.neighbours import CELLS_FROM, near_pairs

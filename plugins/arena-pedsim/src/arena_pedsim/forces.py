@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import atan2, exp, sqrt
 from typing import Any
 
-from arena_pedsim.compiled import compiled
+from arena_kernels.compiled import compiled
 
 NEGLIGIBLE = 7.0  # a gap of this many interaction lengths leaves exp(-7) < 0.1 % of the force
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import sqrt
 from typing import Any
 
-from arena_pedsim.compiled import compiled
+from arena_kernels.compiled import compiled
 from arena_pedsim.ground import Ground, clearance
 
 

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from arena_kernels.compiled import compiled
 from arena_kernels.grids import GridStack
-from arena_pedsim.compiled import compiled
 
 
 class Ground(NamedTuple):

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_pedsim.compiled import compiled
+from arena_kernels.compiled import compiled
 
 CELLS_FROM = 48  # people; below, testing every pair is faster
 _CELLS_A_SIDE = 512  # bounds the memory of the cell table when people are scattered widely

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import OccupancyGrid
+from arena_kernels.compiled import compiled
 from arena_kernels.distance import grid_distance
-from arena_pedsim.compiled import compiled
 
 
 class Rooms(NamedTuple):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_pedsim.compiled import compiled
+from arena_kernels.compiled import compiled
 from arena_pedsim.ground import Ground, clearance, in_cells, in_map
 from arena_pedsim.route_grid import Rooms, RoomStack
 from arena_pedsim.walls import SIGHT, is_visible

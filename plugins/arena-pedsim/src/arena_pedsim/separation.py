@@ -7,7 +7,7 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_pedsim.compiled import compiled
+from arena_kernels.compiled import compiled
 
 
 @compiled

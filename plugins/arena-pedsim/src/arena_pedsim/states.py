@@ -5,7 +5,7 @@ Every kernel asks this module and none compares states itself, so a further stat
 
 from __future__ import annotations
 
-from arena_pedsim.compiled import compiled
+from arena_kernels.compiled import compiled
 
 NONE = 0  # an empty slot
 STANDING = 1  # has no waypoint, or has arrived at its only one

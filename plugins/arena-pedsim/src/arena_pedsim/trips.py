@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_pedsim.compiled import compiled
+from arena_kernels.compiled import compiled
 from arena_pedsim.ground import Ground, clearance, ground_of
 from arena_pedsim.people import NEXT_WAYPOINT, NOTHING
 from arena_pedsim.route_grid import Rooms, rooms_of

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from arena_kernels.compiled import compiled
 from arena_pedsim.acceleration import clipped
-from arena_pedsim.compiled import compiled
 from arena_pedsim.giving_way import keeps_off
 from arena_pedsim.ground import Ground
 from arena_pedsim.separation import push_apart

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import sqrt
 
-from arena_pedsim.compiled import compiled
+from arena_kernels.compiled import compiled
 from arena_pedsim.ground import Ground, clearance, clearance_and_gradient
 
 STRIDE = 0.5  # longest single move, in radii: a centre cannot cross a wall that the body does not fit through

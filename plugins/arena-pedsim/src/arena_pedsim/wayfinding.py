@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_pedsim.compiled import compiled
+from arena_kernels.compiled import compiled
 from arena_pedsim.ground import Ground
 from arena_pedsim.people import NEW_ROUTE, NEXT_WAYPOINT, NOTHING
 from arena_pedsim.states import STANDING, WALKING, seeks_waypoint

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from arena_core import OccupancyGrid
+from arena_kernels.compiled import compiled
 from arena_tasks.free_space import FreeSpace
 
 STRAIGHT, DIAGONAL = 5, 7  # integer lengths, 1 % off the square root of two: sums stay exact and comparisons safe
@@ -37,7 +37,7 @@ class _Prices:
         return np.where(clearance >= self.clearance, prices, np.int32(0))
 
 
-@njit(cache=True)
+@compiled
 def _costs(prices: NDArray[np.int32], goal: NDArray[np.int64], start: NDArray[np.int64]) -> NDArray[np.int32]:
     """Return the cost from each cell to the goal, as far as the start needs it; no step cuts a corner.
 
@@ -89,7 +89,7 @@ def _costs(prices: NDArray[np.int32], goal: NDArray[np.int64], start: NDArray[np
     return costs
 
 
-@njit(cache=True)
+@compiled
 def _descend(prices: NDArray[np.int32], costs: NDArray[np.int32], start: NDArray[np.int64]) -> NDArray[np.int64]:
     """Follow the costs from the start to the goal; (M, 2) rows and columns, none when the start was not reached."""
     rows, columns = costs.shape
