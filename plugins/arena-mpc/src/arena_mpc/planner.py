@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -37,7 +38,7 @@ class Counts:
 class MpcPlanner(Planner):
     """Optimises a plan to a local goal on the path at every control step and drives its beginning."""
 
-    compiles = True
+    compiles: ClassVar[bool] = True
 
     def __init__(
         self,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import ClassVar
 
 import numpy as np
 
@@ -35,6 +36,8 @@ OUTLINE_SPACING = 0.05  # m, the side of a usual costmap cell: no cell slips bet
 
 class OrcaPlanner(Planner):
     """Drives the velocity nearest to the path's that every tracked person and every wall nearby leaves free for a while."""
+
+    compiles: ClassVar[bool] = True
 
     def __init__(self, robot: Robot, speeds: Speeds, people: People, statics: Statics, driving: Driving) -> None:
         if robot.kinematics not in KINEMATICS:

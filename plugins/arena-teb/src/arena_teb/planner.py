@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import ClassVar
 
 import numpy as np
 
@@ -25,6 +26,8 @@ HEADING_OVER = 0.3  # m at the end of the local plan over which its direction is
 
 class TebPlanner(Planner):
     """Optimises bands of several topologies from where the robot is to a local goal and drives the cheapest that it fits."""
+
+    compiles: ClassVar[bool] = True
 
     def __init__(
         self,
