@@ -8,7 +8,7 @@ from arena_kernels.distance import distance_field
 from arena_kernels.window import LETHAL, Window, clearance, distance_at, outline_of, points_along, without_discs
 
 BOX = np.array([[0.21, -0.165], [0.21, 0.165], [-0.21, 0.165], [-0.21, -0.165]])
-PLACES = st.floats(-1.9, 1.9)
+PLACES = st.floats(-1.7, 1.7)  # the whole outline lies in the window of 4 m
 
 
 def window_with(*cells, side=80, resolution=0.05):

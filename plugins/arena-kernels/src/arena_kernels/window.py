@@ -110,7 +110,7 @@ def distance_at(window: Window, x: float, y: float) -> float:
 
 @borrowing
 def clearance(window: Window, outline: Outline, x: float, y: float, cosine: float, sine: float, enough: float) -> float:
-    """Return how far an outline at a pose is from the nearest lethal cell, m, negative in collision, -inf outside the window.
+    """Return how far an outline at a pose is from the nearest lethal cell, m, negative in collision, -inf with its middle outside.
 
     Beyond ``enough`` a lower bound will do, which spares the look along a polygon's edges.
     """
