@@ -24,6 +24,17 @@ def test_every_job_of_a_multirun_has_a_folder_of_its_own(arena):
         assert Path(f"sweep/{job}/.hydra/config.yaml").exists()
 
 
+def test_an_experiment_can_be_a_sweep_whose_axes_the_command_line_replaces(arena):
+    words = [word for word in SWEEP if word not in ("-m", "robot=jackal", "task.pedestrians=0")]
+    answer = arena("run", "experiment=classic", *words, "task.pedestrians=0,1")
+    assert (answer.status, answer.errors) == (0, [])
+    cells = [provenance(k)["config"] for k in range(6)]
+    assert [(c["robot"]["name"], c["task"]["pedestrians"]) for c in cells] == [
+        (robot, people) for robot in ("turtlebot3", "jackal", "robotino") for people in (0, 1)
+    ]
+    assert not Path("sweep/6").exists()
+
+
 def test_all_episodes_of_a_multirun_go_through_one_executor(third_party, arena):
     third_party.package("counting", COUNTING, {"executor/counting": "name: counting\n"})
     answer = arena("run", *SWEEP, "executor=counting", "planner.gain=1,2,3", "episodes=2")
