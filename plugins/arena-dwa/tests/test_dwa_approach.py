@@ -5,6 +5,7 @@ from arena_core import Costmap, Pose, Twist
 from arena_dwa.approach import ClosingSpeeds, approach_cost, lack
 from arena_dwa.parameters import Approach, Body
 from arena_dwa.trajectory import stand_at
+from arena_kernels.distance import distance_field
 from arena_kernels.window import Window, outline_of
 
 DISC = Body(outline_of(None, 0.113, 0.113, 0.05), 0.03, 0.25, 0.2)
@@ -40,6 +41,16 @@ def test_moved_window_is_compared_place_by_place(costmap):
     memory.update(0.0, part)
     moved_on = Costmap(whole.costs[10:110, 5:105], whole.distance[10:110, 5:105], 0.05, whole.origin_xy + 0.05 * np.array((5, 10)))
     assert not memory.update(0.5, moved_on).any()
+
+
+def test_wall_that_comes_into_the_window_does_not_come_at_the_robot():
+    memory = ClosingSpeeds(0.9, 0.1, 1.0)
+    for k in range(5):
+        blocked = np.zeros((100, 100), bool)
+        blocked[:, 102 - k :] = True  # in the window from the fourth step on
+        distance = distance_field(blocked, 0.05)
+        costmap = Costmap(np.where(blocked, 254, 0).astype(np.uint8), distance, 0.05, np.array((0.05 * k, 0.0)))
+        assert not memory.update(0.1 * k, costmap).any()
 
 
 def test_only_the_lapse_is_looked_back(costmap):

@@ -16,18 +16,24 @@ STEPS = 10  # that an arc is looked at, evenly over the critic's time
 
 
 @compiled
-def closing_speed(before: FieldArray, now: FieldArray, down: int, left: int, lapse: float, least: float, greatest: float) -> FieldArray:
+def closing_speed(
+    before: FieldArray, now: FieldArray, resolution: float, down: int, left: int, lapse: float, least: float, greatest: float
+) -> FieldArray:
     """Return how fast the nearest obstacle comes nearer to each place of the window, m/s, (H, W).
 
-    ``before`` is the distance field ``lapse`` s ago, whose corner lies (down, left) cells away from now's. Speeds below ``least``
-    are noise and count as 0, as does what was not in the window; speeds above ``greatest`` are what has just come into view.
+    ``before`` is the distance field ``lapse`` s ago, whose corner lies (down, left) cells away from now's; ``resolution`` in m. Speeds
+    below ``least`` are noise and count as 0, as does an obstacle where the window did not reach before: a wall that comes into the window
+    does not come at the robot. Speeds above ``greatest`` are what has just come into view.
     """
     rows, columns = now.shape
+    last_row, last_column = before.shape[0] - 1, before.shape[1] - 1
     speeds = np.zeros((rows, columns), np.float32)
     for row in range(max(0, -down), min(rows, before.shape[0] - down)):
         for column in range(max(0, -left), min(columns, before.shape[1] - left)):
-            speed = (before[row + down, column + left] - now[row, column]) / lapse
-            if least <= speed:
+            r, c = row + down, column + left
+            outside = (min(min(r, last_row - r), min(c, last_column - c)) + 1) * resolution  # to the nearest cell beyond the window
+            speed = (before[r, c] - now[row, column]) / lapse
+            if least <= speed and now[row, column] < outside:
                 speeds[row, column] = min(speed, greatest)
     return speeds
 
@@ -85,4 +91,4 @@ class ClosingSpeeds:
         if stamp - began <= 0.0 or before.resolution != costmap.resolution:
             return np.zeros(costmap.distance.shape, np.float32)
         left, down = np.rint((costmap.origin_xy - before.origin_xy) / costmap.resolution).astype(int).tolist()
-        return closing_speed(before.distance, costmap.distance, down, left, stamp - began, self._least, self._greatest)
+        return closing_speed(before.distance, costmap.distance, costmap.resolution, down, left, stamp - began, self._least, self._greatest)
