@@ -127,6 +127,8 @@ class DwaPlanner(Planner):
     def compute_velocity(self, observation: Observation) -> Twist:
         """Return the cheapest admissible velocity of the window; raise NoValidCommand when every one is rejected."""
         window, state, path = _window(observation), _state(observation), observation.path.poses
+        if len(path) == 0:
+            raise NoValidCommand("dwa: the path is empty")
         settings = self._settings
         grids = map_grids(window, settings.body, path, state[0], state[1], settings.scales.forward_point_distance)
         speeds = self._closing.update(observation.stamp, observation.local_map)
