@@ -70,7 +70,7 @@ def test_every_other_planner_is_compared_under_its_own_condition(run_folder, tmp
 def test_scenarios_that_only_one_drove_are_no_pairs(run_folder, tmp_path):
     run_folder(tmp_path / "a", planner="dwa", episodes=6)
     run_folder(tmp_path / "b", planner="teb", episodes=4, errors=(1,))
-    assert table_of(tmp_path).rows[0][2].endswith("(3)")
+    assert table_of(tmp_path).rows[0][1].endswith("(3)")
 
 
 def test_without_a_rival_there_is_no_table(run_folder, tmp_path):

@@ -27,11 +27,12 @@ def paired_table(summary: Summary, baseline: str | None = None) -> Table | None:
     places = [decimals(row[i] for row in found) for i in range(len(columns))]
     names = [[summary.cells.condition(cell), f"{summary.cells.planner(cell)} − {summary.cells.planner(base)}"] for cell, base in compared]
     texts = [[_text(e, column, p) for e, column, p in zip(row, columns, places, strict=True)] for row in found]
-    head = ["condition", "difference", *(column_title(column) for column in columns)]
+    first = 0 if any(condition for condition, _ in names) else 1  # a single condition needs no column
+    head = [*["condition", "difference"][first:], *(column_title(column) for column in columns)]
     return Table(
         "Differences on the same scenarios: mean [95 % interval] (pairs in which both are defined), * where the interval excludes 0",
         head,
-        [[*name, *row] for name, row in zip(names, texts, strict=True)],
+        [[*name[first:], *row] for name, row in zip(names, texts, strict=True)],
     )
 
 
