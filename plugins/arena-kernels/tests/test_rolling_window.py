@@ -30,9 +30,7 @@ def test_outside_the_window_nothing_is_free_and_an_empty_one_is_free_for_ever():
 
 
 @settings(derandomize=True, deadline=None)
-@given(
-    st.floats(-1.9, 1.9), st.floats(-1.9, 1.9), st.floats(-math.pi, math.pi), st.lists(st.tuples(st.integers(0, 79), st.integers(0, 79)))
-)
+@given(PLACES, PLACES, st.floats(-math.pi, math.pi), st.lists(st.tuples(st.integers(0, 79), st.integers(0, 79))))
 def test_clearance_of_a_polygon_is_the_least_over_its_outline_and_middle(x, y, theta, cells):
     window, outline = window_with(*cells), outline_of(BOX, math.hypot(0.21, 0.165), 0.165, 0.05)
     c, s = math.cos(theta), math.sin(theta)
