@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from hashlib import blake2b
 from pathlib import Path
-from tempfile import mkstemp
+from secrets import token_hex
 from typing import IO, Any
 
 import numpy as np
@@ -111,18 +110,16 @@ def write_whole(path: Path, write: Callable[[IO[bytes]], object]) -> None:
 
     Raises RunFolderError with the file and the reason (no space left, not writable).
     """
-    temporary = ""
+    temporary = path.parent / f".{path.name}.{token_hex(4)}"  # named before it is made: Ctrl-C may come right after
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        handle, temporary = mkstemp(prefix=f".{path.name}.", dir=path.parent)
-        with os.fdopen(handle, "wb") as file:
+        with temporary.open("xb") as file:
             write(file)
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
+        temporary.chmod(0o644)
+        temporary.replace(path)
     except BaseException as error:
-        if temporary:
-            with suppress(OSError):
-                os.unlink(temporary)
+        with suppress(OSError):
+            temporary.unlink()
         if isinstance(error, OSError):
             raise RunFolderError(f"cannot write {path}: {error.strerror or error}") from error
         raise

@@ -2,6 +2,7 @@ import errno
 import json
 import os
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,7 +11,16 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
 from arena_core import EpisodeRecord, InputFileError, OccupancyGrid, Pose, RunFolderError, recording
-from arena_core.recording import Recorder, find_runs, read_record, write_grid, write_record, write_text_whole, write_whole
+from arena_core.recording import (
+    Recorder,
+    find_runs,
+    read_record,
+    write_bytes_whole,
+    write_grid,
+    write_record,
+    write_text_whole,
+    write_whole,
+)
 from arena_core.testing import record, robot, room, scenario, sensors
 
 
@@ -198,3 +208,16 @@ def test_runs_are_found_at_and_below_a_folder(tmp_path):
 def test_a_folder_without_a_run_says_what_is_allowed(tmp_path, name):
     with pytest.raises(InputFileError, match="allowed: a folder that `arena run` wrote, or one above it"):
         find_runs(tmp_path / name)
+
+
+def test_ctrl_c_right_after_a_file_was_made_leaves_nothing_behind(tmp_path, monkeypatch):
+    really_open = Path.open
+
+    def open_and_be_interrupted(self, *arguments):
+        really_open(self, *arguments).close()
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Path, "open", open_and_be_interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        write_bytes_whole(tmp_path / "table.csv", b"1")
+    assert list(tmp_path.iterdir()) == []
