@@ -62,6 +62,8 @@ class Benchmark:
         scenario = self.task.scenario(self.settings.seed, episode)
         columns = identification(self.config) | {
             "scenario": scenario.name,
+            "scenario_hash": scenario.content_hash,
+            "stage": scenario.stage,
             "n_pedestrians": len(scenario.pedestrians),
             "episode": episode,
             "seed": self.settings.seed,

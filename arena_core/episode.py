@@ -22,6 +22,8 @@ class Scenario:
 
     ``seed`` and ``name`` key every random stream of the episode. ``goal_radius`` m, ``time_limit`` s. The goal's heading does
     not count for arrival. ``reference_length`` m is that of a known way from start to goal; None where no such way is known.
+    ``speed_share`` of its own speed limits is what the robot may drive, whatever is commanded. ``stage`` is the level of a staged
+    task. ``content_hash`` names the content of the scenario's file or pack; empty where it was drawn.
     """
 
     name: str
@@ -34,6 +36,9 @@ class Scenario:
     goal_radius: float
     time_limit: float
     reference_length: float | None = None
+    speed_share: float = 1.0
+    stage: int | None = None
+    content_hash: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ from arena_core.interfaces import Metric
 from arena_core.recording import read_record, write_text_whole
 
 COLUMNS = (
-    *("config_hash", "planner", "preset", "robot", "simulator", "world", "task", "scenario", "n_pedestrians"),
+    *("config_hash", "planner", "preset", "robot", "simulator", "world", "task", "scenario", "scenario_hash", "stage", "n_pedestrians"),
     *("pedestrian_model", "reaction", "localizer", "timing", "episode", "seed", "outcome", "error"),
 )
 DEFAULT_PACK = "si"

@@ -11,6 +11,7 @@ from typing import Literal
 from arena_core.episode import EpisodeRecord, Outcome, Scenario, WorldState
 from arena_core.geometry import Twist
 from arena_core.interfaces import Simulator
+from arena_core.interrupt import interrupts
 from arena_core.navigator import BRAKE, Decision, Mission, Navigator
 from arena_core.parameters import NonNegative
 from arena_core.recording import Recorder
@@ -66,6 +67,7 @@ def run_episode(
     navigator.reset(_mission(scenario))
     navigator.rehearse(sensors)
     while True:
+        interrupts.check()
         try:
             decision = navigator.decide(sensors)
         except Exception as error:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core.episode import Contact, EpisodeRecord, EpisodeStart, Scenario, WorldState
+from arena_core.errors import ConfigurationError
 from arena_core.geometry import FloatArray, Pose, Twist
 from arena_core.sensing import LaserScan, Observation, Odometry, PoseEstimate, Sensors, Tracks
 from arena_core.world import Costmap, Crowd, OccupancyGrid, Path, World
@@ -139,6 +140,10 @@ class WorldSource(ABC):
     @abstractmethod
     def world(self, seed: int, index: int) -> World:
         """Return the world of scenario ``index``."""
+
+    def at(self, difficulty: float) -> WorldSource:
+        """Return this source with worlds of another difficulty, 0 .. 1; raise ConfigurationError where worlds have none."""
+        raise ConfigurationError(f"difficulty is {difficulty:g}, but this world has none; allowed: a generated world")
 
 
 class TaskMode(ABC):

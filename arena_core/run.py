@@ -21,6 +21,7 @@ from arena_core.configuration import plain
 from arena_core.errors import ArenaError, ConfigurationError, RunFolderError, RunStopped
 from arena_core.evaluate import COLUMNS, evaluate, write_episodes
 from arena_core.interfaces import Job, Metric
+from arena_core.interrupt import interrupts
 from arena_core.progress import Progress
 from arena_core.recording import read_record, write_record, write_text_whole
 from arena_core.registry import Registry, load_registry
@@ -68,8 +69,9 @@ def run_all(requests: Sequence[RunRequest]) -> int:
     by_folder = {str(run.folder): run for run in runs}
     finished = sum(len(run.rows) for run in runs)
     try:
-        with Progress(len(jobs) + finished, finished) as progress:
+        with interrupts.heard(), Progress(len(jobs) + finished, finished) as progress:
             for row in executor.map(work, jobs):
+                interrupts.check()  # before the row is taken: it may be that of an episode that the interrupt broke
                 by_folder[row["folder"]].take({k: v for k, v in row.items() if k != "folder"})
                 progress.add(row)
         _write_all(runs)
@@ -96,10 +98,11 @@ def work(job: Job) -> dict[str, Any]:
     config = json.dumps(job.config, sort_keys=True)
     try:
         benchmark = _benchmark(config)
-        record = benchmark.run(job.episode, Path(job.folder))
-        write_record(Path(job.folder), job.episode, record)
-        _registry().manager.hook.episode_finished(record=record)
-        row = evaluate(record, benchmark.metrics)
+        with interrupts.held():
+            record = benchmark.run(job.episode, Path(job.folder))
+            write_record(Path(job.folder), job.episode, record)
+            _registry().manager.hook.episode_finished(record=record)
+            row = evaluate(record, benchmark.metrics)
     except RunFolderError:
         raise
     except Exception as error:
