@@ -15,10 +15,12 @@ from arena_core.testing.samples import (
     sensors,
     straight_path,
 )
+from arena_core.testing.views import boxes_costmap, tracked, view
 
 __all__ = [
     "CHECKS",
     "CheckCommand",
+    "boxes_costmap",
     "check",
     "component",
     "free_costmap",
@@ -31,4 +33,6 @@ __all__ = [
     "scenario",
     "sensors",
     "straight_path",
+    "tracked",
+    "view",
 ]

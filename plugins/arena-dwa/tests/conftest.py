@@ -2,62 +2,25 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
+from dataclasses import replace
 from importlib.resources import files
 from typing import Any
 
 import numpy as np
 import pytest
 import yaml
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from arena_core import (
-    NO_TRACKS,
-    Costmap,
-    EpisodeStart,
-    Footprint,
-    LaserScan,
-    Lidar,
-    Observation,
-    OdometryModel,
-    Path,
-    Pose,
-    Robot,
-    Twist,
-    VelocityLimits,
-)
+from arena_core import Costmap, EpisodeStart, Footprint, Observation, Pose, Robot, VelocityLimits
+from arena_core.testing import component, view
 from arena_dwa.planner import DwaPlanner
 from arena_kernels.distance import distance_field
 
-LIDAR = Lidar(360, 0.0, 2.0 * math.pi / 360, 0.12, 3.5, 0.1, 0.01, Pose(0.0, 0.0))
-ODOMETRY = OdometryModel(0.02, 0.0, 0.0, 0.0, 0.0)
-REST = Twist(0.0)
-JACKAL_BODY = Footprint.polygon([[0.21, -0.165], [0.21, 0.165], [-0.21, 0.165], [-0.21, -0.165]])
-
-ROBOTS = {
-    "turtlebot3": Robot(
-        "turtlebot3", "differential", Footprint.circle(0.113), VelocityLimits(-0.22, 0.22, 0.0, 2.84, 2.5, 0.0, 3.2), LIDAR, ODOMETRY, 0.1
-    ),
-    "jackal": Robot("jackal", "differential", JACKAL_BODY, VelocityLimits(-2.0, 2.0, 0.0, 4.0, 10.0, 0.0, 20.0), LIDAR, ODOMETRY, 0.1),
-    "robotino": Robot(
-        "robotino", "omnidirectional", Footprint.circle(0.225), VelocityLimits(-2.78, 2.78, 2.78, 1.0, 2.5, 2.5, 3.2), LIDAR, ODOMETRY, 0.1
-    ),
-    "jackal_ackermann": Robot(
-        "jackal_ackermann",
-        "ackermann",
-        Footprint.polygon([[0.341, -0.165], [0.341, 0.165], [-0.079, 0.165], [-0.079, -0.165]]),
-        VelocityLimits(-2.0, 2.0, 0.0, 4.0, 10.0, 0.0, 20.0),
-        LIDAR,
-        ODOMETRY,
-        0.1,
-        0.262,
-        0.5,
-    ),
-    "stranger": Robot(
-        "stranger", "differential", Footprint.circle(0.3), VelocityLimits(-0.2, 0.8, 0.0, 1.5, 0.8, 0.0, 2.0), LIDAR, ODOMETRY, 0.1
-    ),
-}
+ROBOTS: dict[str, Robot] = {name: component("robot", name) for name in ("turtlebot3", "jackal", "robotino", "jackal_ackermann")}
+ROBOTS["stranger"] = replace(
+    ROBOTS["jackal"], name="stranger", footprint=Footprint.circle(0.3), limits=VelocityLimits(-0.2, 0.8, 0.0, 1.5, 0.8, 0.0, 2.0)
+)
 
 
 def preset_values(preset: str, robot: str) -> dict[str, Any]:
@@ -113,13 +76,5 @@ def costmap() -> Callable[..., Costmap]:
 
 @pytest.fixture(scope="session")
 def observe() -> Callable[..., Observation]:
-    """Give a function that makes an observation of a costmap, pose, path rows (x, y), twist and stamp."""
-
-    def _observe(costmap: Costmap, pose: Pose, path_xy: ArrayLike, twist: Twist = REST, stamp: float = 0.0) -> Observation:
-        rows = np.asarray(path_xy, dtype=np.float64)
-        path = Path(np.column_stack((rows, np.zeros(len(rows)))))
-        scan = LaserScan(0.0, 0.0, 0.1, 0.12, 3.5, np.full(4, np.inf, np.float32), Pose(0.0, 0.0))
-        goal = Pose.of(path.poses[-1])
-        return Observation(stamp, pose, np.zeros((3, 3)), twist, scan, goal, goal, path, None, lambda: costmap, lambda: NO_TRACKS)
-
-    return _observe
+    """Give a function that makes an observation of a costmap, pose, path rows (x, y), twist, stamp and tracks."""
+    return view

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from importlib.resources import files
 from typing import Any
@@ -10,42 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from numpy.typing import ArrayLike
 
-from arena_core import (
-    NO_TRACKS,
-    Costmap,
-    EpisodeStart,
-    Footprint,
-    LaserScan,
-    Lidar,
-    Observation,
-    OdometryModel,
-    Path,
-    Pose,
-    Robot,
-    Tracks,
-    Twist,
-    VelocityLimits,
-)
-from arena_kernels.distance import distance_field
+from arena_core import Costmap, EpisodeStart, Observation, Pose, Robot, Tracks
+from arena_core.testing import boxes_costmap, component, tracked, view
 from arena_mpc.parameters import Grid, Limits, Obstacles, SolverSettings, Weights
 from arena_mpc.planner import MpcPlanner
 
-LIDAR = Lidar(360, 0.0, 2.0 * math.pi / 360, 0.12, 3.5, 0.1, 0.01, Pose(0.0, 0.0))
-ODOMETRY = OdometryModel(0.02, 0.0, 0.0, 0.0, 0.0)
-REST = Twist(0.0)
-JACKAL_BODY = Footprint.polygon([[0.21, -0.165], [0.21, 0.165], [-0.21, 0.165], [-0.21, -0.165]])
-CAR_BODY = Footprint.polygon([[0.341, -0.165], [0.341, 0.165], [-0.079, 0.165], [-0.079, -0.165]])
-SMALL = VelocityLimits(-0.22, 0.22, 0.0, 2.84, 2.5, 0.0, 3.2)
-FAST = VelocityLimits(-2.0, 2.0, 0.0, 4.0, 10.0, 0.0, 20.0)
-SIDEWAYS = VelocityLimits(-2.78, 2.78, 2.78, 1.0, 2.5, 2.5, 3.2)
-ROBOTS = {
-    "turtlebot3": Robot("turtlebot3", "differential", Footprint.circle(0.113), SMALL, LIDAR, ODOMETRY, 0.1),
-    "jackal": Robot("jackal", "differential", JACKAL_BODY, FAST, LIDAR, ODOMETRY, 0.1),
-    "robotino": Robot("robotino", "omnidirectional", Footprint.circle(0.225), SIDEWAYS, LIDAR, ODOMETRY, 0.1),
-    "jackal_ackermann": Robot("jackal_ackermann", "ackermann", CAR_BODY, FAST, LIDAR, ODOMETRY, 0.1, 0.262, 0.5),
-}
+ROBOTS: dict[str, Robot] = {name: component("robot", name) for name in ("turtlebot3", "jackal", "robotino", "jackal_ackermann")}
 GROUPS = {"limits": Limits, "grid": Grid, "weights": Weights, "obstacles": Obstacles, "solver": SolverSettings}
 
 
@@ -93,42 +63,17 @@ def planner_of() -> Callable[..., MpcPlanner]:
 
 @pytest.fixture(scope="session")
 def costmap() -> Callable[..., Costmap]:
-    """Give a function that makes a costmap, 6 m wide, the origin in the middle, of boxes (x_min, x_max, y_min, y_max) in m."""
-
-    def _costmap(*boxes: tuple[float, float, float, float], cells: int = 120) -> Costmap:
-        lethal = np.zeros((cells, cells), np.bool_)
-        centres = (np.arange(cells) - 0.5 * (cells - 1)) * 0.05
-        for x_min, x_max, y_min, y_max in boxes:
-            lethal |= ((centres >= y_min) & (centres <= y_max))[:, None] & ((centres >= x_min) & (centres <= x_max))[None, :]
-        costs = np.where(lethal, 254, 0).astype(np.uint8)
-        return Costmap(costs, distance_field(lethal, 0.05), 0.05, np.full(2, -0.025 * cells))
-
-    return _costmap
+    """Give a function that makes a costmap, 6 m wide about the origin, of boxes (x_min, x_max, y_min, y_max) in m."""
+    return boxes_costmap
 
 
 @pytest.fixture(scope="session")
 def people() -> Callable[..., Tracks]:
-    """Give a function that makes tracks of 0.3 m radius from rows (x, y, vx, vy)."""
-
-    def _people(*rows: tuple[float, float, float, float]) -> Tracks:
-        values = np.array(rows, dtype=np.float64).reshape(-1, 4)
-        count = len(values)
-        return Tracks(np.arange(count, dtype=np.int32), values[:, :2], values[:, 2:], np.full(count, 0.3), np.zeros((count, 4, 4)))
-
-    return _people
+    """Give a function that makes tracks of rows (x, y, vx, vy), 0.3 m in radius."""
+    return tracked
 
 
 @pytest.fixture(scope="session")
 def observe() -> Callable[..., Observation]:
-    """Give a function that makes an observation of a costmap, pose, path rows (x, y), twist, tracks and stamp."""
-
-    def _observe(
-        costmap: Costmap, pose: Pose, path_xy: ArrayLike, twist: Twist = REST, tracks: Tracks = NO_TRACKS, stamp: float = 0.0
-    ) -> Observation:
-        rows = np.asarray(path_xy, dtype=np.float64).reshape(-1, 2)
-        path = Path(np.column_stack((rows, np.zeros(len(rows)))))
-        scan = LaserScan(stamp, 0.0, 0.1, 0.12, 3.5, np.full(4, np.nan, np.float32), Pose(0.0, 0.0))
-        goal = Pose.of(path.poses[-1]) if len(rows) else Pose(1.0, 0.0)
-        return Observation(stamp, pose, np.zeros((3, 3)), twist, scan, goal, goal, path, None, lambda: costmap, lambda: tracks)
-
-    return _observe
+    """Give a function that makes an observation of a costmap, pose, path rows (x, y), twist, stamp and tracks."""
+    return view

@@ -23,7 +23,7 @@ def drive(planner, observe, costmap, path, people, walkers=(), steps=200, pose=N
     for k in range(steps):
         rows = [(x + 0.1 * k * vx, y + 0.1 * k * vy, vx, vy) for x, y, vx, vy in walkers]
         try:
-            twist = planner.compute_velocity(observe(window, pose, path, twist, people(*rows), 0.1 * k))
+            twist = planner.compute_velocity(observe(window, pose, path, twist, 0.1 * k, people(*rows)))
         except NoValidCommand:
             twist = Twist(0.0)
         pose = moved(pose, twist)
@@ -51,19 +51,19 @@ def test_every_robot_goes_round_a_person_who_comes_head_on_and_ignores_it(name, 
 
 def test_person_out_of_the_way_changes_nothing(build, observe, costmap, people):
     free = build().compute_velocity(observe(costmap(), Pose(0.0, 0.0), AHEAD, Twist(0.2)))
-    beside = build().compute_velocity(observe(costmap(), Pose(0.0, 0.0), AHEAD, Twist(0.2), people((0.0, 2.0, 0.0, 0.3))))
+    beside = build().compute_velocity(observe(costmap(), Pose(0.0, 0.0), AHEAD, Twist(0.2), tracks=people((0.0, 2.0, 0.0, 0.3))))
     assert beside == free
 
 
 def test_mirrored_scene_gives_the_mirrored_command(build, observe, costmap, people):
-    left = build().compute_velocity(observe(costmap(), Pose(0.0, 0.0), AHEAD, Twist(0.2), people((1.2, 0.1, -0.3, 0.0))))
-    right = build().compute_velocity(observe(costmap(), Pose(0.0, 0.0), AHEAD, Twist(0.2), people((1.2, -0.1, -0.3, 0.0))))
+    left = build().compute_velocity(observe(costmap(), Pose(0.0, 0.0), AHEAD, Twist(0.2), tracks=people((1.2, 0.1, -0.3, 0.0))))
+    right = build().compute_velocity(observe(costmap(), Pose(0.0, 0.0), AHEAD, Twist(0.2), tracks=people((1.2, -0.1, -0.3, 0.0))))
     assert left.wz < -0.05
     assert (left.vx, left.wz) == pytest.approx((right.vx, -right.wz))
 
 
 def test_robot_leaves_less_of_the_avoiding_to_people_who_cooperate(build, observe, costmap, people):
-    view = observe(costmap(), Pose(0.0, 0.0), AHEAD, Twist(0.2), people((1.2, 0.1, -0.3, 0.0)))
+    view = observe(costmap(), Pose(0.0, 0.0), AHEAD, Twist(0.2), tracks=people((1.2, 0.1, -0.3, 0.0)))
     alone = build("turtlebot3", "planner.people.reciprocity=1.0").compute_velocity(view)
     shared = build("turtlebot3", "planner.people.reciprocity=0.5").compute_velocity(view)
     assert alone.vx + 0.05 < shared.vx <= 0.22
@@ -73,7 +73,7 @@ def test_slow_robot_moves_out_of_the_way_of_a_person_who_walks_into_it(build, ob
     planner, pose, twist = build(), Pose(0.0, 0.0, 0.0), Twist(0.0)
     for k in range(60):
         walker = people((1.5 - 0.03 * k, 0.02, -0.3, 0.0))
-        twist = planner.compute_velocity(observe(costmap(), pose, [(0.0, 0.0), (0.05, 0.0)], twist, walker))
+        twist = planner.compute_velocity(observe(costmap(), pose, [(0.0, 0.0), (0.05, 0.0)], twist, tracks=walker))
         pose = moved(pose, twist)
         assert math.hypot(1.5 - 0.03 * k - pose.x, 0.02 - pose.y) > 0.113 + 0.3
 
@@ -160,7 +160,7 @@ def test_empty_path_and_blinded_robot_are_no_crash(build, observe, costmap, peop
 def test_two_hundred_tracks_are_no_trouble(build, observe, costmap, people):
     generator = np.random.default_rng(3)
     rows = np.column_stack((generator.uniform(-3.0, 3.0, (200, 2)), generator.uniform(-0.5, 0.5, (200, 2))))
-    command = build("jackal").compute_velocity(observe(costmap(), Pose(0.0, 0.0), AHEAD, Twist(0.2), people(*rows)))
+    command = build("jackal").compute_velocity(observe(costmap(), Pose(0.0, 0.0), AHEAD, Twist(0.2), tracks=people(*rows)))
     assert math.isfinite(command.vx)
 
 
