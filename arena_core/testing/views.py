@@ -17,7 +17,7 @@ AHEAD = tuple((0.1 * k, 0.0) for k in range(26))  # a straight path along x
 
 def boxes_costmap(*boxes: Box, cells: int = 121, resolution: float = 0.05) -> Costmap:
     """Return a square window about the origin, 6 m wide, whose cells are lethal where their centres lie in a box, else free."""
-    centres: FloatArray = (np.arange(cells) - 0.5 * (cells - 1)) * resolution
+    centres: FloatArray = (np.arange(cells, dtype=np.float64) - 0.5 * (cells - 1)) * resolution
     distance = np.full((cells, cells), np.inf)
     for x_min, x_max, y_min, y_max in boxes:
         across, along = _distance_to(centres, x_min, x_max), _distance_to(centres, y_min, y_max)
