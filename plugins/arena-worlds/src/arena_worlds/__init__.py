@@ -15,6 +15,12 @@ def register_worlds(register: Register) -> None:
 
 
 @hookimpl
+def register_commands(register: Register) -> None:
+    """Offer ``arena world``."""
+    register("world", "arena_worlds.command:WorldCommand")
+
+
+@hookimpl
 def config_package() -> str:
     """Name the configuration package."""
     return "arena_worlds.conf"
