@@ -58,6 +58,7 @@ from arena_core.robot import Lidar, OdometryModel, Robot, VelocityLimits, make_r
 from arena_core.sensing import NO_TRACKS, LaserScan, Observation, Odometry, PoseEstimate, Sensors, Tracks
 from arena_core.streams import generator, stream_key
 from arena_core.world import (
+    ABSENT,
     FREE,
     INSCRIBED,
     LETHAL,
@@ -76,6 +77,7 @@ from arena_core.world import (
 __version__ = "0.1.0"
 
 __all__ = [
+    "ABSENT",
     "FREE",
     "INSCRIBED",
     "LETHAL",

@@ -168,7 +168,11 @@ class RobotBatch:
 
 
 class PedestrianModel(ABC):
-    """How people walk, in N worlds at once; its simulator calls it and keeps bodies apart."""
+    """How people walk, in N worlds at once; its simulator calls it and keeps bodies apart.
+
+    People may leave and come: who is not in the world is at NaN, ABSENT. Who comes back elsewhere is absent for a step at least. The
+    simulator lets nobody appear in the robot's place: who is still absent in the crowd that ``step`` is given has to be put again.
+    """
 
     @abstractmethod
     def reset(self, slots: NDArray[np.int64], scenarios: Sequence[Scenario], total: int) -> Crowd:

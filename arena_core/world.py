@@ -15,6 +15,8 @@ OCCUPIED = 100
 FREE = 0
 UNKNOWN = -1
 
+ABSENT = 0  # the state of a person who is not, not yet or no longer in the world
+
 Derived = TypeVar("Derived")
 
 
@@ -120,7 +122,10 @@ class PedestrianSpec:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pedestrians:
-    """The people of one world at one instant: ids (P,), positions (P, 2) m, velocities (P, 2) m/s, radii (P,) m, states (P,)."""
+    """The people of one world at one instant: ids (P,), positions (P, 2) m, velocities (P, 2) m/s, radii (P,) m, states (P,).
+
+    Who is ABSENT keeps place and id; position and velocity are then NaN.
+    """
 
     ids: NDArray[np.int32]
     positions: FloatArray
@@ -133,6 +138,7 @@ class Pedestrians:
 class Crowd:
     """The people of N worlds in P slots each; slots from ``counts[k]`` on are empty (parked at NaN).
 
+    A person who is not (yet, or any more) in the world keeps slot and id: position and velocity are NaN, the state is ABSENT.
     counts (N,) int32, ids (N, P) int32, positions (N, P, 2) m, velocities (N, P, 2) m/s, radii (N, P) m, states (N, P) int8.
     """
 

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
-from arena_core import EpisodeRecord, InputFileError, OccupancyGrid, Pose, RunFolderError, recording
+from arena_core import ABSENT, EpisodeRecord, InputFileError, OccupancyGrid, Pose, RunFolderError, recording
 from arena_core.recording import (
     Recorder,
     find_runs,
@@ -67,6 +67,16 @@ def test_contacts_paths_and_events_are_kept(tmp_path):
     assert steps["path_offsets"].tolist() == [0, len(steps["path_poses"])]
     assert steps["path_stamps"].tolist() == [0.0]
     assert steps.meta["events"] == [{"stamp": 0.0, "kind": "replan", "detail": "start"}]
+
+
+def test_who_leaves_keeps_the_column_and_is_nowhere():
+    steps = record(steps=31, leaves=True)
+    assert steps["pedestrian_ids"].tolist() == [1]
+    gone = np.arange(31) > 15
+    for name in ("pedestrian_positions", "pedestrian_velocities"):
+        assert np.isnan(steps[name][:, 0]).all(axis=1).tolist() == gone.tolist()
+    assert (steps["pedestrian_states"][:, 0] == ABSENT).tolist() == gone.tolist()
+    assert np.isinf(steps["clearance_people"]).tolist() == gone.tolist()
 
 
 def test_scans_are_kept_only_when_asked_for():

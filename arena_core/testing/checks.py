@@ -207,12 +207,11 @@ def check_simulator(simulator: Simulator, body: Robot) -> Facts:
 
 
 def check_metrics(pack: MetricPack, body: Robot) -> Facts:
-    """Evaluate a small record."""
+    """Evaluate small records: without and with a contact, and of a person who leaves."""
     metrics = pack.metrics()
     yield "names are unique", len({m.name for m in metrics}) == len(metrics)
     yield "every metric has a unit and a description", all(m.unit and m.description for m in metrics)
-    for contact in (False, True):
-        sample = samples.record(contact=contact)
+    for sample in (samples.record(), samples.record(contact=True), samples.record(contact=True, leaves=True)):
         values = [m.compute(sample) for m in metrics]
         yield "every value is a number", all(isinstance(float(v), float) and not math.isinf(v) for v in values)
         again = [m.compute(sample) for m in metrics]

@@ -20,7 +20,7 @@ from arena_core.registry import load_registry
 from arena_core.robot import Kinematics, Lidar, OdometryModel, Robot, VelocityLimits
 from arena_core.sensing import NO_TRACKS, LaserScan, Observation, Odometry, PoseEstimate, Sensors
 from arena_core.streams import generator
-from arena_core.world import LETHAL, Costmap, OccupancyGrid, Path, Pedestrians, PedestrianSpec, World
+from arena_core.world import ABSENT, LETHAL, Costmap, OccupancyGrid, Path, Pedestrians, PedestrianSpec, World
 
 IDEAL = Timing("ideal", 0.0)
 ROOM_SIDE = 10.0  # m
@@ -140,13 +140,13 @@ def person(id: int, x: float, y: float, *waypoints: tuple[float, float], speed: 
     return PedestrianSpec(id, np.array((x, y)), np.array(waypoints, dtype=np.float64).reshape(-1, 2), speed, 0.3)
 
 
-def record(steps: int = 31, contact: bool = False) -> EpisodeRecord:
-    """Return a record of a straight drive at 1 m/s past one standing person, made by the real recorder."""
+def record(steps: int = 31, contact: bool = False, leaves: bool = False) -> EpisodeRecord:
+    """Return a record of a straight drive at 1 m/s past one standing person, who may leave half-way, made by the real recorder."""
     body, problem = robot(), scenario()
     columns = {"planner": "sample", "n_pedestrians": 1, "episode": 0, "seed": 0, "scenario": problem.name}
     meta = {"columns": columns, "world": {}, "config": {}}
     recorder = Recorder(problem, body, meta, keep_scans=False)
-    states = [_state(k, contact and k == steps // 2) for k in range(steps)]
+    states = [_state(k, contact and k == steps // 2, leaves and k > steps // 2) for k in range(steps)]
     for k, state in enumerate(states[:-1]):
         estimate = PoseEstimate(state.pose, np.zeros((3, 3)))
         path = straight_path(problem.start, problem.goal) if k == 0 else None
@@ -177,11 +177,11 @@ def episode_start(body: Robot, known: bool = True) -> EpisodeStart:
     return EpisodeStart(room() if known else None, Pose(3.0, 0.0), body.control_period, generator(0, "sample/0", "planner"))
 
 
-def _state(k: int, contact: bool) -> WorldState:
+def _state(k: int, contact: bool, absent: bool) -> WorldState:
     ids: NDArray[np.int32] = np.array((1,), np.int32)
-    position: FloatArray = np.array(((0.0, 1.0),))
-    people = Pedestrians(ids, position, np.zeros((1, 2)), np.array((0.3,)), np.zeros(1, np.int8))
+    position: FloatArray = np.array(((np.nan, np.nan) if absent else (0.0, 1.0),))
+    people = Pedestrians(ids, position, 0.0 * position, np.array((0.3,)), np.array((ABSENT if absent else 1,), np.int8))
     pose = Pose(-1.5 + 0.1 * k, 0.0, 0.0)
-    clearance = math.hypot(pose.x, 1.0) - 0.5
+    clearance = math.inf if absent else math.hypot(pose.x, 1.0) - 0.5
     contacts = (Contact(0.1 * k, "person", 1, 1.0, True, pose.x, 0.0),) if contact else ()
     return WorldState(0.1 * k, pose, Twist(1.0), people, clearance, clearance, contact, 0.1 if contact else 0.0, contacts)

@@ -106,6 +106,12 @@ def test_sensor_inside_a_disc_reads_zero():
     assert not ranges.any()
 
 
+def test_a_disc_that_is_nowhere_is_not_seen():
+    ranges = np.full(90, np.inf, np.float32)
+    cast_disc(0.0, 0.0, 0.0, ROUND, np.nan, np.nan, 0.3, ranges)
+    assert np.isinf(ranges).all()
+
+
 @given(seeds)
 @settings(derandomize=True, deadline=None)
 def test_segments_shorten_exactly_the_beams_that_cross_them(seed):

@@ -148,6 +148,21 @@ def test_report_writes_tables_figures_and_a_page_without_external_requests(run_f
     assert f"report: {tmp_path / 'report' / 'index.html'}" in capsys.readouterr().out
 
 
+def test_people_who_are_not_in_the_world_are_not_drawn(run_folder, tmp_path):
+    """The picture of people who are absent all the time is that of a world without people's tracks."""
+    pictures = []
+    for name, absent in (("all", False), ("none", True)):
+        folder = run_folder(tmp_path / name, people=2, episodes=1, only=FEW)
+        path = folder / "records" / "0000.npz"
+        with np.load(path) as content:
+            arrays = dict(content)
+        arrays["pedestrian_positions"] = np.where(absent, np.nan, arrays["pedestrian_positions"] - (0.0, 1.0))
+        np.savez(path, **arrays)
+        assert report(folder) == 0
+        pictures.append(next((folder / "report" / "figures").glob("cell_*.png")).read_bytes())
+    assert pictures[0] != pictures[1]
+
+
 def test_same_runs_give_the_same_report_byte_for_byte(run_folder, tmp_path):
     folder = run_folder(tmp_path / "a", only=FEW)
     report(folder, "--out", tmp_path / "first")

@@ -168,6 +168,15 @@ def test_personal_space_is_timed_and_encounters_are_counted_by_their_begin(si, r
     assert si["clearance_people_min"](record) == pytest.approx(0.3)
 
 
+def test_who_is_not_in_the_world_is_not_near(si, record_of, straight_line):
+    pose = straight_line()
+    near = np.where(np.arange(len(pose)) < 20, 0.4, np.inf)  # with nobody else in the world
+    record = record_of(pose, clearance_people=near, pedestrian_positions=np.full((len(pose), 1, 2), np.nan, np.float32))
+    assert si["clearance_people_min"](record) == pytest.approx(0.4)
+    assert si["encounters"](record) == 1.0
+    assert si["personal_space_time"](record) == pytest.approx(1.95)
+
+
 def test_first_plan_is_no_replan_and_refusals_are_counted_apart(si, record_of, straight_line):
     kinds = [("replan", "start"), ("replan", "blocked"), ("no_valid_command", "boxed in"), ("replan", "period")]
     events = [{"stamp": float(i), "kind": kind, "detail": detail} for i, (kind, detail) in enumerate(kinds)]

@@ -182,10 +182,13 @@ def plain_dda(stack: GridStack, g: Integer, x: float, y: float, theta: float, be
 def cast_disc(
     x: float, y: float, theta: float, beams: Beams, centre_x: float, centre_y: float, radius: float, ranges: NDArray[np.float32]
 ) -> None:
-    """Shorten ``ranges`` (B,) where a disc in ``map`` stands before what was hit; only the beams towards it are touched."""
+    """Shorten ``ranges`` (B,) where a disc in ``map`` stands before what was hit; only the beams towards it are touched.
+
+    A disc that is nowhere (NaN) is not seen.
+    """
     dx, dy = centre_x - x, centre_y - y
     distance = math.sqrt(dx * dx + dy * dy)
-    if distance - radius >= beams.range_max:
+    if not distance - radius < beams.range_max:
         return
     if distance <= radius:
         ranges[:] = 0.0

@@ -4,24 +4,14 @@ from __future__ import annotations
 
 import math
 
-from arena_kernels.compiled import borrowing, inner
+from arena_kernels.compiled import inner
 from arena_kernels.footprint import disc_like, gap_to_disc, place
-from arena_sim2d.bodies import Floats, Row, Rows, World
+from arena_sim2d.bodies import Floats, Row, World
 from arena_sim2d.contact import TOLERANCE, note_contact, note_overlaps
 from arena_sim2d.gaps import gap_to_people, gap_to_things, is_clear
 from arena_sim2d.motion import ACKERMANN, Chassis, Position, Velocity, drive, in_map, next_velocity
 
 HALVINGS = 8  # of a blocked motion: the fastest robot then stops within 0.1 mm of what it meets
-
-
-@borrowing
-def take_strides(people: Rows, wanted: Floats, velocities: Floats, ticks: int) -> None:
-    """Let the people (N, P) go in so many equal strides to where they want to be (N, P, 2); their velocities are those given."""
-    for k in range(len(people)):
-        for i in range(people.shape[1]):
-            person = people[k, i]
-            person.dx, person.dy = (wanted[k, i, 0] - person.x) / ticks, (wanted[k, i, 1] - person.y) / ticks
-            person.vx, person.vy = velocities[k, i, 0], velocities[k, i, 1]
 
 
 @inner

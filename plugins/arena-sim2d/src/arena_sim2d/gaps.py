@@ -49,9 +49,9 @@ def gap_to_obstacle(world: World, index: int, body: Body, within: float) -> Gap:
 
 @inner
 def gap_to_round(body: Body, x: float, y: float, radius: float, within: float) -> Gap:
-    """Return the gap to a disc, ``NOTHING`` unless it is less than ``within``."""
+    """Return the gap to a disc, ``NOTHING`` unless it is less than ``within``; a disc that is nowhere (NaN) is never near."""
     reach = within + body.radius + radius
-    if reach < 0.0 or (x - body.at[0]) ** 2 + (y - body.at[1]) ** 2 >= reach * reach:
+    if reach < 0.0 or not (x - body.at[0]) ** 2 + (y - body.at[1]) ** 2 < reach * reach:
         return NOTHING
     gap = gap_to_disc(body, x, y, radius)
     return gap if gap[0] < within else NOTHING

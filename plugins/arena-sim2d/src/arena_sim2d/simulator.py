@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import (
+    ABSENT,
     ConfigurationError,
     Contact,
     Crowd,
@@ -24,10 +25,10 @@ from arena_core import (
 )
 from arena_kernels.pool import GridPool
 from arena_sim2d.bodies import Floats, Rows, Worlds
-from arena_sim2d.crossing import take_strides
 from arena_sim2d.motion import chassis
 from arena_sim2d.odometry import wheels
 from arena_sim2d.scanning import scanner
+from arena_sim2d.strides import take_strides
 from arena_sim2d.ticking import measure_gaps, run_ticks, scan_slots
 from arena_sim2d.worlds import begin, check_starts, no_worlds
 
@@ -107,17 +108,20 @@ class Sim2d(Simulator):
 
     def _ask_crowd(self) -> None:
         """Ask the pedestrian model where people want to be one crowd period later; they go there in equal strides."""
-        robots, people, ticks = self._worlds.robots, self._worlds.people, self._crowd_ticks
+        robots, ticks = self._worlds.robots, self._crowd_ticks
         poses, velocities = _columns(robots, "x", 3), _columns(robots, "vx", 2)
         in_map = velocities * np.cos(poses[:, 2:]) + velocities[:, ::-1] * np.sin(poses[:, 2:]) * (-1.0, 1.0)
         batch = RobotBatch(poses, in_map, self._robot.footprint.radius)
         self._crowd = self._pedestrians.step(self._people_now(), batch, robots["tick"].copy(), ticks * self.inner_step)
-        take_strides(people, self._crowd.positions, self._crowd.velocities, ticks)
+        take_strides(self._worlds, self._crowd.positions, self._crowd.velocities, ticks)
 
     def _people_now(self) -> Crowd:
-        """Return the people where they really are, in the states that the pedestrian model gave them."""
+        """Return the people where they really are, in the states that the pedestrian model gave them; who waits to come is absent."""
         people = self._worlds.people
-        return replace(self._crowd, positions=_columns(people, "x", 2), velocities=_columns(people, "vx", 2))
+        positions, velocities = _columns(people, "x", 2), _columns(people, "vx", 2)
+        absent = np.isnan(positions[..., 0])
+        velocities[absent] = np.nan
+        return replace(self._crowd, positions=positions, velocities=velocities, states=np.where(absent, ABSENT, self._crowd.states))
 
     def _run(self, commands: Floats, ticks: int, scan_within: int) -> None:
         self._worlds.robots["contacts"] = 0
