@@ -51,6 +51,7 @@ from arena_core.interfaces import (
     Waypoints,
     WorldSource,
 )
+from arena_core.obstacles import with_obstacles
 from arena_core.parameters import Bounds, Fraction, NonNegative, NonNegativeInt, Positive, PositiveInt
 from arena_core.recording import find_runs, read_record, write_bytes_whole, write_text_whole
 from arena_core.registry import load_registry
@@ -162,6 +163,7 @@ __all__ = [
     "make_robot",
     "read_record",
     "stream_key",
+    "with_obstacles",
     "wrap_angle",
     "write_bytes_whole",
     "write_text_whole",

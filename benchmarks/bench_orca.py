@@ -18,8 +18,8 @@ from arena_core import Costmap, LaserScan, NoValidCommand, Observation, Path, Po
 from arena_core.testing import component
 from arena_kernels.compiled import compiled
 from arena_kernels.distance import distance_field
-from arena_orca.half_planes import put_person
-from arena_orca.programme import nearest_allowed, safest
+from arena_kernels.half_planes import put_person
+from arena_kernels.programme import nearest_allowed, safest
 
 AGENTS, RADIUS, HORIZON, PERIOD, SPEED = 11, 0.3, 3.0, 0.1, 1.5
 STEPS = 120  # of a walk: the crowd then has just crossed

@@ -7,12 +7,12 @@ from hypothesis import strategies as st
 
 from arena_core import Costmap, Pose
 from arena_kernels.distance import distance_field
+from arena_kernels.half_planes import lack
 from arena_kernels.window import Window, outline_of
 from arena_orca.braking import can_stop, least_gap
 from arena_orca.escape import Patience
 from arena_orca.free_space import put_walls
 from arena_orca.gears import Gears
-from arena_orca.half_planes import lack
 from arena_orca.motion import centre_velocity, command_for, put_reach
 from arena_orca.parameters import ACKERMANN, DIFFERENTIAL, OMNIDIRECTIONAL, Body, DriveRules, Limits, PersonRules, Settings, StaticRules
 from arena_orca.step import stoppable_command

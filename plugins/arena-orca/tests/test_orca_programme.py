@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
-from arena_orca.half_planes import lack, put_bound
-from arena_orca.programme import nearest_allowed, safest
+from arena_kernels.half_planes import lack, put_bound
+from arena_kernels.programme import nearest_allowed, safest
 from arena_orca.step import best_velocity
 
 SPEED = 1.5

@@ -2,7 +2,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from arena_pedsim.neighbours import CELLS_FROM, all_pairs, near_pairs, pairs_by_cells
+from arena_kernels.neighbours import CELLS_FROM, all_pairs, near_pairs, pairs_by_cells
 
 NO_ROOM = np.empty((0, 2), np.int32)
 

@@ -4,8 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from shapely import Point, Polygon
 
-from arena_core import ImpossibleScenario, Obstacle, OccupancyGrid, Pose
-from arena_pedsim.obstacles import with_obstacles
+from arena_core import ImpossibleScenario, Obstacle, OccupancyGrid, Pose, with_obstacles
 
 
 def test_without_obstacles_it_is_the_same_grid(stage):

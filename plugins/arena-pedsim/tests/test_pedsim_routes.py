@@ -9,10 +9,10 @@ from scipy.sparse.csgraph import dijkstra
 
 from arena_core import Crowd, OccupancyGrid, Pose
 from arena_kernels.grids import stack_grids
-from arena_pedsim.ground import clearance, ground_of, layouts_of
-from arena_pedsim.route_grid import rooms_of, stack_rooms
-from arena_pedsim.routes import COST, DIAGONAL, STRAIGHT, _search, find_corners, nearest_room, nodes_for
-from arena_pedsim.walls import SIGHT, is_visible
+from arena_kernels.ground import clearance, ground_of, layouts_of
+from arena_kernels.route_grid import rooms_of, stack_rooms
+from arena_kernels.routes import COST, DIAGONAL, STRAIGHT, _search, find_corners, nearest_room, nodes_for
+from arena_kernels.sliding import SIGHT, is_visible
 
 
 def cheapest(room, radius, start):

@@ -7,8 +7,8 @@ from scipy.ndimage import label
 from arena_core import OccupancyGrid, Pose
 from arena_kernels.distance import grid_distance
 from arena_kernels.grids import distance_and_gradient, stack_grids
-from arena_pedsim.ground import clearance_and_gradient, ground_of, layouts_of
-from arena_pedsim.walls import is_visible, slide
+from arena_kernels.ground import clearance_and_gradient, ground_of, layouts_of
+from arena_kernels.sliding import is_visible, slide
 
 coordinate, move = st.floats(-1.0, 9.0), st.floats(-3.0, 3.0)
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from arena_kernels.compiled import borrowing
+from arena_kernels.half_planes import FloatArray
 from arena_kernels.window import Outline, Window, clearance
-from arena_orca.half_planes import FloatArray
 from arena_orca.motion import toward
 from arena_orca.parameters import Limits
 

@@ -6,9 +6,9 @@ import math
 
 from arena_core import Pose
 from arena_kernels.compiled import borrowing, compiled
+from arena_kernels.half_planes import FloatArray
 from arena_kernels.window import Outline, Window, clearance
 from arena_orca.braking import allowed_gap, can_stop, stand_after
-from arena_orca.half_planes import FloatArray
 from arena_orca.parameters import ACKERMANN, OMNIDIRECTIONAL, Settings
 
 SPEED, TURN = 0.3, 1.0  # m/s and rad/s of an escape, or the robot's own limits

@@ -8,8 +8,8 @@ from __future__ import annotations
 import math
 
 from arena_kernels.compiled import borrowing
+from arena_kernels.half_planes import FloatArray, put_bound
 from arena_kernels.window import LETHAL, Outline, Window
-from arena_orca.half_planes import FloatArray, put_bound
 from arena_orca.parameters import OMNIDIRECTIONAL, Body, StaticRules
 
 MOST_WALLS = 12  # half-planes, of which a convex region of a few metres hardly needs more

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from arena_kernels.compiled import borrowing
-from arena_orca.half_planes import FloatArray, put_bound
+from arena_kernels.half_planes import FloatArray, put_bound
 from arena_orca.parameters import ACKERMANN, OMNIDIRECTIONAL, Body, Limits
 
 FORWARD, BACKWARD = 1.0, -1.0

@@ -8,10 +8,10 @@ from typing import ClassVar
 import numpy as np
 
 from arena_core import ConfigurationError, EpisodeStart, NoValidCommand, Observation, Planner, Robot, Tracks, Twist
+from arena_kernels.half_planes import FloatArray
 from arena_kernels.window import Window, outline_of, without_discs
 from arena_orca.escape import Patience, escape_command
 from arena_orca.gears import Gears
-from arena_orca.half_planes import FloatArray
 from arena_orca.parameters import (
     ACKERMANN,
     DIFFERENTIAL,

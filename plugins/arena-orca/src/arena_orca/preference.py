@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from arena_kernels.compiled import borrowing
+from arena_kernels.half_planes import FloatArray
 from arena_kernels.window import Outline, Window, distance_at
-from arena_orca.half_planes import FloatArray
 from arena_orca.parameters import ACKERMANN, OMNIDIRECTIONAL, Body, DriveRules, Limits
 
 STEP = 0.05  # m between two looks along a line of sight

@@ -7,14 +7,14 @@ import math
 import numpy as np
 
 from arena_kernels.compiled import borrowing, compiled
+from arena_kernels.half_planes import ALONG_X, ALONG_Y, POINT_X, POINT_Y, FloatArray, lack, put_person
+from arena_kernels.programme import nearest_allowed, safest
 from arena_kernels.window import Outline, Window, clearance
 from arena_orca.braking import Stand, allowed_gap, can_stop, least_gap, stopping_time
 from arena_orca.free_space import MOST_CELLS, MOST_WALLS, put_walls, radius_towards
-from arena_orca.half_planes import ALONG_X, ALONG_Y, POINT_X, POINT_Y, FloatArray, lack, put_person
 from arena_orca.motion import centre_velocity, command_for, put_reach, top_speed
 from arena_orca.parameters import Body, PersonRules, Settings
 from arena_orca.preference import preferred_velocity
-from arena_orca.programme import nearest_allowed, safest
 
 MOST_REACH_LINES = 6
 ALMOST = 0.999

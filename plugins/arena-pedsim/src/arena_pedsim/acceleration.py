@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import compiled
+from arena_kernels.ground import Ground, clearance_and_gradient
 from arena_pedsim.forces import sight_weight, social_force, wall_force
 from arena_pedsim.giving_way import hold_back
-from arena_pedsim.ground import Ground, clearance_and_gradient
 from arena_pedsim.states import feels_forces
 
 Floats = NDArray[np.float64]

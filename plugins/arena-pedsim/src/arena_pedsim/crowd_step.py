@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import compiled
+from arena_kernels.ground import Ground, ground_of
+from arena_kernels.neighbours import CELLS_FROM, near_pairs
 from arena_pedsim.acceleration import accelerate, sum_forces
 from arena_pedsim.giving_way import detour
-from arena_pedsim.ground import Ground, ground_of
-from arena_pedsim.neighbours import CELLS_FROM, near_pairs
 from arena_pedsim.people import NOTHING
 from arena_pedsim.states import desired_speed
 from arena_pedsim.walking import walk

@@ -6,7 +6,7 @@ from math import sqrt
 from typing import Any
 
 from arena_kernels.compiled import compiled
-from arena_pedsim.ground import Ground, clearance
+from arena_kernels.ground import Ground, clearance
 
 
 @compiled

@@ -8,12 +8,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Crowd, PedestrianModel, Positive, RobotBatch, Scenario
+from arena_core import Crowd, PedestrianModel, Positive, RobotBatch, Scenario, with_obstacles
+from arena_kernels.terrain import Terrain
 from arena_pedsim.crowd_step import step_crowds
-from arena_pedsim.obstacles import with_obstacles
 from arena_pedsim.parameters import ForceFactors, GivingWay, SocialInteraction, WallForce, Wayfinding, parameter_record
 from arena_pedsim.population import Population
-from arena_pedsim.terrain import Terrain
 from arena_pedsim.trips import grant_wishes
 
 

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import compiled
-from arena_pedsim.ground import Ground, clearance, ground_of
+from arena_kernels.ground import Ground, clearance, ground_of
+from arena_kernels.route_grid import Rooms, rooms_of
+from arena_kernels.routes import find_corners, nearest_room
+from arena_kernels.sliding import SIGHT, is_visible
 from arena_pedsim.people import NEXT_WAYPOINT, NOTHING
-from arena_pedsim.route_grid import Rooms, rooms_of
-from arena_pedsim.routes import find_corners, nearest_room
-from arena_pedsim.walls import SIGHT, is_visible
 
 Floats = NDArray[np.float64]
 

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import compiled
+from arena_kernels.ground import Ground
+from arena_kernels.separation import push_apart
+from arena_kernels.sliding import slide
 from arena_pedsim.acceleration import clipped
 from arena_pedsim.giving_way import keeps_off
-from arena_pedsim.ground import Ground
-from arena_pedsim.separation import push_apart
-from arena_pedsim.walls import slide
 
 Floats = NDArray[np.float64]
 

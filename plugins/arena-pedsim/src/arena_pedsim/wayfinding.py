@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import compiled
-from arena_pedsim.ground import Ground
+from arena_kernels.ground import Ground
+from arena_kernels.sliding import LOSING_SIGHT, SIGHT, is_visible
 from arena_pedsim.people import NEW_ROUTE, NEXT_WAYPOINT, NOTHING
 from arena_pedsim.states import STANDING, WALKING, seeks_waypoint
-from arena_pedsim.walls import LOSING_SIGHT, SIGHT, is_visible
 
 AT_CORNER = 0.05  # m, a corner this near gives no direction
 LEAVING = 2.0  # who stands at the only waypoint walks back when this many waypoint radii away

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from arena_kernels.compiled import borrowing
-from arena_orca.half_planes import ALONG_X, ALONG_Y, POINT_X, POINT_Y, FloatArray, lack
+from arena_kernels.half_planes import ALONG_X, ALONG_Y, POINT_X, POINT_Y, FloatArray, lack
 
 PARALLEL = 1e-9
 

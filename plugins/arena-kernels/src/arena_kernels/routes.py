@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import compiled
-from arena_pedsim.ground import Ground, clearance, in_cells, in_map
-from arena_pedsim.route_grid import Rooms, RoomStack
-from arena_pedsim.walls import SIGHT, is_visible
+from arena_kernels.ground import Ground, clearance, in_cells, in_map
+from arena_kernels.route_grid import Rooms, RoomStack
+from arena_kernels.sliding import SIGHT, is_visible
 
 STRAIGHT, DIAGONAL = 5, 7  # integer costs, 1 % off the square root of two, make the queue an array of lists
 _BUCKETS = 16  # more than cost + estimate can grow along one step, 2 * DIAGONAL

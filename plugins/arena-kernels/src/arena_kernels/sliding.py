@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import sqrt
 
 from arena_kernels.compiled import compiled
-from arena_pedsim.ground import Ground, clearance, clearance_and_gradient
+from arena_kernels.ground import Ground, clearance, clearance_and_gradient
 
 STRIDE = 0.5  # longest single move, in radii: a centre cannot cross a wall that the body does not fit through
 SIGHT = 0.9  # share of the radius that must be free on both sides of a straight way for it to be chosen

@@ -1,4 +1,4 @@
-"""Static obstacles as walls: people must find their way round them, too."""
+"""Static obstacles as walls of a map."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import OCCUPIED, Obstacle, OccupancyGrid
+from arena_core.world import OCCUPIED, Obstacle, OccupancyGrid
 
 
 def with_obstacles(grid: OccupancyGrid, obstacles: Sequence[Obstacle]) -> OccupancyGrid:

@@ -7,11 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import OccupancyGrid
-from arena_kernels.grids import stack_grids
-from arena_pedsim.ground import layouts_of
-from arena_pedsim.route_grid import RoomStack, stack_rooms
-from arena_pedsim.routes import nodes_for
+from arena_kernels.grids import PlacedGrid, stack_grids
+from arena_kernels.ground import layouts_of
+from arena_kernels.route_grid import RoomStack, stack_rooms
+from arena_kernels.routes import nodes_for
 
 
 class Terrain:
@@ -25,10 +24,10 @@ class Terrain:
 
     def __init__(self, cell: float) -> None:
         self._cell = cell
-        self._grids: list[OccupancyGrid] = []
+        self._grids: list[PlacedGrid] = []
         self._places: dict[int, int] = {}
 
-    def replace(self, slots: NDArray[np.int64], grids: Sequence[OccupancyGrid], total: int) -> None:
+    def replace(self, slots: NDArray[np.int64], grids: Sequence[PlacedGrid], total: int) -> None:
         """Give these slots of ``total`` worlds new grids; worlds that have none yet get the first."""
         if not self._grids:
             self._grids = [grids[0]] * total

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import OccupancyGrid
 from arena_kernels.compiled import compiled
 from arena_kernels.distance import grid_distance
+from arena_kernels.grids import PlacedGrid
 
 
 class Rooms(NamedTuple):
@@ -32,7 +32,7 @@ class RoomStack(NamedTuple):
     shapes: NDArray[np.int64]
 
 
-def stack_rooms(grids: Sequence[OccupancyGrid], cell: float) -> RoomStack:
+def stack_rooms(grids: Sequence[PlacedGrid], cell: float) -> RoomStack:
     """Pack the coarse grids (cells of about ``cell`` m) of these distinct grids."""
     rooms = [grid.derive(make_rooms(cell)) for grid in grids]
     return RoomStack(
@@ -45,10 +45,10 @@ def stack_rooms(grids: Sequence[OccupancyGrid], cell: float) -> RoomStack:
 
 
 @cache  # one function object for each cell size: it is the key under which a grid keeps the result
-def make_rooms(cell: float) -> Callable[[OccupancyGrid], Rooms]:
+def make_rooms(cell: float) -> Callable[[PlacedGrid], Rooms]:
     """Return the function that makes the coarse grid of a map."""
 
-    def rooms(grid: OccupancyGrid) -> Rooms:
+    def rooms(grid: PlacedGrid) -> Rooms:
         factor = max(round(cell / grid.resolution), 1)
         return Rooms(*_roomiest(grid.derive(grid_distance), factor, 0.5 * grid.resolution), factor)
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from arena_orca.half_planes import lack, put_bound, put_person, way_out
+from arena_kernels.half_planes import lack, put_bound, put_person, way_out
 
 HORIZON, OVERLAP = 3.0, 0.5
 POSITION, SPEED = st.floats(-4.0, 4.0), st.floats(-2.0, 2.0)
