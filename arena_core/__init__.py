@@ -57,7 +57,9 @@ from arena_core.recording import find_runs, read_record, write_bytes_whole, writ
 from arena_core.registry import load_registry
 from arena_core.robot import Lidar, OdometryModel, Robot, VelocityLimits, make_robot
 from arena_core.sensing import NO_TRACKS, LaserScan, Observation, Odometry, PoseEstimate, Sensors, Tracks
+from arena_core.staging import Staging
 from arena_core.streams import generator, stream_key
+from arena_core.success import succeeded
 from arena_core.world import (
     ABSENT,
     FREE,
@@ -143,6 +145,7 @@ __all__ = [
     "Sensors",
     "Simulator",
     "Snapshot",
+    "Staging",
     "TaskMode",
     "Tracker",
     "Tracks",
@@ -163,6 +166,7 @@ __all__ = [
     "make_robot",
     "read_record",
     "stream_key",
+    "succeeded",
     "with_obstacles",
     "wrap_angle",
     "write_bytes_whole",

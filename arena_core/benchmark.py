@@ -57,13 +57,14 @@ class Benchmark:
     metrics: Mapping[str, list[Metric]]
     recording: RecordingSettings
 
-    def run(self, episode: int, folder: Path) -> EpisodeRecord:
-        """Run one episode; its map is written to ``folder`` once."""
-        scenario = self.task.scenario(self.settings.seed, episode)
+    def run(self, episode: int, folder: Path, stage: int | None = None) -> EpisodeRecord:
+        """Run one episode, on level ``stage`` of a task that adapts; its map is written to ``folder`` once."""
+        task = self.task if stage is None else self.task.at_stage(stage)
+        scenario = task.scenario(self.settings.seed, episode)
         columns = identification(self.config) | {
             "scenario": scenario.name,
             "scenario_hash": scenario.content_hash,
-            "stage": scenario.stage,
+            "stage": scenario.stage if stage is None else stage,
             "n_pedestrians": len(scenario.pedestrians),
             "episode": episode,
             "seed": self.settings.seed,

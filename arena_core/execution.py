@@ -15,8 +15,7 @@ from arena_core.interrupt import interrupts
 from arena_core.navigator import BRAKE, Decision, Mission, Navigator
 from arena_core.parameters import NonNegative
 from arena_core.recording import Recorder
-
-ARRIVAL_SLACK = 0.25  # m that the true position may be off beyond the goal radius: the estimate, not the truth, ends an episode
+from arena_core.success import ARRIVAL_SLACK
 
 
 @dataclass(frozen=True, slots=True)

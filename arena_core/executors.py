@@ -30,21 +30,26 @@ class ProcessExecutor(Executor):
 
     def __init__(self, workers: PositiveInt | None) -> None:
         self.workers = workers or os.cpu_count() or 1
+        self._pool: ProcessPoolExecutor | None = None
 
     def map(self, work: Work, jobs: Sequence[Job]) -> Iterator[Mapping[str, Any]]:
         """Yield rows as they are finished; raise RunStopped when a worker process dies."""
-        workers = min(self.workers, len(jobs))
-        if workers <= 1:
-            yield from SerialExecutor().map(work, jobs)
-            return
-        pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), _quiet_interrupt)
+        if self._pool is None:
+            if min(self.workers, len(jobs)) <= 1:
+                yield from SerialExecutor().map(work, jobs)
+                return
+            self._pool = ProcessPoolExecutor(self.workers, multiprocessing.get_context("spawn"), _quiet_interrupt)  # spawns as needed
         try:
-            for future in as_completed([pool.submit(work, job) for job in jobs]):
+            for future in as_completed([self._pool.submit(work, job) for job in jobs]):
                 yield future.result()
         except BrokenProcessPool as error:
             raise RunStopped("a worker process died (out of memory?); finished episodes are kept, resume=true continues") from error
-        finally:
-            pool.shutdown(wait=True, cancel_futures=True)
+
+    def close(self) -> None:
+        """End the workers, and with them what they are at."""
+        if self._pool is not None:
+            self._pool.shutdown(wait=True, cancel_futures=True)
+            self._pool = None
 
 
 def _quiet_interrupt() -> None:

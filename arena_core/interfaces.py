@@ -14,6 +14,7 @@ from arena_core.episode import Contact, EpisodeRecord, EpisodeStart, Scenario, W
 from arena_core.errors import ConfigurationError
 from arena_core.geometry import FloatArray, Pose, Twist
 from arena_core.sensing import LaserScan, Observation, Odometry, PoseEstimate, Sensors, Tracks
+from arena_core.staging import Staging
 from arena_core.world import Costmap, Crowd, OccupancyGrid, Path, World
 
 
@@ -157,6 +158,14 @@ class TaskMode(ABC):
         """Return how many scenarios there are, None for no end."""
         return None
 
+    def staging(self) -> Staging | None:
+        """Return by which rule this task moves between its levels, None where it has none."""
+        return None
+
+    def at_stage(self, stage: int) -> TaskMode:
+        """Return the task of one level, whose scenarios have this ``stage``; asked for only where there is a rule."""
+        return self
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RobotBatch:
@@ -271,19 +280,23 @@ class MetricPack(ABC):
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """One episode to run: its run's composed configuration (plain containers), folder and number."""
+    """One episode to run: its run's composed configuration (plain containers), folder, number, and the level of a task that adapts."""
 
     config: Mapping[str, Any]
     folder: str
     episode: int
+    stage: int | None = None
 
 
 class Executor(ABC):
-    """Runs jobs somewhere; ``work`` is a picklable function that never raises for a failed episode."""
+    """Runs jobs somewhere, in one call of ``map`` or several; ``work`` is picklable and never raises for a failed episode."""
 
     @abstractmethod
     def map(self, work: Callable[[Job], Mapping[str, Any]], jobs: Sequence[Job]) -> Iterator[Mapping[str, Any]]:
         """Yield one row a job, in any order."""
+
+    def close(self) -> None:  # noqa: B027 - an executor that keeps nothing between two calls has nothing to give back
+        """Give back what was kept warm from one ``map`` to the next."""
 
 
 class Command(ABC):

@@ -8,25 +8,24 @@ import platform
 import subprocess
 import sys
 from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
-from dataclasses import dataclass, field
+from contextlib import closing, suppress
+from dataclasses import dataclass
 from functools import lru_cache
 from importlib.metadata import distributions
 from pathlib import Path
-from time import monotonic
 from typing import Any
 
 from arena_core.benchmark import Benchmark, build_benchmark, build_metrics, config_hash, identification
 from arena_core.configuration import plain
 from arena_core.errors import ArenaError, ConfigurationError, RunFolderError, RunStopped
 from arena_core.evaluate import COLUMNS, evaluate, write_episodes
-from arena_core.interfaces import Job, Metric
+from arena_core.interfaces import Job
 from arena_core.interrupt import interrupts
 from arena_core.progress import Progress
 from arena_core.recording import read_record, write_record, write_text_whole
 from arena_core.registry import Registry, load_registry
-
-WRITE_EVERY = 1.0  # s between two writes of a growing episodes.csv
+from arena_core.rounds import Run, rounds
+from arena_core.success import succeeded
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,26 +36,6 @@ class RunRequest:
     folder: Path
 
 
-@dataclass(slots=True, eq=False)
-class _Run:
-    """One run under way: what it is, and the rows that it has so far."""
-
-    config: dict[str, Any]
-    folder: Path
-    packs: Mapping[str, Sequence[Metric]]
-    rows: dict[int, Mapping[str, Any]] = field(default_factory=dict)
-    written: float = 0.0
-
-    def take(self, row: Mapping[str, Any]) -> None:
-        self.rows[int(row["episode"])] = row
-        if monotonic() - self.written > WRITE_EVERY:
-            self.write()
-
-    def write(self) -> None:
-        write_episodes(self.folder, self.rows.values(), self.packs)
-        self.written = monotonic()
-
-
 def run_all(requests: Sequence[RunRequest]) -> int:
     """Run every episode of every request through one executor; return the exit status (0 all ran, 1 some episode failed).
 
@@ -64,16 +43,16 @@ def run_all(requests: Sequence[RunRequest]) -> int:
     """
     registry = load_registry()
     runs = [_prepare(request, registry) for request in requests]
-    jobs = [job for run in runs for job in _open_jobs(run)]
     executor = registry.build("executor", runs[0].config["executor"])
-    by_folder = {str(run.folder): run for run in runs}
-    finished = sum(len(run.rows) for run in runs)
     try:
-        with interrupts.heard(), Progress(len(jobs) + finished, finished) as progress:
-            for row in executor.map(work, jobs):
-                interrupts.check()  # before the row is taken: it may be that of an episode that the interrupt broke
-                by_folder[row["folder"]].take({k: v for k, v in row.items() if k != "folder"})
-                progress.add(row)
+        with interrupts.heard(), closing(executor), Progress(runs) as progress:
+            for jobs in rounds(runs):
+                progress.begin(jobs)
+                for row in executor.map(work, jobs):
+                    interrupts.check()  # before the row is taken: it may be that of an episode that the interrupt broke
+                    _take(row, runs)
+                    progress.add(row)
+                progress.end()
         _write_all(runs)
     except BaseException as error:
         with suppress(RunFolderError):  # where there is no room for a table either, the records are still there
@@ -85,7 +64,13 @@ def run_all(requests: Sequence[RunRequest]) -> int:
     return int(any(row["outcome"] == "error" for run in runs for row in run.rows.values()))
 
 
-def _write_all(runs: Iterable[_Run]) -> None:
+def _take(row: Mapping[str, Any], runs: Iterable[Run]) -> None:
+    """Hand a row of ``work`` to its run."""
+    run = next(run for run in runs if str(run.folder) == row["folder"])
+    run.take({name: value for name, value in row.items() if name not in ("folder", "succeeded")}, row["succeeded"])
+
+
+def _write_all(runs: Iterable[Run]) -> None:
     for run in runs:
         run.write()
 
@@ -93,22 +78,24 @@ def _write_all(runs: Iterable[_Run]) -> None:
 def work(job: Job) -> dict[str, Any]:
     """Run one episode in whatever process this is, write its record and return its row; a failure is a row with its error.
 
+    Beside the columns, the row has ``folder``, and ``succeeded`` for tasks that adapt.
+
     Raises RunFolderError when the record cannot be written: then nothing else could be either.
     """
     config = json.dumps(job.config, sort_keys=True)
     try:
         benchmark = _benchmark(config)
         with interrupts.held():
-            record = benchmark.run(job.episode, Path(job.folder))
+            record = benchmark.run(job.episode, Path(job.folder), job.stage)
             write_record(Path(job.folder), job.episode, record)
             _registry().manager.hook.episode_finished(record=record)
-            row = evaluate(record, benchmark.metrics)
+            row = {**evaluate(record, benchmark.metrics), "succeeded": succeeded(record)}
     except RunFolderError:
         raise
     except Exception as error:
         seed, name = job.config["seed"], type(error).__name__
-        row = {**identification(job.config), "episode": job.episode, "seed": seed, "outcome": "error"}
-        row["error"] = " ".join(f"{name}: {error}".split())
+        row = {**identification(job.config), "stage": job.stage, "episode": job.episode, "seed": seed, "outcome": "error"}
+        row |= {"error": " ".join(f"{name}: {error}".split()), "succeeded": False}
     return {**row, "folder": job.folder}
 
 
@@ -122,7 +109,7 @@ def _benchmark(config: str) -> Benchmark:
     return build_benchmark(json.loads(config), _registry())
 
 
-def _prepare(request: RunRequest, registry: Registry) -> _Run:
+def _prepare(request: RunRequest, registry: Registry) -> Run:
     """Check a configuration by building it, open its folder and read what an interrupted run has left."""
     config = plain(request.config)
     config["choices"] = _choices(request.config)
@@ -131,7 +118,7 @@ def _prepare(request: RunRequest, registry: Registry) -> _Run:
     if limit is not None and config["episodes"] > limit:
         raise ConfigurationError(f"episodes is {config['episodes']}; allowed: at most {limit} with this task")
     folder = request.folder.resolve()
-    run = _Run(config, folder, benchmark.metrics)
+    run = Run(config, folder, benchmark.metrics, benchmark.task.staging())
     if (folder / "provenance.json").exists():
         _continue(run)
     facts = provenance(config)
@@ -142,7 +129,7 @@ def _prepare(request: RunRequest, registry: Registry) -> _Run:
     return run
 
 
-def _continue(run: _Run) -> None:
+def _continue(run: Run) -> None:
     """Take over the finished episodes of an earlier run of the same cell and seed in this folder."""
     if not run.config["resume"]:
         raise ConfigurationError(f"{run.folder} holds a run already; resume=true continues it, hydra.run.dir=DIR takes another folder")
@@ -151,11 +138,8 @@ def _continue(run: _Run) -> None:
     if any(before.get(key) != value for key, value in now.items()):
         raise ConfigurationError(f"{run.folder} holds a run of another configuration or seed; resume=true continues only the same one")
     for path in sorted((run.folder / "records").glob("[0-9]*.npz")):
-        run.rows[int(path.stem)] = evaluate(read_record(path), run.packs)
-
-
-def _open_jobs(run: _Run) -> list[Job]:
-    return [Job(run.config, str(run.folder), i) for i in range(run.config["episodes"]) if i not in run.rows]
+        record = read_record(path)
+        run.rows[int(path.stem)], run.successes[int(path.stem)] = evaluate(record, run.packs), succeeded(record)
 
 
 def _choices(config: Any) -> dict[str, str]:
@@ -208,7 +192,7 @@ def _commit() -> str:
     return answer.stdout.strip()
 
 
-def _finish(runs: Iterable[_Run], registry: Registry) -> None:
+def _finish(runs: Iterable[Run], registry: Registry) -> None:
     """Say what came out, and write a report for each run when a plugin offers one."""
     runs = list(runs)
     for run in runs:
@@ -222,7 +206,7 @@ def _finish(runs: Iterable[_Run], registry: Registry) -> None:
     report.run([str(folder)])
 
 
-def _print_errors(run: _Run) -> None:
+def _print_errors(run: Run) -> None:
     for episode, row in sorted(run.rows.items()):
         if row["outcome"] == "error":
             print(f"episode {episode} failed: {row['error']}", file=sys.stderr)

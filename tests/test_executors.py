@@ -2,6 +2,7 @@ import multiprocessing
 import os
 import signal
 import time
+from contextlib import closing
 
 import pytest
 
@@ -15,8 +16,13 @@ from arena_core.testing.checks import echo
 JOBS = [Job({}, "", episode) for episode in range(5)]
 
 
+def rows(executor, work=echo, jobs=JOBS):
+    with closing(executor):
+        return list(executor.map(work, jobs))
+
+
 def numbers(executor, work=echo, jobs=JOBS):
-    return [row["episode"] for row in executor.map(work, jobs)]
+    return [row["episode"] for row in rows(executor, work, jobs)]
 
 
 @pytest.mark.parametrize("executor", [SerialExecutor(), ProcessExecutor(2)])
@@ -48,6 +54,18 @@ def test_no_job_gives_no_row():
     assert numbers(ProcessExecutor(2), jobs=[]) == []
 
 
+def test_workers_stay_warm_from_one_call_to_the_next(third_party):
+    third_party.write("dying.py", DYING)
+    import dying
+
+    with closing(ProcessExecutor(1)) as one, closing(ProcessExecutor(2)) as two:
+        assert {row["pid"] for row in one.map(dying.say_where, JOBS)} == {os.getpid()}
+        list(two.map(dying.say_where, JOBS))
+        workers = {child.pid for child in multiprocessing.active_children()}
+        assert {row["pid"] for row in two.map(dying.say_where, JOBS[:1])} <= workers
+    assert not [child for child in multiprocessing.active_children() if child.is_alive()]
+
+
 def test_without_a_number_there_is_one_worker_a_core():
     assert ProcessExecutor(None).workers == os.cpu_count()
 
@@ -67,6 +85,9 @@ DYING = """
         if job.episode == 2:
             os._exit(9)
         return {"episode": job.episode}
+
+    def say_where(job):
+        return {"pid": os.getpid()}
 
     def leaves_ctrl_c_alone(job):
         return {"episode": job.episode, "alone": signal.getsignal(signal.SIGINT) is signal.SIG_IGN}
@@ -92,7 +113,7 @@ def test_workers_leave_ctrl_c_to_the_main_process(third_party):
     third_party.write("dying.py", DYING)
     import dying
 
-    assert all(row["alone"] for row in ProcessExecutor(2).map(dying.leaves_ctrl_c_alone, JOBS))
+    assert all(row["alone"] for row in rows(ProcessExecutor(2), dying.leaves_ctrl_c_alone))
 
 
 def test_ctrl_c_reaches_the_main_process_and_leaves_no_worker_behind(third_party):

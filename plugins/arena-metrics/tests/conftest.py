@@ -142,9 +142,11 @@ def write_run(
     packs: Sequence[str] = ("si",),
     records: bool = True,
     only: Sequence[str] = (),
+    stages: Sequence[int] = (),
 ) -> Path:
     """Write a run's folder as ``arena run`` leaves it; the robot drives straight lines, and reaches the goal in even episodes."""
     base = columns(planner, robot, people, sim_time)
+    levels = dict(enumerate(stages))
     config = {
         "planner": {"name": planner, "sim_time": sim_time},
         "robot": {"name": robot},
@@ -156,7 +158,9 @@ def write_run(
     rows = [
         {**base, "episode": i, "seed": seed, "n_pedestrians": "", "outcome": "error", "error": "NoPath: <none>"}
         if i in errors
-        else _episode_row(folder, {**base, "scenario": f"random/{i:04d}", "episode": i, "seed": seed}, packs, records)
+        else _episode_row(
+            folder, {**base, "scenario": f"random/{i:04d}", "stage": levels.get(i, ""), "episode": i, "seed": seed}, packs, records
+        )
         for i in range(episodes)
     ]
     provenance = {"config_hash": base["config_hash"], "seed": seed, "episodes": episodes, "config": config, "commit": "abc123"}

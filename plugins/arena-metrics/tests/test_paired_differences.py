@@ -73,6 +73,12 @@ def test_scenarios_that_only_one_drove_are_no_pairs(run_folder, tmp_path):
     assert table_of(tmp_path).rows[0][1].endswith("(3)")
 
 
+def test_staged_episodes_are_no_pairs(run_folder, tmp_path):
+    for planner in ("dwa", "teb"):
+        run_folder(tmp_path / planner, planner=planner, stages=(0, 0, 1))
+    assert table_of(tmp_path) is None
+
+
 def test_without_a_rival_there_is_no_table(run_folder, tmp_path):
     assert table_of(run_folder(tmp_path / "a")) is None
 

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -12,25 +14,32 @@ speed = st.floats(-1e3, 1e3)
 commands = st.lists(st.tuples(speed, speed, speed), min_size=1, max_size=40)
 
 
-def follow(kinematics, commands):
-    """Return the velocities that a robot takes under commands, one a tick, starting at rest; (K + 1, 3)."""
+def follow(kinematics, commands, share=1.0):
+    """Return the velocities that a robot takes under commands within a share of its limits, one a tick, starting at rest; (K + 1, 3)."""
     body = chassis(robot(kinematics))
     velocities = [np.zeros(3)]
     for command in commands:
-        velocities.append(np.array(next_velocity(body, tuple(velocities[-1].tolist()), np.array(command), DT)))
+        velocities.append(np.array(next_velocity(body, share, tuple(velocities[-1].tolist()), np.array(command), DT)))
     return np.array(velocities)
 
 
 @pytest.mark.parametrize("kinematics", ["differential", "omnidirectional", "ackermann"])
-@given(commands=commands)
+@given(commands=commands, share=st.floats(0.01, 1.0))
 @settings(derandomize=True, deadline=None)
-def test_speeds_stay_within_the_limits_whatever_is_commanded(kinematics, commands):
+def test_speeds_stay_within_the_share_of_the_limits_whatever_is_commanded(kinematics, commands, share):
     limits = robot(kinematics).limits
-    vx, vy, wz = follow(kinematics, commands).T
-    assert limits.vx_min <= vx.min()
-    assert vx.max() <= limits.vx_max
-    assert np.abs(vy).max() <= limits.vy_max
-    assert np.abs(wz).max() <= limits.wz_max
+    vx, vy, wz = follow(kinematics, commands, share).T
+    assert share * limits.vx_min <= vx.min()
+    assert vx.max() <= share * limits.vx_max
+    assert np.abs(vy).max() <= share * limits.vy_max
+    assert np.abs(wz).max() <= share * limits.wz_max
+
+
+@pytest.mark.parametrize("kinematics", ["differential", "omnidirectional", "ackermann"])
+def test_a_robot_drives_as_fast_as_its_share_lets_it(kinematics):
+    limits = robot(kinematics).limits
+    ahead = follow(kinematics, [(9.0, 0.0, 0.0)] * 200, 0.4)[-1]
+    assert ahead.tolist() == pytest.approx([0.4 * limits.vx_max, 0.0, 0.0])
 
 
 @pytest.mark.parametrize("kinematics", ["differential", "omnidirectional"])
@@ -90,6 +99,20 @@ def test_gentle_arc_is_exact_to_rounding(turn):
     x, y, theta = drive((0.0, 0.0, 0.0), (1.0, 0.0, turn), 1.0)
     assert (x, y) == pytest.approx((np.sin(turn) / turn, 2.0 * np.sin(turn / 2.0) ** 2 / turn), rel=1e-14)
     assert theta == pytest.approx(turn)
+
+
+def test_every_world_of_a_batch_has_the_share_of_its_scenario(simulate):
+    shares = (1.0, 0.5, 0.25)
+    together, alone = simulate(robot()), simulate(robot())
+    problems = [replace(scenario(start=Pose(-3.0, 0.0, 0.0)), speed_share=share) for share in shares]
+    together.reset(problems)
+    for _ in range(10):
+        many = together.advance(np.tile((9.0, 0.0, 0.0), (3, 1)), 10)
+    assert many.twists[:, 0].tolist() == pytest.approx(shares)
+    alone.reset([problems[1]])
+    for _ in range(10):
+        one = alone.advance(np.array([[9.0, 0.0, 0.0]]), 10)
+    assert one.poses[0].tobytes() == many.poses[1].tobytes()
 
 
 def test_commands_are_held_for_the_whole_advance(simulate):

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from arena_core import EpisodeRecord
+from arena_core import EpisodeRecord, succeeded
 from arena_metrics.motion import polyline_length
 
 
@@ -47,17 +47,19 @@ def time_to_goal(record: EpisodeRecord) -> float:
     return duration(record) if record.meta["outcome"] == "goal_reached" else math.nan
 
 
-def success(record: EpisodeRecord, arrival_slack: float, collisions_allowed: int) -> float:
-    """Return 1 for an arrival near the true goal, in time, with few enough collisions, else 0."""
-    scenario = record.meta["scenario"]
-    arrived = record.meta["outcome"] == "goal_reached" and goal_error(record) <= scenario["goal_radius"] + arrival_slack
-    in_time = record["stamp"][-1] <= scenario["time_limit"] + 1e-9
-    return float(arrived and in_time and collisions(record) <= collisions_allowed)
+def success(record: EpisodeRecord) -> float:
+    """Return 1 for an arrival near the true goal, in time, with fewer than two collisions, else 0: the core's word."""
+    return float(succeeded(record))
 
 
-def spl(record: EpisodeRecord, arrival_slack: float, collisions_allowed: int) -> float:
+def strict_success(record: EpisodeRecord) -> float:
+    """Return 1 for a success without any collision, else 0."""
+    return float(succeeded(record, collisions_allowed=0))
+
+
+def spl(record: EpisodeRecord) -> float:
     """Return success weighted by path length (Anderson et al. 2018, section 3.1), the first global path being the shortest one."""
-    if not success(record, arrival_slack, collisions_allowed):
+    if not succeeded(record):
         return 0.0
     shortest = _first_path_length(record)
     longest = max(polyline_length(record["pose"][:, :2]), shortest)

@@ -68,7 +68,9 @@ def paired(cell: Cell, base: Cell, column: Column) -> Estimate:
 
 
 def _by_scenario(cell: Cell) -> dict[tuple[int, str], Episode]:
-    return {(episode.row["seed"], episode.row["scenario"]): episode for episode in cell.episodes if episode.row["scenario"]}
+    """Return the episodes that may have a pair; those of a staged task have none, because what a planner meets depends on how it did."""
+    episodes = [episode for episode in cell.episodes if episode.row["scenario"] and episode.row["stage"] < 0]
+    return {(episode.row["seed"], episode.row["scenario"]): episode for episode in episodes}
 
 
 def _text(estimate: Estimate, column: Column, places: int) -> str:

@@ -12,8 +12,8 @@ from typing import Any
 from arena_core import ArenaError, InputFileError, Metric, build_metrics, compose, find_runs, load_registry
 
 IDENTIFICATION = [
-    *("config_hash", "planner", "preset", "robot", "simulator", "world", "task", "scenario", "n_pedestrians", "pedestrian_model"),
-    *("reaction", "localizer", "timing", "episode", "seed", "outcome", "error"),
+    *("config_hash", "planner", "preset", "robot", "simulator", "world", "task", "scenario", "scenario_hash", "stage", "n_pedestrians"),
+    *("pedestrian_model", "reaction", "localizer", "timing", "episode", "seed", "outcome", "error"),
 ]
 DEFAULT_PACK = "si"
 Row = Mapping[str, Any]
@@ -78,9 +78,11 @@ def _row(path: Path, line: int, row: Mapping[str | None, Any]) -> Row:
     try:
         metrics = {key: float(value) if value else math.nan for key, value in texts.items() if key not in IDENTIFICATION}
         numbers = {key: int(texts[key]) for key in ("episode", "seed")}
-        numbers["n_pedestrians"] = int(texts["n_pedestrians"]) if texts["n_pedestrians"] else -1
+        numbers |= {key: int(texts[key]) if texts[key] else -1 for key in ("n_pedestrians", "stage")}
     except ValueError as error:
-        raise InputFileError(f"{path}: line {line}: {error}; allowed: numbers in all metrics, episode, seed and n_pedestrians") from None
+        raise InputFileError(
+            f"{path}: line {line}: {error}; allowed: numbers in all metrics, episode, seed, stage and n_pedestrians"
+        ) from None
     return {**texts, **metrics, **numbers}
 
 

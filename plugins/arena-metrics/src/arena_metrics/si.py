@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Literal
 
-from arena_core import EpisodeRecord, Metric, MetricPack, NonNegative, NonNegativeInt, Positive
+from arena_core import EpisodeRecord, Metric, MetricPack, Positive
 from arena_metrics import motion, outcome, proximity
 
 Better = Literal["higher", "lower", "neither"]
@@ -22,15 +22,11 @@ class SiMetrics(MetricPack):
 
     def __init__(
         self,
-        arrival_slack: NonNegative,
-        collisions_allowed: NonNegativeInt,
         path_step: Positive,
         derivative_period: Positive,
         personal_space: Positive,
         encounter_distance: Positive,
     ) -> None:
-        self._arrival_slack = arrival_slack
-        self._collisions_allowed = collisions_allowed
         self._path_step = path_step
         self._derivative_period = derivative_period
         self._personal_space = personal_space
@@ -41,13 +37,10 @@ class SiMetrics(MetricPack):
         return [*self._outcome(), *self._motion(), *self._proximity(), *self._navigation()]
 
     def _outcome(self) -> list[Metric]:
-        success = partial(outcome.success, arrival_slack=self._arrival_slack, collisions_allowed=self._collisions_allowed)
-        strict = partial(outcome.success, arrival_slack=self._arrival_slack, collisions_allowed=0)
-        spl = partial(outcome.spl, arrival_slack=self._arrival_slack, collisions_allowed=self._collisions_allowed)
         return [
-            Metric("success", "0/1", "higher", "goal truly reached, in time, with few enough collisions", success),
-            Metric("strict_success", "0/1", "higher", "success without any collision", strict),
-            Metric("spl", "-", "higher", "success weighted by path length", spl),
+            Metric("success", "0/1", "higher", "goal truly reached, in time, with fewer than two collisions", outcome.success),
+            Metric("strict_success", "0/1", "higher", "success without any collision", outcome.strict_success),
+            Metric("spl", "-", "higher", "success weighted by path length", outcome.spl),
             Metric("collisions", "-", "lower", "contacts with walls, obstacles and people", outcome.collisions),
             Metric("collisions_caused", "-", "lower", "contacts in which the robot moved into the other", outcome.collisions_caused),
             Metric("contact_time", "s", "lower", "time in contact", outcome.contact_time),

@@ -19,6 +19,7 @@ ROBOT = np.dtype(
     [
         *((name, np.float64) for name in ("x", "y", "theta")),  # in map
         *((name, np.float64) for name in ("vx", "vy", "wz")),  # in base_link
+        ("speed_share", np.float64),  # of the robot's speed limits that it may drive
         ("tick", np.int64),  # inner steps since the episode began
         ("people", np.int64),  # how many there are
         ("obstacles", np.int64),

@@ -85,7 +85,7 @@ def move_robot(world: World, chassis: Chassis, tick: int, command: Floats, dt: f
     """Drive the robot for a tick; a motion that would end in another body is cut short; all but cars may still turn on the spot."""
     robot = world.robots[world.k]
     pose = (robot.x, robot.y, robot.theta)
-    velocity = next_velocity(chassis, (robot.vx, robot.vy, robot.wz), command, dt)
+    velocity = next_velocity(chassis, robot.speed_share, (robot.vx, robot.vy, robot.wz), command, dt)
     turn = (0.0, 0.0, 0.0 if chassis.kinematics == ACKERMANN else velocity[2])
     if velocity[0] == 0.0 and velocity[1] == 0.0 and velocity[2] == 0.0:
         _settle(robot, pose, velocity)

@@ -48,26 +48,28 @@ def chassis(robot: Robot) -> Chassis:
 
 
 @borrowing
-def next_velocity(chassis: Chassis, velocity: Velocity, command: Floats, dt: float) -> Velocity:
-    """Return the velocity (vx, vy, wz) after a tick: the command within the speed limits, approached within the acceleration limits."""
-    vx = _towards(velocity[0], _clip(command[0], chassis.vx_min, chassis.vx_max), chassis.ax_max * dt)
+def next_velocity(chassis: Chassis, share: float, velocity: Velocity, command: Floats, dt: float) -> Velocity:
+    """Return the velocity (vx, vy, wz) after a tick: the command within a share of the speed limits, as fast as accelerations allow."""
+    vx = _towards(velocity[0], _clip(command[0], share * chassis.vx_min, share * chassis.vx_max), chassis.ax_max * dt)
+    wz_max = share * chassis.wz_max
     if chassis.kinematics == ACKERMANN:
-        return vx, 0.0, _turn_of_wheels(chassis, velocity[2], vx, command, dt)
-    wz = _towards(velocity[2], _clip(command[2], -chassis.wz_max, chassis.wz_max), chassis.alpha_max * dt)
+        return vx, 0.0, _turn_of_wheels(chassis, wz_max, velocity[2], vx, command, dt)
+    wz = _towards(velocity[2], _clip(command[2], -wz_max, wz_max), chassis.alpha_max * dt)
     if chassis.kinematics == DIFFERENTIAL:
         return vx, 0.0, wz
-    return vx, _towards(velocity[1], _clip(command[1], -chassis.vy_max, chassis.vy_max), chassis.ay_max * dt), wz
+    vy_max = share * chassis.vy_max
+    return vx, _towards(velocity[1], _clip(command[1], -vy_max, vy_max), chassis.ay_max * dt), wz
 
 
 @inner
-def _turn_of_wheels(chassis: Chassis, wz: float, vx: float, command: Floats, dt: float) -> float:
+def _turn_of_wheels(chassis: Chassis, wz_max: float, wz: float, vx: float, command: Floats, dt: float) -> float:
     """Return the turn rate of a car that steers along the commanded arc; it never turns tighter than its steering allows.
 
     A car that brakes in a bend turns more slowly at once, so there the angular acceleration may exceed ``alpha_max``.
     """
     curvature = _clip(command[2] / command[0], -chassis.curvature_max, chassis.curvature_max) if command[0] != 0.0 else 0.0
     tightest = chassis.curvature_max * abs(vx)
-    wanted = _clip(curvature * vx, -chassis.wz_max, chassis.wz_max)
+    wanted = _clip(curvature * vx, -wz_max, wz_max)
     return _clip(_towards(wz, wanted, chassis.alpha_max * dt), -tightest, tightest)
 
 

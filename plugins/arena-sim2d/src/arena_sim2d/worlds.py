@@ -84,6 +84,7 @@ def _begin_robot(row: Rows, scenario: Scenario, people: int) -> None:
     start = scenario.start
     row[...] = np.zeros(1, ROBOT)
     row["x"], row["y"], row["theta"] = start.x, start.y, start.theta
+    row["speed_share"] = scenario.speed_share
     row["odometry_from_x"], row["odometry_from_y"], row["odometry_from_theta"] = start.x, start.y, start.theta
     row["people"], row["obstacles"] = people, len(scenario.obstacles)
     row["odometry_key"] = stream_key(scenario.seed, scenario.name, "odometry")
