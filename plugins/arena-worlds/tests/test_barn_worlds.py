@@ -9,10 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_core import ConfigurationError, InputFileError
+from arena_core import ConfigurationError, InputFileError, OccupancyGrid, Pose
 from arena_kernels.distance import distance_field
-from arena_worlds.barn import BarnWorlds, disc_grid, read_reference_path, world_files
-from arena_worlds.sdf import Cylinder, read_cylinders
+from arena_worlds.barn import BarnWorlds, read_reference_path, world_files
+from arena_worlds.sdf import read_sdf
+from arena_worlds.solids import Solids, grid_of
 
 BARN = Path(__file__).parents[3].parent / "shared" / "data" / "barn"
 needs_barn = pytest.mark.skipif(not BARN.is_dir(), reason="the worlds of the BARN challenge are not at ../shared/data/barn")
@@ -41,20 +42,24 @@ def source(worlds: Path | None, **keys: object) -> BarnWorlds:
     return BarnWorlds(**{**usual, **keys})  # type: ignore[arg-type]
 
 
+def disc_grid(discs: list[tuple[float, float, float]], resolution: float, margin: float) -> OccupancyGrid:
+    return grid_of(Solids(Pose(0.0, 0.0), None, np.empty((0, 5)), np.array(discs)), resolution, margin)
+
+
 def test_cylinders_are_read_where_the_poses_of_model_link_and_collision_put_them(tmp_path: Path) -> None:
     turned = (
         "<model name='post'><static>true</static><pose>1 2 0 0 0 1.5707963267948966</pose><link name='l'><pose>0.5 0 0 0 0 0</pose>"
         f"<collision name='c'><pose>0.25 0 0 0 0 0</pose><geometry>{CYLINDER}</geometry></collision></link></model>"
     )
-    plain, moved = read_cylinders(written(tmp_path, sdf(model("-0.5 0.25 0 0 0 0"), turned)))
-    assert (plain.x, plain.y, plain.radius) == (-0.5, 0.25, 0.075)
-    assert (moved.x, moved.y) == pytest.approx((1.0, 2.75))
+    plain, moved = read_sdf(written(tmp_path, sdf(model("-0.5 0.25 0 0 0 0"), turned))).cylinders.tolist()
+    assert plain == [-0.5, 0.25, 0.075]
+    assert moved == pytest.approx([1.0, 2.75, 0.075])
 
 
 def test_gzip_gives_the_same_world(tmp_path: Path) -> None:
     path = tmp_path / "world_3.world.gz"
     path.write_bytes(gzip.compress(sdf(model()).encode()))
-    assert read_cylinders(path) == read_cylinders(written(tmp_path, sdf(model())))
+    assert read_sdf(path).cylinders.tolist() == read_sdf(written(tmp_path, sdf(model()))).cylinders.tolist() == [[1.0, 2.0, 0.075]]
 
 
 BOMB = '<!DOCTYPE sdf [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;">]>'
@@ -70,8 +75,12 @@ OUTSIDE = '<!DOCTYPE sdf [<!ENTITY a SYSTEM "file:///etc/hostname">]>'
         ("", "is no XML"),
         ("<html/>", "0 elements sdf/world"),
         (sdf(), "no cylinder"),
-        (sdf("<include><uri>model://sun</uri></include>", model()), "include"),
-        (sdf(model(shape="<box><size>1 1 1</size></box>")), "geometry is box"),
+        (sdf("<include><uri>model://shelf</uri></include>", model()), "include is 'model://shelf'"),
+        (sdf(model(shape="<mesh><uri>shelf.dae</uri></mesh>")), "geometry is mesh"),
+        (sdf(model(shape="<box><size>1 0 1</size></box>")), "size is '1 0 1'"),
+        (sdf(model(shape="<box><size>1 1</size></box>")), "size is '1 1'"),
+        (sdf(model()).replace("<pose frame=''>", "<pose relative_to='shelf'>"), "relative_to 'shelf'"),
+        ("<a>" * 101 + "</a>" * 101, "nests deeper"),
         (sdf(model(shape="")), "geometry is missing"),
         (sdf(model(shape="<cylinder><radius>-1</radius></cylinder>")), "radius is '-1'"),
         (sdf(model(shape="<cylinder><radius>nan</radius></cylinder>")), "radius is 'nan'"),
@@ -87,7 +96,7 @@ OUTSIDE = '<!DOCTYPE sdf [<!ENTITY a SYSTEM "file:///etc/hostname">]>'
 def test_bad_world_file_is_said_in_one_line_with_its_name(tmp_path: Path, text: str, said: str) -> None:
     path = written(tmp_path, text)
     with pytest.raises(InputFileError) as error:
-        read_cylinders(path)
+        read_sdf(path)
     assert str(path) in str(error.value)
     assert said in str(error.value)
     assert "allowed: " in str(error.value)
@@ -99,10 +108,10 @@ def test_damaged_and_endless_gzip_is_refused(tmp_path: Path) -> None:
     for content in (b"no gzip", gzip.compress(sdf(model()).encode())[:-9]):
         path.write_bytes(content)
         with pytest.raises(InputFileError, match="gzip"):
-            read_cylinders(path)
+            read_sdf(path)
     path.write_bytes(gzip.compress(bytes(30_000_000)))
     with pytest.raises(InputFileError, match="larger than"):
-        read_cylinders(path)
+        read_sdf(path)
 
 
 def test_missing_path_names_what_is_allowed(tmp_path: Path) -> None:
@@ -130,7 +139,7 @@ def test_folder_is_sorted_by_number_and_used_again_and_again(tmp_path: Path) -> 
 @settings(derandomize=True, deadline=None)
 @given(x=st.floats(-50, 50), y=st.floats(-50, 50), radius=st.floats(0.05, 0.5), resolution=st.sampled_from((0.01, 0.025, 0.05)))
 def test_a_cell_is_occupied_where_its_centre_is_in_the_disc(x: float, y: float, radius: float, resolution: float) -> None:
-    grid = disc_grid([Cylinder(x, y, radius)], resolution, 0.3)
+    grid = disc_grid([(x, y, radius)], resolution, 0.3)
     centres = grid.positions(np.moveaxis(np.indices(grid.data.shape), 0, -1))
     away = np.hypot(centres[..., 0] - x, centres[..., 1] - y) - radius
     assert grid.occupied[away < -1e-9].all()
@@ -141,10 +150,10 @@ def test_a_cell_is_occupied_where_its_centre_is_in_the_disc(x: float, y: float, 
 
 
 def test_cells_larger_than_a_radius_are_refused() -> None:
-    with pytest.raises(ConfigurationError, match=r"world\.resolution is 0\.1; allowed: up to .* 0\.075"):
-        disc_grid([Cylinder(0.0, 0.0, 0.075)], 0.1, 1.0)
+    with pytest.raises(ConfigurationError, match=r"resolution is 0\.1; allowed: up to .* 0\.075"):
+        disc_grid([(0.0, 0.0, 0.075)], 0.1, 1.0)
     with pytest.raises(ConfigurationError, match="cells"):
-        disc_grid([Cylinder(0.0, 0.0, 0.075), Cylinder(5000.0, 5000.0, 0.075)], 0.01, 1.0)
+        disc_grid([(0.0, 0.0, 0.075), (5000.0, 5000.0, 0.075)], 0.01, 1.0)
 
 
 @pytest.mark.parametrize(
@@ -190,8 +199,9 @@ def test_every_world_is_closed_on_three_sides_and_its_reference_path_is_free() -
 
 @needs_barn
 def test_world_0_has_its_cylinders_and_no_more() -> None:
-    cylinders = read_cylinders(BARN / "world_files" / "world_0.world.gz")
-    assert len(cylinders) == 209
-    assert {cylinder.radius for cylinder in cylinders} == {0.075}
-    grid = disc_grid(cylinders, 0.025, 5.0)
+    solids = read_sdf(BARN / "world_files" / "world_0.world.gz")
+    assert len(solids.cylinders) == 209
+    assert len(solids.boxes) == 0
+    assert (solids.cylinders[:, 2] == 0.075).all()
+    grid = grid_of(solids, 0.025, 5.0)
     assert grid.occupied.sum() == 209 * 32  # a disc of three cells' radius, between cells

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import FREE, OCCUPIED, ConfigurationError, InputFileError, NonNegative, OccupancyGrid, Pose, Positive, World, WorldSource
-from arena_worlds.canvas import LARGEST
-from arena_worlds.sdf import Cylinder, read_cylinders
+from arena_core import ConfigurationError, InputFileError, NonNegative, OccupancyGrid, Pose, Positive, World, WorldSource
+from arena_worlds.sdf import read_sdf
+from arena_worlds.solids import grid_of
 
 CELL = 0.15  # m, of the grid that the worlds and paths were made on: a cylinder's diameter
 CELL_ORIGIN = (-4.575, 5.075)  # m, x and y of a reference path's cell (0, 0) in the world (the challenge's run.py)
@@ -54,37 +54,6 @@ def world_files(path: Path) -> list[Path]:
     return sorted(files, key=lambda file: (_number(file.name), file.name))
 
 
-def disc_grid(cylinders: list[Cylinder], resolution: float, margin: float) -> OccupancyGrid:
-    """Return the grid whose occupied cells have their centre in a disc, with ``margin`` m of open ground around the discs.
-
-    Cells lie at whole multiples of ``resolution``. Raises ConfigurationError for cells larger than the smallest radius.
-    """
-    xy = np.array([(c.x, c.y) for c in cylinders])
-    radii = np.array([c.radius for c in cylinders])
-    if resolution > radii.min():
-        raise ConfigurationError(f"world.resolution is {resolution:g}; allowed: up to the smallest cylinder's radius, {radii.min():g} m")
-    low = np.floor(((xy - radii[:, None]).min(axis=0) - margin) / resolution).astype(np.int64)
-    high = np.ceil(((xy + radii[:, None]).max(axis=0) + margin) / resolution).astype(np.int64)
-    columns, rows = (high - low).tolist()
-    if rows * columns > LARGEST:
-        raise ConfigurationError(
-            f"world.resolution is {resolution:g} and margin {margin:g}; allowed: at most {LARGEST} cells, here {rows} x {columns}"
-        )
-    data = np.full((rows, columns), FREE, np.int8)
-    for (x, y), radius in zip(xy, radii, strict=True):
-        _draw_disc(data, x / resolution - low[0], y / resolution - low[1], radius / resolution)
-    return OccupancyGrid(data, resolution, Pose(low[0] * resolution, low[1] * resolution))
-
-
-def _draw_disc(data: NDArray[np.int8], column: float, row: float, radius: float) -> None:
-    """Occupy the cells whose centre is within ``radius`` of (column, row), all in cells."""
-    first_row, first_column = int(row - radius), int(column - radius)
-    window = data[first_row : int(row + radius) + 2, first_column : int(column + radius) + 2]
-    rows, columns = np.ogrid[: window.shape[0], : window.shape[1]]
-    inside = np.hypot(rows + 0.5 + first_row - row, columns + 0.5 + first_column - column) <= radius
-    window[inside] = OCCUPIED
-
-
 def read_reference_path(path: Path) -> NDArray[np.float64]:
     """Return a reference path (M, 2) in the world, m, from its cells; raise InputFileError."""
     try:
@@ -122,4 +91,4 @@ def _number(name: str) -> int:
 
 @lru_cache(maxsize=512)
 def _grid(file: Path, written_ns: int, size: int, resolution: float, margin: float) -> OccupancyGrid:
-    return disc_grid(read_cylinders(file), resolution, margin)
+    return grid_of(read_sdf(file), resolution, margin)

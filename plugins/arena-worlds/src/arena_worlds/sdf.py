@@ -1,126 +1,94 @@
-"""Upright static cylinders from a Gazebo world (SDF), plain or gzip."""
+"""A Gazebo world (SDF) read as upright static solids."""
 
 from __future__ import annotations
 
-import gzip
-import math
-import zlib
-from dataclasses import dataclass
+from collections.abc import Iterator
 from pathlib import Path
 from xml.etree import ElementTree
-from xml.parsers import expat
 
 from arena_core import InputFileError, Pose
+from arena_worlds.solids import Shape, Solids, solids_from
+from arena_worlds.xml_file import numbers, read_xml, shown
 
-LARGEST_FILE = 20_000_000  # bytes, unpacked; BARN's worlds have 0.5 million
-FARTHEST = 1e4  # m
+ALLOWED = "a Gazebo world file (.sdf, .world or .world.gz)"
+GROUND = "map_ground"  # the model whose plane bounds the map; any other plane is a ground without end
 UPRIGHT = 1e-6  # rad
+HARMLESS = {"model://sun", "model://ground_plane"}  # includes that nobody can bump into
 
 
-@dataclass(frozen=True, slots=True)
-class Cylinder:
-    """An upright cylinder as a disc at (``x``, ``y``), m."""
+def read_sdf(path: Path) -> Solids:
+    """Read the boxes and cylinders of a Gazebo world; raise InputFileError with file, element and what is allowed.
 
-    x: float
-    y: float
-    radius: float
-
-
-def read_cylinders(path: Path) -> list[Cylinder]:
-    """Read the cylinders of a Gazebo world; raise InputFileError with file, element and what is allowed.
-
-    Models have to stand still; ground planes are left out, any other collision shape is refused. Poses under ``state`` are not read.
+    Models have to stand still; any other collision shape is refused but for planes, the ground. Heights are not read, nor are
+    poses under ``state``.
     """
-    root = parse_xml(path, unpacked(path))
+    root = read_xml(path, ALLOWED)
     worlds = root.findall("world") if root.tag == "sdf" else []
     if len(worlds) != 1:
         raise InputFileError(f"{path}: holds {len(worlds)} elements sdf/world; allowed: a Gazebo world file, with exactly one")
-    if worlds[0].find("include") is not None:
-        raise InputFileError(f"{path}: world/include is there; allowed: models written out in the file")
-    found = [cylinder for model in worlds[0].findall("model") for cylinder in _cylinders(path, model)]
-    if not found:
-        raise InputFileError(f"{path}: holds no cylinder; allowed: a world with at least one static cylinder")
-    return found
+    for include in worlds[0].findall("include"):
+        uri = (include.findtext("uri") or "").strip()
+        if uri not in HARMLESS:
+            raise InputFileError(f"{path}: world/include is {shown(uri)}; allowed: models written out in the file")
+    shapes = [shape for model in worlds[0].findall("model") for shape in _shapes(path, model, Pose(0.0, 0.0), False)]
+    if not shapes:
+        raise InputFileError(f"{path}: holds no cylinder and no box; allowed: a world with at least one, and static")
+    return solids_from(shapes)
 
 
-def unpacked(path: Path) -> bytes:
-    """Return a file's content, unpacked if its name ends in .gz; raise InputFileError if it cannot be read or is too large."""
-    try:
-        with gzip.open(path) if path.suffix == ".gz" else path.open("rb") as file:
-            content = file.read(LARGEST_FILE + 1)
-    except (gzip.BadGzipFile, EOFError, zlib.error) as error:
-        raise InputFileError(f"{path}: is no gzip file ({error}); allowed: a whole .world.gz file") from None
-    except OSError as error:
-        raise InputFileError(f"{path}: cannot be read ({error.strerror}); allowed: a .world or .world.gz file") from None
-    if len(content) > LARGEST_FILE:
-        raise InputFileError(f"{path}: is larger than {LARGEST_FILE} bytes unpacked; allowed: up to that")
-    return content
-
-
-def parse_xml(path: Path, content: bytes) -> ElementTree.Element:
-    """Parse XML without document types, and so without entities of its own or from outside; raise InputFileError."""
-    builder, parser = ElementTree.TreeBuilder(), expat.ParserCreate()
-    parser.StartElementHandler = builder.start
-    parser.EndElementHandler = builder.end
-    parser.CharacterDataHandler = builder.data
-
-    def refuse(*_: object) -> None:
-        raise InputFileError(f"{path}: line {parser.CurrentLineNumber}: has a document type; allowed: XML without <!DOCTYPE ...>")
-
-    parser.StartDoctypeDeclHandler = refuse
-    try:
-        parser.Parse(content, True)
-    except (expat.ExpatError, ValueError, LookupError) as error:
-        raise InputFileError(f"{path}: is no XML ({error}); allowed: a Gazebo world file") from None
-    return builder.close()
-
-
-def _cylinders(path: Path, model: ElementTree.Element) -> list[Cylinder]:
-    name = f"model {model.get('name', '')!r}"
-    place, found = _pose(path, name, model), []
+def _shapes(path: Path, model: ElementTree.Element, parent: Pose, static: bool) -> Iterator[Shape]:
+    name = model.get("name", "")
+    place = parent.compose(_pose(path, name, model))
+    static = static or (model.findtext("static") or "").strip().lower() in ("1", "true")
     for link in model.findall("link"):
         link_place = place.compose(_pose(path, name, link))
         for collision in link.findall("collision"):
-            radius = _radius(path, name, collision)
-            if radius is not None:
-                centre = link_place.compose(_pose(path, name, collision))
-                found.append(Cylinder(centre.x, centre.y, radius))
-    if found and (model.findtext("static") or "").strip().lower() not in ("1", "true"):
-        raise InputFileError(f"{path}: {name}: static is {model.findtext('static')!r}; allowed: 1 (what moves is not read)")
+            shape = _shape(path, name, collision, link_place.compose(_pose(path, name, collision)))
+            if shape is None:
+                continue
+            if not static:
+                said = model.findtext("static")
+                raise InputFileError(f"{path}: model {name!r}: static is {said!r}; allowed: 1 (what moves is not read)")
+            yield shape
+    for nested in model.findall("model"):
+        yield from _shapes(path, nested, place, static)
+
+
+def _shape(path: Path, name: str, collision: ElementTree.Element, place: Pose) -> Shape | None:
+    """Return a collision's shape, None for a ground plane without end."""
+    kinds = [shape.tag for shape in collision.findall("geometry/*")]
+    match kinds:
+        case ["cylinder"]:
+            return Shape("cylinder", place, tuple(_measures(path, name, collision, "cylinder/radius", 1)))
+        case ["box"]:
+            return Shape("box", place, tuple(_measures(path, name, collision, "box/size", 3)[:2]))
+        case ["plane"]:
+            return Shape("ground", place, tuple(_measures(path, name, collision, "plane/size", 2))) if name == GROUND else None
+    raise InputFileError(f"{path}: model {name!r}: geometry is {', '.join(kinds) or 'missing'}; allowed: box, cylinder (and plane, the ground)")
+
+
+def _measures(path: Path, name: str, collision: ElementTree.Element, key: str, count: int) -> list[float]:
+    text = collision.findtext(f"geometry/{key}") or ""
+    found = numbers(text)
+    if found is None or len(found) != count or min(found) <= 0.0:
+        wanted = "a number > 0" if count == 1 else f"{count} numbers > 0"
+        raise InputFileError(f"{path}: model {name!r}: {key.split('/')[1]} is {shown(text)}; allowed: {wanted} (m)")
     return found
-
-
-def _radius(path: Path, name: str, collision: ElementTree.Element) -> float | None:
-    """Return a cylinder's radius, m; None for a ground plane."""
-    shapes = [shape.tag for shape in collision.findall("geometry/*")]
-    if shapes == ["plane"]:
-        return None
-    if shapes != ["cylinder"]:
-        raise InputFileError(f"{path}: {name}: geometry is {', '.join(shapes) or 'missing'}; allowed: cylinder (and plane, the ground)")
-    text = collision.findtext("geometry/cylinder/radius") or ""
-    radius = _number(text)
-    if radius is None or not 0.0 < radius <= FARTHEST:
-        raise InputFileError(f"{path}: {name}: radius is {text.strip()!r}; allowed: > 0 (m)")
-    return radius
 
 
 def _pose(path: Path, name: str, element: ElementTree.Element) -> Pose:
     """Return x, y and yaw of an element's ``pose``, the origin where it has none."""
-    text = element.findtext("pose")
-    if text is None:
+    pose = element.find("pose")
+    if pose is None:
         return Pose(0.0, 0.0)
-    numbers = [number for number in map(_number, text.split()) if number is not None]
-    if len(numbers) != 6 or len(text.split()) != 6 or max(map(abs, numbers)) > FARTHEST:
-        raise InputFileError(f"{path}: {name}: pose is {' '.join(text.split())[:60]!r}; allowed: six numbers x y z roll pitch yaw (m, rad)")
-    x, y, _, roll, pitch, yaw = numbers
+    for attribute in ("relative_to", "frame", "degrees", "rotation_format"):
+        if pose.get(attribute, "") not in ("", "false", "euler_rpy"):
+            raise InputFileError(f"{path}: model {name!r}: pose has {attribute} {shown(pose.get(attribute, ''))}; allowed: none")
+    text = pose.text or ""
+    found = numbers(text)
+    if found is None or len(found) != 6:
+        raise InputFileError(f"{path}: model {name!r}: pose is {shown(text)}; allowed: six numbers x y z roll pitch yaw (m, rad)")
+    x, y, _, roll, pitch, yaw = found
     if max(abs(roll), abs(pitch)) > UPRIGHT:
-        raise InputFileError(f"{path}: {name}: pose has roll {roll:g} and pitch {pitch:g}; allowed: 0, upright")
+        raise InputFileError(f"{path}: model {name!r}: pose has roll {roll:g} and pitch {pitch:g}; allowed: 0, upright")
     return Pose(x, y, yaw)
-
-
-def _number(text: str) -> float | None:
-    try:
-        number = float(text)
-    except ValueError:
-        return None
-    return number if math.isfinite(number) else None
