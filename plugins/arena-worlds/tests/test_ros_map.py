@@ -17,6 +17,8 @@ LOADABLE = [
     "aws_bookstore/turtlebot3_waffle_pi/map.yaml",
     "aws_small_warehouse/005/map.yaml",
     "arena_bench/map5/arena-tools/map.yaml",
+    "arena_bench/map5/arena-tools/map.world.yaml",
+    "arena_bench/map5/arena-tools",
     "arena_bench/map5/map.yaml",
     "arena_bench/small_warehouse/map.yaml",
     "arena_bench/small_warehouse/obs_map.yaml",
@@ -54,7 +56,7 @@ def small_map(folder: Path, origin: str = "[0, 0, 0]") -> Path:
 @needs_maps
 def test_every_map_of_the_collection_is_tried() -> None:
     offered = {str(path.relative_to(MAPS)) for path in MAPS.rglob("*.yaml")}
-    assert offered == {*LOADABLE, "arena_bench/map5/arena-tools/map.world.yaml"}
+    assert offered == {name for name in LOADABLE if name.endswith(".yaml")}
 
 
 @needs_maps
@@ -85,9 +87,28 @@ def test_png_pgm_and_bmp_give_the_same_map(tmp_path: Path, image: str) -> None:
 
 
 @needs_maps
-def test_yaml_that_is_no_map_is_refused() -> None:
-    with pytest.raises(InputFileError, match=r"map\.world\.yaml: image is missing"):
-        load_map(MAPS / "arena_bench/map5/arena-tools/map.world.yaml")
+def test_flatland_world_is_the_map_of_its_layers() -> None:
+    folder = MAPS / "arena_bench/map5/arena-tools"
+    assert (
+        load_map(folder / "map.world.yaml").data.tolist() == load_map(folder).data.tolist() == load_map(folder / "map.yaml").data.tolist()
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("properties: {}", "layers is None; allowed: layers"),
+        ("layers: [static]", "layers is .*; allowed: layers"),
+        ("layers: [{name: static}]", r"layers have the maps \[\]; allowed"),
+        ("layers: [{map: a.yaml}, {map: b.yaml}]", r"layers have the maps \['a.yaml', 'b.yaml'\]; allowed: .* one map_server YAML"),
+        ("layers: [{map: 3}]", r"layers have the maps \[3\]"),
+        ("layers: [{map: gone.yaml}]", "gone.yaml: cannot be read"),
+    ],
+)
+def test_flatland_world_without_one_map_is_refused(tmp_path: Path, text: str, said: str) -> None:
+    (tmp_path / "map.world.yaml").write_text(text)
+    with pytest.raises(InputFileError, match=said):
+        load_map(tmp_path)
 
 
 @needs_maps

@@ -5,8 +5,10 @@ from arena_core import Register, hookimpl
 
 @hookimpl
 def register_worlds(register: Register) -> None:
-    """Offer ROS maps, BARN's worlds, the built-in halls and the two generators."""
+    """Offer maps and world files, BARN's worlds, the built-in halls and the two generators."""
     register("ros_map", "arena_worlds.ros_map:RosMap")
+    register("file", "arena_worlds.file_world:FileWorld")
+    register("scenario_map", "arena_worlds.scenario_map:ScenarioMap")
     register("barn", "arena_worlds.barn:BarnWorlds")
     register("empty", "arena_worlds.empty:EmptyRoom")
     register("warehouse", "arena_worlds.warehouse:Warehouse")

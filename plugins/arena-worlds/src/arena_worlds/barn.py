@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ConfigurationError, InputFileError, NonNegative, OccupancyGrid, Pose, Positive, World, WorldSource
+from arena_core import ConfigurationError, InputFileError, NonNegative, OccupancyGrid, Positive, World, WorldSource
 from arena_worlds.sdf import read_sdf
 from arena_worlds.solids import grid_of
 

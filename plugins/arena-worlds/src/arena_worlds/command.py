@@ -9,6 +9,7 @@ from typing import ClassVar
 from arena_core import Command, ConfigurationError
 
 SUBCOMMANDS = {
+    "convert": "arena_worlds.convert:ConvertCommand",
     "generate": "arena_worlds.generate:GenerateCommand",
 }
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from arena_core import InputFileError
+from arena_worlds.canvas import LARGEST
 from arena_worlds.map_yaml import MapFile
 
 
@@ -55,6 +56,8 @@ def _read(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
     """Return colours (H, W, 1 or 3) and alpha (H, W) or None, 0 .. 1, row 0 at the top."""
     try:
         with Image.open(path) as image:
+            if image.width * image.height > LARGEST:
+                raise InputFileError(f"{path}: has {image.width} x {image.height} pixels; allowed: {LARGEST} in all")
             return _channels(image)
     # Pillow raises these, and no common error of its own, for files that are cut off or are no images
     except (OSError, ValueError, SyntaxError, EOFError, Image.DecompressionBombError) as error:

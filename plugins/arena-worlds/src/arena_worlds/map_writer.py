@@ -24,7 +24,7 @@ def write_map(path: Path, grid: OccupancyGrid) -> list[Path]:
         raise ConfigurationError(f"{path}: allowed: a file that ends in .yaml")
     trinary = bool(np.isin(grid.data, list(PIXELS)).all())
     image = path.with_suffix(".pgm")
-    write_bytes_whole(image, pgm(_pixels(grid.data) if trinary else grid.data.view(np.uint8)))
+    write_bytes_whole(image, pgm(pixels_of(grid.data) if trinary else grid.data.view(np.uint8)))
     write_text_whole(path, _yaml(grid, image.name, "trinary" if trinary else "raw"))
     return [path, image]
 
@@ -35,7 +35,8 @@ def pgm(pixels: NDArray[np.uint8]) -> bytes:
     return f"P5\n{columns} {rows}\n255\n".encode() + pixels[::-1].tobytes()
 
 
-def _pixels(data: NDArray[np.int8]) -> NDArray[np.uint8]:
+def pixels_of(data: NDArray[np.int8]) -> NDArray[np.uint8]:
+    """Return the shades of free, occupied and unknown cells (H, W)."""
     shades = np.zeros(256, np.uint8)
     for value, shade in PIXELS.items():
         shades[np.uint8(value & 0xFF)] = shade

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import reprlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +14,8 @@ import yaml
 from arena_core import InputFileError
 
 Mode = Literal["trinary", "scale", "raw"]
+LARGEST_FILE = 1_000_000  # bytes
+KEYS = "image, resolution, origin, negate, occupied_thresh, free_thresh, mode"
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +33,7 @@ class MapFile:
 
 def read_map_yaml(path: Path) -> MapFile:
     """Read and check a map's YAML; raise InputFileError with the file, the key and what is allowed."""
-    keys = _mapping(path)
+    keys = read_mapping(path, KEYS)
     found = MapFile(
         image=_image(path, keys),
         resolution=_number(path, keys, "resolution"),
@@ -50,17 +53,27 @@ def read_map_yaml(path: Path) -> MapFile:
     return found
 
 
-def _mapping(path: Path) -> Mapping[str, Any]:
+def read_mapping(path: Path, allowed: str) -> Mapping[str, Any]:
+    """Read a YAML file of keys and values; raise InputFileError, which names ``allowed`` as what may be there."""
     try:
-        keys = yaml.safe_load(path.read_bytes())
+        with path.open("rb") as file:
+            content = file.read(LARGEST_FILE + 1)
+        keys = yaml.safe_load(content) if len(content) <= LARGEST_FILE else None
     except OSError as error:
         raise InputFileError(f"{path}: cannot be read ({error.strerror}); allowed: the YAML file of a map_server map") from None
-    # PyYAML lets a ValueError through for impossible dates, and recurses as deeply as the file nests
+    # PyYAML lets a ValueError through for impossible dates and for names with a null, and recurses as deeply as the file nests
     except (yaml.YAMLError, ValueError, RecursionError) as error:
         raise InputFileError(f"{path}: is no YAML file ({_reason(error)})") from None
+    if len(content) > LARGEST_FILE:
+        raise InputFileError(f"{path}: is larger than {LARGEST_FILE} bytes; allowed: up to that")
     if not isinstance(keys, Mapping):
-        raise InputFileError(f"{path}: holds no keys; allowed: image, resolution, origin, negate, occupied_thresh, free_thresh, mode")
+        raise InputFileError(f"{path}: holds no keys; allowed: {allowed}")
     return keys
+
+
+def quoted(value: object) -> str:
+    """Return a value as an error may quote it: aliases make a short file's values endless."""
+    return reprlib.repr(value)
 
 
 def _reason(error: Exception) -> str:
@@ -78,7 +91,7 @@ def _value(path: Path, keys: Mapping[str, Any], key: str, allowed: str) -> Any:
 def _image(path: Path, keys: Mapping[str, Any]) -> Path:
     name = _value(path, keys, "image", "an image file, relative to this YAML")
     if not isinstance(name, str) or not name:
-        raise InputFileError(f"{path}: image is {name!r}; allowed: an image file, relative to this YAML")
+        raise InputFileError(f"{path}: image is {quoted(name)}; allowed: an image file, relative to this YAML")
     image = path.parent / name
     if not image.is_file():
         raise InputFileError(f"{path}: image {name} is not there (looked for {image}); allowed: an image file, relative to this YAML")
@@ -89,7 +102,7 @@ def _number(path: Path, keys: Mapping[str, Any], key: str) -> float:
     value = _value(path, keys, key, "a number")
     number = _as_number(value)
     if number is None:
-        raise InputFileError(f"{path}: {key} is {value!r}; allowed: a finite number")
+        raise InputFileError(f"{path}: {key} is {quoted(value)}; allowed: a finite number")
     return number
 
 
@@ -110,13 +123,13 @@ def _origin(path: Path, keys: Mapping[str, Any]) -> tuple[float, float, float]:
     match numbers:
         case [float() as x, float() as y, float() as yaw]:
             return x, y, yaw
-    raise InputFileError(f"{path}: origin is {value!r}; allowed: [x, y, yaw] (m, m, rad)")
+    raise InputFileError(f"{path}: origin is {quoted(value)}; allowed: [x, y, yaw] (m, m, rad)")
 
 
 def _negate(path: Path, keys: Mapping[str, Any]) -> bool:
     value = _value(path, keys, "negate", "0 or 1")
     if value not in (0, 1):  # True and False among them
-        raise InputFileError(f"{path}: negate is {value!r}; allowed: 0 or 1")
+        raise InputFileError(f"{path}: negate is {quoted(value)}; allowed: 0 or 1")
     return bool(value)
 
 
@@ -125,4 +138,4 @@ def _mode(path: Path, keys: Mapping[str, Any]) -> Mode:
     for mode in get_args(Mode):
         if value == mode:
             return mode  # type: ignore[no-any-return]
-    raise InputFileError(f"{path}: mode is {value!r}; allowed: trinary, scale or raw")
+    raise InputFileError(f"{path}: mode is {quoted(value)}; allowed: trinary, scale or raw")

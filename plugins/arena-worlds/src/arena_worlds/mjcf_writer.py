@@ -19,8 +19,8 @@ def mjcf_text(solids: Solids, name: str, height: float) -> str:
     world = ElementTree.SubElement(root, "worldbody")
     ElementTree.SubElement(world, "light", directional="true", pos="0 0 10", dir="-0.5 0.1 -0.9", castshadow="false")
     place, middle = solids.origin, 0.5 * height
-    pose = {"pos": _text(place.x, place.y, 0.0), "euler": _text(0.0, 0.0, place.theta)}
-    body = ElementTree.SubElement(world, "body", name=MAP_BODY, **pose)
+    turn = _text(0.0, 0.0, place.theta)
+    body = ElementTree.SubElement(world, "body", name=MAP_BODY, pos=_text(place.x, place.y, 0.0), euler=turn)
     _add_ground(body, solids, height)
     for number, (x, y, yaw, length, width) in enumerate(solids.boxes.tolist()):
         size = _text(0.5 * length, 0.5 * width, middle)
@@ -43,7 +43,7 @@ def _add_ground(body: ElementTree.Element, solids: Solids, height: float) -> Non
 
 
 def _add_geom(body: ElementTree.Element, name: str, kind: str, size: str, colour: str, **place: str) -> None:
-    ElementTree.SubElement(body, "geom", name=name, type=kind, size=size, rgba=colour, **place)
+    ElementTree.SubElement(body, "geom", {"name": name, "type": kind, "size": size, **place, "rgba": colour})
 
 
 def _text(*values: float) -> str:

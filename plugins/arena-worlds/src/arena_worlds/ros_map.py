@@ -6,6 +6,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from arena_core import ConfigurationError, OccupancyGrid, Pose, World, WorldSource
+from arena_worlds.flatland_world import map_yaml_of
 from arena_worlds.map_image import occupancy
 from arena_worlds.map_yaml import MapFile, read_map_yaml
 
@@ -25,8 +26,11 @@ class RosMap(WorldSource):
 
 
 def load_map(path: Path) -> OccupancyGrid:
-    """Read a map; the same grid object again for as long as its files stay as they are. Raises InputFileError."""
-    file = read_map_yaml(path)
+    """Read a map, given by its YAML, a Flatland world or a folder; raise InputFileError.
+
+    The grid object is the same again for as long as its files stay as they are.
+    """
+    file = read_map_yaml(map_yaml_of(path))
     written = file.image.stat()
     return _grid(file, written.st_mtime_ns, written.st_size)
 

@@ -64,7 +64,9 @@ def _shape(path: Path, name: str, collision: ElementTree.Element, place: Pose) -
             return Shape("box", place, tuple(_measures(path, name, collision, "box/size", 3)[:2]))
         case ["plane"]:
             return Shape("ground", place, tuple(_measures(path, name, collision, "plane/size", 2))) if name == GROUND else None
-    raise InputFileError(f"{path}: model {name!r}: geometry is {', '.join(kinds) or 'missing'}; allowed: box, cylinder (and plane, the ground)")
+    raise InputFileError(
+        f"{path}: model {name!r}: geometry is {', '.join(kinds) or 'missing'}; allowed: box, cylinder (and plane, the ground)"
+    )
 
 
 def _measures(path: Path, name: str, collision: ElementTree.Element, key: str, count: int) -> list[float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from xml.etree import ElementTree
 
 from arena_core import Pose
@@ -53,7 +54,7 @@ def _add_shape(
     name: str,
     place: tuple[float, float, float, float],
     kind: str,
-    measures: dict[str, tuple[float, ...]],
+    measures: Mapping[str, tuple[float, ...]],
     colour: str,
 ) -> None:
     """Add what can be hit and what is seen, both of the same shape."""

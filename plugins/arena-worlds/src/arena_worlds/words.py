@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -33,6 +34,18 @@ def whole_number(words: Mapping[str, str], key: str, default: int) -> int:
     if not (text.isascii() and text.isdigit()):
         raise ConfigurationError(f"{key} is {text!r}; allowed: a whole number of at least 0")
     return int(text)
+
+
+def measure(words: Mapping[str, str], key: str, default: float) -> float:
+    """Return ``key`` as a length, m; raise ConfigurationError for one that is none or not above 0."""
+    text = words.get(key, str(default))
+    try:
+        length = float(text)
+    except ValueError:
+        length = math.nan
+    if not 0.0 < length < math.inf:
+        raise ConfigurationError(f"{key} is {text!r}; allowed: a number > 0 (m)")
+    return length
 
 
 def map_path(out: str) -> Path:
