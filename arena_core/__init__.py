@@ -1,7 +1,8 @@
 """The public core of the arena suite: values, interfaces and hook specifications for plugins and notebooks."""
 
+from arena_core.addresses import local_path
 from arena_core.benchmark import build_metrics
-from arena_core.configuration import compose
+from arena_core.configuration import compose, option_files
 from arena_core.episode import (
     Contact,
     EpisodeRecord,
@@ -35,6 +36,7 @@ from arena_core.interfaces import (
     Executor,
     GlobalPlanner,
     Job,
+    Listing,
     Localizer,
     LocalMap,
     Metric,
@@ -54,7 +56,7 @@ from arena_core.interfaces import (
 from arena_core.obstacles import with_obstacles
 from arena_core.parameters import Bounds, Fraction, NonNegative, NonNegativeInt, Positive, PositiveInt
 from arena_core.recording import find_runs, read_record, write_bytes_whole, write_text_whole
-from arena_core.registry import load_registry
+from arena_core.registry import Registry, load_registry
 from arena_core.robot import Lidar, OdometryModel, Robot, VelocityLimits, make_robot
 from arena_core.sensing import NO_TRACKS, LaserScan, Observation, Odometry, PoseEstimate, Sensors, Tracks
 from arena_core.staging import Staging
@@ -113,6 +115,7 @@ __all__ = [
     "Job",
     "LaserScan",
     "Lidar",
+    "Listing",
     "LocalMap",
     "Localizer",
     "Metric",
@@ -138,6 +141,7 @@ __all__ = [
     "Positive",
     "PositiveInt",
     "Register",
+    "Registry",
     "Robot",
     "RobotBatch",
     "RunFolderError",
@@ -163,7 +167,9 @@ __all__ = [
     "generator",
     "hookimpl",
     "load_registry",
+    "local_path",
     "make_robot",
+    "option_files",
     "read_record",
     "stream_key",
     "succeeded",

@@ -30,7 +30,8 @@ class RunTask:
         """Run the composed configuration in the folder that Hydra made for it."""
         from hydra.core.hydra_config import HydraConfig
 
-        return self.run([RunRequest(config, Path(HydraConfig.get().runtime.output_dir))])
+        runtime = HydraConfig.get().runtime
+        return self.run([RunRequest(config, Path(runtime.output_dir), runtime.choices)])
 
     def run(self, requests: Sequence[RunRequest]) -> int:
         """Run all requests and keep the worst exit status, or the error: Hydra would print lines of its own about it."""

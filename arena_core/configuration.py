@@ -17,6 +17,7 @@ from arena_core.registry import unknown
 
 if TYPE_CHECKING:
     from omegaconf import DictConfig
+    from pluggy import PluginManager
 
 PRIMARY = "config"
 
@@ -33,16 +34,30 @@ def search_path() -> list[tuple[str, str]]:
 
     Raises DuplicateComponent when two sources offer the same option of a group: Hydra would silently take the first.
     """
+    manager = load_plugins()
+    _check_options(_folders(manager))
+    sources = [(plugin, f"pkg://{package}") for plugin, package in config_packages(manager).items()]
+    own = _own_folder()
+    return [*sources, ("working-directory", own.as_uri())] if own else sources
+
+
+def option_files(group: str, manager: PluginManager) -> dict[str, Traversable]:
+    """Return the file of every option of a group, by the option's name; those of subgroups are called ``subgroup/option``."""
+    folders = [folder / group for folder in _folders(manager).values()]
+    return dict(sorted((name, folder / f"{name}.yaml") for folder in folders if folder.is_dir() for name in _options(folder)))
+
+
+def _folders(manager: PluginManager) -> dict[str, Traversable]:
+    """Return every folder of configuration groups, by who offers it."""
     folders: dict[str, Traversable] = {"the core": conf_directory()}
-    packages = config_packages(load_plugins())
-    folders |= {f"plugin {plugin}": files(package) for plugin, package in packages.items()}
-    sources = [(plugin, f"pkg://{package}") for plugin, package in packages.items()]
+    folders |= {f"plugin {plugin}": files(package) for plugin, package in config_packages(manager).items()}
+    own = _own_folder()
+    return {**folders, f"your folder {own}": own} if own else folders
+
+
+def _own_folder() -> Path | None:
     own = Path.cwd() / "conf"
-    if own.is_dir() and own.resolve() != conf_directory().resolve():
-        folders[f"your folder {own}"] = own
-        sources.append(("working-directory", own.as_uri()))
-    _check_options(folders)
-    return sources
+    return own if own.is_dir() and own.resolve() != conf_directory().resolve() else None
 
 
 def _check_options(folders: Mapping[str, Traversable]) -> None:
@@ -125,10 +140,9 @@ def _one_line(error: BaseException) -> str:
 
 def _missing(file: str, options: Sequence[str] | None) -> str:
     """Return the line for an option that no configuration source has; Hydra does not always say which there are."""
-    group, _, option = file.rpartition("/")
-    if options is None:
-        return f"there is no {file}; `arena list {group}` shows what is installed"
-    return unknown(group, option, list(options))
+    group, _, option = file.partition("/")
+    known = list(options or option_files(group, load_plugins()))
+    return unknown(group, option, known) if known else f"there is no {file}; `arena list` shows what is installed"
 
 
 def _joined(text: str) -> str:

@@ -103,6 +103,11 @@ def register_commands(register: Register) -> None:
 
 
 @hookspec
+def register_listings(register: Register) -> None:
+    """Offer further things that ``arena list`` shows."""
+
+
+@hookspec
 def config_package() -> str:  # type: ignore[empty-body]
     """Return the package that holds this plugin's configuration groups, such as ``my_planner.conf``."""
 

@@ -299,6 +299,22 @@ class Executor(ABC):
         """Give back what was kept warm from one ``map`` to the next."""
 
 
+class Listing(ABC):
+    """Something beside components that ``arena list`` shows."""
+
+    @abstractmethod
+    def names(self) -> Sequence[str]:
+        """Return what can be chosen."""
+
+    @abstractmethod
+    def summary(self) -> Sequence[str]:
+        """Return a few lines for ``arena list``."""
+
+    @abstractmethod
+    def details(self) -> Sequence[str]:
+        """Return the lines of ``arena list NAME``."""
+
+
 class Command(ABC):
     """A subcommand of ``arena``."""
 

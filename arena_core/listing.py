@@ -5,16 +5,15 @@ from __future__ import annotations
 import argparse
 import re
 from collections.abc import Iterator, Sequence
-from importlib.resources import files
 from importlib.resources.abc import Traversable
 from typing import Any, ClassVar
 
-from arena_core.configuration import conf_directory
+from arena_core.configuration import option_files
 from arena_core.errors import UnknownComponent
-from arena_core.interfaces import Command
-from arena_core.plugins import config_packages
+from arena_core.interfaces import Command, Listing
 from arena_core.registry import HOOKS, Registry, load_registry, unknown
 
+KINDS = [kind for kind in HOOKS if kind != "listing"]
 PARAMETER = re.compile(r"^(?P<indent> *)(?P<key>[A-Za-z_]\w*):\s*(?P<value>[^#]*?)\s*(#\s*(\[(?P<unit>[^\]]*)\])?\s*(?P<text>.*))?$")
 
 
@@ -26,27 +25,22 @@ class ListCommand(Command):
     def run(self, arguments: Sequence[str]) -> int:
         """Print all kinds in short, or one kind with the parameters of its presets."""
         parser = argparse.ArgumentParser("arena list", description=self.__doc__)
-        parser.add_argument("kind", nargs="?", help=", ".join(HOOKS))
+        parser.add_argument("kind", nargs="?", help=", ".join(KINDS))
         parser.add_argument("--names", action="store_true", help="print names alone, one a line")
         given = parser.parse_args(list(arguments))
         registry = load_registry()
-        if given.kind is not None and given.kind not in HOOKS:
-            raise UnknownComponent(unknown("kind", given.kind, list(HOOKS)))
-        kinds = [given.kind] if given.kind else [kind for kind in HOOKS if registry.names(kind)]
-        for kind in kinds:
-            _print_kind(registry, kind, detailed=given.kind is not None, names_only=given.names)
+        listings = registry.names("listing")
+        if given.kind is not None and given.kind not in (*KINDS, *listings):
+            raise UnknownComponent(unknown("kind", given.kind, [*KINDS, *listings]))
+        for name in [given.kind] if given.kind else [*filter(registry.names, KINDS), *listings]:
+            show = _print_kind if name in KINDS else _print_listing
+            show(registry, name, detailed=given.kind is not None, names_only=given.names)
         return 0
 
 
 def presets(registry: Registry, kind: str) -> dict[str, Traversable]:
     """Return the YAML file of every preset of a kind, by preset name."""
-    folders: list[Traversable] = [files(package) for package in config_packages(registry.manager).values()]
-    found = {}
-    for folder in [*folders, conf_directory()]:
-        group = folder / kind
-        if group.is_dir():
-            found.update({e.name.removesuffix(".yaml"): e for e in group.iterdir() if e.name.endswith(".yaml")})
-    return dict(sorted(found.items()))
+    return {name: file for name, file in option_files(kind, registry.manager).items() if "/" not in name}
 
 
 def registered_name(preset: Traversable) -> str | None:
@@ -70,6 +64,14 @@ def _print_kind(registry: Registry, kind: str, detailed: bool, names_only: bool)
         if detailed:
             for preset in own:
                 _print_parameters(preset, files_of[preset])
+
+
+def _print_listing(registry: Registry, name: str, detailed: bool, names_only: bool) -> None:
+    listing: Listing = registry.component("listing", name).resolve()()
+    if names_only:
+        print("\n".join(listing.names()))
+        return
+    print("\n  ".join([name, *(listing.details() if detailed else listing.summary())]))
 
 
 def _print_parameters(preset: str, file: Traversable) -> None:

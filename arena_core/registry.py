@@ -34,6 +34,7 @@ HOOKS = {
     "observation_encoder": "register_observation_encoders",
     "executor": "register_executors",
     "command": "register_commands",
+    "listing": "register_listings",
 }
 
 INTERFACES: dict[type, str] = {

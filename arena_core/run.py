@@ -30,10 +30,11 @@ from arena_core.success import succeeded
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RunRequest:
-    """A composed configuration and the folder of its run."""
+    """A composed configuration, the folder of its run, and which option of each configuration group made it."""
 
     config: Any
     folder: Path
+    choices: Mapping[str, str | None]
 
 
 def run_all(requests: Sequence[RunRequest]) -> int:
@@ -112,7 +113,7 @@ def _benchmark(config: str) -> Benchmark:
 def _prepare(request: RunRequest, registry: Registry) -> Run:
     """Check a configuration by building it, open its folder and read what an interrupted run has left."""
     config = plain(request.config)
-    config["choices"] = _choices(request.config)
+    config["choices"] = {k: v for k, v in request.choices.items() if v is not None and not k.startswith("hydra/")}
     benchmark = build_benchmark(config, registry)
     limit = benchmark.task.count()
     if limit is not None and config["episodes"] > limit:
@@ -140,16 +141,6 @@ def _continue(run: Run) -> None:
     for path in sorted((run.folder / "records").glob("[0-9]*.npz")):
         record = read_record(path)
         run.rows[int(path.stem)], run.successes[int(path.stem)] = evaluate(record, run.packs), succeeded(record)
-
-
-def _choices(config: Any) -> dict[str, str]:
-    """Return which option of each configuration group was chosen, if Hydra is running."""
-    from hydra.core.hydra_config import HydraConfig
-
-    if not HydraConfig.initialized():
-        return {}
-    chosen = HydraConfig.get().runtime.choices
-    return {str(group): str(option) for group, option in chosen.items() if not str(group).startswith("hydra/")}
 
 
 def provenance(config: Mapping[str, Any]) -> dict[str, Any]:

@@ -65,7 +65,7 @@ def test_composing_leaves_nothing_behind_outside_one_and_after_an_error():
     [
         ("executor=serail", r"unknown executor 'serail'; did you mean serial\? \(possible: processes, serial\)"),
         ("experiment=smoek", r"unknown experiment 'smoek'; did you mean smoke\? \(possible: .*smoke"),
-        ("metrics=[sii]", r"there is no metrics/sii; `arena list metrics` shows what is installed"),
+        ("metrics=[sii]", r"unknown metrics 'sii'; did you mean si\?"),
         ("episode=3", r"the configuration has no key episode; did you mean episodes\? \(possible: episodes, "),
         ("timing.mod=ideal", r"timing has no key mod; did you mean mode\? \(possible: latency, mode\)"),
         ("episodes=[", r"episodes=\[ cannot be read: .*; allowed: KEY=VALUE"),

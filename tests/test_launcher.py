@@ -19,6 +19,7 @@ def test_every_job_of_a_multirun_has_a_folder_of_its_own(arena):
     jobs = [(provenance(k)["config"]["planner"]["gain"], provenance(k)["config"]["robot"]["name"]) for k in range(4)]
     assert sorted(jobs) == [(1, "jackal"), (1, "robotino"), (2, "jackal"), (2, "robotino")]
     assert len({provenance(k)["config_hash"] for k in range(4)}) == 4
+    assert sorted(provenance(k)["config"]["choices"]["robot"] for k in range(4)) == ["jackal", "jackal", "robotino", "robotino"]
     for job in range(4):
         assert Path(f"sweep/{job}/records/0000.npz").exists()
         assert Path(f"sweep/{job}/.hydra/config.yaml").exists()

@@ -29,7 +29,7 @@ class ArenaLauncher(Launcher):
 
         setup_globals()
         prepared = [self._prepare(list(overrides), initial_job_idx + i) for i, overrides in enumerate(job_overrides)]
-        status = self.task.run([RunRequest(job.cfg, Path(job.return_value)) for job in prepared])
+        status = self.task.run([RunRequest(job.cfg, Path(job.return_value), _choices(job)) for job in prepared])
         for job in prepared:
             job.return_value = status
         return prepared
@@ -44,6 +44,11 @@ class ArenaLauncher(Launcher):
         if job.status == JobStatus.FAILED:
             raise job._return_value
         return job
+
+
+def _choices(job: JobReturn) -> dict[str, str | None]:
+    assert job.hydra_cfg is not None, "a job that ran has its configuration"
+    return dict(job.hydra_cfg.hydra.runtime.choices)
 
 
 def _folder(config: Any) -> str:

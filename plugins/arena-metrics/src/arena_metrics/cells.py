@@ -22,6 +22,7 @@ FACTORS = {  # columns that tell cells apart, in the order in which a reader wan
     "localizer": "localiser",
     "timing": "timing",
 }
+SCENARIO = "scenario"  # the option of a pack; the column of that name is a single problem
 VARIANT = "variant"
 NOT_SHOWN = ("choices", "seed", "episodes", "executor", "resume", "report", "metrics", "recording", "experiment")
 NAMED_KEYS = 3  # differing keys that a variant's name spells out
@@ -77,13 +78,14 @@ def cells_of(episodes: Sequence[Episode]) -> Cells:
         groups.setdefault(episode.row["config_hash"], []).append(episode)
     plain = [_cell(name, sorted(group, key=lambda e: (e.row["seed"], e.row["episode"]))) for name, group in groups.items()]
     cells = sorted(_with_variants(plain), key=lambda cell: [_natural(cell.factors[f]) for f in _sort_order()])
-    varying = [f for f in [*FACTORS.values(), VARIANT] if len({cell.factors[f] for cell in cells}) > 1]
-    return Cells(cells, varying, {f: cells[0].factors[f] for f in FACTORS.values() if f not in varying and cells[0].factors[f]})
+    varying = [f for f in [*FACTORS.values(), SCENARIO, VARIANT] if len({cell.factors[f] for cell in cells}) > 1]
+    common = {f: value for f, value in cells[0].factors.items() if f != VARIANT and f not in varying and value}
+    return Cells(cells, varying, common)
 
 
 def _sort_order() -> list[str]:
     """Return conditions ahead of the planner, so that planners stand together under one condition."""
-    return [*(f for f in FACTORS.values() if f != "planner"), "planner", VARIANT]
+    return [SCENARIO, *(f for f in FACTORS.values() if f != "planner"), "planner", VARIANT]
 
 
 def _natural(text: str) -> list[tuple[int, float, str]]:
@@ -95,7 +97,8 @@ def _natural(text: str) -> list[tuple[int, float, str]]:
 def _cell(name: str, episodes: Sequence[Episode]) -> Cell:
     config = episodes[0].run.provenance.get("config", {})
     factors = {title: next((e.row[column] for e in episodes if e.row[column]), "") for column, title in FACTORS.items()}
-    return Cell(name, episodes, config, {**factors, FACTORS["n_pedestrians"]: _people(episodes, config), VARIANT: ""})
+    scenario = str(config.get("choices", {}).get("scenario", ""))
+    return Cell(name, episodes, config, {**factors, FACTORS["n_pedestrians"]: _people(episodes, config), SCENARIO: scenario, VARIANT: ""})
 
 
 def _people(episodes: Sequence[Episode], config: Mapping[str, Any]) -> str:

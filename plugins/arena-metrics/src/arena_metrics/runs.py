@@ -15,6 +15,7 @@ IDENTIFICATION = [
     *("config_hash", "planner", "preset", "robot", "simulator", "world", "task", "scenario", "scenario_hash", "stage", "n_pedestrians"),
     *("pedestrian_model", "reaction", "localizer", "timing", "episode", "seed", "outcome", "error"),
 ]
+LATER = ["scenario_hash", "stage"]  # texts too, which older tables lack
 DEFAULT_PACK = "si"
 Row = Mapping[str, Any]
 
@@ -76,7 +77,7 @@ def _row(path: Path, line: int, row: Mapping[str | None, Any]) -> Row:
         raise InputFileError(f"{path}: line {line} has another number of fields than the header")
     texts: dict[str, str] = {str(key): value for key, value in row.items()}
     try:
-        metrics = {key: float(value) if value else math.nan for key, value in texts.items() if key not in IDENTIFICATION}
+        metrics = {key: float(value) if value else math.nan for key, value in texts.items() if key not in (*IDENTIFICATION, *LATER)}
         numbers = {key: int(texts[key]) for key in ("episode", "seed")}
         numbers |= {key: int(texts[key]) if texts[key] else -1 for key in ("n_pedestrians", "stage")}
     except ValueError as error:
@@ -125,7 +126,7 @@ def pooled(runs: Iterable[Run]) -> tuple[list[Episode], int]:
 
 def metric_columns(runs: Sequence[Run]) -> list[Column]:
     """Return every metric's column in the order of the tables, ``si`` first."""
-    names = dict.fromkeys(name for run in runs for row in run.rows[:1] for name in row if name not in IDENTIFICATION)
+    names = dict.fromkeys(name for run in runs for row in run.rows[:1] for name in row if name not in (*IDENTIFICATION, *LATER))
     packs = {name: name.rpartition(".")[0] or DEFAULT_PACK for name in names}
     known = _described(runs, list(dict.fromkeys(packs.values())))
     columns = [known.get(name, Column(name, pack, "", "neither", "", False)) for name, pack in packs.items()]

@@ -12,6 +12,18 @@ def register_task_modes(register: Register) -> None:
 
 
 @hookimpl
+def register_commands(register: Register) -> None:
+    """Offer work on scenario files."""
+    register("scenario", "arena_tasks.scenario_command:ScenarioCommand")
+
+
+@hookimpl
+def register_listings(register: Register) -> None:
+    """Offer the scenarios of all packs."""
+    register("scenarios", "arena_tasks.scenario_listing:ScenarioListing")
+
+
+@hookimpl
 def config_package() -> str:
     """Name the configuration package."""
     return "arena_tasks.conf"

@@ -26,7 +26,10 @@ class Keys:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Problem:
-    """Start, goal, people and obstacles in ``map``; ``goal_radius`` (m) or ``time_limit`` (s) is None where the task decides."""
+    """Start, goal, people and obstacles in ``map``; ``goal_radius`` (m) or ``time_limit`` (s) is None where the task decides.
+
+    It comes ``repeats`` times before the next problem of its file.
+    """
 
     name: str
     start: Pose
@@ -36,3 +39,4 @@ class Problem:
     goal_radius: float | None
     time_limit: float | None
     keys: Keys
+    repeats: int = 1

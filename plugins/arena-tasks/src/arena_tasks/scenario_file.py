@@ -3,50 +3,70 @@
 from __future__ import annotations
 
 import json
-import os
+import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import shapely
 
-from arena_core import InputFileError, Obstacle, PedestrianSpec, Pose, RunFolderError, Scenario
+from arena_core import InputFileError, Obstacle, PedestrianSpec, Pose, Scenario, write_text_whole
 from arena_tasks.arena_tools import is_arena_tools, read_arena_tools
 from arena_tasks.json_fields import Field, read_json
 from arena_tasks.problem import Keys, PersonDefaults, Problem
 
-FORMAT, VERSION = "arena-scenario", 1
+FORMAT, VERSION = "arena-scenario", 2
+READABLE = (1, VERSION)
+MOST_REPEATS = 1_000_000
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ScenarioFile:
+    """What a file holds: problems in their order, ``title`` says what they are, ``map`` is their map's YAML file, relative to the file.
+
+    The task takes its map from ``world``; ``map`` tells whoever packs or converts the file. Empty: the file does not say.
+    """
+
+    problems: tuple[Problem, ...]
+    title: str = ""
+    map: str = ""
 
 
 def read_scenarios(path: Path, defaults: PersonDefaults) -> tuple[Problem, ...]:
     """Read all problems of a file in our format or that of arena-tools; raise InputFileError with file and key."""
+    return read_scenario_file(path, defaults).problems
+
+
+def read_scenario_file(path: Path, defaults: PersonDefaults) -> ScenarioFile:
+    """Read a file in our format or that of arena-tools; raise InputFileError with file and key."""
     root = read_json(path)
     if root.has("format") and root["format"].value == FORMAT:
         return _read_ours(root, defaults)
     if is_arena_tools(root):
-        return (read_arena_tools(root, defaults),)
+        return ScenarioFile((read_arena_tools(root, defaults),))
     raise InputFileError(
         f"{path}: has neither format: {FORMAT} nor pedsim_agents; allowed: a file as in docs/scenarios.md, or one of arena-tools"
     )
 
 
-def save_scenarios(path: Path, scenarios: Sequence[Scenario]) -> None:
-    """Write scenarios in our format, beside the file first and then in its place; their worlds are not written."""
-    content = {"format": FORMAT, "version": VERSION, "scenarios": [_written(scenario) for scenario in scenarios]}
-    beside = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        beside.write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", "utf-8")
-        beside.replace(path)
-    except OSError as error:
-        beside.unlink(missing_ok=True)
-        raise RunFolderError(f"{path}: cannot be written ({error.strerror})") from None
+def save_scenarios(path: Path, scenarios: Sequence[Scenario | Problem], title: str = "", map_file: str = "") -> None:
+    """Write scenarios in our format, whole or not at all; ``map_file`` is their map's YAML file, relative to ``path``."""
+    said = {key: text for key, text in (("title", title), ("map", map_file)) if text}
+    content = {"format": FORMAT, "version": VERSION, **said, "scenarios": [_written(scenario) for scenario in scenarios]}
+    write_text_whole(path, _with_short_lists(json.dumps(content, indent=2, allow_nan=False)) + "\n")
 
 
-def _read_ours(root: Field, defaults: PersonDefaults) -> tuple[Problem, ...]:
-    root.only("format", "version", "scenarios")
-    if root["version"].value != VERSION:
-        raise root["version"].refused(f"{VERSION}")
+def _with_short_lists(text: str) -> str:
+    """Put each list of numbers on one line; a line break inside a text is written \\n, so none of these is one."""
+    return re.sub(r"\[\n\s+([^\[\]{}\"]*?)\n\s*\]", lambda found: "[" + re.sub(r",\n\s+", ", ", found[1]) + "]", text)
+
+
+def _read_ours(root: Field, defaults: PersonDefaults) -> ScenarioFile:
+    root.only("format", "version", "title", "map", "scenarios")
+    if root["version"].value not in READABLE:
+        raise root["version"].refused(" or ".join(map(str, READABLE)))
     problems = tuple(_problem(field, defaults) for field in root["scenarios"].items())
     names = [problem.name for problem in problems]
     for number, name in enumerate(names):
@@ -54,11 +74,12 @@ def _read_ours(root: Field, defaults: PersonDefaults) -> tuple[Problem, ...]:
             raise root["scenarios"].items()[number]["name"].refused("names that differ from each other")
     if not problems:
         raise root["scenarios"].refused("at least one scenario")
-    return problems
+    title, map_file = (root[key].text() if root.has(key) else "" for key in ("title", "map"))
+    return ScenarioFile(problems, title, map_file)
 
 
 def _problem(field: Field, defaults: PersonDefaults) -> Problem:
-    field.only("name", "start", "goal", "pedestrians", "obstacles", "goal_radius", "time_limit")
+    field.only("name", "repeats", "start", "goal", "pedestrians", "obstacles", "goal_radius", "time_limit")
     people = field["pedestrians"].items() if field.has("pedestrians") else []
     obstacles = field["obstacles"].items() if field.has("obstacles") else []
     return Problem(
@@ -70,6 +91,7 @@ def _problem(field: Field, defaults: PersonDefaults) -> Problem:
         goal_radius=field["goal_radius"].number(above=0.0) if field.has("goal_radius") else None,
         time_limit=field["time_limit"].number(above=0.0) if field.has("time_limit") else None,
         keys=Keys(field["start"].key, field["goal"].key, tuple(person.key for person in people)),
+        repeats=field["repeats"].integer(1, MOST_REPEATS) if field.has("repeats") else 1,
     )
 
 
@@ -114,24 +136,29 @@ def _obstacle(field: Field) -> Obstacle:
     return Obstacle(vertices)
 
 
-def _written(scenario: Scenario) -> dict[str, Any]:
+def _written(scenario: Scenario | Problem) -> dict[str, Any]:
+    own = {
+        "repeats": scenario.repeats if isinstance(scenario, Problem) and scenario.repeats > 1 else None,
+        "goal_radius": scenario.goal_radius,
+        "time_limit": scenario.time_limit,
+    }
     return {
         "name": scenario.name,
         "start": scenario.start.array().tolist(),
         "goal": scenario.goal.array().tolist(),
-        "goal_radius": scenario.goal_radius,
-        "time_limit": scenario.time_limit,
-        "pedestrians": [
-            {
-                "position": person.position_xy.tolist(),
-                "waypoints": person.waypoints_xy.tolist(),
-                "max_speed": person.max_speed,
-                "radius": person.radius,
-                "behaviour": person.behaviour,
-            }
-            for person in scenario.pedestrians
-        ],
+        **{key: value for key, value in own.items() if value is not None},
+        "pedestrians": [_written_person(person) for person in scenario.pedestrians],
         "obstacles": [_written_obstacle(obstacle) for obstacle in scenario.obstacles],
+    }
+
+
+def _written_person(person: PedestrianSpec) -> dict[str, Any]:
+    return {
+        "position": person.position_xy.tolist(),
+        "waypoints": person.waypoints_xy.tolist(),
+        "max_speed": person.max_speed,
+        "radius": person.radius,
+        "behaviour": person.behaviour,
     }
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 from pathlib import Path
 
-from arena_core import ConfigurationError, OccupancyGrid, Pose, World, WorldSource
+from arena_core import ConfigurationError, OccupancyGrid, Pose, World, WorldSource, local_path
 from arena_worlds.flatland_world import map_yaml_of
 from arena_worlds.map_image import occupancy
 from arena_worlds.map_yaml import MapFile, read_map_yaml
@@ -17,7 +17,7 @@ class RosMap(WorldSource):
     def __init__(self, path: str | None, known: bool) -> None:
         if path is None:
             raise ConfigurationError("world.path is null; allowed: the YAML file of a map_server map, as in world.path=site.yaml")
-        yaml_path = Path(path)
+        yaml_path = local_path(path)
         self._world = World(f"{yaml_path.resolve().parent.name}/{yaml_path.stem}", load_map(yaml_path), known)
 
     def world(self, seed: int, index: int) -> World:
