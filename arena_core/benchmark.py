@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from hashlib import blake2b
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from arena_core.conversion import convert
 from arena_core.episode import EpisodeRecord
@@ -65,14 +67,15 @@ class Benchmark:
             "scenario": scenario.name,
             "scenario_hash": scenario.content_hash,
             "stage": scenario.stage if stage is None else stage,
-            "n_pedestrians": len(scenario.pedestrians),
             "episode": episode,
             "seed": self.settings.seed,
         }
         world = {"name": scenario.world.name, "known": scenario.world.known, "grid": write_grid(folder, scenario.world.grid)}
         meta = {"columns": columns, "world": world, "config": cell_config(self.config)}
         recorder = Recorder(scenario, self.robot, meta, self.recording.scans)
-        return run_episode(scenario, self.simulator, self.navigator, self.timing, recorder, self.settings.stop_on_collision)
+        record = run_episode(scenario, self.simulator, self.navigator, self.timing, recorder, self.settings.stop_on_collision)
+        there = np.isfinite(record["pedestrian_positions"]).all(axis=2).any(axis=0)  # the pedestrian model decides who is
+        return replace(record, meta={**record.meta, "columns": {**columns, "n_pedestrians": int(there.sum())}})
 
 
 def build_benchmark(config: Mapping[str, Any], registry: Registry) -> Benchmark:

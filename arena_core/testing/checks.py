@@ -34,7 +34,7 @@ from arena_core.robot import Robot
 from arena_core.sensing import Observation, Tracks
 from arena_core.streams import generator
 from arena_core.testing import samples
-from arena_core.world import LETHAL, OccupancyGrid
+from arena_core.world import ABSENT, LETHAL, OccupancyGrid, Pedestrians
 
 Facts = Iterator[tuple[str, bool]]
 SLOT = np.zeros(1, np.int64)
@@ -179,16 +179,25 @@ def check_tracker(tracker: Tracker, body: Robot) -> Facts:
 
 
 def check_pedestrians(model: PedestrianModel, body: Robot) -> Facts:
-    """Let three people walk in the room."""
+    """Let three people walk in the room, or those whom the model puts there itself."""
     people = [samples.person(k, -2.0 + 2.0 * k, -2.0, (2.0 - k, 3.0), (-2.0, -2.0 - 0.5 * k)) for k in range(3)]
     problem = samples.scenario(people=people)
-    alone = _walk(model, [problem])
-    yield "people keep their numbers", alone.ids[0, :3].tolist() == [0, 1, 2]
-    moved = np.hypot(*(alone.positions[0] - [p.position_xy for p in people]).T)
-    yield "people walk, no faster than they may", bool((moved > 0.1).all() and (moved < 0.5 * 4.0 + 0.1).all())
-    yield "the same start gives the same walk", bool((_walk(model, [problem]).positions == alone.positions).all())
-    among = _walk(model, [samples.scenario(people=people[:1], name="other"), problem])
-    yield "a world among others gives what it gives alone", bool((among.positions[1, :3] == alone.positions[0, :3]).all())
+    begun, alone = model.reset(SLOT, [problem], 1).world(0), _walk(model, [problem])[0]
+    yield (
+        "people keep their numbers, and each has one",
+        np.array_equal(alone.ids, begun.ids) and len(set(begun.ids.tolist())) == len(begun.ids),
+    )
+    there = np.isfinite(alone.positions).all(axis=1)
+    yield "who is absent is at NaN, and nobody else", bool((there == (alone.states != ABSENT)).all())
+    starts = np.array([p.position_xy for p in people])
+    if np.array_equal(begun.positions, starts):
+        moved = np.hypot(*(alone.positions - starts).T)
+        yield "people walk, no faster than they may", bool((moved > 0.1).all() and (moved < 0.5 * 4.0 + 0.1).all())
+    else:
+        yield "people who are not the scenario's walk alike without those", _same_people(_walk(model, [samples.scenario()])[0], alone)
+    yield "the same start gives the same walk", _same_people(_walk(model, [problem])[0], alone)
+    among = _walk(model, [samples.scenario(people=people[:1], name="other"), problem])[1]
+    yield "a world among others gives what it gives alone", _same_people(among, alone)
 
 
 def check_simulator(simulator: Simulator, body: Robot) -> Facts:
@@ -297,13 +306,18 @@ def _localise(localizer: Localizer, body: Robot, truth: Sequence[Pose]) -> list[
     return [localizer.update(samples.sensors(pose, body, 0.1 * k, Twist(0.5))) for k, pose in enumerate(truth)]
 
 
-def _walk(model: PedestrianModel, scenarios: Sequence[Scenario]) -> Any:
+def _walk(model: PedestrianModel, scenarios: Sequence[Scenario]) -> list[Pedestrians]:
+    """Return the people of each world after 4 s."""
     n = len(scenarios)
     crowd = model.reset(np.arange(n), scenarios, n)
     robots = RobotBatch(np.tile((4.0, -4.0, 0.0), (n, 1)), np.zeros((n, 2)), 0.2)
     for k in range(100):
         crowd = model.step(crowd, robots, np.full(n, k, np.int64), 0.04)
-    return crowd
+    return [crowd.world(k) for k in range(n)]
+
+
+def _same_people(one: Pedestrians, other: Pedestrians) -> bool:
+    return bool(np.array_equal(one.ids, other.ids) and np.array_equal(one.positions, other.positions, equal_nan=True))
 
 
 def _same_scenario(one: Scenario, other: Scenario) -> bool:

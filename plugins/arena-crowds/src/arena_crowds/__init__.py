@@ -1,0 +1,17 @@
+"""More crowds for the arena suite, and how any crowd is validated."""
+
+from arena_core import Register, hookimpl
+
+
+@hookimpl
+def register_pedestrian_models(register: Register) -> None:
+    """Offer nobody, people as ORCA agents, and recorded people."""
+    register("none", "arena_crowds.nobody:Nobody")
+    register("orca", "arena_crowds.orca:OrcaCrowd")
+    register("replay", "arena_crowds.replay:ReplayedCrowd")
+
+
+@hookimpl
+def config_package() -> str:
+    """Name the configuration package."""
+    return "arena_crowds.conf"

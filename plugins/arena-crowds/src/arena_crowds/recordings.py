@@ -1,0 +1,175 @@
+"""Recorded walks: read from files, asked for positions at any time."""
+
+from __future__ import annotations
+
+import gzip
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib.resources import as_file, files
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core import InputFileError
+from arena_kernels.compiled import compiled
+
+Floats = NDArray[np.float64]
+Format = Literal["frames", "obsmat", "juelich"]
+
+SHIPPED = files("arena_crowds") / "recordings" / "crossing.txt"
+SAME = 1e-6  # s, stamps nearer than this are one
+
+
+class Columns(NamedTuple):
+    """Where a format has what, how many there are, and how long its unit of length is in m."""
+
+    frame: int
+    person: int
+    x: int
+    y: int
+    width: int
+    unit: float
+
+
+FORMATS: Mapping[str, Columns] = {
+    "frames": Columns(0, 1, 2, 3, 4, 1.0),
+    "obsmat": Columns(0, 1, 2, 4, 8, 1.0),
+    "juelich": Columns(1, 0, 2, 3, 5, 0.01),
+}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Recording:
+    """P walks, packed: walk k is ``positions[first[k]:first[k + 1]]`` (S, 2) m at ``stamps`` (S,) s, which rise within a walk.
+
+    ``ids`` (P,) are the recording's own numbers of the people. The earliest stamp of all is 0.
+    """
+
+    ids: NDArray[np.int32]
+    first: NDArray[np.int64]
+    stamps: Floats
+    positions: Floats
+
+    @property
+    def begins(self) -> Floats:
+        """Return when each person appears, s."""
+        return self.stamps[self.first[:-1]]
+
+    @property
+    def ends(self) -> Floats:
+        """Return when each person vanishes, s."""
+        return self.stamps[self.first[1:] - 1]
+
+    @property
+    def duration(self) -> float:
+        """Return when the last person vanishes, s."""
+        return float(self.stamps.max())
+
+    def moved(self, offset_xy: Floats, rotation: float) -> Recording:
+        """Return the recording turned about its origin, then shifted."""
+        c, s = np.cos(rotation), np.sin(rotation)
+        x, y = self.positions.T
+        return Recording(self.ids, self.first, self.stamps, np.stack((c * x - s * y, s * x + c * y), axis=1) + offset_xy)
+
+    def at(self, people: NDArray[np.int64], times: Floats, cubic: bool = True) -> tuple[Floats, Floats]:
+        """Return positions and velocities, each (K, 2), of ``people`` (K,), indices of walks, at ``times`` (K,) s; NaN when absent."""
+        positions, velocities = np.empty((len(people), 2)), np.empty((len(people), 2))
+        interpolate(self.first, self.stamps, self.positions, people, times, cubic, positions, velocities)
+        return positions, velocities
+
+
+def read_recording(path: Path | Traversable, layout: Format, frame_rate: float) -> Recording:
+    """Read rows of numbers, plain or gzipped; raise InputFileError, with the file, for rows of another format."""
+    columns = FORMATS[layout]
+    try:
+        with as_file(path) as file:
+            rows = _rows(file, columns.width)
+    except (OSError, ValueError, EOFError) as error:
+        raise InputFileError(f"{path}: {error}; allowed: rows of {columns.width} numbers for format {layout}") from error
+    if len(rows) == 0 or not np.isfinite(rows[:, : columns.y + 1]).all():
+        raise InputFileError(
+            f"{path}: {'no row' if len(rows) == 0 else 'a number is not finite'}; allowed: finite rows for format {layout}"
+        )
+    rows = rows[np.lexsort((rows[:, columns.frame], rows[:, columns.person]))]
+    persons, frames = rows[:, columns.person], rows[:, columns.frame]
+    twice = (np.diff(persons) == 0) & (np.diff(frames) == 0)
+    if twice.any():
+        row = rows[int(np.argmax(twice))]
+        raise InputFileError(f"{path}: person {row[columns.person]:g} is twice in frame {row[columns.frame]:g}; allowed: once a frame")
+    ids, first = np.unique(persons, return_index=True)
+    positions = rows[:, [columns.x, columns.y]] * columns.unit
+    return Recording(ids.astype(np.int32), np.append(first, len(rows)), (frames - frames.min()) / frame_rate, positions)
+
+
+def _rows(path: Path, count: int) -> Floats:
+    opened: Any = gzip.open if path.suffix == ".gz" else open
+    with opened(path, "rt") as file:
+        lines = [line.split() for line in file if line.strip() and not line.startswith("#")]
+    odd = [number for number, line in enumerate(lines, 1) if len(line) != count]
+    if odd:
+        raise ValueError(f"row {odd[0]} has {len(lines[odd[0] - 1])} numbers")
+    return np.array(lines, np.float64).reshape(-1, count)
+
+
+@compiled
+def interpolate(
+    first: NDArray[np.int64],
+    stamps: Floats,
+    places: Floats,
+    people: NDArray[np.int64],
+    times: Floats,
+    cubic: bool,
+    positions: Floats,
+    velocities: Floats,
+) -> None:
+    """Write where ``people`` are at ``times``, and how fast they go; NaN before the first and after the last sample of a walk.
+
+    At a stamp (to a microsecond) the position is the sample itself. Between samples it is linear, or a cubic whose velocity at a sample
+    is that from the sample before to the one after (Catmull and Rom 1974).
+    """
+    for k in range(len(people)):
+        low, high, t = first[people[k]], first[people[k] + 1] - 1, times[k]
+        if not (stamps[low] - SAME <= t <= stamps[high] + SAME):
+            positions[k, 0], positions[k, 1], velocities[k, 0], velocities[k, 1] = np.nan, np.nan, np.nan, np.nan
+            continue
+        before = low
+        after = high
+        while after - before > 1:
+            middle = (before + after) // 2
+            if stamps[middle] <= t + SAME:
+                before = middle
+            else:
+                after = middle
+        if stamps[after] <= t + SAME:
+            before = after
+        span = stamps[after] - stamps[before]
+        share = (t - stamps[before]) / span if t - stamps[before] > SAME else 0.0
+        for axis in range(2):
+            p, q = places[before, axis], places[after, axis]
+            leaving, arriving = _slope(stamps, places, before, low, high, axis), _slope(stamps, places, after, low, high, axis)
+            if share == 0.0:
+                positions[k, axis], velocities[k, axis] = p, leaving
+            elif cubic:
+                positions[k, axis], velocities[k, axis] = _hermite(p, q, span * leaving, span * arriving, share, span)
+            else:
+                positions[k, axis], velocities[k, axis] = p + share * (q - p), (q - p) / span
+
+
+@compiled
+def _slope(stamps: Floats, places: Floats, k: int, low: int, high: int, axis: int) -> float:
+    """Return the velocity at a sample, from the sample before to the one after."""
+    earlier, later = max(k - 1, low), min(k + 1, high)
+    if later == earlier:
+        return 0.0
+    return (places[later, axis] - places[earlier, axis]) / (stamps[later] - stamps[earlier])  # type: ignore[no-any-return]
+
+
+@compiled
+def _hermite(p: float, q: float, leaving: float, arriving: float, u: float, span: float) -> tuple[float, float]:
+    """Return value and derivative at share ``u`` of a span."""
+    value = p + u * (leaving + u * (3.0 * (q - p) - 2.0 * leaving - arriving + u * (2.0 * (p - q) + leaving + arriving)))
+    slope = leaving + u * (2.0 * (3.0 * (q - p) - 2.0 * leaving - arriving) + 3.0 * u * (2.0 * (p - q) + leaving + arriving))
+    return value, slope / span

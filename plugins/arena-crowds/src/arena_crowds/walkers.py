@@ -1,0 +1,86 @@
+"""Who walks in N worlds, and what is remembered of each: waypoints, the present way, clocks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core import ImpossibleScenario, OccupancyGrid, Pedestrians, PedestrianSpec, Scenario
+from arena_crowds.slots import grown, no_crowd, with_worlds
+
+STANDING, WALKING = 1, 2  # states; ABSENT is 0
+NOTHING, NEXT_WAYPOINT, NEW_ROUTE = 0, 1, 2  # what a person wishes of the route search
+MAX_CORNERS = 24  # of one route; a longer one is searched again on arrival at the last of them
+
+WALKER = np.dtype(
+    [
+        ("max_speed", np.float64),
+        ("goal_x", np.float64),  # where the present waypoint can be reached
+        ("goal_y", np.float64),
+        ("look_clock", np.float64),  # s since the way ahead was looked at
+        ("stuck_clock", np.float64),  # s since the person was at (anchor_x, anchor_y)
+        ("anchor_x", np.float64),
+        ("anchor_y", np.float64),
+        ("waypoint", np.int64),  # index of the present waypoint
+        ("waypoints", np.int64),  # number of them
+        ("corner", np.int64),  # index of the next corner of the route; ``corners`` of them, then comes the goal
+        ("corners", np.int64),
+        ("wish", np.int64),
+    ],
+    align=True,
+)
+
+
+class Walkers:
+    """N worlds with P places: ``crowd``, ``memory`` (N, P), ``waypoints`` (N, P, W, 2) m and ``corners`` (N, P, C, 2) m of routes."""
+
+    def __init__(self, worlds: int) -> None:
+        self.crowd = no_crowd(worlds)
+        self.memory = np.zeros((worlds, 0), WALKER)
+        self.waypoints = np.zeros((worlds, 0, 1, 2))
+        self.corners = np.zeros((worlds, 0, MAX_CORNERS, 2))
+
+    def __len__(self) -> int:
+        return len(self.memory)
+
+    def settle(self, scenarios: Mapping[int, Scenario], grids: Sequence[OccupancyGrid]) -> None:
+        """Put the people of scenarios in their slots; raise ImpossibleScenario if somebody starts in a wall or off the map."""
+        for scenario, grid in zip(scenarios.values(), grids, strict=True):
+            _check_starts(scenario, grid)
+        self.crowd = with_worlds(self.crowd, {slot: _people(scenario.pedestrians) for slot, scenario in scenarios.items()})
+        places = self.crowd.ids.shape[1]
+        longest = max((len(spec.waypoints_xy) for scenario in scenarios.values() for spec in scenario.pedestrians), default=0)
+        self.memory = grown(self.memory, places, np.zeros((), WALKER))
+        self.waypoints = grown(grown(self.waypoints, places, 0.0), longest, 0.0, axis=2)
+        self.corners = grown(self.corners, places, 0.0)
+        for slot, scenario in scenarios.items():
+            for place, spec in enumerate(scenario.pedestrians):
+                self._remember(slot, place, spec)
+
+    def _remember(self, slot: int, place: int, spec: PedestrianSpec) -> None:
+        count = len(spec.waypoints_xy)
+        self.memory[slot, place] = np.zeros((), WALKER)
+        walker = self.memory[slot, place]
+        walker["max_speed"], walker["waypoints"], walker["waypoint"] = spec.max_speed, count, -1
+        walker["goal_x"], walker["goal_y"] = walker["anchor_x"], walker["anchor_y"] = spec.position_xy
+        walker["wish"] = NEXT_WAYPOINT if count else NOTHING
+        self.waypoints[slot, place, :count] = spec.waypoints_xy
+
+
+def _people(specs: Sequence[PedestrianSpec]) -> Pedestrians:
+    """Return people at their starts, at rest."""
+    positions = np.array([spec.position_xy for spec in specs], np.float64).reshape(-1, 2)
+    states = np.array([WALKING if len(spec.waypoints_xy) else STANDING for spec in specs], np.int8)
+    ids: NDArray[np.int32] = np.array([spec.id for spec in specs], np.int32)
+    return Pedestrians(ids, positions, np.zeros_like(positions), np.array([spec.radius for spec in specs], np.float64), states)
+
+
+def _check_starts(scenario: Scenario, grid: OccupancyGrid) -> None:
+    for spec in scenario.pedestrians:
+        cell = grid.cells(spec.position_xy)
+        inside = bool(grid.contains(cell))
+        if not inside or grid.occupied[tuple(cell)]:
+            (x, y), where = spec.position_xy, "inside a wall or an obstacle" if inside else "off the map"
+            raise ImpossibleScenario(f"scenario {scenario.name}: person {spec.id} starts at ({x:g}, {y:g}), {where}")
