@@ -5,7 +5,7 @@ from arena_core import Register, hookimpl
 
 @hookimpl
 def register_worlds(register: Register) -> None:
-    """Offer maps and world files, BARN's worlds, the built-in halls and the two generators."""
+    """Offer maps and world files, BARN's worlds, the built-in halls and the generators."""
     register("ros_map", "arena_worlds.ros_map:RosMap")
     register("file", "arena_worlds.file_world:FileWorld")
     register("scenario_map", "arena_worlds.scenario_map:ScenarioMap")
@@ -14,6 +14,8 @@ def register_worlds(register: Register) -> None:
     register("warehouse", "arena_worlds.warehouse:Warehouse")
     register("indoor", "arena_worlds.indoor:Indoor")
     register("outdoor", "arena_worlds.outdoor:Outdoor")
+    register("rooms", "arena_worlds.rooms:Rooms")
+    register("cellular", "arena_worlds.cellular:Cellular")
 
 
 @hookimpl

@@ -1,59 +1,61 @@
-"""A generator of corridors: nodes at random places, each joined to the nearest by an L-shaped corridor."""
+"""A generator of corridors: nodes at random places, each joined to the nearest by an L-shaped corridor.
 
-from __future__ import annotations
+The indoor worlds of Heiden et al., Bench-MR: A Motion Planning Benchmark for Wheeled Mobile Robots, RA-L 2021.
+"""
 
-from functools import lru_cache
+# annotations are not postponed, as in generated.py
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
 
-from arena_core import ConfigurationError, OccupancyGrid, Positive, PositiveInt, World, WorldSource, generator
-from arena_worlds.canvas import Canvas
+from arena_core import FREE, OCCUPIED, ConfigurationError, Positive, PositiveInt
+from arena_worlds.canvas import WALL_CELLS, Canvas
+from arena_worlds.generated import Generated, Span
 
 
-class Indoor(WorldSource):
-    """Corridors of ``corridor_width`` m grown in ``iterations`` steps; one world a seed, or one a scenario if ``per_episode``.
+@dataclass(frozen=True, slots=True)
+class IndoorByDifficulty:
+    """What difficulty decides: ``corridor_width`` m, ``iterations`` per 100 m2."""
 
-    More iterations open more of the building, narrower corridors make it harder. All free space is connected.
-    """
+    corridor_width: Span
+    iterations: Span
 
-    def __init__(
-        self,
-        width: Positive,
-        height: Positive,
-        resolution: Positive,
-        corridor_width: Positive,
-        iterations: PositiveInt,
-        per_episode: bool,
-        known: bool,
-    ) -> None:
-        if not 2 * resolution <= corridor_width <= min(width, height):
+
+@dataclass(frozen=True)
+class Indoor(Generated):
+    """Corridors of ``corridor_width`` m grown in ``iterations`` steps from the middle of a solid hall."""
+
+    corridor_width: Positive | None
+    iterations: PositiveInt | None
+    by_difficulty: IndoorByDifficulty
+
+    kind = "indoor"
+
+    def __post_init__(self) -> None:
+        self.check_passage("corridor_width", self.corridor_width, self._corridor_width())
+        if self._corridor_width() > min(self.width, self.height):
             raise ConfigurationError(
-                f"world.corridor_width is {corridor_width:g}; allowed: two cells to the smaller side, "
-                f"{2 * resolution:g} .. {min(width, height):g} m"
+                f"world.corridor_width is {self._corridor_width():g}; allowed: up to the smaller side, {min(self.width, self.height):g} m"
             )
-        self._plan = (width, height, resolution, corridor_width, iterations)
-        self._per_episode = per_episode
-        self._known = known
 
-    def world(self, seed: int, index: int) -> World:
-        """Return the building of this seed, or of this scenario."""
-        return World("indoor", _building(*self._plan, seed, index if self._per_episode else 0), self._known)
+    def draw(self, random: np.random.Generator) -> Canvas:
+        """Grow the corridors, one node after the other."""
+        canvas = Canvas(self.width, self.height, self.resolution, filled=True)
+        half = 0.5 * self._corridor_width()
+        nodes = np.empty((1 + (self.iterations or self.per_area(self.by_difficulty.iterations)), 2))
+        nodes[0] = self.width / 2, self.height / 2
+        low, high = (half, half, 0.0), (self.width - half, self.height - half, 1.0)
+        for k, drawn in enumerate(random.uniform(low, high, (len(nodes) - 1, 3)), start=1):
+            nodes[k] = drawn[:2]
+            nearest = nodes[np.abs(nodes[:k] - nodes[k]).sum(axis=1).argmin()]
+            _corridor(canvas, nodes[k], nearest, half, along_x_first=bool(drawn[2] < 0.5))
+        canvas.inside[~_thick(canvas.inside == OCCUPIED)] = FREE
+        return canvas
 
-
-@lru_cache(maxsize=16)
-def _building(
-    width: float, height: float, resolution: float, corridor_width: float, iterations: int, seed: int, number: int
-) -> OccupancyGrid:
-    random = generator(seed, f"world/{number}", "world")
-    canvas = Canvas(width, height, resolution, filled=True)
-    half = corridor_width / 2
-    nodes = np.array([(width / 2, height / 2)])
-    for drawn in random.uniform((half, half, 0.0), (width - half, height - half, 1.0), (iterations, 3)):
-        node = drawn[:2]
-        nearest = nodes[np.abs(nodes - node).sum(axis=1).argmin()]
-        _corridor(canvas, node, nearest, half, along_x_first=bool(drawn[2] < 0.5))
-        nodes = np.vstack((nodes, node))
-    return canvas.grid()
+    def _corridor_width(self) -> float:
+        return self.corridor_width or self.by_difficulty.corridor_width.at(self.difficulty)
 
 
 def _corridor(canvas: Canvas, start: np.ndarray, end: np.ndarray, half: float, along_x_first: bool) -> None:
@@ -61,3 +63,10 @@ def _corridor(canvas: Canvas, start: np.ndarray, end: np.ndarray, half: float, a
     for leg in (start, end):
         (x_min, x_max), (y_min, y_max) = sorted((leg[0], bend[0])), sorted((leg[1], bend[1]))
         canvas.clear(x_min - half, y_min - half, x_max + half, y_max + half)
+
+
+def _thick(solid: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return what is solid without walls thinner than those of the hall, which a ray could cut."""
+    padded = np.pad(solid, WALL_CELLS, constant_values=True)
+    opened = ndimage.binary_opening(padded, np.ones((WALL_CELLS, WALL_CELLS), bool))
+    return np.asarray(opened[WALL_CELLS:-WALL_CELLS, WALL_CELLS:-WALL_CELLS])

@@ -1,0 +1,115 @@
+"""What generated worlds have in common: a hall, one difficulty, room for the robot, and when a new one is drawn."""
+
+# annotations are not postponed here: the registry reads those of a subclass's constructor in the subclass's module
+from abc import abstractmethod
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import ClassVar, Self
+
+import numpy as np
+
+from arena_core import (
+    FREE,
+    OCCUPIED,
+    ConfigurationError,
+    Fraction,
+    NonNegative,
+    NonNegativeInt,
+    OccupancyGrid,
+    Positive,
+    PositiveInt,
+    World,
+    WorldSource,
+    generator,
+)
+from arena_worlds.canvas import Canvas
+from arena_worlds.reachable import keep_reachable
+
+
+class Misdrawn(ConfigurationError):
+    """A world was drawn that is not as it has to be; the next one may be."""
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """A parameter at difficulty 0 and at difficulty 1, straight between."""
+
+    easy: NonNegative
+    hard: NonNegative
+
+    def at(self, difficulty: float) -> float:
+        """Return the parameter at a difficulty."""
+        return self.easy + (self.hard - self.easy) * difficulty
+
+
+@dataclass(frozen=True)
+class Generated(WorldSource):
+    """Draws worlds of ``width`` by ``height`` m: one for each seed, or a new one every ``regenerate`` scenarios.
+
+    The places of a robot of ``robot_radius`` m are connected, and what it can see of the hall is at least ``least_share`` of it; a
+    world that fails this is drawn again, up to ``draws`` times.
+    """
+
+    width: Positive
+    height: Positive
+    resolution: Positive
+    difficulty: Fraction
+    robot_radius: NonNegative
+    least_share: Fraction
+    draws: PositiveInt
+    regenerate: NonNegativeInt | None
+    known: bool
+
+    kind: ClassVar[str]
+
+    @abstractmethod
+    def draw(self, random: np.random.Generator) -> Canvas:
+        """Return one hall, not all of it need be connected; raise Misdrawn where this is none."""
+
+    def world(self, seed: int, index: int) -> World:
+        """Return the world of this seed and scenario."""
+        number = index // self.regenerate if self.regenerate else 0
+        return World(self.kind, _drawn(replace(self, regenerate=None, known=True), seed, number), self.known)
+
+    def at(self, difficulty: float) -> Self:
+        """Return the same source at another difficulty, 0 .. 1; a parameter with a value of its own keeps it."""
+        if not 0.0 <= difficulty <= 1.0:
+            raise ConfigurationError(f"difficulty is {difficulty:g}; allowed: 0 .. 1")
+        return replace(self, difficulty=difficulty)
+
+    def per_area(self, density: Span) -> int:
+        """Return how many of something there are, by its density at this difficulty, per 100 m2."""
+        return round(density.at(self.difficulty) * self.width * self.height / 100.0)
+
+    def check_passage(self, key: str, given: float | None, width: float) -> None:
+        """Raise ConfigurationError where a passage of ``width`` m, given or by difficulty, does not let the robot through."""
+        least = 2.0 * (self.robot_radius + self.resolution)  # a passage loses up to two cells to rounding
+        if width < least - 1e-9:
+            origin = f"world.{key} is {given:g}" if given is not None else f"world.by_difficulty.{key} gives {width:g}"
+            raise ConfigurationError(
+                f"{origin}: no free space for the robot; allowed: from {least:g} m on with robot_radius {self.robot_radius:g}"
+            )
+
+
+@lru_cache(maxsize=32)
+def _drawn(source: Generated, seed: int, number: int) -> OccupancyGrid:
+    random = generator(seed, f"world/{number}", "world")
+    for _ in range(source.draws - 1):
+        try:
+            return _grid(source, random)
+        except Misdrawn:
+            continue
+    return _grid(source, random)
+
+
+def _grid(source: Generated, random: np.random.Generator) -> OccupancyGrid:
+    """Return the next world; raise Misdrawn where the robot has too little room."""
+    canvas = source.draw(random)
+    free = keep_reachable(canvas.inside == FREE, source.resolution, source.robot_radius)
+    if not free.any() or free.mean() < source.least_share:
+        raise Misdrawn(
+            f"world {source.kind}: no free space for the robot (robot_radius {source.robot_radius:g} m, difficulty {source.difficulty:g}: "
+            f"{free.mean():.0%} of the hall); allowed: from least_share, {source.least_share:.0%}, on"
+        )
+    canvas.inside = np.where(free, np.int8(FREE), np.int8(OCCUPIED))
+    return canvas.grid()
