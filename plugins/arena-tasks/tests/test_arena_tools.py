@@ -48,12 +48,66 @@ def write(folder: Path, content: object) -> Path:
 
 def test_every_used_key_is_read(tmp_path: Path) -> None:
     (problem,) = read_scenarios(write(tmp_path, GOOD), DEFAULTS)
-    assert (problem.name, problem.start, problem.goal) == ("site", Pose(0.0, 0.0), Pose(4.0, 0.0))
+    assert (problem.name, problem.start, problem.goal, problem.repeats) == ("site", Pose(0.0, 0.0), Pose(4.0, 0.0), 30)
     (person,) = problem.pedestrians
     assert (person.id, person.max_speed, person.radius) == (0, 0.2, 0.3)
     assert person.position_xy.tolist() == [1.0, 2.0]
     assert person.waypoints_xy.tolist() == [[3.0, 2.0], [1.0, 2.0]]
     assert person.behaviour == {"type": "adult", "force_factor_social": 5}
+
+
+def test_a_round_at_random_is_left_to_the_model(tmp_path: Path) -> None:
+    (problem,) = read_scenarios(write(tmp_path, {**GOOD, "pedsim_agents": [{**AGENT, "waypoint_mode": 1}]}), DEFAULTS)
+    assert problem.pedestrians[0].behaviour["waypoint_mode"] == 1
+
+
+MODEL = """
+bodies:
+  - name: base
+    pose: [1.0, 0.0, 0.0]
+    footprints:
+      - {type: polygon, points: [[-0.3, 0.9], [0.3, -0.9], [0.3, 0.9], [-0.3, -0.9]], density: 1}
+      - {type: circle, radius: 0.5, center: [0.0, 2.0]}
+      - {type: circle, radius: 9.0, collision: false}
+"""
+
+
+@pytest.mark.parametrize("place", [".", "obstacles", "../obstacles"])
+def test_static_obstacles_have_the_shapes_of_their_flatland_model(tmp_path: Path, place: str) -> None:
+    folder = tmp_path / "scenarios"
+    (folder / place).mkdir(parents=True)
+    (folder / place / "shelf.yaml").write_text(MODEL)
+    shelf = {"name": "3", "model_path": "C:\\somewhere\\shelf.yaml", "pos": [10.0, 5.0], "angle": np.pi / 2}
+    disc = {"shape": "circle", "x": 1.0, "y": 2.0, "radius": 0.4}
+    (problem,) = read_scenarios(write(folder, {**GOOD, "static_obstacles": [shelf, disc]}), DEFAULTS)
+    polygon, circle, own = problem.obstacles
+    assert sorted(polygon.vertices_xy.round(6).tolist()) == [[9.1, 5.7], [9.1, 6.3], [10.9, 5.7], [10.9, 6.3]]
+    assert polygon.radius == 0.0
+    assert (circle.vertices_xy.round(6).tolist(), circle.radius) == ([[8.0, 6.0]], 0.5)
+    assert (own.vertices_xy.tolist(), own.radius) == ([[1.0, 2.0]], 0.4)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("bodies: 3", r"bodies is 3; allowed: a list"),
+        ("{}", r"bodies is missing"),
+        ("bodies: [{footprints: [{type: mesh}]}]", r'type is "mesh"; allowed: circle or polygon'),
+        ("bodies: [{footprints: [{type: circle, radius: 0}]}]", r"radius is 0; allowed: a number > 0"),
+        ("bodies: [{footprints: [{type: polygon, points: [[0, 0], [1, 1], [2, 2]]}]}]", r"points is .*; allowed: three or more"),
+        ("bodies: [{footprints: [{type: polygon, points: 2026-01-01}]}]", r'points is "2026-01-01"; allowed: a list'),
+        ("a: &a [1]\nbodies: *a", r"is no YAML \(it has aliases\); allowed: a Flatland model"),
+        ("bodies: [", r"is no YAML"),
+        ("!!python/object:os.system []", r"is no YAML"),
+    ],
+)
+def test_flatland_model_that_cannot_be_read_is_said_in_one_line(tmp_path: Path, text: str, said: str) -> None:
+    (tmp_path / "shelf.yaml").write_text(text)
+    content = {**GOOD, "static_obstacles": [{"model_path": "shelf.yaml", "pos": [0, 0], "angle": 0}]}
+    with pytest.raises(InputFileError, match=said) as error:
+        read_scenarios(write(tmp_path, content), DEFAULTS)
+    assert "shelf.yaml" in str(error.value)
+    assert "\n" not in str(error.value)
 
 
 def test_it_is_recognised_by_its_content_when_it_says_no_format(tmp_path: Path) -> None:
@@ -75,10 +129,19 @@ def test_a_group_stands_close_together_without_touching(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        ({**GOOD, "static_obstacles": [{"name": "shelf"}]}, r"static_obstacles is .*; allowed: an empty list.*docs/scenarios\.md"),
+        ({**GOOD, "interactive_obstacles": [{"name": "shelf"}]}, r"interactive_obstacles is .*; allowed: an empty list"),
+        ({**GOOD, "static_obstacles": [{"name": "shelf", "pos": [0, 0]}]}, r"static_obstacles\[0\]\.model_path is missing"),
+        (
+            {**GOOD, "static_obstacles": [{"model_path": "/a/shelf.yaml", "pos": [0, 0]}]},
+            r"static_obstacles\[0\]\.model_path is \"/a/shelf\.yaml\"; allowed: a Flatland model .*looked for .*obstacles/shelf\.yaml",
+        ),
+        ({**GOOD, "static_obstacles": [{"shape": "box"}]}, r"static_obstacles\[0\]\.shape is \"box\"; allowed: circle or polygon"),
         ({**GOOD, "robot_goal": [1]}, r"robot_goal is \[1\]; allowed: \[x, y\]"),
         ({k: v for k, v in GOOD.items() if k != "robot_position"}, "robot_position is missing"),
-        ({**GOOD, "pedsim_agents": [{**AGENT, "waypoint_mode": 1}]}, r"pedsim_agents\[0\]\.waypoint_mode is 1; allowed: 0 \(in a loop\)"),
+        (
+            {**GOOD, "pedsim_agents": [{**AGENT, "waypoint_mode": 2}]},
+            r"pedsim_agents\[0\]\.waypoint_mode is 2; allowed: a whole number 0 \.\. 1",
+        ),
         (
             {**GOOD, "pedsim_agents": [{**AGENT, "number_of_peds": 0}]},
             r"pedsim_agents\[0\]\.number_of_peds is 0; allowed: a whole number 1 \.\. 10000",

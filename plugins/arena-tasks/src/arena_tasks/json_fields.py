@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import InputFileError
+from arena_core import InputFileError, Pose
 
 FARTHEST = 1e6  # m
+LARGEST_FILE = 50_000_000  # bytes
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +28,7 @@ class Field:
 
     def refused(self, allowed: str) -> InputFileError:
         """Return the error that says what this value is and what is allowed."""
-        shown = json.dumps(self.value)
+        shown = json.dumps(self.value, default=str)
         shown = shown if len(shown) <= 60 else shown[:57] + "..."
         return InputFileError(f"{self.file}: {self.key or 'content'} is {shown}; allowed: {allowed}")
 
@@ -90,6 +91,21 @@ class Field:
             raise self.refused("a text that is not empty")
         return self.value
 
+    def truth(self) -> bool:
+        """Return true or false."""
+        if not isinstance(self.value, bool):
+            raise self.refused("true or false")
+        return self.value
+
+    def pose(self) -> Pose:
+        """Return [x, y] or [x, y, theta] as a pose, m and rad."""
+        match self.items():
+            case [x, y]:
+                return Pose(x.coordinate(), y.coordinate())
+            case [x, y, theta]:
+                return Pose(x.coordinate(), y.coordinate(), theta.number())
+        raise self.refused("[x, y] or [x, y, theta] (m, m, rad)")
+
     def position(self) -> NDArray[np.float64]:
         """Return [x, y], shape (2,), m."""
         if not isinstance(self.value, list) or len(self.value) != 2:
@@ -109,7 +125,11 @@ class Field:
 def read_json(path: Path) -> Field:
     """Read a JSON file; raise InputFileError when it is missing or malformed, repeats a key or holds NaN."""
     try:
-        return Field(path, "", json.loads(path.read_text("utf-8"), object_pairs_hook=_unique, parse_constant=_no_constant))
+        with path.open("rb") as file:
+            content = file.read(LARGEST_FILE + 1)
+        if len(content) > LARGEST_FILE:
+            raise ValueError(f"it is larger than {LARGEST_FILE} bytes")
+        return Field(path, "", json.loads(content.decode(), object_pairs_hook=_unique, parse_constant=_no_constant))
     except OSError as error:
         raise InputFileError(f"{path}: cannot be read ({error.strerror}); allowed: a JSON file of scenarios") from None
     except json.JSONDecodeError as error:

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 from arena_core import Obstacle, PedestrianSpec, Pose
 
+MOST_REPEATS = 1_000_000
+
 
 @dataclass(frozen=True, slots=True)
 class PersonDefaults:

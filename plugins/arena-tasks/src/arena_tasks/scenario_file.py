@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 import shapely
 
-from arena_core import InputFileError, Obstacle, PedestrianSpec, Pose, Scenario, write_text_whole
+from arena_core import InputFileError, Obstacle, PedestrianSpec, Scenario, write_text_whole
 from arena_tasks.arena_tools import is_arena_tools, read_arena_tools
+from arena_tasks.flatland import is_flatland, read_flatland
 from arena_tasks.json_fields import Field, read_json
-from arena_tasks.problem import Keys, PersonDefaults, Problem
+from arena_tasks.problem import MOST_REPEATS, Keys, PersonDefaults, Problem
 
 FORMAT, VERSION = "arena-scenario", 2
 READABLE = (1, VERSION)
-MOST_REPEATS = 1_000_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,20 +35,20 @@ class ScenarioFile:
 
 
 def read_scenarios(path: Path, defaults: PersonDefaults) -> tuple[Problem, ...]:
-    """Read all problems of a file in our format or that of arena-tools; raise InputFileError with file and key."""
+    """Read all problems of a file in one of the formats of docs/formats.md; raise InputFileError with file and key."""
     return read_scenario_file(path, defaults).problems
 
 
 def read_scenario_file(path: Path, defaults: PersonDefaults) -> ScenarioFile:
-    """Read a file in our format or that of arena-tools; raise InputFileError with file and key."""
+    """Read a file in one of the formats of docs/formats.md; raise InputFileError with file and key."""
     root = read_json(path)
     if root.has("format") and root["format"].value == FORMAT:
         return _read_ours(root, defaults)
     if is_arena_tools(root):
         return ScenarioFile((read_arena_tools(root, defaults),))
-    raise InputFileError(
-        f"{path}: has neither format: {FORMAT} nor pedsim_agents; allowed: a file as in docs/scenarios.md, or one of arena-tools"
-    )
+    if is_flatland(root):
+        return ScenarioFile(read_flatland(root, defaults))
+    raise InputFileError(f"{path}: has neither format: {FORMAT} nor pedsim_agents nor scenarios; allowed: a file as in docs/formats.md")
 
 
 def save_scenarios(path: Path, scenarios: Sequence[Scenario | Problem], title: str = "", map_file: str = "") -> None:
@@ -84,8 +84,8 @@ def _problem(field: Field, defaults: PersonDefaults) -> Problem:
     obstacles = field["obstacles"].items() if field.has("obstacles") else []
     return Problem(
         name=field["name"].text(),
-        start=_pose(field["start"]),
-        goal=_pose(field["goal"]),
+        start=field["start"].pose(),
+        goal=field["goal"].pose(),
         pedestrians=tuple(_person(number, person, defaults) for number, person in enumerate(people)),
         obstacles=tuple(_obstacle(obstacle) for obstacle in obstacles),
         goal_radius=field["goal_radius"].number(above=0.0) if field.has("goal_radius") else None,
@@ -93,15 +93,6 @@ def _problem(field: Field, defaults: PersonDefaults) -> Problem:
         keys=Keys(field["start"].key, field["goal"].key, tuple(person.key for person in people)),
         repeats=field["repeats"].integer(1, MOST_REPEATS) if field.has("repeats") else 1,
     )
-
-
-def _pose(field: Field) -> Pose:
-    match field.items():
-        case [x, y]:
-            return Pose(x.coordinate(), y.coordinate())
-        case [x, y, theta]:
-            return Pose(x.coordinate(), y.coordinate(), theta.number())
-    raise field.refused("[x, y] or [x, y, theta] (m, m, rad)")
 
 
 def _person(number: int, field: Field, defaults: PersonDefaults) -> PedestrianSpec:

@@ -1,0 +1,118 @@
+"""The older scenario format of arena-rosnav, for Flatland: scenes with static obstacles, moving discs and watchers."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core import Obstacle, PedestrianSpec
+from arena_tasks.companions import MOST_COMPANIONS, numbered, with_companions
+from arena_tasks.flatland_model import convex
+from arena_tasks.json_fields import Field
+from arena_tasks.problem import MOST_REPEATS, Keys, PersonDefaults, Problem
+
+TITLES = ("scenarios", "scenerios")  # the second is how arena-rosnav's own example was written
+BEHAVIOUR = {  # what a moving obstacle's keys are called in a person's behaviour
+    "chatting_probability": "chatting_probability",
+    "obstacle_force_factor": "force_factor_obstacle",
+    "desire_force_factor": "force_factor_desired",
+}
+
+
+def is_flatland(root: Field) -> bool:
+    """Tell whether a file has this format: a list of scenes, the first with a scene_name or a robot."""
+    scenes = next((root[title].value for title in TITLES if root.has(title)), None)
+    first = scenes[0] if isinstance(scenes, list) and scenes else None
+    return isinstance(first, dict) and ("scene_name" in first or "robot" in first)
+
+
+def read_flatland(root: Field, defaults: PersonDefaults) -> tuple[Problem, ...]:
+    """Read the scenes of a file; raise InputFileError. Those with ``repeats`` below 1 are left out: so their author switched them off."""
+    scenes = root[next(title for title in TITLES if root.has(title))]
+    problems: list[Problem] = []
+    names: list[str] = []
+    for scene in scenes.items():
+        repeats = scene["repeats"].integer(-MOST_REPEATS, MOST_REPEATS) if scene.has("repeats") else 1
+        if repeats > 0:
+            names.append(scene["scene_name"].text())
+            again = names.count(names[-1])
+            problems.append(_problem(scene, names[-1] if again == 1 else f"{names[-1]}-{again}", repeats, defaults))
+    if not problems:
+        raise scenes.refused("at least one scene with repeats above 0")
+    return tuple(problems)
+
+
+def _problem(scene: Field, name: str, repeats: int, defaults: PersonDefaults) -> Problem:
+    robot = scene["robot"]
+    crowd = [(disc.key, person) for disc in _members(scene, "dynamic_obstacles") for person in _people(disc, scene, defaults)]
+    return Problem(
+        name=name,
+        start=robot["start_pos"].pose(),
+        goal=robot["goal_pos"].pose(),
+        pedestrians=numbered(person for _, person in crowd),
+        obstacles=tuple(placed_shape(shape) for shape in _members(scene, "static_obstacles")),
+        goal_radius=None,
+        time_limit=None,
+        keys=Keys(robot["start_pos"].key, robot["goal_pos"].key, tuple(key for key, _ in crowd)),
+        repeats=repeats,
+    )
+
+
+def _members(scene: Field, name: str) -> list[Field]:
+    """Return the values of a mapping or list, none where there is neither."""
+    if not scene.has(name):
+        return []
+    return scene[name].items() if isinstance(scene[name].value, list) else [member for _, member in scene[name].entries()]
+
+
+def placed_shape(shape: Field) -> Obstacle:
+    """Return a static obstacle: a circle at x, y, or the convex hull of vertices, both in ``map``."""
+    if shape["shape"].value == "circle":
+        return Obstacle(np.array([[shape["x"].coordinate(), shape["y"].coordinate()]]), shape["radius"].number(above=0.0))
+    if shape["shape"].value == "polygon":
+        return Obstacle(convex(shape["vertices"]))
+    raise shape["shape"].refused("circle or polygon")
+
+
+def _people(disc: Field, scene: Field, defaults: PersonDefaults) -> list[PedestrianSpec]:
+    """Return the people that a moving obstacle stands for; one that has no speed stands."""
+    start = disc["start_pos"].pose()
+    position = np.array((start.x, start.y))
+    speed = disc["linear_velocity"].number(low=0.0) if disc.has("linear_velocity") else defaults.speed
+    person = PedestrianSpec(
+        id=0,
+        position_xy=position,
+        waypoints_xy=_round(disc, position) if speed > 0.0 else np.empty((0, 2)),
+        max_speed=speed or defaults.speed,
+        radius=disc["obstacle_radius"].number(above=0.0) if disc.has("obstacle_radius") else defaults.radius,
+        behaviour={**{ours: disc[theirs].number() for theirs, ours in BEHAVIOUR.items() if disc.has(theirs)}, **_trigger(disc, scene)},
+    )
+    return with_companions(person, disc["amount"].integer(1, MOST_COMPANIONS) if disc.has("amount") else 1)
+
+
+def _round(disc: Field, start: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return a round of waypoints (K, 2) from what is walked to the end: yoyo goes back the way it came, loop straight."""
+    way = np.array([[waypoint.pose().x, waypoint.pose().y] for waypoint in disc["waypoints"].items()]).reshape(-1, 2)
+    if not disc.has("is_waypoint_relative") or disc["is_waypoint_relative"].truth():
+        way += start
+    mode = disc["mode"].value if disc.has("mode") else "yoyo"
+    if mode not in ("yoyo", "loop"):
+        raise disc["mode"].refused("yoyo or loop")
+    back = way[-2::-1] if mode == "yoyo" else way[:0]
+    return np.vstack((way, back, start)) if len(way) else way
+
+
+def _trigger(disc: Field, scene: Field) -> dict[str, float | str]:
+    """Return what makes a person wait until the robot is near the watcher of its trigger."""
+    triggers = disc["triggers"].items() if disc.has("triggers") else []
+    if not triggers:
+        return {}
+    if len(triggers) > 1:
+        raise disc["triggers"].refused("one watcher: a person has one trigger zone")
+    watchers = dict(scene["watchers"].entries()) if scene.has("watchers") else {}
+    watcher = watchers.get(triggers[0].text())
+    if watcher is None:
+        raise triggers[0].refused(", ".join(watchers) or "no trigger, for the scene has no watchers")
+    x, y = watcher["pos"].position().tolist()
+    zone = {"trigger_zone_x": x, "trigger_zone_y": y, "trigger_zone_radius": watcher["range"].number(low=0.0)}
+    return {"start_up_mode": "trigger_zone", **zone}
