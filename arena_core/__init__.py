@@ -2,7 +2,8 @@
 
 from arena_core.addresses import local_path
 from arena_core.benchmark import build_metrics
-from arena_core.configuration import compose, option_files
+from arena_core.configuration import compose, option_files, plain
+from arena_core.conversion import read_settings
 from arena_core.episode import (
     Contact,
     EpisodeRecord,
@@ -53,6 +54,7 @@ from arena_core.interfaces import (
     Waypoints,
     WorldSource,
 )
+from arena_core.learning import ObservationBatch, ObservationEncoder, ObservationField, Reward, Situation, Transition
 from arena_core.obstacles import with_obstacles
 from arena_core.parameters import Bounds, Fraction, NonNegative, NonNegativeInt, Positive, PositiveInt
 from arena_core.recording import find_runs, read_record, write_bytes_whole, write_text_whole
@@ -125,6 +127,9 @@ __all__ = [
     "NonNegative",
     "NonNegativeInt",
     "Observation",
+    "ObservationBatch",
+    "ObservationEncoder",
+    "ObservationField",
     "Obstacle",
     "OccupancyGrid",
     "Odometry",
@@ -142,17 +147,20 @@ __all__ = [
     "PositiveInt",
     "Register",
     "Registry",
+    "Reward",
     "Robot",
     "RobotBatch",
     "RunFolderError",
     "Scenario",
     "Sensors",
     "Simulator",
+    "Situation",
     "Snapshot",
     "Staging",
     "TaskMode",
     "Tracker",
     "Tracks",
+    "Transition",
     "Twist",
     "UnknownComponent",
     "VelocityLimits",
@@ -170,7 +178,9 @@ __all__ = [
     "local_path",
     "make_robot",
     "option_files",
+    "plain",
     "read_record",
+    "read_settings",
     "stream_key",
     "succeeded",
     "with_obstacles",

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from arena_core.conversion import convert
+from arena_core.conversion import read_settings
 from arena_core.episode import EpisodeRecord
 from arena_core.errors import ConfigurationError
 from arena_core.execution import Timing, run_episode
@@ -81,19 +81,19 @@ class Benchmark:
 def build_benchmark(config: Mapping[str, Any], registry: Registry) -> Benchmark:
     """Build every component; raise ConfigurationError for the first thing that is wrong, before anything runs."""
     _check_complete(config)
-    settings = convert({k: config[k] for k in RunSettings.__slots__}, RunSettings, "", {}, _no_components)
+    settings = read_settings({k: config[k] for k in RunSettings.__slots__}, RunSettings, "")
     robot = registry.build("robot", config["robot"])
     task = registry.build("task", config["task"], robot=robot, world=registry.build("world", config["world"]))
     pedestrians = registry.build("pedestrians", config["pedestrians"])
     simulator = registry.build("simulator", config["simulator"], robot=robot, pedestrians=pedestrians)
     control_period = _control_period(config, robot, simulator)
-    replan = convert(config["replan"], ReplanRules, "replan", {}, _no_components)
+    replan = read_settings(config["replan"], ReplanRules, "replan")
     parts = {k: registry.build(k, config[k], robot=robot) for k in BRAIN}
     _check_map(config, parts["localizer"])
     planner = registry.build("planner", {k: v for k, v in config["planner"].items() if k != "control_period"}, robot=robot)
     navigator = Navigator(robot, **parts, planner=planner, replan=replan, control_period=control_period)
-    timing = convert(config["timing"], Timing, "timing", {}, _no_components)
-    recording = convert(config["recording"], RecordingSettings, "recording", {}, _no_components)
+    timing = read_settings(config["timing"], Timing, "timing")
+    recording = read_settings(config["recording"], RecordingSettings, "recording")
     metrics = build_metrics(config, registry)
     return Benchmark(config, settings, robot, task, simulator, navigator, timing, metrics, recording)
 
@@ -155,7 +155,3 @@ def _control_period(config: Mapping[str, Any], robot: Robot, simulator: Simulato
     if abs(steps - round(steps)) > 1e-6 or round(steps) < 1:
         raise ConfigurationError(f"planner.control_period is {period}; allowed: multiples of the inner step {simulator.inner_step} s")
     return float(period)
-
-
-def _no_components(*_: Any) -> Any:
-    return NotImplemented

@@ -7,11 +7,12 @@ import inspect
 import types
 from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
-from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from arena_core.errors import ConfigurationError
 from arena_core.parameters import Bounds
 
+Record = TypeVar("Record")
 Nested = Callable[[Any, Any, str, Mapping[str, Any]], Any]
 
 
@@ -26,6 +27,12 @@ def build(factory: Callable[..., Any], node: Mapping[str, Any], key: str, contex
     _check_keys(given, own, key)
     arguments = {name: convert(given[name], expected[name], f"{key}.{name}".lstrip("."), context, nested) for name in own}
     return factory(**arguments, **{name: value for name, value in context.items() if name in expected})
+
+
+def read_settings(node: Any, record: type[Record], key: str) -> Record:
+    """Return the frozen dataclass ``record`` from a configuration node that holds no components; raise ConfigurationError."""
+    settings: Record = convert(node, record, key, {}, lambda *_: NotImplemented)
+    return settings
 
 
 def parameters(factory: Callable[..., Any]) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from typing import Any
 
 import pluggy
 
-from arena_core import interfaces
+from arena_core import interfaces, learning
 from arena_core.conversion import build
 from arena_core.errors import ArenaError, BrokenPlugin, ConfigurationError, DuplicateComponent, UnknownComponent
 from arena_core.hookspecs import Factory
@@ -51,6 +51,8 @@ INTERFACES: dict[type, str] = {
     interfaces.Planner: "planner",
     interfaces.MetricPack: "metrics",
     interfaces.Executor: "executor",
+    learning.Reward: "reward",
+    learning.ObservationEncoder: "observation_encoder",
 }
 
 

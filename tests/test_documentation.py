@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from arena_core import hookspecs, interfaces, load_registry
+from arena_core import hookspecs, interfaces, learning, load_registry
 from arena_core.benchmark import RunSettings
 from arena_core.configuration import compose
 from arena_core.navigator import ReplanRules
@@ -18,7 +18,12 @@ TOP = Path(__file__).resolve().parents[1]
 DOCS = TOP / "docs"
 PAGES = sorted([TOP / "README.md", TOP / "CHANGELOG.md", *DOCS.glob("*.md"), *TOP.glob("plugins/*/README.md")])
 HOOKS = {name: hook for name, hook in vars(hookspecs).items() if hasattr(hook, "arena_spec")}
-INTERFACES = [kind for _, kind in inspect.getmembers(interfaces, inspect.isclass) if issubclass(kind, abc.ABC) and kind is not abc.ABC]
+INTERFACES = [
+    kind
+    for module in (interfaces, learning)
+    for _, kind in inspect.getmembers(module, inspect.isclass)
+    if issubclass(kind, abc.ABC) and kind is not abc.ABC
+]
 
 
 def page(name):

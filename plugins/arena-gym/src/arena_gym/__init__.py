@@ -1,0 +1,16 @@
+"""Gymnasium environments of the arena suite."""
+
+from arena_core import Register, hookimpl
+
+
+@hookimpl
+def register_rewards(register: Register) -> None:
+    """Offer the rewards."""
+    register("release", "arena_gym.release_reward:ReleaseReward")
+    register("progress", "arena_gym.progress_reward:ProgressReward")
+
+
+@hookimpl
+def config_package() -> str:
+    """Name the configuration package."""
+    return "arena_gym.conf"

@@ -1,0 +1,73 @@
+"""From names and overrides to the parts of an environment."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from arena_core import (
+    ObservationEncoder,
+    Registry,
+    Reward,
+    Robot,
+    Simulator,
+    WaypointGenerator,
+    compose,
+    load_registry,
+    plain,
+    read_settings,
+)
+from arena_gym.pool import PooledWorlds, ProblemPool
+from arena_gym.settings import EnvironmentSettings, Randomization
+from arena_policies.actions import ActionRange, ActionScale
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Parts:
+    """What an environment is made of; ``config`` is the composed configuration in plain containers."""
+
+    config: Mapping[str, Any]
+    robot: Robot
+    simulator: Simulator
+    waypoints: WaypointGenerator
+    pool: ProblemPool
+    encoder: ObservationEncoder
+    reward: Reward
+    scale: ActionScale
+    settings: EnvironmentSettings
+    randomization: Randomization
+
+
+def compose_environment(overrides: Sequence[str] = (), **choices: str | None) -> dict[str, Any]:
+    """Return the configuration with these components and overrides; raise ConfigurationError in one line."""
+    chosen = [f"{kind}={name}" for kind, name in choices.items() if name is not None]
+    return plain(compose([*chosen, *overrides], "environment"))
+
+
+def build_parts(config: Mapping[str, Any], registry: Registry | None = None) -> Parts:
+    """Build every component; raise ConfigurationError for the first thing that is wrong."""
+    registry = registry or load_registry()
+    settings = read_settings(config["environment"], EnvironmentSettings, "environment")
+    robot = registry.build("robot", config["robot"])
+    pedestrians = registry.build("pedestrians", config["pedestrians"])
+    return Parts(
+        config=config,
+        robot=robot,
+        simulator=registry.build("simulator", config["simulator"], robot=robot, pedestrians=pedestrians),
+        waypoints=registry.build("waypoints", config["waypoints"], robot=robot),
+        pool=_pool(config, registry, robot, settings),
+        encoder=registry.build("observation_encoder", config["observation_encoder"], robot=robot),
+        reward=registry.build("reward", config["reward"], robot=robot),
+        scale=ActionScale.of(robot, read_settings(config["action"], ActionRange, "action")),
+        settings=settings,
+        randomization=read_settings(config["randomization"], Randomization, "randomization"),
+    )
+
+
+def _pool(config: Mapping[str, Any], registry: Registry, robot: Robot, settings: EnvironmentSettings) -> ProblemPool:
+    worlds = PooledWorlds(registry.build("world", config["world"]), settings.worlds)
+    task = registry.build("task", config["task"], robot=robot, world=worlds)
+    planner = registry.build("global_planner", config["global_planner"], robot=robot)
+    waypoints = registry.build("waypoints", config["waypoints"], robot=robot)
+    return ProblemPool(task, planner, waypoints, settings.seed, settings.worlds * settings.problems_per_world)

@@ -1,0 +1,60 @@
+"""The single environment."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_gym.batch import NavigationBatch
+from arena_gym.building import build_parts, compose_environment
+from arena_gym.reports import final_report, start_report
+from arena_gym.spaces import action_space, observation_space
+
+Observation = NDArray[np.float32]
+SEEDS = 2**31
+
+
+class NavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
+    """Drive a robot to its goal among people: ``gymnasium.make("arena/Navigation-v0", robot="jackal", ...)``.
+
+    Names choose components, null leaves the configuration's own; ``overrides`` are those of ``arena run``.
+    """
+
+    metadata = {"render_modes": []}  # noqa: RUF012 - gymnasium's own form
+
+    def __init__(
+        self,
+        robot: str | None = None,
+        world: str | None = None,
+        task: str | None = None,
+        reward: str | None = None,
+        observation: str | None = None,
+        overrides: Sequence[str] = (),
+    ) -> None:
+        config = compose_environment(overrides, robot=robot, world=world, task=task, reward=reward, observation_encoder=observation)
+        self.batch = NavigationBatch(build_parts(config), 1)
+        self.observation_space: Any = observation_space(self.batch.parts.encoder)
+        self.action_space: Any = action_space(self.batch.parts.scale)
+        self._begun = False
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:
+        """Begin the first episode of ``seed``; without one, the next episode of the seed before."""
+        super().reset(seed=seed)
+        if seed is not None or not self._begun:
+            chosen = int(self.np_random.integers(SEEDS)) if seed is None else seed
+            observations = self.batch.reset([chosen])
+        else:
+            observations = self.batch.restart(np.zeros(1, np.int64))
+        self._begun = True
+        return observations[0], start_report(self.batch, 0)
+
+    def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+        """Drive for one control period."""
+        step = self.batch.step(np.asarray(action)[None])
+        ended = bool(step.terminated[0] or step.truncated[0])
+        info = final_report(self.batch, step, 0) if ended else {}
+        return step.observations[0], float(step.rewards[0]), bool(step.terminated[0]), bool(step.truncated[0]), info

@@ -1,0 +1,90 @@
+"""Problems to train on, drawn once and kept, for planning a path takes as long as many steps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core import GlobalPlanner, ImpossibleScenario, NoPath, Path, PathBatch, Scenario, TaskMode, WaypointGenerator, World, WorldSource
+from arena_gym.seeds import FIRST_TRAINING_SEED, training_seed
+from arena_kernels.paths import lengths_left
+
+TRIES = 20
+Floats = NDArray[np.float64]
+_SLOT = np.zeros(1, np.int64)
+
+
+class PooledWorlds(WorldSource):
+    """A few worlds of a source, each made once; problem ``index`` lies in world ``index`` modulo their number."""
+
+    def __init__(self, source: WorldSource, worlds: int) -> None:
+        self._source, self._number = source, worlds
+        self._made: dict[tuple[int, int], World] = {}
+
+    def world(self, seed: int, index: int) -> World:
+        """Return the world of a problem; ``seed`` is a training seed without world."""
+        key = seed, index % self._number
+        if key not in self._made:
+            self._made[key] = self._source.world(seed + key[1], key[1])
+        return self._made[key]
+
+    def at(self, difficulty: float) -> WorldSource:
+        """Return as many worlds of another difficulty."""
+        return PooledWorlds(self._source.at(difficulty), self._number)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Problem:
+    """A scenario, the way to its goal, the length of it that is left from each pose (M,), m, and the first waypoint (3,)."""
+
+    scenario: Scenario
+    path: Path
+    left: Floats
+    waypoint: Floats
+
+
+class ProblemPool:
+    """``size`` problems of a training seed, drawn when first asked for."""
+
+    def __init__(self, task: TaskMode, planner: GlobalPlanner, waypoints: WaypointGenerator, seed: int, size: int) -> None:
+        self._task, self._planner, self._waypoints = task, planner, waypoints
+        self._seed = training_seed(seed)
+        self.size = min(size, task.count() or size)
+        self._problems: dict[int, Problem] = {}
+
+    def problem(self, index: int) -> Problem:
+        """Return problem ``index``; raise ImpossibleScenario when many in a row cannot be drawn."""
+        if index not in self._problems:
+            self._problems[index] = self._first_possible(index)
+        return self._problems[index]
+
+    def fill(self, progress: Callable[[int], None] = lambda drawn: None) -> None:
+        """Draw all problems now; ``progress`` hears how many there are."""
+        for index in range(self.size):
+            self.problem(index)
+            progress(index + 1)
+
+    def _first_possible(self, index: int) -> Problem:
+        """Return this problem, or the next one in its world that has a solution."""
+        count = self._task.count()
+        for attempt in range(TRIES):
+            number = index + attempt * self.size
+            try:
+                return self._draw(number if count is None else number % count)
+            except (ImpossibleScenario, NoPath) as error:
+                reason = error
+        raise ImpossibleScenario(f"problem {index} and {TRIES - 1} more like it cannot be trained on: {reason}")
+
+    def _draw(self, index: int) -> Problem:
+        scenario = self._task.scenario(self._seed, index)
+        assert scenario.seed >= FIRST_TRAINING_SEED, f"{scenario.name} has seed {scenario.seed}, which evaluation may use"
+        path = self._planner.plan(scenario.world.grid, scenario.start, scenario.goal)
+        packed = PathBatch.of([path])
+        left = np.empty(len(path.poses))
+        lengths_left(packed.poses, packed.offsets, left)
+        self._waypoints.reset(_SLOT, 1)
+        found = self._waypoints.next(packed, scenario.start.array()[None], np.zeros(1))
+        return Problem(scenario, path, left, found.poses[0].copy())

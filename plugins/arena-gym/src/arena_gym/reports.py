@@ -1,0 +1,30 @@
+"""What ``info`` says when an episode begins and ends."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from arena_gym.batch import NavigationBatch, Step
+
+
+def start_report(batch: NavigationBatch, slot: int) -> dict[str, Any]:
+    """Return the name of the problem, its people, and the length of its path, m."""
+    problem = batch.episodes[slot].problem
+    return {"scenario": problem.scenario.name, "people": len(problem.scenario.pedestrians), "path_length": float(problem.left[0])}
+
+
+def final_report(batch: NavigationBatch, step: Step, slot: int) -> dict[str, Any]:
+    """Return how an episode ended: outcome, collisions, control steps, and whether the goal was reached."""
+    return {
+        "outcome": outcome(step, slot),
+        "success": bool(step.arrived[slot]),
+        "collisions": int(batch.collisions[slot]),
+        "steps": int(batch.steps[slot]),
+    }
+
+
+def outcome(step: Step, slot: int) -> str:
+    """Return the outcome in the words of episodes.csv."""
+    if step.arrived[slot]:
+        return "goal_reached"
+    return "collision" if step.terminated[slot] else "time_out"

@@ -1,0 +1,61 @@
+"""The environment's own settings, as its YAML has them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from arena_core import ConfigurationError, NonNegative, NonNegativeInt, PositiveInt
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """Numbers from ``low`` to ``high``."""
+
+    low: NonNegative
+    high: NonNegative
+
+    def __post_init__(self) -> None:
+        _check_order(self.low, self.high)
+
+
+@dataclass(frozen=True, slots=True)
+class CountSpan:
+    """Whole numbers from ``low`` to ``high``."""
+
+    low: NonNegativeInt
+    high: NonNegativeInt
+
+    def __post_init__(self) -> None:
+        _check_order(self.low, self.high)
+
+
+@dataclass(frozen=True, slots=True)
+class EnvironmentSettings:
+    """The pool of problems, and what ends an episode."""
+
+    seed: NonNegativeInt
+    worlds: PositiveInt
+    problems_per_world: PositiveInt
+    terminate_on_collision: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Randomization:
+    """What differs between episodes: range noise (m), latency (control steps), speeds of robot and people, how many people."""
+
+    lidar_noise: Span
+    latency: CountSpan
+    speed_share: Span
+    people: CountSpan | None
+    people_speed: Span
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.speed_share.low <= self.speed_share.high <= 1.0:
+            raise ConfigurationError(f"randomization.speed_share is {self.speed_share.low} .. {self.speed_share.high}; allowed: > 0 .. 1")
+        if self.people_speed.low <= 0.0:
+            raise ConfigurationError(f"randomization.people_speed.low is {self.people_speed.low}; allowed: > 0")
+
+
+def _check_order(low: float, high: float) -> None:
+    if low > high:
+        raise ConfigurationError(f"randomization: low is {low}, above high, {high}; allowed: low <= high")

@@ -1,0 +1,86 @@
+"""The vectorised environment: N different worlds, one compiled call a step."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from numpy.typing import NDArray
+
+from arena_gym.batch import NavigationBatch, Step
+from arena_gym.building import build_parts, compose_environment
+from arena_gym.environment import SEEDS
+from arena_gym.reports import final_report, start_report
+from arena_gym.spaces import action_space, observation_space
+
+Observations = NDArray[np.float32]
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+
+class NavigationVectorEnv(VectorEnv[Observations, Observations, NDArray[Any]]):
+    """N single environments in one; world k with seed s is the single one with seed s + k, bit for bit.
+
+    An episode that ends is followed by the next one in the same step; ``infos["final_obs"]`` and ``infos["final_info"]`` tell of
+    its end, and ``infos`` of the beginning of the next.
+    """
+
+    metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.SAME_STEP}  # noqa: RUF012 - gymnasium's own form
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        robot: str | None = None,
+        world: str | None = None,
+        task: str | None = None,
+        reward: str | None = None,
+        observation: str | None = None,
+        overrides: Sequence[str] = (),
+    ) -> None:
+        super().__init__()
+        config = compose_environment(overrides, robot=robot, world=world, task=task, reward=reward, observation_encoder=observation)
+        self.batch = NavigationBatch(build_parts(config), num_envs)
+        self.num_envs = num_envs
+        self.single_observation_space = observation_space(self.batch.parts.encoder)
+        self.single_action_space = action_space(self.batch.parts.scale)
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, num_envs)
+
+    def reset(
+        self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observations, dict[str, Any]]:
+        """Begin the first episodes of the seeds ``seed``, ``seed + 1``, ... or of those listed."""
+        super().reset(seed=seed if isinstance(seed, int) else None)
+        observations = self.batch.reset(self._seeds(seed))
+        return observations, self._infos(range(self.num_envs), start_report)
+
+    def step(self, actions: NDArray[np.floating]) -> tuple[Observations, Floats, Flags, Flags, dict[str, Any]]:
+        """Drive all robots for one control period; worlds whose episodes end begin the next ones."""
+        step = self.batch.step(actions)
+        slots = np.flatnonzero(step.terminated | step.truncated)
+        infos = self._begin_next(step, slots) if len(slots) else {}
+        return step.observations, step.rewards, step.terminated, step.truncated, infos
+
+    def _begin_next(self, step: Step, slots: NDArray[np.int64]) -> dict[str, Any]:
+        """Begin the next episodes of these slots, in place in ``step.observations``; return the infos of both."""
+        ends: dict[str, Any] = {}
+        for slot in slots.tolist():
+            end = {"final_obs": step.observations[slot].copy(), "final_info": final_report(self.batch, step, slot)}
+            ends = self._add_info(ends, end, slot)
+        step.observations[slots] = self.batch.restart(slots)
+        return ends | self._infos(slots.tolist(), start_report)
+
+    def _infos(self, slots: Any, report: Any) -> dict[str, Any]:
+        infos: dict[str, Any] = {}
+        for slot in slots:
+            infos = self._add_info(infos, report(self.batch, slot), slot)
+        return infos
+
+    def _seeds(self, seed: int | list[int | None] | None) -> list[int]:
+        if isinstance(seed, int):
+            return [seed + k for k in range(self.num_envs)]
+        given = [None] * self.num_envs if seed is None else seed
+        return [int(self.np_random.integers(SEEDS)) if one is None else one for one in given]

@@ -1,0 +1,124 @@
+import warnings
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+import arena_gym.envs  # noqa: F401 - registers the environments
+from arena_core import ConfigurationError, InvalidCommand
+from arena_gym.environment import NavigationEnv
+from arena_gym.vector_environment import NavigationVectorEnv
+
+SMALL = ["world.width=8", "world.height=8", "environment.worlds=2", "environment.problems_per_world=3", "task.pedestrians=2"]
+SHORT = [*SMALL, "task.time_limit=2.0", "task.goal_radius=0.3"]
+ALL = ["randomization.lidar_noise.high=0.1", "randomization.latency.high=2", "randomization.people={low: 0, high: 2}"]
+
+
+def driven(env, seed, actions):
+    """Return everything a single environment gives on these actions, reset at each end."""
+    rows = [(env.reset(seed=seed)[0], 0.0, False, False)]
+    for action in actions:
+        observation, reward, terminated, truncated, _ = env.step(action)
+        if terminated or truncated:
+            observation = env.reset()[0]
+        rows.append((observation, reward, terminated, truncated))
+    return rows
+
+
+@pytest.mark.parametrize("robot", ["jackal", "robotino", "jackal_ackermann"])
+def test_gymnasium_finds_nothing_wrong(robot):
+    env = gymnasium.make("arena/Navigation-v0", robot=robot, overrides=SMALL)
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "The environment .* is different from the unwrapped version")
+        check_env(env.unwrapped)
+    env.close()
+
+
+@pytest.mark.parametrize("observation", ["rosnav", "rosnav_sectors", "gring"])
+@pytest.mark.parametrize("reward", ["rule_05", "progress"])
+def test_slot_of_a_batch_is_what_it_is_alone(observation, reward):
+    choices = {"robot": "turtlebot3", "observation": observation, "reward": reward, "overrides": SHORT + ALL}
+    envs, alone = NavigationVectorEnv(5, **choices), NavigationEnv(**choices)
+    actions = np.random.default_rng(0).uniform(-1.0, 1.0, (45, 5, 2)).astype(np.float32)
+    rows = [(envs.reset(seed=3)[0], np.zeros(5), np.zeros(5, bool), np.zeros(5, bool))] + [envs.step(a)[:4] for a in actions]
+    assert sum(row[3].sum() for row in rows) >= 10, "episodes end and begin anew on the way"
+    for slot in (0, 4):
+        for together, single in zip(rows, driven(alone, 3 + slot, actions[:, slot]), strict=True):
+            assert (together[0][slot] == single[0]).all()
+            assert tuple(part[slot] for part in together[1:]) == single[1:]
+    assert all(np.isfinite(row[0]).all() and np.isfinite(row[1]).all() for row in rows)
+
+
+def test_same_seed_gives_the_same_trajectory_and_another_seed_another():
+    actions = np.random.default_rng(1).uniform(-1.0, 1.0, (30, 2)).astype(np.float32)
+    first, again, other = (driven(NavigationEnv(overrides=SHORT + ALL), seed, actions) for seed in (7, 7, 8))
+    assert all((a[0] == b[0]).all() and a[1:] == b[1:] for a, b in zip(first, again, strict=True))
+    assert any((a[0] != b[0]).any() for a, b in zip(first, other, strict=True))
+
+
+def test_make_vec_gives_the_vectorised_environment_with_final_observations():
+    envs = gymnasium.make_vec("arena/Navigation-v0", num_envs=3, overrides=SHORT, reward="progress")
+    assert isinstance(envs.unwrapped, NavigationVectorEnv)
+    envs.reset(seed=0)
+    for _ in range(20):
+        observations, _, terminated, truncated, infos = envs.step(np.full((3, 2), -1.0, np.float32))
+    assert truncated.all()
+    assert not terminated.any()
+    assert infos["final_info"]["outcome"].tolist() == ["time_out"] * 3
+    assert infos["final_info"]["steps"].tolist() == [20] * 3
+    assert all(final.shape == observations[k].shape and (final != observations[k]).any() for k, final in enumerate(infos["final_obs"]))
+    assert infos["_final_obs"].all()
+    assert observations in envs.observation_space
+
+
+def test_collision_ends_an_episode_only_if_it_shall():
+    for ends in (True, False):
+        env = NavigationEnv(overrides=[*SMALL, f"environment.terminate_on_collision={ends}"], reward="rule_00")
+        env.reset(seed=0)
+        rewards = []
+        for _ in range(60):
+            _, reward, terminated, _, info = env.step(np.array((1.0, 0.0), np.float32))
+            rewards.append(reward)
+            if terminated:
+                break
+        assert terminated == ends
+        assert min(rewards) < -9.0
+        assert not ends or info["outcome"] == "collision"
+
+
+def test_arrival_ends_an_episode_with_success():
+    env = NavigationEnv(overrides=[*SMALL, "task.goal_radius=3.0", "task.min_distance=3.05", "task.max_distance=4.0", "task.pedestrians=0"])
+    ends = []
+    for seed in range(6):
+        env.reset(seed=seed)
+        for _ in range(30):
+            _, reward, terminated, _, info = env.step(np.array((0.5, 0.0), np.float32))
+            if terminated:
+                ends.append((info["outcome"], info["success"], reward > 14.0))
+                break
+    assert ("goal_reached", True, True) in ends
+
+
+def test_action_that_is_not_finite_is_refused():
+    env = NavigationEnv(overrides=SMALL)
+    env.reset(seed=0)
+    with pytest.raises(InvalidCommand, match="not finite"):
+        env.step(np.array((np.nan, 0.0), np.float32))
+
+
+@pytest.mark.parametrize(
+    ("override", "message"),
+    [
+        ("action.vx_max=5.0", r"action.vx_max is 5; allowed: 0 .. 2"),
+        ("randomization.latency={low: 3, high: 1}", "low is 3, above high, 1"),
+        ("randomization.speed_share.low=0.0", "speed_share"),
+        ("environment.worlds=0", "environment.worlds is 0"),
+        ("reward=rule_99", "rule_99"),
+        ("reward.gaol=3", "reward has no key gaol; did you mean goal"),
+    ],
+)
+def test_bad_settings_are_refused_in_one_line(override, message):
+    with pytest.raises(ConfigurationError, match=message) as error:
+        NavigationEnv(overrides=[*SMALL, override])
+    assert "\n" not in str(error.value)

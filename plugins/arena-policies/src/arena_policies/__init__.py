@@ -1,0 +1,17 @@
+"""What learned planners of the arena suite share: observation encoders and the scaling of actions."""
+
+from arena_core import Register, hookimpl
+
+
+@hookimpl
+def register_observation_encoders(register: Register) -> None:
+    """Offer the encoders."""
+    register("rosnav", "arena_policies.rosnav:RosnavEncoder")
+    register("rosnav_sectors", "arena_policies.rosnav_sectors:RosnavSectorsEncoder")
+    register("gring", "arena_policies.gring:GringEncoder")
+
+
+@hookimpl
+def config_package() -> str:
+    """Name the configuration package."""
+    return "arena_policies.conf"

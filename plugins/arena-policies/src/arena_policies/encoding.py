@@ -1,0 +1,98 @@
+"""What encoders have in common: their layout as bounds, and the kernels that look at the world from the robot."""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core import ObservationBatch, ObservationEncoder, ObservationField, Robot
+from arena_kernels.compiled import borrowing, compiled
+
+Floats = NDArray[np.float64]
+Numbers = NDArray[np.float32]
+
+
+class BoundedEncoder(ObservationEncoder):
+    """An encoder that fills rows by ``write`` and cuts them to the bounds of its layout."""
+
+    def __init__(self, fields: tuple[ObservationField, ...]) -> None:
+        self._fields = fields
+        self._low = np.concatenate([np.full(f.size, f.low, np.float32) for f in fields])
+        self._high = np.concatenate([np.full(f.size, f.high, np.float32) for f in fields])
+
+    def layout(self) -> tuple[ObservationField, ...]:
+        """Return the fields of an encoded observation."""
+        return self._fields
+
+    def encode(self, observations: ObservationBatch) -> Numbers:
+        """Return new numbers (N, D) within the layout's bounds."""
+        rows = np.empty((len(observations.poses), len(self._low)), np.float32)
+        self.write(observations, rows)
+        return np.clip(rows, self._low, self._high, out=rows)
+
+    @abstractmethod
+    def write(self, observations: ObservationBatch, rows: Numbers) -> None:
+        """Fill ``rows`` (N, D)."""
+
+
+def speed_scales(robot: Robot) -> Floats:
+    """Return a robot's greatest speeds (vx, wz), for omnidirectional ones (vx, vy, wz), m/s and rad/s."""
+    limits = robot.limits
+    forward = max(limits.vx_max, -limits.vx_min)
+    return np.array((forward, limits.vy_max, limits.wz_max) if robot.holonomic else (forward, limits.wz_max))
+
+
+@borrowing
+def write_ranges(ranges: Numbers, range_max: float, scale: float, sectors: int, rows: Numbers) -> None:
+    """Write the least range of each sector to the first columns of ``rows`` (N, D), at most ``range_max`` m, over ``scale`` m."""
+    for k in range(len(rows)):
+        for s in range(sectors):
+            rows[k, s] = _nearest_in_sector(ranges, k, s, sectors, range_max) / scale
+
+
+@borrowing
+def write_closeness(ranges: Numbers, range_max: float, radius: float, decay: float, sectors: int, rows: Numbers) -> None:
+    """Write how close each sector is: 2 exp(-gap / decay) - gap / range_max, where the gap is the least range less ``radius``, m."""
+    for k in range(len(rows)):
+        for s in range(sectors):
+            gap = _nearest_in_sector(ranges, k, s, sectors, range_max) - radius
+            rows[k, s] = 2.0 * math.exp(-gap / decay) - gap / range_max
+
+
+@borrowing
+def _nearest_in_sector(ranges: Numbers, k: int, sector: int, sectors: int, range_max: float) -> float:
+    """Return the least range of a sector, ``range_max`` if none is less; sectors share the beams evenly."""
+    beams = ranges.shape[1]
+    nearest = range_max
+    for b in range(sector * beams // sectors, (sector + 1) * beams // sectors):
+        if not ranges[k, b] >= nearest:  # so that a NaN is kept, to be refused later
+            nearest = float(ranges[k, b])
+    return nearest
+
+
+@borrowing
+def ways_to(targets: Floats, poses: Floats, out: Floats) -> None:
+    """Fill ``out`` (N, 4) with distance, m, bearing, its cosine and its sine of targets (N, 3) as seen from poses (N, 3).
+
+    In a kernel, for numpy's own sine differs in the last bit between batches of different sizes.
+    """
+    for k in range(len(poses)):
+        dx, dy = targets[k, 0] - poses[k, 0], targets[k, 1] - poses[k, 1]
+        bearing = math.atan2(dy, dx) - poses[k, 2]
+        c, s = math.cos(bearing), math.sin(bearing)
+        out[k, 0], out[k, 1], out[k, 2], out[k, 3] = math.hypot(dx, dy), math.atan2(s, c), c, s
+
+
+@compiled
+def from_robot(points: Floats, poses: Floats) -> Floats:
+    """Return points (N, K, 2) of ``map`` in the frames of poses (N, 3)."""
+    seen = np.empty_like(points)
+    for k in range(len(poses)):
+        c, s = math.cos(poses[k, 2]), math.sin(poses[k, 2])
+        for j in range(points.shape[1]):
+            dx, dy = points[k, j, 0] - poses[k, 0], points[k, j, 1] - poses[k, 1]
+            seen[k, j, 0], seen[k, j, 1] = c * dx + s * dy, c * dy - s * dx
+    return seen
