@@ -5,6 +5,8 @@ Both ways list the same pairs in the same order (by the later person, then by th
 
 from __future__ import annotations
 
+from math import isnan
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -42,7 +44,10 @@ def all_pairs(positions: NDArray[np.float64], reach: float, pairs: NDArray[np.in
 
 @compiled
 def pairs_by_cells(positions: NDArray[np.float64], reach: float, pairs: NDArray[np.int32]) -> tuple[NDArray[np.int32], int]:
-    """Test only people in the same or a neighbouring square cell of side ``reach`` (or more, where people are scattered widely)."""
+    """Test only people in the same or a neighbouring square cell of side ``reach`` (or more, where people are scattered widely).
+
+    Who is nowhere (NaN) is near nobody.
+    """
     low_x, low_y, extent = _box(positions)
     side = max(reach, extent / (_CELLS_A_SIDE - 1))
     width = int(extent / side) + 3  # a rim of empty cells on each side
@@ -53,6 +58,8 @@ def pairs_by_cells(positions: NDArray[np.float64], reach: float, pairs: NDArray[
     found = 0
     for later in range(len(positions)):
         x, y = positions[later, 0], positions[later, 1]
+        if isnan(x):
+            continue
         home = (int((y - low_y) / side) + 1) * width + int((x - low_x) / side) + 1
         first = found
         for row in range(-width, width + 1, width):
@@ -74,6 +81,8 @@ def _box(positions: NDArray[np.float64]) -> tuple[float, float, float]:
     """Return the lower left corner of a square around all positions, and its side."""
     low_x, low_y, high_x, high_y = np.inf, np.inf, -np.inf, -np.inf
     for i in range(len(positions)):
+        if isnan(positions[i, 0]):
+            continue
         low_x, high_x = min(low_x, positions[i, 0]), max(high_x, positions[i, 0])
         low_y, high_y = min(low_y, positions[i, 1]), max(high_y, positions[i, 1])
     return low_x, low_y, max(high_x - low_x, high_y - low_y)

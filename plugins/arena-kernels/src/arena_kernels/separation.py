@@ -12,10 +12,16 @@ from arena_kernels.compiled import compiled
 
 @compiled
 def push_apart(
-    positions: NDArray[np.float64], radii: NDArray[np.float64], pairs: NDArray[np.int32], found: int, pushes: NDArray[np.float64]
+    positions: NDArray[np.float64],
+    radii: NDArray[np.float64],
+    pairs: NDArray[np.int32],
+    found: int,
+    pushes: NDArray[np.float64],
+    masses: NDArray[np.float64] | None = None,
 ) -> bool:
-    """Write by how far each body moves so that every overlapping pair shares its overlap evenly; tell whether any moves.
+    """Write by how far each body moves so that no pair overlaps any more; tell whether any moves.
 
+    Both share the overlap evenly; where there are ``masses`` (P,), the lighter one moves more.
     Each pair is resolved as if alone (a Jacobi pass over unchanged positions), so nobody is favoured by a place in the list.
     """
     touching = False
@@ -32,9 +38,10 @@ def push_apart(
                 pushes[k, 0], pushes[k, 1] = 0.0, 0.0
         separation = sqrt(squared)
         ux, uy = (dx / separation, dy / separation) if separation > 0.0 else (1.0, 0.0)
-        half = 0.5 * (reach - separation)
-        pushes[i, 0] -= half * ux
-        pushes[i, 1] -= half * uy
-        pushes[j, 0] += half * ux
-        pushes[j, 1] += half * uy
+        share = 0.5 if masses is None else masses[j] / (masses[i] + masses[j])
+        first, second = share * (reach - separation), (1.0 - share) * (reach - separation)
+        pushes[i, 0] -= first * ux
+        pushes[i, 1] -= first * uy
+        pushes[j, 0] += second * ux
+        pushes[j, 1] += second * uy
     return touching

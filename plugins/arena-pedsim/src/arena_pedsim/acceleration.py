@@ -12,7 +12,8 @@ from arena_kernels.compiled import compiled
 from arena_kernels.ground import Ground, clearance_and_gradient
 from arena_pedsim.forces import sight_weight, social_force, wall_force
 from arena_pedsim.giving_way import hold_back
-from arena_pedsim.states import feels_forces
+from arena_pedsim.reactions import fear_of_robot, speed_limit
+from arena_pedsim.states import BLOCKING_ROBOT, NONE, SHYING_FROM_ROBOT, feels_forces, turns_to_robot
 
 Floats = NDArray[np.float64]
 
@@ -51,6 +52,8 @@ def sum_forces(
         forces[j, 0] -= weight_j * fx
         forces[j, 1] -= weight_j * fy
     for i in range(len(positions)):
+        if states[i] == NONE:
+            continue
         person = people[i]
         x, y, vx, vy = positions[i, 0], positions[i, 1], velocities[i, 0], velocities[i, 1]
         hx, hy, speed = headings[i, 0], headings[i, 1], headings[i, 2]
@@ -60,10 +63,13 @@ def sum_forces(
         if feels_forces(states[i]):
             push = person.factor_obstacle * wall_force(headings[i, 3], parameters)
             ax, ay = forces[i, 0] + push * gx, forces[i, 1] + push * gy
-            if parameters.reaction == 1:
+            if person.gives_way == 1 and not turns_to_robot(states[i]):
                 fx, fy, ex, ey = social_force(robot[0] - x, robot[1] - y, vx - robot[2], vy - robot[3], radii[i] + robot[4], parameters)
                 weight = person.factor_robot * sight_weight(hx, hy, ex, ey, rear)
                 ax, ay = ax + weight * fx, ay + weight * fy
+            if states[i] == SHYING_FROM_ROBOT:
+                fx, fy = fear_of_robot(person, x, y, radii[i], robot)
+                ax, ay = ax + fx, ay + fy
         drive = person.factor_desired / parameters.relaxation_time
         forces[i, 0] = ax + drive * (speed * hx - vx)
         forces[i, 1] = ay + drive * (speed * hy - vy)
@@ -71,14 +77,27 @@ def sum_forces(
 
 @compiled
 def accelerate(
-    positions: Floats, velocities: Floats, radii: Floats, people: NDArray[np.void], robot: Any, dt: float, parameters: Any, forces: Floats
+    positions: Floats,
+    velocities: Floats,
+    radii: Floats,
+    states: NDArray[np.int8],
+    people: NDArray[np.void],
+    robot: Any,
+    dt: float,
+    parameters: Any,
+    forces: Floats,
 ) -> None:
     """Integrate the velocities, hold people back from a robot they see, and clip at their own greatest speeds."""
     for i in range(len(positions)):
+        if states[i] == NONE:
+            continue
+        limit = people[i].max_speed
+        if states[i] == SHYING_FROM_ROBOT:
+            limit = speed_limit(people[i], velocities[i, 0], velocities[i, 1], dt, parameters)
         vx, vy = velocities[i, 0] + dt * forces[i, 0], velocities[i, 1] + dt * forces[i, 1]
-        vx, vy = clipped(vx, vy, people[i].max_speed)
-        if parameters.reaction == 1:
-            vx, vy = hold_back(positions[i, 0], positions[i, 1], vx, vy, radii[i], robot, parameters)
+        vx, vy = clipped(vx, vy, limit)
+        if people[i].gives_way == 1:
+            vx, vy = hold_back(positions[i, 0], positions[i, 1], vx, vy, radii[i], states[i] == BLOCKING_ROBOT, robot, parameters)
             vx, vy = clipped(vx, vy, people[i].max_speed)
         velocities[i, 0], velocities[i, 1] = vx, vy
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import ceil
+from math import ceil, isnan
 from typing import Any
 
 import numpy as np
@@ -13,8 +13,9 @@ from arena_kernels.ground import Ground, ground_of
 from arena_kernels.neighbours import CELLS_FROM, near_pairs
 from arena_pedsim.acceleration import accelerate, sum_forces
 from arena_pedsim.giving_way import detour
-from arena_pedsim.people import NOTHING
-from arena_pedsim.states import desired_speed
+from arena_pedsim.people import COME, NOTHING
+from arena_pedsim.reactions import notice_robot, turn_to_robot
+from arena_pedsim.states import APPROACHING_ROBOT, NONE, desired_speed, turns_to_robot
 from arena_pedsim.walking import walk
 from arena_pedsim.wayfinding import follow_way
 
@@ -39,12 +40,12 @@ def step_crowds(
     dt: float,
     parameters: NDArray[np.void],
 ) -> int:
-    """Move everybody by ``dt`` s, in place; return how many people wish for a route.
+    """Move everybody by ``dt`` s, in place; return how many people wish for a route, to come or to leave.
 
     ``people`` (N, P) and ``corners`` (N, P, C, 2) are the model's memory, ``grids`` (N,) says which of the ``layouts`` each world uses.
     """
     slots = positions.shape[1]
-    headings, forces = np.empty((slots, 4)), np.empty((slots, 2))
+    headings, forces, masses = np.empty((slots, 4)), np.empty((slots, 2)), np.empty(slots)
     small = min(slots, CELLS_FROM)
     pairs = np.empty((small * small // 2, 2), np.int32)
     substeps = max(ceil(dt / parameters[0].longest_step - 1e-9), 1)
@@ -53,7 +54,10 @@ def step_crowds(
         n = counts[world]
         if n == 0:
             continue
-        robot = (robot_poses[world, 0], robot_poses[world, 1], robot_velocities[world, 0], robot_velocities[world, 1], robot_radius)
+        x, y, theta = robot_poses[world, 0], robot_poses[world, 1], robot_poses[world, 2]
+        robot = (x, y, robot_velocities[world, 0], robot_velocities[world, 1], robot_radius, theta)
+        for i in range(n):
+            masses[i] = people[world, i].mass
         ground = ground_of(distance, layouts[grids[world]])
         for _ in range(substeps):
             pairs = _step_crowd(
@@ -61,6 +65,7 @@ def step_crowds(
                 velocities[world, :n],
                 radii[world, :n],
                 states[world, :n],
+                masses[:n],
                 people[world],
                 corners[world],
                 ground,
@@ -72,8 +77,17 @@ def step_crowds(
                 pairs,
             )
         for i in range(n):
+            if states[world, i] == NONE:
+                _await_coming(people[world, i], dt)
             wishes += people[world, i].wish != NOTHING
     return wishes
+
+
+@compiled
+def _await_coming(person: Any, dt: float) -> None:
+    """Let somebody who is not in the world wish to come when the time is up."""
+    person.absence -= dt
+    person.wish = COME if person.absence <= 0.0 else NOTHING
 
 
 @compiled
@@ -82,6 +96,7 @@ def _step_crowd(
     velocities: Floats,
     radii: Floats,
     states: NDArray[np.int8],
+    masses: Floats,
     people: NDArray[np.void],
     corners: Floats,
     ground: Ground,
@@ -96,8 +111,8 @@ def _step_crowd(
     _choose_headings(positions, radii, states, people, corners, ground, robot, dt, parameters, headings)
     pairs, found = near_pairs(positions, parameters.social_range, pairs)
     sum_forces(positions, velocities, radii, states, people, ground, robot, parameters, headings, pairs, found, forces)
-    accelerate(positions, velocities, radii, people, robot, dt, parameters, forces)
-    walk(positions, velocities, radii, people, ground, robot, dt, parameters, pairs, found, headings, forces)
+    accelerate(positions, velocities, radii, states, people, robot, dt, parameters, forces)
+    walk(positions, velocities, radii, states, masses, people, ground, robot, dt, parameters, pairs, found, headings, forces)
     return pairs
 
 
@@ -114,11 +129,21 @@ def _choose_headings(
     parameters: Any,
     headings: Floats,
 ) -> None:
-    """Write each person's unit vector of the desired direction and the desired speed."""
+    """Write each person's unit vector of the desired direction and the desired speed; who is nowhere gets state NONE and nothing else."""
     for i in range(len(positions)):
-        x, y = positions[i, 0], positions[i, 1]
-        state, hx, hy, to_goal = follow_way(people[i], states[i], x, y, radii[i], corners[i], ground, dt, parameters)
-        if parameters.reaction == 1:
+        x, y, person = positions[i, 0], positions[i, 1], people[i]
+        if isnan(x):
+            states[i] = NONE
+            continue
+        state = states[i]
+        if person.reaction_state != NONE:
+            state = notice_robot(person, state, x, y, ground, robot, dt, parameters)
+        if turns_to_robot(state):
+            hx, hy, to_goal, speed = turn_to_robot(person, state, x, y, radii[i], robot, parameters)
+        else:
+            state, hx, hy, to_goal = follow_way(person, state, x, y, radii[i], corners[i], ground, dt, parameters)
+            speed = desired_speed(person, state)
+        if person.gives_way == 1 and state != APPROACHING_ROBOT:
             hx, hy = detour(ground, x, y, hx, hy, to_goal, radii[i], robot, parameters)
         states[i] = state
-        headings[i, 0], headings[i, 1], headings[i, 2] = hx, hy, desired_speed(state, people[i].max_speed)
+        headings[i, 0], headings[i, 1], headings[i, 2] = hx, hy, speed

@@ -1,4 +1,4 @@
-"""How people who see the robot keep out of its way (``reaction: yield``)."""
+"""How people keep out of the robot's way, unless they ignore it."""
 
 from __future__ import annotations
 
@@ -51,8 +51,11 @@ def _tangent(ux: float, uy: float, sine: float, turn: float) -> tuple[float, flo
 
 
 @compiled
-def hold_back(x: float, y: float, vx: float, vy: float, radius: float, robot: Any, parameters: Any) -> tuple[float, float]:
-    """Return the velocity without what would close the gap to the robot sooner than in ``time``; within the margin this is a step back."""
+def hold_back(x: float, y: float, vx: float, vy: float, radius: float, firm: bool, robot: Any, parameters: Any) -> tuple[float, float]:
+    """Return the velocity without what would close the gap to the robot sooner than in ``time``.
+
+    Within the margin this is a step back, unless the person is ``firm``.
+    """
     dx, dy = robot[0] - x, robot[1] - y
     separation = sqrt(dx * dx + dy * dy)
     if not separation > 0.0:
@@ -60,6 +63,8 @@ def hold_back(x: float, y: float, vx: float, vy: float, radius: float, robot: An
     ux, uy = dx / separation, dy / separation
     gap = separation - radius - robot[4] - 0.5 * parameters.giving_way_margin
     excess = (vx - robot[2]) * ux + (vy - robot[3]) * uy - gap / parameters.giving_way_time
+    if firm:
+        excess = min(excess, vx * ux + vy * uy)
     if excess <= 0.0:
         return vx, vy
     return vx - excess * ux, vy - excess * uy

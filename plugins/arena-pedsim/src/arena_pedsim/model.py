@@ -11,8 +11,20 @@ from numpy.typing import NDArray
 from arena_core import Crowd, PedestrianModel, Positive, RobotBatch, Scenario, with_obstacles
 from arena_kernels.terrain import Terrain
 from arena_pedsim.crowd_step import step_crowds
-from arena_pedsim.parameters import ForceFactors, GivingWay, SocialInteraction, WallForce, Wayfinding, parameter_record
+from arena_pedsim.customs import Customs
+from arena_pedsim.parameters import (
+    ForceFactors,
+    GivingWay,
+    PersonTypes,
+    Reactions,
+    SocialInteraction,
+    Spawning,
+    WallForce,
+    Wayfinding,
+    parameter_record,
+)
 from arena_pedsim.population import Population
+from arena_pedsim.presence import come_and_go
 from arena_pedsim.trips import grant_wishes
 
 
@@ -24,7 +36,7 @@ class SocialForceModel(PedestrianModel):
 
     def __init__(
         self,
-        reaction: Literal["ignore", "yield"],
+        reaction: Literal["ignore", "yield", "curious", "scared", "threatening"],
         relaxation_time: Positive,
         longest_step: Positive,
         factors: ForceFactors,
@@ -32,11 +44,14 @@ class SocialForceModel(PedestrianModel):
         walls: WallForce,
         wayfinding: Wayfinding,
         giving_way: GivingWay,
+        reactions: Reactions,
+        types: PersonTypes,
+        spawning: Spawning,
     ) -> None:
-        self._factors = factors
+        self._customs = Customs(reaction, factors, reactions, types)
         self._cell = wayfinding.cell
         self._parameters = parameter_record(
-            reaction, relaxation_time, longest_step, social=social, walls=walls, wayfinding=wayfinding, giving_way=giving_way
+            relaxation_time, longest_step, social=social, walls=walls, wayfinding=wayfinding, giving_way=giving_way, spawning=spawning
         )
         self._population = Population(0)
         self._terrain = Terrain(self._cell)
@@ -52,12 +67,12 @@ class SocialForceModel(PedestrianModel):
         grids = [with_obstacles(scenario.world.grid, scenario.obstacles) for scenario in scenarios]
         self._terrain.replace(slots, grids, total)
         for slot, scenario, grid in zip(slots, scenarios, grids, strict=True):
-            self._population.settle(int(slot), scenario, grid, self._factors)
+            self._population.settle(int(slot), scenario, grid, self._customs)
         self._grant_wishes(self._population.crowd)
         return self._population.crowd
 
     def step(self, crowd: Crowd, robots: RobotBatch, ticks: NDArray[np.int64], dt: float) -> Crowd:
-        """Return the crowd ``dt`` seconds later; with ``reaction: ignore`` nothing of ``robots`` is read."""
+        """Return the crowd ``dt`` seconds later; people who ignore robots are the same whatever ``robots`` do, unless they come or go."""
         population, terrain = self._population, self._terrain
         positions, velocities, states = crowd.positions.copy(), crowd.velocities.copy(), crowd.states.copy()
         wishes = step_crowds(
@@ -79,8 +94,27 @@ class SocialForceModel(PedestrianModel):
         )
         population.crowd = Crowd(crowd.counts, crowd.ids, positions, velocities, crowd.radii, states)
         if wishes:
+            self._let_come_and_go(population.crowd, robots)
             self._grant_wishes(population.crowd)
         return population.crowd
+
+    def _let_come_and_go(self, crowd: Crowd, robots: RobotBatch) -> None:
+        terrain = self._terrain
+        come_and_go(
+            crowd.counts,
+            crowd.positions,
+            crowd.velocities,
+            crowd.radii,
+            crowd.states,
+            self._population.people,
+            self._population.waypoints,
+            robots.poses,
+            float(robots.radius),
+            terrain.index,
+            terrain.distance,
+            terrain.layouts,
+            self._parameters,
+        )
 
     def _grant_wishes(self, crowd: Crowd) -> None:
         population, terrain = self._population, self._terrain

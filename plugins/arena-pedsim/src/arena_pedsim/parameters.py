@@ -71,12 +71,71 @@ class GivingWay:
     time: Positive
 
 
-CODES = {"ignore": 0, "yield": 1, "exponential": 0, "inverse": 1, "straight": 0, "around_walls": 1}
+@dataclass(frozen=True, slots=True)
+class Reaction:
+    """What people do who see a robot and neither ignore it nor only give way.
+
+    ``sight`` (m): how far they see it. ``pace``: share of their own speed that they then go with. ``distance`` (m, between centres): where
+    they stop. ``force`` (m^2/s^2): an acceleration away from the robot, times 1 / gap. ``duration`` (s): how long it lasts, None without
+    an end; ``pause`` (s): how long it does not begin again then.
+    """
+
+    sight: NonNegative
+    pace: Fraction
+    distance: NonNegative
+    force: NonNegative
+    duration: Positive | None
+    pause: NonNegative
 
 
-def parameter_record(reaction: str, relaxation_time: float, longest_step: float, **groups: Any) -> NDArray[np.void]:
+@dataclass(frozen=True, slots=True)
+class Reactions:
+    """The reactions beyond ignore and yield."""
+
+    curious: Reaction
+    scared: Reaction
+    threatening: Reaction
+
+
+@dataclass(frozen=True, slots=True)
+class PersonType:
+    """The body of a kind of people: ``radius`` in m (None: as the scenario says), ``speed`` as a share of the scenario's, ``mass`` in kg.
+
+    ``sociable`` people take part in social states; ``colour`` is that in pictures (None: as people are drawn).
+    """
+
+    radius: Positive | None
+    speed: Fraction
+    mass: Positive
+    sociable: bool
+    colour: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class PersonTypes:
+    """All kinds of people."""
+
+    adult: PersonType
+    child: PersonType
+    elder: PersonType
+    forklift: PersonType
+    service_robot: PersonType
+
+
+@dataclass(frozen=True, slots=True)
+class Spawning:
+    """How people come: gap to the robot (m) where they may appear, and for how long (s) who has left is away."""
+
+    robot_distance: NonNegative
+    pause: NonNegative
+
+
+CODES = {"exponential": 0, "inverse": 1, "straight": 0, "around_walls": 1}
+
+
+def parameter_record(relaxation_time: float, longest_step: float, **groups: Any) -> NDArray[np.void]:
     """Flatten the groups to one record (shape (1,)) with fields such as ``social_gamma``; words become their CODES."""
-    values: dict[str, Any] = {"reaction": reaction, "relaxation_time": relaxation_time, "longest_step": longest_step}
+    values: dict[str, Any] = {"relaxation_time": relaxation_time, "longest_step": longest_step}
     for name, group in groups.items():
         values.update({f"{name}_{field.name}": getattr(group, field.name) for field in fields(group)})
     row = tuple(CODES[value] if isinstance(value, str) else value for value in values.values())

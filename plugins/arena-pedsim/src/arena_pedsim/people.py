@@ -10,6 +10,8 @@ from arena_core import ConfigurationError, PedestrianSpec
 from arena_pedsim.parameters import ForceFactors
 
 NOTHING, NEXT_WAYPOINT, NEW_ROUTE = 0, 1, 2  # what a person wishes of the route planner
+COME, LEAVE = 3, 4  # and of the world
+NEVER, AT_START, AT_RANDOM = 0, 1, 2  # where who has ended the round comes back
 MAX_CORNERS = 24  # of one route; a longer one is planned again on arrival at the last of them
 
 PERSON = np.dtype(
@@ -31,6 +33,26 @@ PERSON = np.dtype(
         ("corners", np.int32),
         ("wish", np.int32),
         ("lost", np.int32),  # 1: there is no way to the waypoint, so the person walks straight at it
+        ("gives_way", np.int32),  # 1: sees the robot at all
+        ("reaction_state", np.int32),  # in which the person reacts to the robot, NONE when it does no more than give way
+        ("mass", np.float64),
+        ("sociable", np.int32),  # 1: takes part in social states
+        ("sees_robot", np.int32),  # 1: did when it last looked
+        ("glance_clock", np.float64),  # s since then
+        ("sight", np.float64),  # m, how far it sees the robot
+        ("stop_distance", np.float64),  # m to the robot
+        ("pace", np.float64),  # m/s while it reacts
+        ("fear", np.float64),  # m^2/s^2
+        ("interest", np.float64),  # s that a reaction lasts, and ``interest_left`` of it
+        ("interest_left", np.float64),
+        ("pause", np.float64),  # s until it may begin again, and ``pause_left`` of it
+        ("pause_left", np.float64),
+        ("start_x", np.float64),
+        ("start_y", np.float64),
+        ("absence", np.float64),  # s until the person may come
+        ("respawn", np.int32),  # whether and where who has ended the round comes back
+        ("draws", np.int32),  # places drawn so far
+        ("key", np.uint64),  # of these draws
     ],
     align=True,
 )
@@ -45,7 +67,8 @@ def remember(spec: PedestrianSpec, factors: ForceFactors) -> np.void:
     person["factor_social"] = share * _factor(spec, "force_factor_social", factors.social)
     person["factor_obstacle"] = share * _factor(spec, "force_factor_obstacle", factors.obstacle)
     person["factor_robot"] = share * _factor(spec, "force_factor_robot", factors.robot)
-    person["goal_x"], person["goal_y"] = person["anchor_x"], person["anchor_y"] = spec.position_xy
+    for place in ("goal", "anchor", "start"):
+        person[f"{place}_x"], person[f"{place}_y"] = spec.position_xy
     person["waypoints"] = len(spec.waypoints_xy)
     person["waypoint"] = -1
     person["wish"] = NEXT_WAYPOINT if len(spec.waypoints_xy) else NOTHING

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import Crowd, ImpossibleScenario, OccupancyGrid, PedestrianSpec, Scenario
-from arena_pedsim.parameters import ForceFactors
-from arena_pedsim.people import MAX_CORNERS, PERSON, remember
+from arena_pedsim.customs import Customs
+from arena_pedsim.people import MAX_CORNERS, PERSON
+from arena_pedsim.presence import take_presence
 from arena_pedsim.states import NONE, STANDING, WALKING
 
 
@@ -38,9 +39,9 @@ class Population:
     def __len__(self) -> int:
         return len(self.people)
 
-    def settle(self, slot: int, scenario: Scenario, grid: OccupancyGrid, factors: ForceFactors) -> None:
+    def settle(self, slot: int, scenario: Scenario, grid: OccupancyGrid, customs: Customs) -> None:
         """Put a scenario's people in a slot, in place of those who were there; raise ImpossibleScenario if somebody starts in a wall."""
-        specs = scenario.pedestrians
+        specs = [customs.of(spec) for spec in scenario.pedestrians]
         self._make_room(len(specs), max((len(spec.waypoints_xy) for spec in specs), default=0))
         crowd, people = self.crowd, len(specs)
         counts, ids, radii, states = crowd.counts.copy(), crowd.ids.copy(), crowd.radii.copy(), crowd.states.copy()
@@ -48,12 +49,13 @@ class Population:
         counts[slot] = people
         ids[slot], radii[slot], states[slot] = -1, 0.0, NONE
         positions[slot], velocities[slot] = np.nan, np.nan
-        velocities[slot, :people] = 0.0
         for i, spec in enumerate(specs):
             _check_start(spec, scenario, grid)
-            ids[slot, i], radii[slot, i], positions[slot, i] = spec.id, spec.radius, spec.position_xy
-            states[slot, i] = WALKING if len(spec.waypoints_xy) else STANDING
-            self.people[slot, i] = remember(spec, factors)
+            ids[slot, i], radii[slot, i] = spec.id, spec.radius
+            self.people[slot, i] = customs.memory(spec)
+            if take_presence(self.people[slot, i], spec, scenario):
+                positions[slot, i], velocities[slot, i] = spec.position_xy, 0.0
+                states[slot, i] = WALKING if len(spec.waypoints_xy) else STANDING
             self.waypoints[slot, i, : len(spec.waypoints_xy)] = spec.waypoints_xy
         self.leg_corners[slot] = -1
         self.crowd = Crowd(counts, ids, positions, velocities, radii, states)

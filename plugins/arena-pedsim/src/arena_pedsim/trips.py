@@ -12,7 +12,7 @@ from arena_kernels.ground import Ground, clearance, ground_of
 from arena_kernels.route_grid import Rooms, rooms_of
 from arena_kernels.routes import find_corners, nearest_room
 from arena_kernels.sliding import SIGHT, is_visible
-from arena_pedsim.people import NEXT_WAYPOINT, NOTHING
+from arena_pedsim.people import NEW_ROUTE, NEXT_WAYPOINT, NOTHING
 
 Floats = NDArray[np.float64]
 
@@ -43,7 +43,7 @@ def grant_wishes(
         ground, world_rooms = ground_of(distance, layouts[grids[world]]), rooms_of(rooms, grids[world])
         for i in range(counts[world]):
             person = people[world, i]
-            if person.wish == NOTHING:
+            if person.wish not in (NEXT_WAYPOINT, NEW_ROUTE):
                 continue
             x, y, radius, next_leg = positions[world, i, 0], positions[world, i, 1], radii[world, i], person.wish == NEXT_WAYPOINT
             if next_leg:

@@ -13,6 +13,7 @@ from arena_kernels.separation import push_apart
 from arena_kernels.sliding import slide
 from arena_pedsim.acceleration import clipped
 from arena_pedsim.giving_way import keeps_off
+from arena_pedsim.states import NONE
 
 Floats = NDArray[np.float64]
 
@@ -24,6 +25,8 @@ def walk(
     positions: Floats,
     velocities: Floats,
     radii: Floats,
+    states: NDArray[np.int8],
+    masses: Floats,
     people: NDArray[np.void],
     ground: Ground,
     robot: Any,
@@ -39,6 +42,8 @@ def walk(
     ``starts`` (P, 4) comes with the gap to the walls in its last column; it and ``pushes`` (P, 2) are overwritten.
     """
     for i in range(len(positions)):
+        if states[i] == NONE:
+            continue
         x, y, dx, dy = positions[i, 0], positions[i, 1], dt * velocities[i, 0], dt * velocities[i, 1]
         if starts[i, 3] > FREE_STRIDE * people[i].max_speed * dt:
             positions[i, 0], positions[i, 1] = x + dx, y + dy
@@ -46,14 +51,16 @@ def walk(
             positions[i, 0], positions[i, 1] = slide(ground, x, y, dx, dy, radii[i])
         starts[i, 0], starts[i, 1] = x, y
         starts[i, 2] = 1.0 if positions[i, 0] != x + dx or positions[i, 1] != y + dy else 0.0
-    touching = push_apart(positions, radii, pairs, found, pushes)
+    touching = push_apart(positions, radii, pairs, found, pushes, masses)
     for i in range(len(positions)):
+        if states[i] == NONE:
+            continue
         if touching and (pushes[i, 0] != 0.0 or pushes[i, 1] != 0.0):
             dx, dy = positions[i, 0] + pushes[i, 0] - starts[i, 0], positions[i, 1] + pushes[i, 1] - starts[i, 1]
             dx, dy = clipped(dx, dy, people[i].max_speed * dt)
             positions[i, 0], positions[i, 1] = slide(ground, starts[i, 0], starts[i, 1], dx, dy, radii[i])
             starts[i, 2] = 1.0
-        if parameters.reaction == 1 and not keeps_off(
+        if people[i].gives_way == 1 and not keeps_off(
             starts[i, 0], starts[i, 1], positions[i, 0], positions[i, 1], radii[i], robot, parameters
         ):
             positions[i, 0], positions[i, 1] = starts[i, 0], starts[i, 1]

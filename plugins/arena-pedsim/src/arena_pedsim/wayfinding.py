@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from arena_kernels.compiled import compiled
 from arena_kernels.ground import Ground
 from arena_kernels.sliding import LOSING_SIGHT, SIGHT, is_visible
-from arena_pedsim.people import NEW_ROUTE, NEXT_WAYPOINT, NOTHING
-from arena_pedsim.states import STANDING, WALKING, seeks_waypoint
+from arena_pedsim.people import LEAVE, NEVER, NEW_ROUTE, NEXT_WAYPOINT, NOTHING
+from arena_pedsim.states import SHYING_FROM_ROBOT, STANDING, WALKING, desired_speed, seeks_waypoint
 
 AT_CORNER = 0.05  # m, a corner this near gives no direction
 LEAVING = 2.0  # who stands at the only waypoint walks back when this many waypoint radii away
@@ -27,10 +27,13 @@ def follow_way(
         return _called_back(person, state, x, y, parameters), 0.0, 0.0, 0.0
     to_goal = sqrt((person.goal_x - x) ** 2 + (person.goal_y - y) ** 2)
     if person.corner >= person.corners and to_goal < parameters.wayfinding_waypoint_radius:
+        if person.respawn != NEVER and person.waypoint == person.waypoints - 1:
+            person.wish = LEAVE
+            return state, 0.0, 0.0, 0.0
         if person.waypoints == 1:
-            return STANDING, 0.0, 0.0, 0.0
+            return (state if state == SHYING_FROM_ROBOT else STANDING), 0.0, 0.0, 0.0
         person.wish = NEXT_WAYPOINT
-    _notice_stuck(person, x, y, dt, parameters)
+    _notice_stuck(person, state, x, y, dt, parameters)
     person.look_clock += dt
     if person.look_clock >= parameters.wayfinding_look_period:
         person.look_clock = 0.0
@@ -60,13 +63,13 @@ def _called_back(person: Any, state: int, x: float, y: float, parameters: Any) -
 
 
 @compiled
-def _notice_stuck(person: Any, x: float, y: float, dt: float, parameters: Any) -> None:
-    """Wish for the next waypoint after a period with less progress than a share of the person's own greatest speed."""
+def _notice_stuck(person: Any, state: int, x: float, y: float, dt: float, parameters: Any) -> None:
+    """Wish for the next waypoint after a period with less progress than a share of the speed that the person wants now."""
     person.stuck_clock += dt
     if person.stuck_clock < parameters.wayfinding_stuck_period:
         return
     progress = sqrt((person.anchor_x - x) ** 2 + (person.anchor_y - y) ** 2)
-    if progress < parameters.wayfinding_stuck_speed * person.max_speed * person.stuck_clock:
+    if progress < parameters.wayfinding_stuck_speed * desired_speed(person, state) * person.stuck_clock and person.wish != LEAVE:
         person.wish = NEXT_WAYPOINT
     person.anchor_x, person.anchor_y, person.stuck_clock = x, y, 0.0
 
