@@ -11,6 +11,7 @@ from arena_core import Command, ConfigurationError
 SUBCOMMANDS = {
     "convert": "arena_worlds.convert:ConvertCommand",
     "generate": "arena_worlds.generate:GenerateCommand",
+    "measure": "arena_worlds.measure:MeasureCommand",
 }
 
 
