@@ -225,6 +225,7 @@ def _scenario_meta(scenario: Scenario) -> dict[str, Any]:
         "goal_radius": scenario.goal_radius,
         "time_limit": scenario.time_limit,
         "reference_length": scenario.reference_length,
+        "pedestrian_types": {str(p.id): p.behaviour["type"] for p in scenario.pedestrians if "type" in p.behaviour},
         "speed_share": scenario.speed_share,
         "obstacles": obstacles,
     }

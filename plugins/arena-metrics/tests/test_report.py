@@ -13,7 +13,7 @@ from arena_metrics.report import ReportCommand
 from arena_metrics.runs import columns_of, metric_columns, pooled, read_runs
 from arena_metrics.summary import summarise, write_summary
 from arena_metrics.tables import headline, latex, markdown, metric_tables
-from arena_metrics.trajectories import scale_bar_length
+from arena_metrics.trajectories import people_colours, scale_bar_length
 
 FEW = ("success", "strict_success", "collisions", "path_length", "jerk")  # metrics enough to draw
 
@@ -161,6 +161,15 @@ def test_people_who_are_not_in_the_world_are_not_drawn(run_folder, tmp_path):
         assert report(folder) == 0
         pictures.append(next((folder / "report" / "figures").glob("cell_*.png")).read_bytes())
     assert pictures[0] != pictures[1]
+
+
+def test_people_are_drawn_in_the_colour_of_their_type(record_of, straight_line):
+    people = {"pedestrian_ids": np.array([4, 7, 9], np.int32), "pedestrian_positions": np.zeros((len(straight_line()), 3, 2), np.float32)}
+    plain = record_of(straight_line(), **people)
+    assert people_colours(plain, "red") == ["red"] * 3
+    config = {"pedestrians": {"types": {"adult": {"colour": None}, "forklift": {"colour": "black"}}}}
+    scenario = {**plain.meta["scenario"], "pedestrian_types": {"4": "adult", "9": "forklift"}}
+    assert people_colours(record_of(straight_line(), meta={"config": config, "scenario": scenario}, **people), "red") == ["red", "red", "black"]
 
 
 def test_same_runs_give_the_same_report_byte_for_byte(run_folder, tmp_path):

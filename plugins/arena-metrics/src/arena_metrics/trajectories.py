@@ -140,7 +140,16 @@ def _draw_people(axes: Axes, drives: Sequence[Drive]) -> None:
     from matplotlib.collections import LineCollection
 
     tracks = [track for drive in drives for track in np.moveaxis(drive.record["pedestrian_positions"], 1, 0)]
-    axes.add_collection(LineCollection(tracks, colors=PEOPLE, linewidths=0.7, alpha=0.35, zorder=2), autolim=False)
+    colours = [colour for drive in drives for colour in people_colours(drive.record, PEOPLE)]
+    axes.add_collection(LineCollection(tracks, colors=colours, linewidths=0.7, alpha=0.35, zorder=2), autolim=False)
+
+
+def people_colours(record: EpisodeRecord, usual: str) -> list[str]:
+    """Return a colour for each of a record's people: that of the type where the configuration gives it one, else the usual one."""
+    types = record.meta["scenario"].get("pedestrian_types", {})
+    known = record.meta.get("config", {}).get("pedestrians", {}).get("types", {})
+    names = [types.get(str(number)) for number in record["pedestrian_ids"].tolist()]
+    return [known.get(name, {}).get("colour") or usual for name in names]
 
 
 def _draw_drive(axes: Axes, drive: Drive) -> None:
