@@ -160,6 +160,16 @@ def test_without_maps_the_stated_path_counts_and_then_the_folders_beside(tmp_pat
     assert find_map(scenario(tmp_path, str(stated)), None) == stated
 
 
+def test_the_map_of_our_own_format_lies_where_the_file_says(tmp_path: Path) -> None:
+    wanted = site(tmp_path / "maps" / "site")
+    file = tmp_path / "maps" / "scenario.json"
+    file.write_text(json.dumps({"format": "arena-scenario", "map": "site/map.yaml"}))
+    assert find_map(file, None) == wanted
+    file.write_text(json.dumps({"format": "arena-scenario"}))
+    with pytest.raises(InputFileError, match="map_path is None; allowed"):
+        find_map(file, None)
+
+
 @pytest.mark.parametrize(
     ("map_path", "said"),
     [

@@ -38,7 +38,7 @@ class Field:
 
     def __getitem__(self, name: str) -> Field:
         mapping = self._mapping()
-        key = f"{self.key}.{name}" if self.key else name
+        key = self._key_of(name)
         if name not in mapping:
             raise InputFileError(f"{self.file}: {key} is missing")
         return Field(self.file, key, mapping[name])
@@ -47,7 +47,7 @@ class Field:
         """Refuse keys other than these."""
         for name in self._mapping():
             if name not in names:
-                raise InputFileError(f"{self.file}: {self.key + '.' if self.key else ''}{name} is unknown; allowed: {', '.join(names)}")
+                raise InputFileError(f"{self.file}: {self._key_of(name)} is unknown; allowed: {', '.join(names)}")
 
     def items(self) -> list[Field]:
         """Return the elements of a list."""
@@ -116,6 +116,11 @@ class Field:
         """Return a list of [x, y], shape (N, 2), m."""
         return np.array([item.position() for item in self.items()]).reshape(-1, 2)
 
+    def _key_of(self, name: str) -> str:
+        """Return where a member of this mapping stands, on one line whatever its name."""
+        plain = name if isinstance(name, str) and name.isprintable() else json.dumps(name, default=str)
+        return f"{self.key}.{plain}" if self.key else plain
+
     def _mapping(self) -> Mapping[str, Any]:
         if not isinstance(self.value, Mapping):
             raise self.refused("a mapping of keys to values")
@@ -142,7 +147,7 @@ def read_json(path: Path) -> Field:
 def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     mapping = dict(pairs)
     if len(mapping) < len(pairs):
-        raise ValueError(f"a key is there twice among {', '.join(name for name, _ in pairs)}")
+        raise ValueError(f"a key is there twice among {', '.join(name if name.isprintable() else json.dumps(name) for name, _ in pairs)}")
     return mapping
 
 

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path, PurePosixPath
 
-import yaml
-
 from arena_core import InputFileError
 from arena_tasks.json_fields import Field
+from arena_tasks.yaml_fields import read_yaml
 
 PACK_FILE = "pack.yaml"
 FORMAT = "arena-pack"
@@ -59,7 +58,7 @@ def checked_pack(folder: Path) -> Pack | None:
 
 def read_pack(folder: Path) -> Pack:
     """Read a folder's pack.yaml; raise InputFileError with file and key. The files themselves are not looked at."""
-    root = _read(folder / PACK_FILE)
+    root = read_yaml(folder / PACK_FILE, "a pack's YAML file")
     root.only("format", "id", "version", "title", "licence", "files")
     if root["format"].value != FORMAT:
         raise root["format"].refused(FORMAT)
@@ -75,16 +74,6 @@ def hash_of(path: Path) -> str:
         return sha256(path.read_bytes()).hexdigest()
     except OSError as error:
         raise InputFileError(f"{path}: cannot be read ({error.strerror}), but {PACK_FILE} lists it") from None
-
-
-def _read(path: Path) -> Field:
-    try:
-        return Field(path, "", yaml.safe_load(path.read_text("utf-8")))
-    except OSError as error:
-        raise InputFileError(f"{path}: cannot be read ({error.strerror}); allowed: a pack's YAML file") from None
-    # PyYAML lets a ValueError through for impossible dates, and recurses as deeply as the file nests
-    except (yaml.YAMLError, ValueError, RecursionError) as error:
-        raise InputFileError(f"{path}: is no YAML file ({' '.join(str(error).split())})") from None
 
 
 def _listed(name: str, digest: Field) -> str:

@@ -11,6 +11,7 @@ from typing import Any
 import yaml
 
 from arena_core import ArenaError, InputFileError, Registry, local_path
+from arena_tasks.aligned import aligned
 from arena_tasks.content import content_hash
 from arena_tasks.pack import checked_pack, hash_of
 from arena_tasks.packing import ANYBODY
@@ -22,9 +23,7 @@ HEAD = ("scenario", "problems", "distance", "people", "world", "hash", "what it 
 def table(options: Mapping[str, Traversable], registry: Registry) -> list[str]:
     """Return aligned lines, a head first."""
     reader = _Reader(registry)
-    rows = [HEAD, *(reader.row(name, option) for name, option in options.items())]
-    widths = [max(len(row[k]) for row in rows if len(row) == len(HEAD)) for k in range(len(HEAD))]
-    return ["  ".join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=False)).rstrip() for row in rows]
+    return aligned([HEAD, *(reader.row(name, option) for name, option in options.items())])
 
 
 class _Reader:

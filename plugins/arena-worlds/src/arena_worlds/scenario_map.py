@@ -1,22 +1,24 @@
-"""The map that a scenario of arena-tools names, found again below a folder of maps: its path belongs to another machine."""
+"""The map that a scenario file names; one of arena-tools is looked up below a folder of maps, for its path belongs to another machine."""
 
 from __future__ import annotations
 
 import glob
 import json
+from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 
 from arena_core import ConfigurationError, InputFileError, World, WorldSource
 from arena_worlds.map_yaml import quoted
 from arena_worlds.ros_map import load_map
 
-LARGEST_FILE = 20_000_000  # bytes
+OURS = "arena-scenario"  # the format of files whose map is no stranger
+LARGEST_FILE = 50_000_000  # bytes
 DEEPEST = 4  # folders between that of the maps and a map's own
 INSTEAD = "or give the map by world=ros_map world.path=MAP.yaml"
 
 
 class ScenarioMap(WorldSource):
-    """The same map for every scenario: the ``map_path`` of the file ``scenario``, looked up below ``maps``."""
+    """The same map for every scenario: that which the file ``scenario`` names, looked up below ``maps``."""
 
     def __init__(self, scenario: str | None, maps: str | None, known: bool) -> None:
         if scenario is None:
@@ -32,10 +34,14 @@ class ScenarioMap(WorldSource):
 def find_map(scenario: Path, maps: Path | None) -> Path:
     """Return the map of a scenario: FOLDER/FILE, the end of its map_path, anywhere below ``maps``.
 
-    Where ``maps`` is None, the path as it stands counts first, then the folder maps beside the scenario or beside its folder.
-    Raises InputFileError that says what was looked for and where, or that it is there more than once.
+    Where ``maps`` is None, the path as it stands counts first, then the folder maps beside the scenario or beside its folder. The
+    ``map`` of a file in our own format lies where it says, seen from the file. Raises InputFileError that says what was looked for
+    and where, or that it is there more than once.
     """
-    stated = _map_path(scenario)
+    keys = _keys(scenario)
+    if keys.get("format") == OURS and isinstance(keys.get("map"), str):
+        return scenario.parent / str(keys["map"])
+    stated = _map_path(scenario, keys.get("map_path"))
     if maps is None and Path(stated).is_file():
         return Path(stated)
     folders = [maps] if maps is not None else [scenario.parent / "maps", scenario.resolve().parent.parent / "maps"]
@@ -51,8 +57,7 @@ def find_map(scenario: Path, maps: Path | None) -> Path:
     raise InputFileError(f"{scenario}: map_path: no {wanted} below {places}; allowed: world.maps=FOLDER with such a map, {INSTEAD}")
 
 
-def _map_path(scenario: Path) -> PurePosixPath:
-    """Return the map_path of a scenario file, with a folder and a file name."""
+def _keys(scenario: Path) -> Mapping[str, object]:
     try:
         with scenario.open("rb") as file:
             content = file.read(LARGEST_FILE + 1)
@@ -61,7 +66,11 @@ def _map_path(scenario: Path) -> PurePosixPath:
         raise InputFileError(f"{scenario}: cannot be read ({error.strerror}); allowed: a scenario file of arena-tools") from None
     except (ValueError, RecursionError) as error:
         raise InputFileError(f"{scenario}: is no JSON ({error}); allowed: a scenario file of arena-tools") from None
-    stated = keys.get("map_path") if isinstance(keys, dict) else None
+    return keys if isinstance(keys, dict) else {}
+
+
+def _map_path(scenario: Path, stated: object) -> PurePosixPath:
+    """Return a stated path, which must have a folder and a file name; raise InputFileError."""
     path = PurePosixPath(stated.replace("\\", "/")) if isinstance(stated, str) and "\0" not in stated else PurePosixPath()
     if path.name in ("", "..") or path.parent.name in ("", ".."):
         raise InputFileError(f"{scenario}: map_path is {quoted(stated)}; allowed: the path of a map, FOLDER/FILE.yaml, {INSTEAD}")
