@@ -109,8 +109,8 @@ def _agent(number: int, person: PedestrianSpec) -> dict[str, Any]:
 def _anchor(obstacle: Obstacle) -> NDArray[np.float64]:
     """Return where an obstacle stands: its disc's centre, or the middle of its corners in whole centimetres."""
     if obstacle.radius > 0.0:
-        return obstacle.vertices_xy[0]
-    return np.asarray(np.round(np.mean(obstacle.vertices_xy, axis=0), 2), np.float64)
+        return np.asarray(obstacle.vertices_xy[0])
+    return np.asarray(obstacle.vertices_xy.mean(axis=0).round(2))
 
 
 def _convex_parts(vertices: NDArray[np.float64]) -> list[NDArray[np.float64]]:
