@@ -169,7 +169,8 @@ def test_people_are_drawn_in_the_colour_of_their_type(record_of, straight_line):
     assert people_colours(plain, "red") == ["red"] * 3
     config = {"pedestrians": {"types": {"adult": {"colour": None}, "forklift": {"colour": "black"}}}}
     scenario = {**plain.meta["scenario"], "pedestrian_types": {"4": "adult", "9": "forklift"}}
-    assert people_colours(record_of(straight_line(), meta={"config": config, "scenario": scenario}, **people), "red") == ["red", "red", "black"]
+    typed = record_of(straight_line(), meta={"config": config, "scenario": scenario}, **people)
+    assert people_colours(typed, "red") == ["red", "red", "black"]
 
 
 def test_same_runs_give_the_same_report_byte_for_byte(run_folder, tmp_path):
