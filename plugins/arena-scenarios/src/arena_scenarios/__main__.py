@@ -1,0 +1,48 @@
+"""Draw the pack ``arena``: maps, scenario files, pack.yaml and its Hydra options.
+
+usage: python -m arena_scenarios [FOLDER]      (FOLDER gets packs/ and conf/; without it, those of this package are written anew)
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from arena_core import generator, load_registry
+from arena_scenarios import plans
+from arena_scenarios.problems import write_problems
+from arena_scenarios.situations import DENSITIES, SITUATIONS, draw_spaced
+
+VERSION = "1.0.0"
+TITLE = "What a robot meets among people: seven situations and three halls, each in three densities"
+VARIATIONS = 5  # problems a file
+PLANS = {
+    "ring": plans.ring(20.0, 9.0, 3.0),
+    "promenade": plans.ring(24.0, 13.0, 4.0),
+    "junctions": plans.junctions(),
+    "rooms": plans.rooms(),
+    "corner": plans.corner(),
+    "counter_hall": plans.counter_hall(),
+}
+
+
+def make(folder: Path) -> None:
+    """Write everything below ``folder``."""
+    pack = folder / "packs" / "arena"
+    for name, floor in PLANS.items():
+        floor.save(pack / "maps", name)
+    for situation, (plan, draw) in SITUATIONS.items():
+        for density, number in DENSITIES.items():
+            name = f"{situation}_{density}"
+            title = f"{(draw.__doc__ or '').rstrip('.')} ({density} density)"
+            problems = [draw_spaced(draw, number, generator(variation, name, "pack")) for variation in range(VARIATIONS)]
+            write_problems(pack / "scenarios" / f"{name}.json", title, f"../maps/{plan}.yaml", problems)
+    words = ["--id", "arena", "--version", VERSION, "--title", TITLE, "--licence", "MIT"]
+    command = load_registry().component("command", "scenario").resolve()()
+    command.run(["pack", str(pack), *words, "--conf", str(folder / "conf"), "--address", "pkg://arena_scenarios/packs/arena"])
+
+
+if __name__ == "__main__":
+    if len(sys.argv) > 2:
+        sys.exit(__doc__)
+    make(Path(sys.argv[1]) if len(sys.argv) == 2 else Path(__file__).parent)

@@ -1,0 +1,59 @@
+"""Problems as scenario files state them: people on rounds, and how a file is written."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from arena_core import write_text_whole
+
+Point = tuple[float, float]
+RADIUS = 0.3  # m, of a person (release: random obstacles measure up to 0.3)
+
+
+@dataclass(frozen=True, slots=True)
+class Person:
+    """Somebody who walks the round ``waypoints``, the first one first; none means standing. Metres and m/s."""
+
+    position: Point
+    waypoints: tuple[Point, ...]
+    speed: float
+    behaviour: dict[str, float | str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """A robot's way from ``start`` (heading ``theta`` rad) to ``goal``, and who is there."""
+
+    start: Point
+    goal: Point
+    theta: float
+    people: tuple[Person, ...]
+
+
+def write_problems(path: Path, title: str, map_file: str, problems: Sequence[Problem]) -> None:
+    """Write a scenario file; its problems are called after it, a .. z. One line a person, centimetres."""
+    head = {"format": "arena-scenario", "version": 2, "title": title, "map": map_file}
+    lines = [f'  "{key}": {json.dumps(value)},' for key, value in head.items()]
+    scenarios = [_problem(f"{path.stem}_{chr(ord('a') + number)}", problem) for number, problem in enumerate(problems)]
+    write_text_whole(path, "\n".join(["{", *lines, '  "scenarios": [', ",\n".join(scenarios), "  ]", "}", ""]))
+
+
+def _problem(name: str, problem: Problem) -> str:
+    start = [*_rounded(problem.start), round(problem.theta, 2)]
+    people = ",\n".join(f"        {json.dumps(_person(person))}" for person in problem.people)
+    fields = [f'"name": {json.dumps(name)}', f'"start": {start}', f'"goal": {_rounded(problem.goal)}']
+    return "    {\n" + ",\n".join(f"      {line}" for line in [*fields, f'"pedestrians": [\n{people}\n      ]']) + "\n    }"
+
+
+def _person(person: Person) -> dict[str, Any]:
+    waypoints = [_rounded(waypoint) for waypoint in person.waypoints]
+    entry = {"position": _rounded(person.position), "waypoints": waypoints, "max_speed": round(person.speed, 2), "radius": RADIUS}
+    return {**entry, "behaviour": person.behaviour} if person.behaviour else entry
+
+
+def _rounded(point: Point) -> list[float]:
+    return [round(float(point[0]), 2), round(float(point[1]), 2)]
