@@ -2,6 +2,7 @@
 
 import math
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -112,6 +113,36 @@ def test_turned_boxes_and_cylinders_survive(tmp_path: Path, ending, text, read, 
     assert found.cylinders == pytest.approx(CYLINDERS)
     assert found.size == (size and pytest.approx(size))
     assert found.origin.array() == pytest.approx(given_solids.origin.array())
+
+
+# the children that SDF 1.6 requires of an element, and those that it allows beside them among what is written here
+SPECIFICATION: dict[str, tuple[set[str], set[str]]] = {
+    "sdf": ({"world"}, set()),
+    "world": (set(), {"light", "model"}),
+    "light": ({"diffuse", "specular", "direction"}, {"cast_shadows", "pose"}),
+    "model": ({"link"}, {"static", "pose"}),
+    "link": (set(), {"pose", "collision", "visual"}),
+    "collision": ({"geometry"}, {"pose"}),
+    "visual": ({"geometry"}, {"pose", "material"}),
+    "geometry": (set(), {"box", "cylinder", "plane"}),
+    "box": ({"size"}, set()),
+    "cylinder": ({"radius", "length"}, set()),
+    "plane": ({"normal", "size"}, set()),
+    "material": (set(), {"ambient", "diffuse"}),
+}
+ATTRIBUTES = {"sdf": {"version"}, "light": {"name", "type"}, **{tag: {"name"} for tag in ("world", "model", "link", "collision", "visual")}}
+
+
+def test_a_gazebo_world_has_the_elements_of_the_specification() -> None:
+    root = ElementTree.fromstring(sdf_text(Solids(Pose(1.0, 2.0, 0.5), (9.0, 9.0), BOXES, CYLINDERS), "w", 2.0))
+    for element in root.iter():
+        required, allowed = SPECIFICATION.get(element.tag, (set(), set()))
+        tags = [child.tag for child in element]
+        assert required <= set(tags) <= required | allowed
+        assert set(element.attrib) == ATTRIBUTES.get(element.tag, set())
+        names = [child.get("name") for child in element if "name" in child.attrib]
+        assert len(names) == len(set(names))
+        assert all(tags.count(tag) == 1 for tag in set(tags) - {"model", "collision", "visual"})
 
 
 @given(x=st.floats(-20, 20), y=st.floats(-20, 20), yaw=st.floats(-4, 4), length=st.floats(0.1, 3), width=st.floats(0.1, 3))

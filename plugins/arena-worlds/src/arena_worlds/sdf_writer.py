@@ -9,6 +9,13 @@ from arena_core import Pose
 from arena_worlds.sdf import GROUND
 from arena_worlds.solids import Solids
 
+SUN = {
+    "cast_shadows": "1",
+    "pose": "0 0 10 0 0 0",
+    "diffuse": "0.8 0.8 0.8 1",
+    "specular": "0.2 0.2 0.2 1",
+    "direction": "-0.5 0.1 -0.9",
+}
 GROUND_COLOUR, WALL_COLOUR = "0.8 0.8 0.8 1", "0.45 0.5 0.6 1"
 
 
@@ -32,7 +39,7 @@ def sdf_text(solids: Solids, name: str, height: float) -> str:
 
 def _add_light(world: ElementTree.Element) -> None:
     sun = ElementTree.SubElement(world, "light", type="directional", name="sun")
-    for tag, text in (("cast_shadows", "1"), ("pose", "0 0 10 0 0 0"), ("diffuse", "0.8 0.8 0.8 1"), ("direction", "-0.5 0.1 -0.9")):
+    for tag, text in SUN.items():
         ElementTree.SubElement(sun, tag).text = text
 
 
@@ -59,7 +66,7 @@ def _add_shape(
 ) -> None:
     """Add what can be hit and what is seen, both of the same shape."""
     for use in ("collision", "visual"):
-        element = ElementTree.SubElement(link, use, name=name)
+        element = ElementTree.SubElement(link, use, name=f"{name}_{use}")  # newer versions of SDF want no two siblings of one name
         ElementTree.SubElement(element, "pose").text = _pose_text(*place)
         shape = ElementTree.SubElement(ElementTree.SubElement(element, "geometry"), kind)
         for key, values in measures.items():
