@@ -21,6 +21,11 @@ class GridPool:
     def __init__(self) -> None:
         self._grids: list[PlacedGrid] = []  # in the order of the stack; kept, so that no id is used again
 
+    @property
+    def grids(self) -> Sequence[PlacedGrid]:
+        """Return the grids in the order of the stack."""
+        return self._grids
+
     def place(self, grids: Sequence[PlacedGrid]) -> NDArray[np.int64]:
         """Return where in the stack the grids of N worlds are, (N,), packing those that are not there yet."""
         places = self._places()

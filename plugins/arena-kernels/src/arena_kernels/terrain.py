@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_kernels.grids import PlacedGrid, stack_grids
+from arena_kernels.grids import GridStack, PlacedGrid
 from arena_kernels.ground import layouts_of
+from arena_kernels.pool import GridPool
 from arena_kernels.route_grid import RoomStack, stack_rooms
 from arena_kernels.routes import nodes_for
 
@@ -25,7 +26,8 @@ class Terrain:
     def __init__(self, cell: float) -> None:
         self._cell = cell
         self._grids: list[PlacedGrid] = []
-        self._places: dict[int, int] = {}
+        self._pool = GridPool()
+        self._stack: GridStack | None = None
 
     def replace(self, slots: NDArray[np.int64], grids: Sequence[PlacedGrid], total: int) -> None:
         """Give these slots of ``total`` worlds new grids; worlds that have none yet get the first."""
@@ -33,14 +35,12 @@ class Terrain:
             self._grids = [grids[0]] * total
         for slot, grid in zip(slots, grids, strict=True):
             self._grids[int(slot)] = grid
-        if any(id(grid) not in self._places for grid in grids):
-            self._pack()
-        self.index = np.array([self._places[id(grid)] for grid in self._grids], np.int64)
+        self.index = self._pool.place(self._grids)
+        if self._pool.stack is not self._stack:
+            self._unpack(self._pool.stack)
 
-    def _pack(self) -> None:
-        self._packed = list({id(grid): grid for grid in self._grids}.values())  # kept, so that no id is used again
-        self._places = {id(grid): place for place, grid in enumerate(self._packed)}
-        stack, _ = stack_grids(self._packed)
+    def _unpack(self, stack: GridStack) -> None:
+        self._stack = stack
         self.distance, self.layouts = stack.distance, layouts_of(stack)
-        self.rooms = stack_rooms(self._packed, self._cell)
+        self.rooms = stack_rooms(self._pool.grids, self._cell)
         self.nodes = nodes_for(self.rooms)

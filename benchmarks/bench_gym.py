@@ -1,0 +1,71 @@
+"""Time a step of the vectorised environment, with observation, reward and resets, against bare steps of navground and ir-sim."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib.util import find_spec
+from statistics import median
+from typing import Any
+
+import numpy as np
+from bench_simulator import CALLS, PEERS
+from timing import interleave
+
+from arena_gym.vector_environment import NavigationVectorEnv
+
+WORLDS, STEPS, REPEATS = 64, 150, 7
+GOALS = {"navground ORCA + lidar": 1.1, "ir-sim social force": 1 / 100}
+LIKE_THE_PEERS = [  # 360 beams all round, 10 m
+    "robot.lidar.beams=360",
+    "robot.lidar.angle_min=-3.141592653589793",
+    "robot.lidar.angle_increment=0.017453292519943295",
+    "robot.lidar.range_max=10.0",
+    "task.pedestrians=10",
+]
+EPISODES = [f"environment.worlds={WORLDS}", "environment.problems_per_world=2", "task.time_limit=15.0"]
+
+
+def ours(observation: str, reward: str) -> tuple[Callable[[], None], dict[str, int]]:
+    """Return steps of a Jackal that drives at random in 64 worlds, most of the time forwards, and a count of episodes that ended."""
+    envs = NavigationVectorEnv(WORLDS, robot="jackal", observation=observation, reward=reward, overrides=[*LIKE_THE_PEERS, *EPISODES])
+    envs.batch.parts.pool.fill()
+    envs.reset(seed=0)
+    actions = np.random.default_rng(0).uniform((-1.0, -0.3), (0.0, 0.3), (STEPS, WORLDS, 2)).astype(np.float32)
+    ended = {"episodes": 0}
+
+    def run() -> None:
+        for action in actions:
+            _, _, terminated, truncated, _ = envs.step(action)
+            ended["episodes"] += int((terminated | truncated).sum())
+
+    return run, ended
+
+
+def measure() -> list[dict[str, Any]]:
+    """Return a row for each peer that is installed, and one for each other observation."""
+    (sectors, ended), (beams, _) = ours("rosnav_sectors", "progress"), ours("rosnav", "rule_05")
+    runs = {"sectors": sectors, "beams": beams}
+    for name, (module, make) in PEERS.items():
+        if find_spec(module):
+            runs[name] = make()
+        else:
+            print(f"{module} is not installed: environment not compared with {name}")
+    times = interleave(runs, REPEATS)
+    calls = CALLS | {"sectors": STEPS * WORLDS, "beams": STEPS * WORLDS}
+    ms = {name: 1e3 * median(times[name]) / calls[name] for name in runs}
+    length = STEPS * WORLDS * (REPEATS + 1) / max(ended["episodes"], 1)
+    what = f"step of one of {WORLDS} environments, 360 beams, 10 people, a reset every {length:.0f} steps"
+    rows = [_row(f"{what}, rosnav_sectors, progress", ms["sectors"], name, ms[name]) for name in PEERS if name in ms]
+    return [*rows, _row(f"{what}, rosnav, rule_05", ms["beams"])]
+
+
+def _row(what: str, ours_ms: float, peer: str | None = None, peer_ms: float | None = None) -> dict[str, Any]:
+    ratio = None if peer_ms is None else ours_ms / peer_ms
+    goal = None if peer is None else GOALS[peer]
+    return {"what": what, "ours_ms": ours_ms, "peer": peer, "peer_ms": peer_ms, "ratio": ratio, "goal": goal, "unit": "x peer"}
+
+
+if __name__ == "__main__":
+    for row in measure():
+        print(f"{row['what']}: {1e3 * row['ours_ms']:.1f} us, {1e3 / row['ours_ms']:.0f} steps/s", end="")
+        print("" if row["peer"] is None else f", {row['peer']} {1e3 * row['peer_ms']:.1f} us, ratio {row['ratio']:.4f}")
