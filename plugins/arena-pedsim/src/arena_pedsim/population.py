@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -42,6 +43,7 @@ class Population:
     def settle(self, slot: int, scenario: Scenario, grid: OccupancyGrid, customs: Customs) -> None:
         """Put a scenario's people in a slot, in place of those who were there; raise ImpossibleScenario if somebody starts in a wall."""
         specs = [customs.of(spec) for spec in scenario.pedestrians]
+        _check_starts(specs, scenario, grid)
         self._make_room(len(specs), max((len(spec.waypoints_xy) for spec in specs), default=0))
         crowd, people = self.crowd, len(specs)
         counts, ids, radii, states = crowd.counts.copy(), crowd.ids.copy(), crowd.radii.copy(), crowd.states.copy()
@@ -50,7 +52,6 @@ class Population:
         ids[slot], radii[slot], states[slot] = -1, 0.0, NONE
         positions[slot], velocities[slot] = np.nan, np.nan
         for i, spec in enumerate(specs):
-            _check_start(spec, scenario, grid)
             ids[slot, i], radii[slot, i] = spec.id, spec.radius
             self.people[slot, i] = customs.memory(spec)
             if take_presence(self.people[slot, i], spec, scenario):
@@ -90,10 +91,12 @@ def _widened(array: NDArray[Any], missing: int, value: float, axis: int = 1) -> 
     return np.concatenate((array, np.full(shape, value, array.dtype)), axis=axis)
 
 
-def _check_start(spec: PedestrianSpec, scenario: Scenario, grid: OccupancyGrid) -> None:
-    cell = grid.cells(spec.position_xy)
-    x, y = spec.position_xy
-    if not grid.contains(cell):
-        raise ImpossibleScenario(f"scenario {scenario.name}: person {spec.id} starts at ({x:g}, {y:g}), off the map")
-    if grid.occupied[tuple(cell)]:
-        raise ImpossibleScenario(f"scenario {scenario.name}: person {spec.id} starts at ({x:g}, {y:g}), inside a wall or an obstacle")
+def _check_starts(specs: Sequence[PedestrianSpec], scenario: Scenario, grid: OccupancyGrid) -> None:
+    cells = grid.cells(np.array([spec.position_xy for spec in specs]).reshape(-1, 2))
+    inside = grid.contains(cells)
+    free = inside.copy()
+    free[inside] = ~grid.occupied[tuple(cells[inside].T)]
+    for spec in (specs[i] for i in np.flatnonzero(~free).tolist()):
+        where = "inside a wall or an obstacle" if grid.contains(grid.cells(spec.position_xy)) else "off the map"
+        x, y = spec.position_xy
+        raise ImpossibleScenario(f"scenario {scenario.name}: person {spec.id} starts at ({x:g}, {y:g}), {where}")

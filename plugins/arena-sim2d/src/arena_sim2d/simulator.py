@@ -39,6 +39,8 @@ class Sim2d(Simulator):
     _worlds: Worlds
     _crowd: Crowd
     _ranges: NDArray[np.float32]
+    _gaps: Floats
+    _slots: NDArray[np.int64]
 
     def __init__(self, robot: Robot, pedestrians: PedestrianModel, inner_step: Positive, crowd_period: Positive) -> None:
         self.inner_step = inner_step
@@ -72,7 +74,9 @@ class Sim2d(Simulator):
         self._phase = 0
         self._worlds = no_worlds(self._robot, scenarios, self._pool)
         self._ranges = np.zeros((len(scenarios), self._robot.lidar.beams), np.float32)
-        self._begin(np.arange(len(scenarios)))
+        self._gaps = np.zeros((len(scenarios), 3))
+        self._slots = np.arange(len(scenarios))
+        self._begin(self._slots)
 
     def _reset_some(self, scenarios: Sequence[Scenario], slots: NDArray[np.int64]) -> None:
         if self._phase != 0:
@@ -86,7 +90,8 @@ class Sim2d(Simulator):
         scenarios = [self._scenarios[slot] for slot in slots.tolist()]
         self._crowd = self._pedestrians.reset(slots, scenarios, len(self._scenarios))
         self._worlds = begin(self._worlds, self._scenarios, slots, self._crowd, self._pool, self._edges)
-        check_starts(self._worlds, self._scenarios, slots)
+        measure_gaps(self._worlds, slots, self._gaps)
+        check_starts(self._gaps, self._scenarios, slots)
         scan_slots(self._worlds, self._scanner, self._ranges, slots)
 
     def advance(self, commands: Floats, ticks: int) -> Snapshot:
@@ -104,6 +109,7 @@ class Sim2d(Simulator):
             self._phase = (self._phase + now) % self._crowd_ticks
             left -= now
         self._contacts = [tuple(world) for world in edges]
+        measure_gaps(self._worlds, self._slots, self._gaps)
         return self._snapshot()
 
     def _ask_crowd(self) -> None:
@@ -152,9 +158,7 @@ class Sim2d(Simulator):
     def _snapshot(self) -> Snapshot:
         worlds, step = self._worlds, self.inner_step
         robots = worlds.robots
-        gaps = np.empty((len(robots), 3))
-        measure_gaps(worlds, gaps)
-        clearances = np.maximum(gaps, 0.0)
+        clearances = np.maximum(self._gaps, 0.0)
         return Snapshot(
             stamps=robots["tick"] * step,
             poses=_columns(robots, "x", 3),

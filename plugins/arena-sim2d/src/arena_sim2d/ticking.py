@@ -56,9 +56,9 @@ def scan_slots(worlds: Worlds, device: Scanner, ranges: NDArray[np.float32], slo
 
 
 @borrowing
-def measure_gaps(worlds: Worlds, gaps: Floats) -> None:
-    """Fill ``gaps`` (N, 3) between each robot and walls, obstacles and people, m; negative where they overlap, inf where there are none."""
-    for k in range(len(gaps)):
+def measure_gaps(worlds: Worlds, slots: NDArray[np.int64], gaps: Floats) -> None:
+    """Fill ``gaps`` (N, 3) between the robots in these slots and walls, obstacles and people, m; negative in overlaps, inf without any."""
+    for k in slots:
         world, robot = _world(worlds, k), worlds.robots[k]
         place(world.body, robot.x, robot.y, robot.theta)
         gaps[k, 0] = gap_to_walls(world.walls, world.body, math.inf)[0]

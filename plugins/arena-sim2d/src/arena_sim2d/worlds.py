@@ -14,7 +14,6 @@ from arena_kernels.pool import GridPool
 from arena_sim2d.bodies import CONTACT, OBSTACLE, PERSON, ROBOT, Rows, Worlds
 from arena_sim2d.contact import TOLERANCE
 from arena_sim2d.obstacles import table_obstacles
-from arena_sim2d.ticking import measure_gaps
 
 Slots = NDArray[np.int64]
 
@@ -48,7 +47,8 @@ def begin(worlds: Worlds, scenarios: Sequence[Scenario], slots: Slots, crowd: Cr
     obstacles = _widened(worlds.obstacles, max((len(rows) for rows, _ in tabled), default=0))
     sides = _widened(worlds.sides, max((len(part) for _, part in tabled), default=0))
     people = _table_people(crowd)
-    kept = np.setdiff1d(np.arange(len(people)), slots)
+    kept = np.ones(len(people), np.bool_)
+    kept[slots] = False
     common = min(people.shape[1], worlds.people.shape[1])
     people[kept, :common] = worlds.people[kept, :common]
     for slot, (rows, part) in zip(slots.tolist(), tabled, strict=True):
@@ -100,10 +100,8 @@ def _table_people(crowd: Crowd) -> Rows:
     return table
 
 
-def check_starts(worlds: Worlds, scenarios: Sequence[Scenario], slots: Slots) -> None:
-    """Raise ImpossibleScenario if a robot in these slots starts outside its map or inside something."""
-    gaps = np.empty((len(worlds.robots), 3))
-    measure_gaps(worlds, gaps)
+def check_starts(gaps: NDArray[np.float64], scenarios: Sequence[Scenario], slots: Slots) -> None:
+    """Raise ImpossibleScenario if a robot in these slots starts outside its map or inside something, as its ``gaps`` (N, 3) tell."""
     for slot in slots.tolist():
         scenario = scenarios[slot]
         reasons = [f"overlaps {thing}" for thing, gap in zip(THINGS, gaps[slot].tolist(), strict=True) if gap < -TOLERANCE]
