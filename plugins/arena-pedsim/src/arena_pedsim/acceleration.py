@@ -42,6 +42,8 @@ def sum_forces(
     rear = parameters.social_rear_weight
     for pair in range(found):
         i, j = pairs[pair, 0], pairs[pair, 1]
+        if people[i].companion == j or people[j].companion == i:
+            continue
         dx, dy = positions[j, 0] - positions[i, 0], positions[j, 1] - positions[i, 1]
         dvx, dvy = velocities[i, 0] - velocities[j, 0], velocities[i, 1] - velocities[j, 1]
         fx, fy, ex, ey = social_force(dx, dy, dvx, dvy, radii[i] + radii[j], parameters)
@@ -60,7 +62,7 @@ def sum_forces(
         ax, ay = 0.0, 0.0
         room, gx, gy = clearance_and_gradient(ground, x, y)
         headings[i, 3] = room - radii[i]
-        if feels_forces(states[i]):
+        if feels_forces(states[i], parameters):
             push = person.factor_obstacle * wall_force(headings[i, 3], parameters)
             ax, ay = forces[i, 0] + push * gx, forces[i, 1] + push * gy
             if person.gives_way == 1 and not turns_to_robot(states[i]):
@@ -70,6 +72,8 @@ def sum_forces(
             if states[i] == SHYING_FROM_ROBOT:
                 fx, fy = fear_of_robot(person, x, y, radii[i], robot)
                 ax, ay = ax + fx, ay + fy
+            if person.pushing == 1:
+                ax, ay = ax + person.push_x, ay + person.push_y
         drive = person.factor_desired / parameters.relaxation_time
         forces[i, 0] = ax + drive * (speed * hx - vx)
         forces[i, 1] = ay + drive * (speed * hy - vy)

@@ -17,7 +17,7 @@ from arena_pedsim.people import COME, NOTHING
 from arena_pedsim.reactions import notice_robot, turn_to_robot
 from arena_pedsim.states import APPROACHING_ROBOT, NONE, desired_speed, turns_to_robot
 from arena_pedsim.walking import walk
-from arena_pedsim.wayfinding import follow_way
+from arena_pedsim.wayfinding import SLOWING, follow_way
 
 Floats = NDArray[np.float64]
 
@@ -142,7 +142,9 @@ def _choose_headings(
             hx, hy, to_goal, speed = turn_to_robot(person, state, x, y, radii[i], robot, parameters)
         else:
             state, hx, hy, to_goal = follow_way(person, state, x, y, radii[i], corners[i], ground, dt, parameters)
-            speed = desired_speed(person, state)
+            speed = desired_speed(person, state, parameters)
+            if person.errand == 1:
+                speed = min(speed, to_goal / (SLOWING * parameters.relaxation_time))
         if person.gives_way == 1 and state != APPROACHING_ROBOT:
             hx, hy = detour(ground, x, y, hx, hy, to_goal, radii[i], robot, parameters)
         states[i] = state

@@ -10,11 +10,13 @@ from numpy.typing import NDArray
 
 from arena_core import Crowd, PedestrianModel, Positive, RobotBatch, Scenario, with_obstacles
 from arena_kernels.terrain import Terrain
+from arena_pedsim.behaviour import Behaviour, check_behaviour
 from arena_pedsim.crowd_step import step_crowds
 from arena_pedsim.customs import Customs
 from arena_pedsim.parameters import (
     ForceFactors,
     GivingWay,
+    GroupWalking,
     PersonTypes,
     Reactions,
     SocialInteraction,
@@ -25,7 +27,13 @@ from arena_pedsim.parameters import (
 )
 from arena_pedsim.population import Population
 from arena_pedsim.presence import come_and_go
+from arena_pedsim.society import Society
+from arena_pedsim.state_step import step_states
+from arena_pedsim.state_table import state_table
 from arena_pedsim.trips import grant_wishes
+
+Floats = NDArray[np.float64]
+Ticks = NDArray[np.int64]
 
 
 class SocialForceModel(PedestrianModel):
@@ -47,13 +55,17 @@ class SocialForceModel(PedestrianModel):
         reactions: Reactions,
         types: PersonTypes,
         spawning: Spawning,
+        groups: GroupWalking,
+        behaviour: Behaviour,
     ) -> None:
         self._customs = Customs(reaction, factors, reactions, types)
         self._cell = wayfinding.cell
-        self._parameters = parameter_record(
-            relaxation_time, longest_step, social=social, walls=walls, wayfinding=wayfinding, giving_way=giving_way, spawning=spawning
-        )
+        self._table = state_table()
+        named = {"social": social, "walls": walls, "wayfinding": wayfinding, "giving_way": giving_way, "spawning": spawning, "groups": groups}
+        self._parameters = parameter_record(relaxation_time, longest_step, self._table.states, **named)
+        self._behaviour = behaviour
         self._population = Population(0)
+        self._society = Society(0, behaviour)
         self._terrain = Terrain(self._cell)
 
     def reset(self, slots: NDArray[np.int64], scenarios: Sequence[Scenario], total: int) -> Crowd:
@@ -63,18 +75,27 @@ class SocialForceModel(PedestrianModel):
         """
         if total != len(self._population):
             self._population = Population(total)
+            self._society = Society(total, self._behaviour)
             self._terrain = Terrain(self._cell)
         grids = [with_obstacles(scenario.world.grid, scenario.obstacles) for scenario in scenarios]
         self._terrain.replace(slots, grids, total)
         for slot, scenario, grid in zip(slots, scenarios, grids, strict=True):
+            for spec in scenario.pedestrians:
+                check_behaviour(spec)
             self._population.settle(int(slot), scenario, grid, self._customs)
+            self._society.settle(int(slot), scenario, self._population.crowd, self._population.people[slot])
         self._grant_wishes(self._population.crowd)
         return self._population.crowd
 
-    def step(self, crowd: Crowd, robots: RobotBatch, ticks: NDArray[np.int64], dt: float) -> Crowd:
-        """Return the crowd ``dt`` seconds later; people who ignore robots are the same whatever ``robots`` do, unless they come or go."""
+    def step(self, crowd: Crowd, robots: RobotBatch, ticks: Ticks, dt: float) -> Crowd:
+        """Return the crowd ``dt`` seconds later.
+
+        People who ignore robots are the same whatever ``robots`` do, unless they come or go, or wait for a robot, or want a guide.
+        """
         population, terrain = self._population, self._terrain
         positions, velocities, states = crowd.positions.copy(), crowd.velocities.copy(), crowd.states.copy()
+        if self._society.lively:
+            self._change_states(crowd, positions, velocities, states, robots, ticks, dt)
         wishes = step_crowds(
             crowd.counts,
             positions,
@@ -97,6 +118,31 @@ class SocialForceModel(PedestrianModel):
             self._let_come_and_go(population.crowd, robots)
             self._grant_wishes(population.crowd)
         return population.crowd
+
+    def _change_states(
+        self, crowd: Crowd, positions: Floats, velocities: Floats, states: NDArray[np.int8], robots: RobotBatch, ticks: Ticks, dt: float
+    ) -> None:
+        terrain, society, table = self._terrain, self._society, self._table
+        step_states(
+            crowd.counts,
+            positions,
+            velocities,
+            crowd.radii,
+            states,
+            self._population.people,
+            society.minds,
+            society.worlds,
+            robots.poses,
+            ticks,
+            float(dt),
+            terrain.index,
+            terrain.distance,
+            terrain.layouts,
+            table.states,
+            table.transitions,
+            table.numbers,
+            self._parameters,
+        )
 
     def _let_come_and_go(self, crowd: Crowd, robots: RobotBatch) -> None:
         terrain = self._terrain

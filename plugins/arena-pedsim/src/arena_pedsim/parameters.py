@@ -130,14 +130,32 @@ class Spawning:
     pause: NonNegative
 
 
+@dataclass(frozen=True, slots=True)
+class GroupWalking:
+    """The forces of Moussaid et al. 2010 between people who walk together; ``vision`` rad to each side, ``distance`` m."""
+
+    gaze: NonNegative
+    coherence: NonNegative
+    repulsion: NonNegative
+    vision: NonNegative
+    distance: NonNegative
+
+
 CODES = {"exponential": 0, "inverse": 1, "straight": 0, "around_walls": 1}
 
 
-def parameter_record(relaxation_time: float, longest_step: float, **groups: Any) -> NDArray[np.void]:
-    """Flatten the groups to one record (shape (1,)) with fields such as ``social_gamma``; words become their CODES."""
+def parameter_record(relaxation_time: float, longest_step: float, states: NDArray[np.void], **groups: Any) -> NDArray[np.void]:
+    """Flatten the groups to one record (shape (1,)) with fields such as ``social_gamma``; words become their CODES.
+
+    Of the table of ``states`` it holds what every step needs: ``state_pace``, the share of the state's greatest speed, ``state_pushed``
+    and ``state_startled``.
+    """
     values: dict[str, Any] = {"relaxation_time": relaxation_time, "longest_step": longest_step}
     for name, group in groups.items():
         values.update({f"{name}_{field.name}": getattr(group, field.name) for field in fields(group)})
-    row = tuple(CODES[value] if isinstance(value, str) else value for value in values.values())
-    dtype = [(key, np.int64 if isinstance(value, str) else np.float64) for key, value in values.items()]
-    return np.array([row], dtype=dtype)
+    dtype: list[Any] = [(key, np.int64 if isinstance(value, str) else np.float64) for key, value in values.items()]
+    row = [CODES[value] if isinstance(value, str) else value for value in values.values()]
+    pace = np.where(states["goal"] == 0, 0.0, np.minimum(states["speed"], 1.0))
+    per_state = {"state_pace": pace, "state_pushed": states["pushed"], "state_startled": states["startled"]}
+    dtype += [(key, np.float64, (len(states),)) for key in per_state]
+    return np.array([(*row, *per_state.values())], dtype=dtype)

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from arena_core import ConfigurationError, PedestrianSpec
+from arena_core import PedestrianSpec
 from arena_pedsim.parameters import ForceFactors
 
 NOTHING, NEXT_WAYPOINT, NEW_ROUTE = 0, 1, 2  # what a person wishes of the route planner
@@ -16,7 +14,7 @@ MAX_CORNERS = 24  # of one route; a longer one is planned again on arrival at th
 
 PERSON = np.dtype(
     [
-        ("max_speed", np.float64),
+        ("max_speed", np.float64),  # m/s, of the present state
         ("factor_desired", np.float64),
         ("factor_social", np.float64),
         ("factor_obstacle", np.float64),
@@ -27,12 +25,22 @@ PERSON = np.dtype(
         ("stuck_clock", np.float64),  # s since the person was at (anchor_x, anchor_y)
         ("anchor_x", np.float64),
         ("anchor_y", np.float64),
+        ("share", np.float64),  # of the repulsions of others that this person feels
+        ("errand_x", np.float64),  # where to, if ``errand`` is 1, instead of the waypoint
+        ("errand_y", np.float64),
+        ("push_x", np.float64),  # m/s^2, by the own group, if ``pushing`` is 1
+        ("push_y", np.float64),
         ("waypoint", np.int32),  # index of the present waypoint
         ("waypoints", np.int32),  # number of them
         ("corner", np.int32),  # index of the next corner of the route; ``corners`` of them, then comes the goal
         ("corners", np.int32),
         ("wish", np.int32),
         ("lost", np.int32),  # 1: there is no way to the waypoint, so the person walks straight at it
+        ("waypoint_mode", np.int32),  # 0: in a loop, 1: at random
+        ("legs", np.int32),  # number of waypoints walked to so far
+        ("errand", np.int32),
+        ("pushing", np.int32),
+        ("companion", np.int32),  # place in the list of the person who does not push this one, or -1
         ("gives_way", np.int32),  # 1: sees the robot at all
         ("reaction_state", np.int32),  # in which the person reacts to the robot, NONE when it does no more than give way
         ("mass", np.float64),
@@ -52,14 +60,14 @@ PERSON = np.dtype(
         ("absence", np.float64),  # s until the person may come
         ("respawn", np.int32),  # whether and where who has ended the round comes back
         ("draws", np.int32),  # places drawn so far
-        ("key", np.uint64),  # of these draws
+        ("key", np.uint64),  # of these draws, and of those of waypoints
     ],
     align=True,
 )
 
 
 def remember(spec: PedestrianSpec, factors: ForceFactors) -> np.void:
-    """Return the memory of somebody who is about to start; raise ConfigurationError for an impossible force factor."""
+    """Return the memory of somebody who is about to start."""
     person: np.void = np.zeros(1, PERSON)[0]
     person["max_speed"] = spec.max_speed
     share = 1.0 if factors.reference_speed is None else spec.max_speed / factors.reference_speed
@@ -70,17 +78,11 @@ def remember(spec: PedestrianSpec, factors: ForceFactors) -> np.void:
     for place in ("goal", "anchor", "start"):
         person[f"{place}_x"], person[f"{place}_y"] = spec.position_xy
     person["waypoints"] = len(spec.waypoints_xy)
-    person["waypoint"] = -1
+    person["waypoint"], person["companion"], person["share"] = -1, -1, share
+    person["waypoint_mode"] = spec.behaviour.get("waypoint_mode", 0)
     person["wish"] = NEXT_WAYPOINT if len(spec.waypoints_xy) else NOTHING
     return person
 
 
 def _factor(spec: PedestrianSpec, key: str, default: float) -> float:
-    value: Any = spec.behaviour.get(key, default)
-    try:
-        factor = float(value)
-    except (TypeError, ValueError):
-        factor = np.nan
-    if not (np.isfinite(factor) and factor >= 0.0):
-        raise ConfigurationError(f"person {spec.id}: {key} is {value!r}; allowed: a number >= 0")
-    return factor
+    return float(spec.behaviour.get(key, default))

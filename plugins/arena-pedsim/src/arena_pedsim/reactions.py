@@ -66,7 +66,7 @@ def notice_robot(person: Any, state: int, x: float, y: float, ground: Ground, ro
         person.sees_robot = 1 if _sees(x, y, person.sight, ground, robot) else 0
     if state != person.reaction_state:
         person.pause_left -= dt
-        begins = person.sees_robot == 1 and person.pause_left <= 0.0 and is_open_to_robot(state)
+        begins = person.sees_robot == 1 and person.pause_left <= 0.0 and is_open_to_robot(state, parameters)
         return person.reaction_state if begins else state
     person.interest_left -= dt
     if person.interest_left <= 0.0:

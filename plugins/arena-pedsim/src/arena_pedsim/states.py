@@ -1,7 +1,4 @@
-"""What people are doing, and how that changes their desired speed and the forces on them.
-
-Every kernel asks this module and none compares states itself, so a further state is a constant and a line in each function here.
-"""
+"""What the crowd's kernels ask of a state; all else about states is in ``states.yaml``."""
 
 from __future__ import annotations
 
@@ -9,7 +6,7 @@ from typing import Any
 
 from arena_kernels.compiled import compiled
 
-NONE = 0  # an empty slot
+NONE = 0  # an empty slot, or somebody who is not there
 STANDING = 1  # has no waypoint, or has arrived at its only one
 WALKING = 2
 APPROACHING_ROBOT = 24  # curious: goes to the robot, and stays with it
@@ -18,26 +15,24 @@ BLOCKING_ROBOT = 26  # threatening: goes and stands in front of the robot
 
 
 @compiled
-def desired_speed(person: Any, state: int) -> float:
+def desired_speed(person: Any, state: int, parameters: Any) -> float:
     """Return how fast somebody in this state wants to go along the own way, m/s."""
-    speed = 0.0
-    if state == WALKING:
-        speed = person.max_speed
-    elif state == SHYING_FROM_ROBOT:
-        speed = person.pace
+    speed: float = person.pace if state == SHYING_FROM_ROBOT else parameters.state_pace[state] * person.max_speed
     return speed
 
 
 @compiled
-def feels_forces(state: int) -> bool:
+def feels_forces(state: int, parameters: Any) -> bool:
     """Tell whether people and walls at a distance push somebody in this state; who stands holds the place, and is moved by contact only."""
-    return state == WALKING or state >= APPROACHING_ROBOT
+    pushed: bool = parameters.state_pushed[state] == 1.0
+    return pushed
 
 
 @compiled
-def seeks_waypoint(state: int) -> bool:
-    """Tell whether somebody in this state is on the way to a waypoint."""
-    return state in (WALKING, SHYING_FROM_ROBOT)
+def goes_somewhere(state: int, parameters: Any) -> bool:
+    """Tell whether somebody in this state is on the way to a waypoint, or to another place."""
+    moves: bool = parameters.state_pace[state] > 0.0
+    return moves
 
 
 @compiled
@@ -47,6 +42,7 @@ def turns_to_robot(state: int) -> bool:
 
 
 @compiled
-def is_open_to_robot(state: int) -> bool:
+def is_open_to_robot(state: int, parameters: Any) -> bool:
     """Tell whether somebody in this state may begin to react to the robot."""
-    return state in (STANDING, WALKING)
+    startled: bool = parameters.state_startled[state] == 1.0
+    return startled

@@ -9,12 +9,15 @@ from numpy.typing import NDArray
 
 from arena_kernels.compiled import compiled
 from arena_kernels.ground import Ground, clearance, ground_of
+from arena_kernels.random import uniform
 from arena_kernels.route_grid import Rooms, rooms_of
 from arena_kernels.routes import find_corners, nearest_room
 from arena_kernels.sliding import SIGHT, is_visible
 from arena_pedsim.people import NEW_ROUTE, NEXT_WAYPOINT, NOTHING
 
 Floats = NDArray[np.float64]
+
+WAYPOINTS = 1 << 32  # first of the random numbers of a stream that waypoints are drawn by
 
 
 @compiled
@@ -47,10 +50,13 @@ def grant_wishes(
                 continue
             x, y, radius, next_leg = positions[world, i, 0], positions[world, i, 1], radii[world, i], person.wish == NEXT_WAYPOINT
             if next_leg:
-                person.waypoint = (person.waypoint + 1) % person.waypoints
+                person.waypoint = _next_waypoint(person, i)
                 person.anchor_x, person.anchor_y, person.stuck_clock = x, y, 0.0
             person.wish, person.look_clock = NOTHING, 0.0
-            person.goal_x, person.goal_y = waypoints[world, i, person.waypoint, 0], waypoints[world, i, person.waypoint, 1]
+            if person.errand == 1:
+                person.goal_x, person.goal_y = person.errand_x, person.errand_y
+            else:
+                person.goal_x, person.goal_y = waypoints[world, i, person.waypoint, 0], waypoints[world, i, person.waypoint, 1]
             person.corner, person.corners, person.lost = 0, 0, 0
             if parameters[0].wayfinding_routing == 0 or _sees_goal(person, x, y, radius, ground, world_rooms):
                 continue
@@ -63,6 +69,18 @@ def grant_wishes(
             if next_leg:
                 leg_corners[world, i, person.waypoint] = person.corners
                 _copy(corners[world, i], leg, person.corners)
+
+
+@compiled
+def _next_waypoint(person: Any, i: int) -> int:
+    """Return the next in the loop, or one at random that is not the present one."""
+    legs = person.legs
+    person.legs += 1
+    if person.waypoint_mode == 0 or person.waypoints == 1:
+        return (person.waypoint + 1) % person.waypoints  # type: ignore[no-any-return]
+    others = person.waypoints - (person.waypoint >= 0)
+    ahead = 1 + int(uniform(person.key, legs, WAYPOINTS + i) * others)
+    return (person.waypoint + ahead) % person.waypoints  # type: ignore[no-any-return]
 
 
 @compiled

@@ -12,9 +12,10 @@ from arena_kernels.compiled import compiled
 from arena_kernels.ground import Ground
 from arena_kernels.sliding import LOSING_SIGHT, SIGHT, is_visible
 from arena_pedsim.people import LEAVE, NEVER, NEW_ROUTE, NEXT_WAYPOINT, NOTHING
-from arena_pedsim.states import SHYING_FROM_ROBOT, STANDING, WALKING, desired_speed, seeks_waypoint
+from arena_pedsim.states import SHYING_FROM_ROBOT, STANDING, WALKING, desired_speed, goes_somewhere
 
 AT_CORNER = 0.05  # m, a corner this near gives no direction
+SLOWING = 2.0  # relaxation times in which who goes to stand somewhere would be there: hardly overshoots
 LEAVING = 2.0  # who stands at the only waypoint walks back when this many waypoint radii away
 
 
@@ -23,17 +24,20 @@ def follow_way(
     person: Any, state: int, x: float, y: float, radius: float, corners: NDArray[np.float64], ground: Ground, dt: float, parameters: Any
 ) -> tuple[int, float, float, float]:
     """Return the state, the unit vector to walk along and the distance to the goal (inf when a corner comes first); note wishes."""
-    if not seeks_waypoint(state):
+    if not goes_somewhere(state, parameters):
         return _called_back(person, state, x, y, parameters), 0.0, 0.0, 0.0
+    if person.errand == 1:  # the place may move
+        person.goal_x, person.goal_y = person.errand_x, person.errand_y
     to_goal = sqrt((person.goal_x - x) ** 2 + (person.goal_y - y) ** 2)
-    if person.corner >= person.corners and to_goal < parameters.wayfinding_waypoint_radius:
-        if person.respawn != NEVER and person.waypoint == person.waypoints - 1:
-            person.wish = LEAVE
-            return state, 0.0, 0.0, 0.0
-        if person.waypoints == 1:
-            return (state if state == SHYING_FROM_ROBOT else STANDING), 0.0, 0.0, 0.0
-        person.wish = NEXT_WAYPOINT
-    _notice_stuck(person, state, x, y, dt, parameters)
+    if person.errand == 0:
+        if person.corner >= person.corners and to_goal < parameters.wayfinding_waypoint_radius:
+            if person.respawn != NEVER and person.waypoint == person.waypoints - 1:
+                person.wish = LEAVE
+                return state, 0.0, 0.0, 0.0
+            if person.waypoints == 1:
+                return (state if state == SHYING_FROM_ROBOT else STANDING), 0.0, 0.0, 0.0
+            person.wish = NEXT_WAYPOINT
+        _notice_stuck(person, state, x, y, dt, parameters)
     person.look_clock += dt
     if person.look_clock >= parameters.wayfinding_look_period:
         person.look_clock = 0.0
@@ -69,7 +73,7 @@ def _notice_stuck(person: Any, state: int, x: float, y: float, dt: float, parame
     if person.stuck_clock < parameters.wayfinding_stuck_period:
         return
     progress = sqrt((person.anchor_x - x) ** 2 + (person.anchor_y - y) ** 2)
-    if progress < parameters.wayfinding_stuck_speed * desired_speed(person, state) * person.stuck_clock and person.wish != LEAVE:
+    if progress < parameters.wayfinding_stuck_speed * desired_speed(person, state, parameters) * person.stuck_clock and person.wish != LEAVE:
         person.wish = NEXT_WAYPOINT
     person.anchor_x, person.anchor_y, person.stuck_clock = x, y, 0.0
 

@@ -1,0 +1,111 @@
+"""Where people go who do not follow waypoints of their own: into a circle, beside or near somebody, after a group, into a queue."""
+
+from __future__ import annotations
+
+from math import cos, pi, sin, sqrt
+
+import numpy as np
+
+from arena_kernels.compiled import compiled
+from arena_pedsim.minds import NOBODY, ROBOT
+from arena_pedsim.needs import BESIDE, QUEUE_GOAL
+from arena_pedsim.people import NEW_ROUTE, NOTHING
+from arena_pedsim.scene import Scene
+from arena_pedsim.state_table import GOALS
+
+NO_GOAL, WAYPOINT, CIRCLE = (GOALS.index(name) for name in ("none", "waypoint", "circle"))
+NEAR, ROBOT_GOAL, GROUP = (GOALS.index(name) for name in ("near", "robot_goal", "group"))
+STILL = 0.1  # share of the own speed; who is slower walks in no direction
+
+
+@compiled
+def set_errands(scene: Scene) -> None:
+    """Write where everybody goes; members of groups are sent elsewhere."""
+    _count_company(scene)
+    for i in range(len(scene.states)):
+        state, partner = scene.table[scene.states[i]], scene.minds[i].partner
+        if state.goal == WAYPOINT:
+            drop_errand(scene, i)
+        elif state.goal == CIRCLE:
+            _join_circle(scene, i, i if partner == NOBODY else partner)
+        elif state.goal == BESIDE:
+            _walk_beside(scene, i, partner, state.keep)
+        elif state.goal == NEAR and partner == ROBOT:
+            _keep_from(scene, i, scene.robot_x, scene.robot_y, state.keep)
+        elif state.goal == NEAR:
+            _keep_from(scene, i, scene.positions[partner, 0], scene.positions[partner, 1], state.keep)
+        elif state.goal == ROBOT_GOAL:
+            send(scene, i, scene.world.goal_x, scene.world.goal_y)
+        elif state.goal == QUEUE_GOAL:
+            _stand_in_line(scene, i)
+
+
+@compiled
+def send(scene: Scene, i: int, x: float, y: float) -> None:
+    """Let somebody go to (x, y), by a route if that is not in sight."""
+    person = scene.people[i]
+    person.errand_x, person.errand_y = x, y
+    if person.errand == 0:
+        person.errand, person.corner, person.corners, person.lost = 1, 0, 0, 0
+        person.look_clock = np.inf
+        person.wish = NOTHING
+
+
+@compiled
+def drop_errand(scene: Scene, i: int) -> None:
+    """Let somebody go on with the own waypoints."""
+    person = scene.people[i]
+    if person.errand == 1:
+        person.errand = 0
+        if person.wish == NOTHING and person.waypoints > 0:
+            person.wish = NEW_ROUTE
+
+
+@compiled
+def _count_company(scene: Scene) -> None:
+    """Count who stands in each circle: a story's teller in the middle does not."""
+    for i in range(len(scene.states)):
+        scene.minds[i].company = 0
+    for i in range(len(scene.states)):
+        if scene.table[scene.states[i]].goal == CIRCLE:
+            partner = scene.minds[i].partner
+            scene.minds[i if partner == NOBODY else partner].company += 1
+
+
+@compiled
+def _join_circle(scene: Scene, i: int, host: int) -> None:
+    """Send somebody to the nearest place of the circle around where the host began to talk."""
+    mind, numbers = scene.minds[host], scene.numbers
+    radius = max(mind.company * numbers.circle_spacing / (2.0 * pi), numbers.circle_least)
+    _keep_from(scene, i, mind.centre_x, mind.centre_y, radius)
+
+
+@compiled
+def _keep_from(scene: Scene, i: int, x: float, y: float, distance: float) -> None:
+    """Send somebody to the nearest place at this distance from (x, y)."""
+    dx, dy = scene.positions[i, 0] - x, scene.positions[i, 1] - y
+    away = sqrt(dx * dx + dy * dy)
+    ux, uy = (dx / away, dy / away) if away > 1e-6 else (cos(float(i)), sin(float(i)))
+    send(scene, i, x + distance * ux, y + distance * uy)
+
+
+@compiled
+def _walk_beside(scene: Scene, i: int, partner: int, distance: float) -> None:
+    """Send somebody to the partner's side, the one where he or she is; near a partner who stands."""
+    x, y = scene.positions[partner, 0], scene.positions[partner, 1]
+    vx, vy = scene.velocities[partner, 0], scene.velocities[partner, 1]
+    speed = sqrt(vx * vx + vy * vy)
+    if speed < STILL * scene.minds[partner].own_speed:
+        _keep_from(scene, i, x, y, distance)
+        return
+    aside = vx * (scene.positions[i, 1] - y) - vy * (scene.positions[i, 0] - x)  # > 0: on the left
+    side = distance / speed if aside >= 0.0 else -distance / speed
+    send(scene, i, x - side * vy, y + side * vx)
+
+
+@compiled
+def _stand_in_line(scene: Scene, i: int) -> None:
+    """Send somebody to the own place in the queue."""
+    mind = scene.minds[i]
+    behind = scene.numbers.queue_spacing * mind.place
+    send(scene, i, mind.centre_x - behind * cos(mind.queue_heading), mind.centre_y - behind * sin(mind.queue_heading))
