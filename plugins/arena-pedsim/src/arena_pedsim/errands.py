@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import cos, pi, sin, sqrt
+from math import atan2, cos, pi, sin, sqrt
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from arena_pedsim.needs import BESIDE, QUEUE_GOAL
 from arena_pedsim.people import NEW_ROUTE, NOTHING
 from arena_pedsim.scene import Scene
 from arena_pedsim.state_table import GOALS
+from arena_pedsim.wayfinding import SLOWING
 
 NO_GOAL, WAYPOINT, CIRCLE = (GOALS.index(name) for name in ("none", "waypoint", "circle"))
 NEAR, ROBOT_GOAL, GROUP = (GOALS.index(name) for name in ("near", "robot_goal", "group"))
@@ -74,10 +75,17 @@ def _count_company(scene: Scene) -> None:
 
 @compiled
 def _join_circle(scene: Scene, i: int, host: int) -> None:
-    """Send somebody to the nearest place of the circle around where the host began to talk."""
+    """Send somebody to the circle around where the host began to talk, half-way between the neighbours."""
     mind, numbers = scene.minds[host], scene.numbers
     radius = max(mind.company * numbers.circle_spacing / (2.0 * pi), numbers.circle_least)
-    _keep_from(scene, i, mind.centre_x, mind.centre_y, radius)
+    angle = atan2(scene.positions[i, 1] - mind.centre_y, scene.positions[i, 0] - mind.centre_x)
+    left, right = 2.0 * pi, 2.0 * pi
+    for j in range(len(scene.states)):
+        if j != i and scene.table[scene.states[j]].goal == CIRCLE and (j == host or scene.minds[j].partner == host):
+            turn = atan2(scene.positions[j, 1] - mind.centre_y, scene.positions[j, 0] - mind.centre_x) - angle
+            left, right = min(left, turn % (2.0 * pi)), min(right, -turn % (2.0 * pi))
+    angle += 0.5 * (left - right)
+    send(scene, i, mind.centre_x + radius * cos(angle), mind.centre_y + radius * sin(angle))
 
 
 @compiled
@@ -100,7 +108,8 @@ def _walk_beside(scene: Scene, i: int, partner: int, distance: float) -> None:
         return
     aside = vx * (scene.positions[i, 1] - y) - vy * (scene.positions[i, 0] - x)  # > 0: on the left
     side = distance / speed if aside >= 0.0 else -distance / speed
-    send(scene, i, x - side * vy, y + side * vx)
+    lead = SLOWING * scene.parameters.relaxation_time
+    send(scene, i, x - side * vy + lead * vx, y + side * vx + lead * vy)
 
 
 @compiled

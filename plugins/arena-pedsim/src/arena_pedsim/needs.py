@@ -60,7 +60,7 @@ def partner_for(scene: Scene, i: int, row: Any) -> int:
     if needs == NOTHING:
         return NOBODY
     if needs == OVER:
-        return NOBODY if mind.clock >= mind.duration else NOT_MET
+        return NOBODY if mind.clock >= mind.duration - 1e-9 else NOT_MET
     if needs == LISTENER:
         return _listener(scene, i, mind.traits[TALKING_DISTANCE])
     if needs == COMPANY:
