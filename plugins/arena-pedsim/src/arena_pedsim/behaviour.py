@@ -8,6 +8,7 @@ from math import isfinite
 from typing import Any, Literal
 
 from arena_core import ConfigurationError, Fraction, NonNegative, PedestrianSpec
+from arena_pedsim.person_types import type_name
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,8 +46,6 @@ OWN = ("wait_time", "trigger_zone_radius")  # nobody's but a person's; 0 when no
 TRAITS = (*SHARED, *OWN)  # the columns of a person's traits
 CHANCES = tuple(name for name in TRAITS if name.endswith("_probability"))
 WAYS = {0: "in a loop", 1: "at random"}
-SERVICE_ROBOTS = ("service_robot", "servicerobot")
-TYPES = ("adult", "child", "elder", "forklift", "vehicle", *SERVICE_ROBOTS)
 START_UPS = ("default", "wait_timer", "trigger_zone")
 
 Check = tuple[Callable[[Any], bool], str]
@@ -63,12 +62,13 @@ def _one_of(*choices: object) -> Check:
 NOT_NEGATIVE: Check = (lambda value: _number(value) and value >= 0.0, "a number >= 0")
 CHANCE: Check = (lambda value: _number(value) and 0.0 <= value <= 1.0, "a number 0 .. 1")
 INDEX: Check = (lambda value: _number(value) and value >= 0 and value == int(value), "a whole number >= 0")
+ELSEWHERE: Check = (lambda value: True, "")
 NAME: Check = (lambda value: _number(value) or isinstance(value, str), "a number or a name")
 
 KEYS: dict[str, Check] = {
     **{name: CHANCE if name in CHANCES else NOT_NEGATIVE for name in TRAITS},
     **{f"force_factor_{name}": NOT_NEGATIVE for name in ("desired", "social", "obstacle", "robot")},
-    "type": _one_of(*TYPES),
+    **dict.fromkeys(("type", "reaction", "spawn_time", "respawn"), ELSEWHERE),
     "start_up_mode": _one_of(*START_UPS),
     "waypoint_mode": _one_of(*WAYS),
     "group": NAME,
@@ -88,17 +88,17 @@ def check_behaviour(spec: PedestrianSpec) -> None:
             raise ConfigurationError(f"person {spec.id}: {key} is {value!r}; allowed: {allowed}")
 
 
-def traits_of(spec: PedestrianSpec, defaults: Behaviour) -> tuple[float, ...]:
-    """Return a person's TRAITS; a service robot has no chances."""
+def traits_of(spec: PedestrianSpec, defaults: Behaviour, sociable: bool) -> tuple[float, ...]:
+    """Return a person's TRAITS; without chances where the type is not ``sociable``."""
     own: Mapping[str, float | str] = spec.behaviour
     if defaults.scenario_chances == "ignore":
         own = {key: value for key, value in own.items() if key not in SHARED}
     values = {name: float(own.get(name, getattr(defaults, name, 0.0))) for name in TRAITS}
-    if serves(spec):
+    if not sociable:
         values.update(dict.fromkeys(CHANCES, 0.0))
     return tuple(values.values())
 
 
 def serves(spec: PedestrianSpec) -> bool:
     """Tell whether somebody is a service robot."""
-    return spec.behaviour.get("type") in SERVICE_ROBOTS
+    return type_name(spec) == "service_robot"

@@ -13,7 +13,7 @@ import numpy as np
 from arena_kernels.compiled import compiled
 from arena_pedsim.errands import GROUP, WAYPOINT, drop_errand, send
 from arena_pedsim.minds import NOBODY
-from arena_pedsim.people import NEXT_WAYPOINT
+from arena_pedsim.people import NEVER, NEXT_WAYPOINT
 from arena_pedsim.scene import Ints, Scene, gap_between
 
 
@@ -57,7 +57,8 @@ def _lead(scene: Scene, leader: int, following: Ints) -> None:
             person.waypoint = head.waypoint
         send(scene, member, head.goal_x, head.goal_y)
         dx, dy = head.goal_x - scene.positions[member, 0], head.goal_y - scene.positions[member, 1]
-        if head.waypoints > 1 and dx * dx + dy * dy < scene.parameters.wayfinding_waypoint_radius**2:
+        ends = head.respawn != NEVER and head.waypoint == head.waypoints - 1  # who leaves must get there
+        if head.waypoints > 1 and not ends and dx * dx + dy * dy < scene.parameters.wayfinding_waypoint_radius**2:
             head.wish = NEXT_WAYPOINT
         member = following[member]
 

@@ -61,7 +61,14 @@ class SocialForceModel(PedestrianModel):
         self._customs = Customs(reaction, factors, reactions, types)
         self._cell = wayfinding.cell
         self._table = state_table()
-        named = {"social": social, "walls": walls, "wayfinding": wayfinding, "giving_way": giving_way, "spawning": spawning, "groups": groups}
+        named = {
+            "social": social,
+            "walls": walls,
+            "wayfinding": wayfinding,
+            "giving_way": giving_way,
+            "spawning": spawning,
+            "groups": groups,
+        }
         self._parameters = parameter_record(relaxation_time, longest_step, self._table.states, **named)
         self._behaviour = behaviour
         self._population = Population(0)

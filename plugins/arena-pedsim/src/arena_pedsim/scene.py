@@ -59,7 +59,7 @@ def robot_gap(scene: Scene, i: int) -> float:
 @compiled
 def can_join(scene: Scene, i: int, j: int, reach: float) -> bool:
     """Tell whether ``j`` is free for a talk, within ``reach`` m of ``i`` and in sight."""
-    if i == j or scene.table[scene.states[j]].free == 0 or scene.minds[j].serves == 1 or not gap_between(scene, i, j) < reach:
+    if i == j or scene.table[scene.states[j]].free == 0 or scene.people[j].sociable == 0 or not gap_between(scene, i, j) < reach:
         return False
     x, y = scene.positions[i, 0], scene.positions[i, 1]
     return is_visible(scene.ground, x, y, scene.positions[j, 0], scene.positions[j, 1], SIGHT_LINE)

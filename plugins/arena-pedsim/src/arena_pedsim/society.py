@@ -12,7 +12,7 @@ from arena_core import Crowd, PedestrianSpec, Scenario, stream_key
 from arena_pedsim.behaviour import CHANCES, TRAITS, Behaviour, serves, traits_of
 from arena_pedsim.minds import MIND, NOBODY, WORLD
 from arena_pedsim.state_table import state_table
-from arena_pedsim.states import STANDING, WALKING
+from arena_pedsim.states import NONE, STANDING, WALKING
 
 START_UPS = {"wait_timer": "waiting_for_timer", "trigger_zone": "waiting_for_trigger"}
 
@@ -47,12 +47,12 @@ class Society:
 
     def _start(self, spec: PedestrianSpec, state: int) -> int:
         mode: Any = spec.behaviour.get("start_up_mode", "default")
-        return self._table.code(START_UPS[mode]) if mode in START_UPS else state
+        return self._table.code(START_UPS[mode]) if mode in START_UPS and state != NONE else state
 
     def _mind(self, spec: PedestrianSpec, person: np.void, state: int, group: int, queue: int) -> np.void:
         mind: np.void = np.zeros(1, MIND)[0]
         mind["own_speed"], mind["own_social"] = person["max_speed"], person["factor_social"]
-        mind["traits"] = traits_of(spec, self._defaults)
+        mind["traits"] = traits_of(spec, self._defaults, bool(person["sociable"]))
         mind["state"], mind["partner"], mind["group"], mind["queue"] = state, NOBODY, group, queue
         mind["duration"] = mind["traits"][TRAITS.index("wait_time")] if state == self._table.code("waiting_for_timer") else np.inf
         mind["queue_waypoint"] = spec.behaviour.get("queue_waypoint", 0)
@@ -64,7 +64,7 @@ class Society:
         """Tell whether anybody could ever leave walking and waiting."""
         minds = minds[: len(specs)]
         chances = minds["traits"][:, [TRAITS.index(name) for name in CHANCES]]
-        waits = ~np.isin(minds["state"], (STANDING, WALKING))
+        waits = ~np.isin(minds["state"], (NONE, STANDING, WALKING))
         return bool(chances.any() or waits.any() or (minds["group"] != NOBODY).any() or (minds["queue"] != NOBODY).any())
 
 

@@ -23,7 +23,7 @@ NO_KEY = -1
 
 STATE = np.dtype(
     [(name, np.float64) for name in ("speed", "social", "keep")]
-    + [(name, np.int64) for name in ("pushed", "goal", "base_time", "exact", "free", "first", "last")],
+    + [(name, np.int64) for name in ("pushed", "goal", "base_time", "exact", "free", "startled", "first", "last")],
     align=True,
 )  # ``social`` NaN: the person's own; ``base_time``: index of a trait or NO_KEY; transitions ``first`` to ``last`` - 1 lead away
 
@@ -75,7 +75,7 @@ def _state(row: Mapping[str, Any]) -> tuple[Any, ...]:
     social = np.nan if row["social"] is None else row["social"]
     return (
         *(row["speed"], social, row["keep"]),
-        *(row["pushed"], GOALS.index(row["goal"]), _trait(row["base_time"]), row["exact"], row["free"], 0, 0),
+        *(row["pushed"], GOALS.index(row["goal"]), _trait(row["base_time"]), row["exact"], row["free"], row["startled"], 0, 0),
     )
 
 

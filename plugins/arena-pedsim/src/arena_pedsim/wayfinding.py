@@ -73,7 +73,10 @@ def _notice_stuck(person: Any, state: int, x: float, y: float, dt: float, parame
     if person.stuck_clock < parameters.wayfinding_stuck_period:
         return
     progress = sqrt((person.anchor_x - x) ** 2 + (person.anchor_y - y) ** 2)
-    if progress < parameters.wayfinding_stuck_speed * desired_speed(person, state, parameters) * person.stuck_clock and person.wish != LEAVE:
+    if (
+        progress < parameters.wayfinding_stuck_speed * desired_speed(person, state, parameters) * person.stuck_clock
+        and person.wish != LEAVE
+    ):
         person.wish = NEXT_WAYPOINT
     person.anchor_x, person.anchor_y, person.stuck_clock = x, y, 0.0
 
