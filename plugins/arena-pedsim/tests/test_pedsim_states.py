@@ -171,6 +171,16 @@ def test_who_waits_for_a_trigger_starts_when_the_robot_is_in_the_zone(stage, mak
         assert (NAMES[crowd.states[0, 0]] == "walking") == (x < 7.0)
 
 
+def test_the_trigger_zone_may_lie_elsewhere(stage, make_model):
+    model = make_model()
+    zone = {"trigger_zone_x": 2.0, "trigger_zone_y": 8.0, "trigger_zone_radius": 1.0}
+    (scenario,) = alone(stage, 1, start_up_mode="trigger_zone", **zone)
+    crowd = model.reset(np.zeros(1, int), [scenario], 1)
+    for tick, x in enumerate(np.linspace(7.0, 2.0, 200)):
+        crowd = model.step(crowd, stage.robots((x, 8.0, 0.0)), np.full(1, tick), STEP)
+        assert (NAMES[crowd.states[0, 0]] == "walking") == (x < 3.0)
+
+
 def test_who_talks_stands_and_so_does_who_listens(stage, make_model):
     people = [
         stage.person(0, (5, 5), (9, 5), (1, 5), chatting_probability=1.0, talking_base_time=4.0),

@@ -43,7 +43,8 @@ class Behaviour:
 
 SHARED = tuple(field.name for field in fields(Behaviour) if field.name != "scenario_chances")
 OWN = ("wait_time", "trigger_zone_radius")  # nobody's but a person's; 0 when not given
-TRAITS = (*SHARED, *OWN)  # the columns of a person's traits
+ZONE = ("trigger_zone_x", "trigger_zone_y")  # the middle of the zone in ``map``, m; where the person starts when not given
+TRAITS = (*SHARED, *OWN, *ZONE)  # the columns of a person's traits
 CHANCES = tuple(name for name in TRAITS if name.endswith("_probability"))
 WAYS = {0: "in a loop", 1: "at random"}
 START_UPS = ("default", "wait_timer", "trigger_zone")
@@ -66,7 +67,8 @@ ELSEWHERE: Check = (lambda value: True, "")
 NAME: Check = (lambda value: _number(value) or isinstance(value, str), "a number or a name")
 
 KEYS: dict[str, Check] = {
-    **{name: CHANCE if name in CHANCES else NOT_NEGATIVE for name in TRAITS},
+    **{name: CHANCE if name in CHANCES else NOT_NEGATIVE for name in (*SHARED, *OWN)},
+    **dict.fromkeys(ZONE, (_number, "a coordinate in m")),
     **{f"force_factor_{name}": NOT_NEGATIVE for name in ("desired", "social", "obstacle", "robot")},
     **dict.fromkeys(("type", "reaction", "spawn_time", "respawn"), ELSEWHERE),
     "start_up_mode": _one_of(*START_UPS),
@@ -93,6 +95,7 @@ def traits_of(spec: PedestrianSpec, defaults: Behaviour, sociable: bool) -> tupl
     own: Mapping[str, float | str] = spec.behaviour
     if defaults.scenario_chances == "ignore":
         own = {key: value for key, value in own.items() if key not in SHARED}
+    own = {**dict(zip(ZONE, spec.position_xy.tolist(), strict=True)), **own}
     values = {name: float(own.get(name, getattr(defaults, name, 0.0))) for name in TRAITS}
     if not sociable:
         values.update(dict.fromkeys(CHANCES, 0.0))

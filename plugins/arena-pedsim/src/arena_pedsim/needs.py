@@ -21,9 +21,8 @@ NOTHING, OVER, LISTENER, COMPANY = (NEEDS.index(name) for name in ("nothing", "o
 SERVICE, ALONE, SERVER, GUIDE = (NEEDS.index(name) for name in ("service", "alone", "server", "guide"))
 REQUEST, PARTNER_IN, PARTNER_NOT_IN, TRIGGER = (NEEDS.index(name) for name in ("request", "partner_in", "partner_not_in", "trigger"))
 GROUPED, UNGROUPED, QUEUE, ARRIVED = (NEEDS.index(name) for name in ("grouped", "ungrouped", "queue", "arrived"))
-TALKING_DISTANCE, SERVICING_RADIUS, TRIGGER_RADIUS = (
-    TRAITS.index(name) for name in ("max_talking_distance", "max_servicing_radius", "trigger_zone_radius")
-)
+TALKING_DISTANCE, SERVICING_RADIUS = (TRAITS.index(name) for name in ("max_talking_distance", "max_servicing_radius"))
+ZONE_X, ZONE_Y, ZONE_RADIUS = (TRAITS.index(f"trigger_zone_{name}") for name in ("x", "y", "radius"))
 QUEUE_GOAL, BESIDE = GOALS.index("queue"), GOALS.index("beside")
 
 
@@ -68,7 +67,7 @@ def partner_for(scene: Scene, i: int, row: Any) -> int:
     if needs in (PARTNER_IN, PARTNER_NOT_IN):
         return mind.partner if _partner_in(scene, i, row.of) == (needs == PARTNER_IN) else NOT_MET
     if needs == TRIGGER:
-        return NOBODY if robot_gap(scene, i) < mind.traits[TRIGGER_RADIUS] else NOT_MET
+        return NOBODY if _robot_in_zone(scene, mind) else NOT_MET
     if needs in (GROUPED, UNGROUPED):
         return NOBODY if (mind.group != NOBODY and scene.members[mind.group] > 1) == (needs == GROUPED) else NOT_MET
     if needs == QUEUE:
@@ -76,6 +75,13 @@ def partner_for(scene: Scene, i: int, row: Any) -> int:
     if needs == ARRIVED:
         return NOBODY if _has_arrived(scene, i) else NOT_MET
     return _helper(scene, i, row)
+
+
+@compiled
+def _robot_in_zone(scene: Scene, mind: Any) -> bool:
+    """Tell whether the robot is in the zone that somebody waits for it to enter."""
+    dx, dy = scene.robot_x - mind.traits[ZONE_X], scene.robot_y - mind.traits[ZONE_Y]
+    return sqrt(dx * dx + dy * dy) < mind.traits[ZONE_RADIUS]  # type: ignore[no-any-return]
 
 
 @compiled
