@@ -5,8 +5,9 @@ from arena_core import Register, hookimpl
 
 @hookimpl
 def register_task_modes(register: Register) -> None:
-    """Offer random problems, problems from a file, and BARN's."""
+    """Offer random problems, those of a curriculum, problems from a file, and BARN's."""
     register("random", "arena_tasks.random_task:RandomTask")
+    register("staged", "arena_tasks.staged_task:StagedTask")
     register("scenario", "arena_tasks.scenario_task:ScenarioTask")
     register("barn", "arena_tasks.barn_task:BarnTask")
 

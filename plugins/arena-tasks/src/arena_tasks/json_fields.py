@@ -1,4 +1,4 @@
-"""JSON whose every value knows its file and key, so that each slip is one line."""
+"""JSON, or YAML, whose every value knows its file and key, so that each slip is one line."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Field:
         """Tell whether this mapping has a key."""
         return name in self._mapping()
 
-    def __getitem__(self, name: str) -> Field:
+    def __getitem__(self, name: str | int) -> Field:
         mapping = self._mapping()
         key = self._key_of(name)
         if name not in mapping:
@@ -55,20 +55,21 @@ class Field:
             raise self.refused("a list")
         return [Field(self.file, f"{self.key}[{k}]", value) for k, value in enumerate(self.value)]
 
-    def entries(self) -> list[tuple[str, Field]]:
+    def entries(self) -> list[tuple[Any, Field]]:
         """Return the keys and values of a mapping."""
         return [(name, self[name]) for name in self._mapping()]
 
-    def number(self, low: float = -math.inf, above: float = -math.inf) -> float:
-        """Return a finite number, at least ``low`` and more than ``above``."""
+    def number(self, low: float = -math.inf, above: float = -math.inf, high: float = math.inf) -> float:
+        """Return a finite number, at least ``low``, more than ``above`` and at most ``high``."""
         allowed = f"a number > {above:g}" if above > -math.inf else f"a number >= {low:g}" if low > -math.inf else "a finite number"
+        allowed += f" and <= {high:g}" if high < math.inf else ""
         if isinstance(self.value, bool) or not isinstance(self.value, int | float):
             raise self.refused(allowed)
         try:
             number = float(self.value)
         except OverflowError:
             raise self.refused(allowed) from None
-        if not (math.isfinite(number) and number >= low and number > above):
+        if not (math.isfinite(number) and above < number <= high and number >= low):
             raise self.refused(allowed)
         return number
 
@@ -116,12 +117,12 @@ class Field:
         """Return a list of [x, y], shape (N, 2), m."""
         return np.array([item.position() for item in self.items()]).reshape(-1, 2)
 
-    def _key_of(self, name: str) -> str:
+    def _key_of(self, name: str | int) -> str:
         """Return where a member of this mapping stands, on one line whatever its name."""
         plain = name if isinstance(name, str) and name.isprintable() else json.dumps(name, default=str)
         return f"{self.key}.{plain}" if self.key else plain
 
-    def _mapping(self) -> Mapping[str, Any]:
+    def _mapping(self) -> Mapping[Any, Any]:
         if not isinstance(self.value, Mapping):
             raise self.refused("a mapping of keys to values")
         return self.value

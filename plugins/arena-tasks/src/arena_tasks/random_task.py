@@ -1,26 +1,23 @@
-"""Random problems: a start, a goal and people on their rounds, drawn anew for each scenario."""
+"""Random problems: a start, a goal, obstacles and people on their rounds, drawn anew for each scenario."""
 
 from __future__ import annotations
 
 from arena_core import (
     ConfigurationError,
     Fraction,
-    ImpossibleScenario,
     NonNegative,
     NonNegativeInt,
-    PedestrianSpec,
     Positive,
     PositiveInt,
     Robot,
     Scenario,
     TaskMode,
-    World,
     WorldSource,
-    generator,
 )
-from arena_tasks.free_space import FreeSpace
-from arena_tasks.trip import Trip, TripRules, draw_trip
-from arena_tasks.walkers import Placement, WalkerRules, draw_walkers
+from arena_tasks.obstacles import ObstacleRules
+from arena_tasks.random_problems import RandomProblems
+from arena_tasks.trip import Placement, TripRules
+from arena_tasks.walkers import WalkerRules
 
 
 class RandomTask(TaskMode):
@@ -29,7 +26,8 @@ class RandomTask(TaskMode):
     ``clearance`` and ``keep_off`` count in robot radii, ``margin`` m is kept beyond all bodies. Start and goal are
     ``min_distance`` .. ``max_distance`` m apart (straight); ``shrink_to_world`` takes half the diagonal of the
     reachable space instead where that is less than ``min_distance``. With ``placement`` ``along_route``, people have their rounds on
-    the robot's likely way, a share ``crossing`` of them across it and the others along it, up to ``reach`` m from where they belong.
+    the robot's likely way, a share ``crossing`` of them across it and the others along it, up to ``reach`` m from where they belong,
+    and obstacles stand on it or beside it. ``problems`` is what the scenarios are made of.
     """
 
     def __init__(
@@ -39,11 +37,16 @@ class RandomTask(TaskMode):
         pedestrians: NonNegativeInt,
         pedestrian_speed: Positive,
         pedestrian_radius: Positive,
+        respawn: bool,
         waypoints_min: PositiveInt,
         waypoints_max: PositiveInt,
         placement: Placement,
         crossing: Fraction,
         reach: Positive,
+        obstacles: NonNegativeInt,
+        obstacle_radius_min: Positive,
+        obstacle_radius_max: Positive,
+        polygons: Fraction,
         min_distance: Positive,
         max_distance: Positive,
         shrink_to_world: bool,
@@ -60,10 +63,13 @@ class RandomTask(TaskMode):
             )
         if min_distance > max_distance:
             raise ConfigurationError(f"task.min_distance is {min_distance:g}; allowed: up to max_distance, {max_distance:g} m")
+        if obstacle_radius_min > obstacle_radius_max:
+            raise ConfigurationError(
+                f"task.obstacle_radius_min is {obstacle_radius_min:g}; allowed: up to obstacle_radius_max, {obstacle_radius_max:g} m"
+            )
         radius = robot.footprint.radius
-        self._world = world
-        self._trip = TripRules(max(clearance * radius, radius + margin), radius + margin, min_distance, max_distance, shrink_to_world)
-        self._walkers = WalkerRules(
+        trip = TripRules(max(clearance * radius, radius + margin), radius + margin, min_distance, max_distance, shrink_to_world)
+        walkers = WalkerRules(
             count=pedestrians,
             speed=pedestrian_speed,
             radius=pedestrian_radius,
@@ -74,26 +80,20 @@ class RandomTask(TaskMode):
             placement=placement,
             crossing=crossing,
             reach=reach,
+            respawn=respawn,
         )
-        self._goal_radius = goal_radius
-        self._time_limit = time_limit
-        self._tries = tries
+        standing = ObstacleRules(
+            count=obstacles,
+            radius_min=obstacle_radius_min,
+            radius_max=obstacle_radius_max,
+            polygons=polygons,
+            keep_off=max(keep_off * radius, trip.clearance),
+            passage=trip.passage,
+            placement=placement,
+            reach=reach,
+        )
+        self.problems = RandomProblems(world, trip, standing, walkers, goal_radius, time_limit, tries)
 
     def scenario(self, seed: int, index: int) -> Scenario:
         """Return problem ``index``; raise ImpossibleScenario when the world has no room for it."""
-        name = f"random/{index:04d}"
-        world = self._world.world(seed, index)
-        trip, people = self._draw(name, seed, world)
-        return Scenario(name, seed, world, trip.start, trip.goal, people, (), self._goal_radius, self._time_limit)
-
-    def _draw(self, name: str, seed: int, world: World) -> tuple[Trip, tuple[PedestrianSpec, ...]]:
-        random = generator(seed, name, "task")
-        space = world.grid.derive(FreeSpace)
-        for left in reversed(range(self._tries)):
-            try:
-                trip = draw_trip(space, self._trip, random, self._tries)
-                return trip, draw_walkers(space, trip, self._walkers, random)
-            except ImpossibleScenario as error:
-                if left == 0:
-                    raise ImpossibleScenario(f"{name} in world {world.name}: {error}") from None
-        raise AssertionError("tries is at least 1")
+        return self.problems.scenario(f"random/{index:04d}", seed, index)

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ImpossibleScenario, Pose, Positive
+from arena_core import ImpossibleScenario, OccupancyGrid, Pose, Positive
 from arena_tasks.free_space import FreeSpace
 from arena_tasks.route import find_route
+
+Placement = Literal["along_route", "anywhere"]  # of what the robot shall meet
+AHEAD = 0.5  # m before and behind a place on the route that say which way the route runs there
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +39,17 @@ class Trip:
     def at(self, lengths: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the positions so far along the route, (..., 2); its ends for what lies beyond them."""
         return np.stack([np.interp(lengths, self.lengths, self.route_xy[:, k]) for k in (0, 1)], axis=-1)
+
+    def beside(self, along: NDArray[np.float64], across: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the positions (N, 2) that lie ``along`` (N,) m along the route and ``across`` (N,) m to its left."""
+        ahead = self.at(along + AHEAD) - self.at(along - AHEAD)
+        ahead /= np.maximum(np.hypot(*ahead.T), 1e-9)[:, None]
+        return self.at(along) + across[:, None] * np.stack((-ahead[:, 1], ahead[:, 0]), axis=1)
+
+    def rerouted(self, grid: OccupancyGrid, passage: float) -> Trip | None:
+        """Return the same trip on another grid, None where no way joins its ends."""
+        route = find_route(grid, passage, np.array((self.start.x, self.start.y)), np.array((self.goal.x, self.goal.y)))
+        return replace(self, route_xy=route, lengths=_lengths(route)) if len(route) else None
 
 
 def draw_trip(space: FreeSpace, rules: TripRules, random: np.random.Generator, tries: int) -> Trip:
@@ -67,5 +82,8 @@ def _in_range(mates: NDArray[np.float64], start: NDArray[np.float64], rules: Tri
 def _trip(space: FreeSpace, rules: TripRules, start: NDArray[np.float64], goal: NDArray[np.float64], random: np.random.Generator) -> Trip:
     heading = float(random.uniform(-np.pi, np.pi))
     route = find_route(space.grid, rules.passage, start, goal)
-    lengths = np.concatenate(((0.0,), np.hypot(*np.diff(route, axis=0).T).cumsum()))
-    return Trip(Pose(start[0].item(), start[1].item(), heading), Pose(goal[0].item(), goal[1].item()), route, lengths)
+    return Trip(Pose(start[0].item(), start[1].item(), heading), Pose(goal[0].item(), goal[1].item()), route, _lengths(route))
+
+
+def _lengths(route: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.concatenate(((0.0,), np.hypot(*np.diff(route, axis=0).T).cumsum()))

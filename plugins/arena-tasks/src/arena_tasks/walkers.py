@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import ImpossibleScenario, PedestrianSpec
 from arena_tasks.free_space import FreeSpace
-from arena_tasks.trip import Trip
+from arena_tasks.trip import Placement, Trip
 
-Placement = Literal["along_route", "anywhere"]
 Points = NDArray[np.float64]
 Propose = Callable[[int], Points]  # number of the waypoint in its round -> CANDIDATES positions
 
@@ -38,6 +36,7 @@ class WalkerRules:
     placement: Placement
     crossing: float
     reach: float
+    respawn: bool
 
 
 def draw_walkers(space: FreeSpace, trip: Trip, rules: WalkerRules, random: np.random.Generator) -> tuple[PedestrianSpec, ...]:
@@ -63,7 +62,8 @@ def _draw_walker(
             continue
         position = _on_round(waypoints, random)
         if _has_place(position, others, trip, rules):
-            return PedestrianSpec(number, position, waypoints, rules.speed, rules.radius)
+            behaviour: dict[str, float | str] = {"respawn": 1.0} if rules.respawn else {}
+            return PedestrianSpec(number, position, waypoints, rules.speed, rules.radius, behaviour)
     raise ImpossibleScenario(
         f"person {number + 1} of {rules.count} found no place in {TRIES_A_PERSON} tries; lower task.pedestrians or task.pedestrian_radius"
     )
@@ -81,16 +81,9 @@ def _proposer(space: FreeSpace, trip: Trip, rules: WalkerRules, stretch: tuple[f
     def propose(waypoint: int) -> Points:
         far = (-1.0) ** waypoint * rules.reach * random.random(CANDIDATES)  # one to this side, the next to the other
         near = random.uniform(-WANDER, WANDER, CANDIDATES)
-        return _beside_route(trip, home_length + near, far) if crosses else _beside_route(trip, home_length + far, near)
+        return trip.beside(home_length + near, far) if crosses else trip.beside(home_length + far, near)
 
     return propose
-
-
-def _beside_route(trip: Trip, along: Points, across: Points) -> Points:
-    """Return the positions (N, 2) that lie ``along`` (N,) m along the route and ``across`` (N,) m to its left."""
-    ahead = trip.at(along + WANDER) - trip.at(along - WANDER)
-    ahead /= np.maximum(np.hypot(*ahead.T), 1e-9)[:, None]
-    return trip.at(along) + across[:, None] * np.stack((-ahead[:, 1], ahead[:, 0]), axis=1)
 
 
 def _draw_round(propose: Propose, space: FreeSpace, trip: Trip, rules: WalkerRules, random: np.random.Generator) -> Points:

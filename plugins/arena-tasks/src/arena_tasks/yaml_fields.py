@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from pathlib import Path
 from typing import Any
 
@@ -14,13 +15,21 @@ LARGEST_FILE = 1_000_000  # bytes
 
 
 class PlainLoader(yaml.SafeLoader):
-    """A safe loader without aliases: they make a short file's values endless."""
+    """A safe loader without aliases, which make a short file's values endless, and without keys that are there twice."""
 
     def compose_node(self, parent: yaml.Node | None, index: Any) -> yaml.Node | None:
         """Refuse an alias."""
         if self.check_event(yaml.AliasEvent):
             raise yaml.YAMLError("it has aliases")
         return super().compose_node(parent, index)
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
+        """Refuse a key that is there twice: a plain loader takes the last one."""
+        keys = [self.construct_object(key, deep=True) for key, _ in node.value]
+        twice = [key for number, key in enumerate(keys) if key in keys[:number]]
+        if twice:
+            raise yaml.YAMLError(f"{twice[0]} is there twice, line {node.start_mark.line + 1}")
+        return super().construct_mapping(node, deep)
 
 
 def read_yaml(path: Path, allowed: str) -> Field:
