@@ -143,6 +143,7 @@ def write_run(
     records: bool = True,
     only: Sequence[str] = (),
     stages: Sequence[int] = (),
+    block: int | None = None,
 ) -> Path:
     """Write a run's folder as ``arena run`` leaves it; the robot drives straight lines, and reaches the goal in even episodes."""
     base = columns(planner, robot, people, sim_time)
@@ -150,7 +151,7 @@ def write_run(
     config = {
         "planner": {"name": planner, "sim_time": sim_time},
         "robot": {"name": robot},
-        "task": {"name": "random", "pedestrians": people},
+        "task": {"name": "random", "pedestrians": people, **({"block": block} if block else {})},
         "metrics": {pack: {"name": pack, **preset(pack)} for pack in packs},
         "seed": seed,
     }

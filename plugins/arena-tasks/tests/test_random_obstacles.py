@@ -128,8 +128,17 @@ def test_more_obstacles_are_the_same_ones_and_others() -> None:
 
 
 def test_only_people_who_come_again_say_so() -> None:
-    assert [p.behaviour for p in make(respawn=True, pedestrians=2).scenario(0, 0).pedestrians] == [{"respawn": 1.0}] * 2
+    assert [p.behaviour for p in make(respawn=True, pedestrians=2).scenario(0, 0).pedestrians] == [{"respawn": "random"}] * 2
     assert [p.behaviour for p in make(pedestrians=1).scenario(0, 0).pedestrians] == [{}]
+
+
+def test_shares_of_the_people_are_children_and_elders_and_all_else_is_as_without() -> None:
+    usual, mixed = (make(testing.room(24.0), pedestrians=40, **shares).scenario(0, 0) for shares in ({}, {"children": 0.3, "elders": 0.2}))
+    types = [p.behaviour.get("type") for p in mixed.pedestrians]
+    assert (0.1 < types.count("child") / 40 < 0.5, 0.05 < types.count("elder") / 40 < 0.4, types.count(None) > 10) == (True,) * 3
+    assert [p.position_xy.tolist() for p in usual.pedestrians] == [p.position_xy.tolist() for p in mixed.pedestrians]
+    with pytest.raises(ConfigurationError, match=r"task\.elders is 0\.5; allowed: up to 0\.4"):
+        make(children=0.6, elders=0.5)
 
 
 def test_too_many_obstacles_say_what_to_lower() -> None:

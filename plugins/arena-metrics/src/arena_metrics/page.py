@@ -28,7 +28,14 @@ PACKAGES = ("arena-", "numpy", "numba", "scipy", "shapely", "torch", "mujoco", "
 
 
 def render(
-    summary: Summary, pairs: Table | None, runs: Sequence[Run], repeats: int, figures: Sequence[Image], pictures: Sequence[Image]
+    summary: Summary,
+    pairs: Table | None,
+    levels: Table | None,
+    runs: Sequence[Run],
+    repeats: int,
+    figures: Sequence[Image],
+    pictures: Sequence[Image],
+    climbing: Sequence[Image],
 ) -> str:
     """Return the page."""
     from jinja2 import Environment, StrictUndefined
@@ -46,6 +53,8 @@ def render(
         pictures_first=len(summary.cells.cells) <= PICTURES_FIRST,
         pictures_left_out=len(summary.cells.cells) - len(pictures),
         pairs=pairs,
+        levels=levels,
+        climbing=[_embedded(image) for image in climbing],
         tables=_tables(summary),
         cells_in_full=CELLS_IN_FULL,
         **_episodes(summary),

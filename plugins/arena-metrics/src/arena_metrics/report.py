@@ -54,6 +54,7 @@ def _parser(description: str | None) -> argparse.ArgumentParser:
 def write_report(runs: Sequence[Run], target: Path, pictures: int = PICTURES, figures: bool = True, baseline: str | None = None) -> None:
     """Write a report over these runs to the folder ``target``; raise InputFileError when they hold no episode, or not the baseline."""
     from arena_metrics.cells import cells_of
+    from arena_metrics.levels import level_table
     from arena_metrics.page import render
     from arena_metrics.pairs import paired_table
     from arena_metrics.runs import metric_columns, pooled
@@ -66,10 +67,10 @@ def write_report(runs: Sequence[Run], target: Path, pictures: int = PICTURES, fi
     planners = sorted({cell.factors["planner"] for cell in summary.cells.cells})
     if baseline is not None and baseline not in planners:
         raise InputFileError(f"--baseline is {baseline}; allowed: {', '.join(planners)}")
-    pairs = paired_table(summary, baseline)
-    _write_tables(summary, pairs, target)
-    drawn = _draw(summary, pictures, target) if figures else ([], [])
-    write_text_whole(target / "index.html", render(summary, pairs, runs, repeats, *drawn))
+    pairs, levels = paired_table(summary, baseline), level_table(summary.cells)
+    _write_tables(summary, pairs, levels, target)
+    drawn = _draw(summary, pictures, target) if figures else ([], [], [])
+    write_text_whole(target / "index.html", render(summary, pairs, levels, runs, repeats, *drawn))
     _print_headline(summary)
     print(f"report: {target / 'index.html'}")
 
@@ -87,7 +88,7 @@ def _write_summaries(runs: Sequence[Run]) -> None:
             write_text_whole(run.folder / "summary.csv", summary_csv(summarise(cells_of(episodes), columns)))
 
 
-def _write_tables(summary: Summary, pairs: Table | None, target: Path) -> None:
+def _write_tables(summary: Summary, pairs: Table | None, levels: Table | None, target: Path) -> None:
     from arena_metrics.summary import summary_csv
     from arena_metrics.tables import comma_separated, headline, latex, markdown, metric_tables
 
@@ -97,6 +98,7 @@ def _write_tables(summary: Summary, pairs: Table | None, target: Path) -> None:
         "all_episodes": metric_tables(summary, "all"),
         "successful_episodes": metric_tables(summary, "successful"),
         "paired_differences": [pairs] if pairs else [],
+        "levels": [levels] if levels else [],
     }
     for name, content in ((name, content) for name, content in tables.items() if content):
         write_text_whole(target / "tables" / f"{name}.csv", comma_separated(content))
@@ -104,9 +106,10 @@ def _write_tables(summary: Summary, pairs: Table | None, target: Path) -> None:
         write_text_whole(target / "tables" / f"{name}.tex", latex(content))
 
 
-def _draw(summary: Summary, pictures: int, target: Path) -> tuple[list[Image], list[Image]]:
-    """Draw and write the figures of all metrics (with one cell and nothing to compare: of the headline alone) and the pictures."""
+def _draw(summary: Summary, pictures: int, target: Path) -> tuple[list[Image], list[Image], list[Image]]:
+    """Draw and write the figures of all metrics (with one cell and nothing to compare: of the headline alone), pictures and levels."""
     from arena_metrics.figures import metric_figures, style
+    from arena_metrics.levels import level_image
     from arena_metrics.tables import headline_columns
     from arena_metrics.trajectories import cell_image
 
@@ -115,11 +118,12 @@ def _draw(summary: Summary, pictures: int, target: Path) -> tuple[list[Image], l
     with style():
         figures = list(metric_figures(cells, columns))
         drawn = [cell_image(cells, cell) for cell in cells.cells[: max(0, pictures)]]
-    images = [image for image in drawn if image is not None]
-    for image in [*figures, *images]:
+        climbing = [level_image(cells)]
+    images, levels = ([image for image in found if image is not None] for found in (drawn, climbing))
+    for image in [*figures, *images, *levels]:
         write_bytes_whole(target / "figures" / f"{image.name}.png", image.png)
         write_bytes_whole(target / "figures" / f"{image.name}.pdf", image.pdf)
-    return figures, images
+    return figures, images, levels
 
 
 def _print_headline(summary: Summary) -> None:

@@ -8,7 +8,7 @@ from arena_core import ImpossibleScenario, Obstacle, PedestrianSpec, Scenario, W
 from arena_tasks.free_space import FreeSpace
 from arena_tasks.obstacles import ObstacleRules, draw_obstacles
 from arena_tasks.trip import Trip, TripRules, draw_trip
-from arena_tasks.walkers import WalkerRules, draw_walkers
+from arena_tasks.walkers import WalkerRules, draw_walkers, with_manners
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,7 +37,8 @@ class RandomProblems:
                 trip = draw_trip(space, self.trip, random, self.tries)
                 obstacles, onward = draw_obstacles(space, trip, self.obstacles, aside)
                 among = with_obstacles(world.grid, obstacles).derive(FreeSpace)
-                return trip, obstacles, draw_walkers(among, onward, self.walkers, random)
+                people = draw_walkers(among, onward, self.walkers, random)
+                return trip, obstacles, with_manners(people, self.walkers, generator(seed, name, "manners"))
             except ImpossibleScenario as error:
                 if left == 0:
                     raise ImpossibleScenario(f"{name} in world {world.name}: {error}") from None

@@ -37,6 +37,8 @@ class RandomTask(TaskMode):
         pedestrians: NonNegativeInt,
         pedestrian_speed: Positive,
         pedestrian_radius: Positive,
+        children: Fraction,
+        elders: Fraction,
         respawn: bool,
         waypoints_min: PositiveInt,
         waypoints_max: PositiveInt,
@@ -67,6 +69,8 @@ class RandomTask(TaskMode):
             raise ConfigurationError(
                 f"task.obstacle_radius_min is {obstacle_radius_min:g}; allowed: up to obstacle_radius_max, {obstacle_radius_max:g} m"
             )
+        if children + elders > 1.0:
+            raise ConfigurationError(f"task.elders is {elders:g}; allowed: up to {1.0 - children:g}, what the children leave")
         radius = robot.footprint.radius
         trip = TripRules(max(clearance * radius, radius + margin), radius + margin, min_distance, max_distance, shrink_to_world)
         walkers = WalkerRules(
@@ -81,6 +85,8 @@ class RandomTask(TaskMode):
             crossing=crossing,
             reach=reach,
             respawn=respawn,
+            children=children,
+            elders=elders,
         )
         standing = ObstacleRules(
             count=obstacles,

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,10 @@ WANDER = 0.5  # m that a waypoint may lie beside its line
 
 @dataclass(frozen=True, slots=True)
 class WalkerRules:
-    """How many people walk, where and how; ``clearance`` is what they need, ``keep_off`` their distance to start and goal, m."""
+    """How many people walk, where and how; ``clearance`` is what they need, ``keep_off`` their distance to start and goal, m.
+
+    ``children`` and ``elders`` are shares of them; with ``respawn`` who ends the round comes again elsewhere.
+    """
 
     count: int
     speed: float
@@ -37,6 +40,8 @@ class WalkerRules:
     crossing: float
     reach: float
     respawn: bool
+    children: float
+    elders: float
 
 
 def draw_walkers(space: FreeSpace, trip: Trip, rules: WalkerRules, random: np.random.Generator) -> tuple[PedestrianSpec, ...]:
@@ -52,6 +57,19 @@ def draw_walkers(space: FreeSpace, trip: Trip, rules: WalkerRules, random: np.ra
     return tuple(people)
 
 
+def with_manners(people: Sequence[PedestrianSpec], rules: WalkerRules, random: np.random.Generator) -> tuple[PedestrianSpec, ...]:
+    """Return the people with what the pedestrian model shall know of them beyond their rounds: who is no adult, who comes back."""
+    again: dict[str, float | str] = {"respawn": "random"} if rules.respawn else {}
+    shares = zip(people, random.random(len(people)), strict=True)
+    return tuple(replace(person, behaviour={**again, **_type(share, rules)}) for person, share in shares)
+
+
+def _type(share: float, rules: WalkerRules) -> dict[str, str]:
+    if share < rules.children:
+        return {"type": "child"}
+    return {"type": "elder"} if share < rules.children + rules.elders else {}
+
+
 def _draw_walker(
     number: int, others: list[PedestrianSpec], space: FreeSpace, trip: Trip, rules: WalkerRules, random: np.random.Generator
 ) -> PedestrianSpec:
@@ -62,8 +80,7 @@ def _draw_walker(
             continue
         position = _on_round(waypoints, random)
         if _has_place(position, others, trip, rules):
-            behaviour: dict[str, float | str] = {"respawn": 1.0} if rules.respawn else {}
-            return PedestrianSpec(number, position, waypoints, rules.speed, rules.radius, behaviour)
+            return PedestrianSpec(number, position, waypoints, rules.speed, rules.radius)
     raise ImpossibleScenario(
         f"person {number + 1} of {rules.count} found no place in {TRIES_A_PERSON} tries; lower task.pedestrians or task.pedestrian_radius"
     )
