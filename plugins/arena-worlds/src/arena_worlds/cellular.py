@@ -36,7 +36,8 @@ class Cellular(Generated):
 
     kind = "cellular"
 
-    def __post_init__(self) -> None:
+    def check(self) -> None:
+        """Raise ConfigurationError for cells that the grid cannot show."""
         if not self.resolution <= self.cell <= min(self.width, self.height):
             raise ConfigurationError(
                 f"world.cell is {self.cell:g}; allowed: resolution to the smaller side, "

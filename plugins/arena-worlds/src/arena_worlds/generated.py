@@ -2,7 +2,7 @@
 
 # annotations are not postponed here: the registry reads those of a subclass's constructor in the subclass's module
 from abc import abstractmethod
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import ClassVar, Self
 
@@ -46,7 +46,7 @@ class Span:
 class Generated(WorldSource):
     """Draws worlds of ``width`` by ``height`` m: one for each seed, or a new one every ``regenerate`` scenarios.
 
-    The places of a robot of ``robot_radius`` m are connected, and what it can see of the hall is at least ``least_share`` of it; a
+    All places of a robot of ``robot_radius`` m are connected, and at least ``least_share`` of the hall is free; a
     world that fails this is drawn again, up to ``draws`` times.
     """
 
@@ -57,10 +57,18 @@ class Generated(WorldSource):
     robot_radius: NonNegative
     least_share: Fraction
     draws: PositiveInt
-    regenerate: NonNegativeInt | None
-    known: bool
+    regenerate: NonNegativeInt | None = field(compare=False)
+    known: bool = field(compare=False)
 
     kind: ClassVar[str]
+
+    def __post_init__(self) -> None:
+        self.check()
+        _drawn(self, 0, 0)  # what is impossible is said before anything runs, whatever the seed
+
+    @abstractmethod
+    def check(self) -> None:
+        """Raise ConfigurationError for parameters that no world can have."""
 
     @abstractmethod
     def draw(self, random: np.random.Generator) -> Canvas:
@@ -69,7 +77,7 @@ class Generated(WorldSource):
     def world(self, seed: int, index: int) -> World:
         """Return the world of this seed and scenario."""
         number = index // self.regenerate if self.regenerate else 0
-        return World(self.kind, _drawn(replace(self, regenerate=None, known=True), seed, number), self.known)
+        return World(self.kind, _drawn(self, seed, number), self.known)
 
     def at(self, difficulty: float) -> Self:
         """Return the same source at another difficulty, 0 .. 1; a parameter with a value of its own keeps it."""

@@ -33,7 +33,8 @@ class Indoor(Generated):
 
     kind = "indoor"
 
-    def __post_init__(self) -> None:
+    def check(self) -> None:
+        """Raise ConfigurationError for corridors too narrow for the robot or too wide for the hall."""
         self.check_passage("corridor_width", self.corridor_width, self._corridor_width())
         if self._corridor_width() > min(self.width, self.height):
             raise ConfigurationError(

@@ -31,7 +31,8 @@ class Outdoor(Generated):
 
     kind = "outdoor"
 
-    def __post_init__(self) -> None:
+    def check(self) -> None:
+        """Raise ConfigurationError for squares too large for the hall."""
         if self._size() > min(self.width, self.height) / 2:
             raise ConfigurationError(
                 f"world.obstacle_size is {self._size():g}; allowed: up to half the smaller side, {min(self.width, self.height) / 2:g} m"

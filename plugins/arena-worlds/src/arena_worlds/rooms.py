@@ -41,7 +41,8 @@ class Rooms(Generated):
 
     kind = "rooms"
 
-    def __post_init__(self) -> None:
+    def check(self) -> None:
+        """Raise ConfigurationError for doors too narrow for the robot or too wide for the rooms."""
         width = self._door_width()
         self.check_passage("door_width", self.door_width, width)
         least = width + 2 * WALL_CELLS * self.resolution
