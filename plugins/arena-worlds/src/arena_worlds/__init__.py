@@ -16,6 +16,7 @@ def register_worlds(register: Register) -> None:
     register("outdoor", "arena_worlds.outdoor:Outdoor")
     register("rooms", "arena_worlds.rooms:Rooms")
     register("cellular", "arena_worlds.cellular:Cellular")
+    register("mixed", "arena_worlds.mixed:MixedWorlds")
 
 
 @hookimpl
