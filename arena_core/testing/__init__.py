@@ -15,6 +15,7 @@ from arena_core.testing.samples import (
     sensors,
     straight_path,
 )
+from arena_core.testing.steps import joined, transition
 from arena_core.testing.views import boxes_costmap, tracked, view
 
 __all__ = [
@@ -24,6 +25,7 @@ __all__ = [
     "check",
     "component",
     "free_costmap",
+    "joined",
     "observation",
     "planner",
     "record",
@@ -34,5 +36,6 @@ __all__ = [
     "sensors",
     "straight_path",
     "tracked",
+    "transition",
     "view",
 ]

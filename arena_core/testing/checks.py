@@ -29,11 +29,13 @@ from arena_core.interfaces import (
     WaypointGenerator,
     WorldSource,
 )
+from arena_core.learning import ObservationBatch, ObservationEncoder, ObservationField, Reward
 from arena_core.navigator import checked
 from arena_core.robot import Robot
 from arena_core.sensing import Observation, Tracks
 from arena_core.streams import generator
 from arena_core.testing import samples
+from arena_core.testing.steps import joined, transition
 from arena_core.world import ABSENT, LETHAL, OccupancyGrid, Pedestrians
 
 Facts = Iterator[tuple[str, bool]]
@@ -218,6 +220,32 @@ def check_simulator(simulator: Simulator, body: Robot) -> Facts:
     yield "a world among others gives what it gives alone", bool(same)
 
 
+def check_reward(reward: Reward, body: Robot) -> Facts:
+    """Judge some steps, together and one by one."""
+    together = transition(5)
+    values = reward.reward(together)
+    yield "it gives each robot a finite number", values.shape == (5,) and bool(np.isfinite(values).all())
+    yield "the same step gives the same reward", bool((reward.reward(together) == values).all())
+    alone = [reward.reward(transition(5, slice(k, k + 1)))[0] for k in range(5)]
+    yield "a robot among others gets what it gets alone", bool((np.array(alone) == values).all())
+
+
+def check_observation_encoder(encoder: ObservationEncoder, body: Robot) -> Facts:
+    """Encode what a planner sees, together and one by one."""
+    fields, views = encoder.layout(), _views(body)
+    batches = [ObservationBatch.of(view, Twist(0.1, 0.0, 0.05 * k)) for k, view in enumerate(views)]
+    rows = [encoder.encode(batch) for batch in batches]
+    size = sum(field.size for field in fields)
+    yield "an observation is float32 and as long as the layout says", all(r.shape == (1, size) and r.dtype == np.float32 for r in rows)
+    yield "fields have names of their own, a unit, bounds and a meaning", _well_described(fields)
+    low = np.concatenate([np.full(field.size, field.low, np.float32) for field in fields])
+    high = np.concatenate([np.full(field.size, field.high, np.float32) for field in fields])
+    yield "every number is within its bounds", all(bool(((r >= low) & (r <= high)).all()) for r in rows)
+    together = encoder.encode(joined(batches))
+    yield "an observation among others gives what it gives alone", bool((together == np.concatenate(rows)).all())
+    yield "the result is new each time", not np.shares_memory(together, encoder.encode(joined(batches)))
+
+
 def check_metrics(pack: MetricPack, body: Robot) -> Facts:
     """Evaluate small records: without and with a contact, and of a person who leaves."""
     metrics = pack.metrics()
@@ -255,6 +283,8 @@ CHECKS: dict[str, Callable[[Any, Robot], Facts]] = {
     "tracker": check_tracker,
     "pedestrians": check_pedestrians,
     "simulator": check_simulator,
+    "reward": check_reward,
+    "observation_encoder": check_observation_encoder,
     "metrics": check_metrics,
     "executor": check_executor,
 }
@@ -271,6 +301,11 @@ def _views(body: Robot) -> list[Observation]:
         samples.observation(body=body, costmap=walled, stamp=0.4),
         samples.observation(body=body, pose=Pose(4.6, 0.0, 0.0), stamp=0.5),
     ]
+
+
+def _well_described(fields: Sequence[ObservationField]) -> bool:
+    named = len({field.name for field in fields}) == len(fields)
+    return named and all(field.size > 0 and field.low < field.high and field.unit and field.meaning for field in fields)
 
 
 def _drive(planner: Planner, body: Robot, views: Sequence[Observation]) -> list[Twist | None]:

@@ -17,6 +17,8 @@ from arena_core.testing.samples import component, robot
 BODIES: dict[str, tuple[Kinematics, ...]] = {
     "planner": ("differential", "omnidirectional", "ackermann"),
     "simulator": ("differential", "omnidirectional", "ackermann"),
+    "reward": ("differential", "omnidirectional", "ackermann"),
+    "observation_encoder": ("differential", "omnidirectional", "ackermann"),
 }
 
 

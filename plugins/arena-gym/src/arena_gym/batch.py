@@ -37,7 +37,7 @@ class NavigationBatch:
     """Drives N robots by the actions of a policy; slot k is bit for bit what it is alone.
 
     An episode ends when the robot is within its goal's radius, when it collides (if that ends it), or when its time is over.
-    ``steps`` and ``collisions`` (N,) count since the episodes began.
+    ``steps`` and ``collisions`` (N,) count since the episodes began. ``stage`` is the level of a task that has any.
     """
 
     _situation: Situation
@@ -45,6 +45,7 @@ class NavigationBatch:
     def __init__(self, parts: Parts, worlds: int) -> None:
         self.parts = parts
         self.worlds = worlds
+        self.stage = parts.pool.staging.start if parts.pool.staging else None
         self.episodes: list[Episode] = []
         self.steps = np.zeros(worlds, np.int64)
         self.collisions = np.zeros(worlds, np.int64)
@@ -73,6 +74,11 @@ class NavigationBatch:
         scenarios = [self.episodes[slot].problem.scenario for slot in slots.tolist()]
         return self._begin(slots, self.parts.simulator.reset(scenarios, slots))
 
+    def set_stage(self, stage: int) -> None:
+        """Let episodes that begin from now on be of this level of the task; raise ConfigurationError where there is none."""
+        self.parts.pool.at_stage(stage)
+        self.stage = stage
+
     def step(self, actions: NDArray[np.floating]) -> Step:
         """Drive for one control period by actions (N, A) in [-1, 1]."""
         parts, before, last_commands = self.parts, self._situation, self._commands
@@ -97,7 +103,8 @@ class NavigationBatch:
     def _next_episode(self, slot: int) -> Episode:
         number = self._numbers[slot]
         self._numbers[slot] += 1
-        return draw_episode(self.parts.pool, self.parts.randomization, self._seeds[slot], number)
+        pool = self.parts.pool if self.stage is None else self.parts.pool.at_stage(self.stage)
+        return draw_episode(pool, self.parts.randomization, self._seeds[slot], number)
 
     def _begin(self, slots: Slots, snapshot: Snapshot) -> NDArray[np.float32]:
         """Note how the episodes of these slots begin; return what is seen there."""

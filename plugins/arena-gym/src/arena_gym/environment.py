@@ -52,6 +52,10 @@ class NavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self._begun = True
         return observations[0], start_report(self.batch, 0)
 
+    def set_stage(self, stage: int) -> None:
+        """Let episodes that begin from now on be of this level of the task; raise ConfigurationError where there is none."""
+        self.batch.set_stage(stage)
+
     def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Drive for one control period."""
         step = self.batch.step(np.asarray(action)[None])

@@ -8,7 +8,20 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import GlobalPlanner, ImpossibleScenario, NoPath, Path, PathBatch, Scenario, TaskMode, WaypointGenerator, World, WorldSource
+from arena_core import (
+    ConfigurationError,
+    GlobalPlanner,
+    ImpossibleScenario,
+    NoPath,
+    Path,
+    PathBatch,
+    Scenario,
+    Staging,
+    TaskMode,
+    WaypointGenerator,
+    World,
+    WorldSource,
+)
 from arena_gym.seeds import FIRST_TRAINING_SEED, training_seed
 from arena_kernels.paths import lengths_left
 
@@ -51,9 +64,24 @@ class ProblemPool:
 
     def __init__(self, task: TaskMode, planner: GlobalPlanner, waypoints: WaypointGenerator, seed: int, size: int) -> None:
         self._task, self._planner, self._waypoints = task, planner, waypoints
-        self._seed = training_seed(seed)
+        self._seed = seed
         self.size = min(size, task.count() or size)
         self._problems: dict[int, Problem] = {}
+        self._levels: dict[int, ProblemPool] = {}
+
+    @property
+    def staging(self) -> Staging | None:
+        """Return the rule of a task with levels."""
+        return self._task.staging()
+
+    def at_stage(self, stage: int) -> ProblemPool:
+        """Return the problems of one level of the task, always the same pool; raise ConfigurationError where there is no such level."""
+        levels = self.staging.levels if self.staging else 0
+        if not 0 <= stage < levels:
+            raise ConfigurationError(f"stage is {stage}; allowed: {f'0 .. {levels - 1}' if levels else 'none, this task has no levels'}")
+        if stage not in self._levels:
+            self._levels[stage] = ProblemPool(self._task.at_stage(stage), self._planner, self._waypoints, self._seed, self.size)
+        return self._levels[stage]
 
     def problem(self, index: int) -> Problem:
         """Return problem ``index``; raise ImpossibleScenario when many in a row cannot be drawn."""
@@ -79,7 +107,7 @@ class ProblemPool:
         raise ImpossibleScenario(f"problem {index} and {TRIES - 1} more like it cannot be trained on: {reason}")
 
     def _draw(self, index: int) -> Problem:
-        scenario = self._task.scenario(self._seed, index)
+        scenario = self._task.scenario(training_seed(self._seed), index)
         assert scenario.seed >= FIRST_TRAINING_SEED, f"{scenario.name} has seed {scenario.seed}, which evaluation may use"
         path = self._planner.plan(scenario.world.grid, scenario.start, scenario.goal)
         packed = PathBatch.of([path])

@@ -8,9 +8,10 @@ from arena_gym.batch import NavigationBatch, Step
 
 
 def start_report(batch: NavigationBatch, slot: int) -> dict[str, Any]:
-    """Return the name of the problem, its people, and the length of its path, m."""
+    """Return the name of the problem, its people, the length of its path, m, and its level, if the task has any."""
     problem = batch.episodes[slot].problem
-    return {"scenario": problem.scenario.name, "people": len(problem.scenario.pedestrians), "path_length": float(problem.left[0])}
+    report = {"scenario": problem.scenario.name, "people": len(problem.scenario.pedestrians), "path_length": float(problem.left[0])}
+    return report | _level(batch, slot)
 
 
 def final_report(batch: NavigationBatch, step: Step, slot: int) -> dict[str, Any]:
@@ -20,7 +21,12 @@ def final_report(batch: NavigationBatch, step: Step, slot: int) -> dict[str, Any
         "success": bool(step.arrived[slot]),
         "collisions": int(batch.collisions[slot]),
         "steps": int(batch.steps[slot]),
-    }
+    } | _level(batch, slot)
+
+
+def _level(batch: NavigationBatch, slot: int) -> dict[str, int]:
+    stage = batch.episodes[slot].problem.scenario.stage
+    return {} if stage is None else {"stage": stage}
 
 
 def outcome(step: Step, slot: int) -> str:

@@ -57,6 +57,10 @@ class NavigationVectorEnv(VectorEnv[Observations, Observations, NDArray[Any]]):
         observations = self.batch.reset(self._seeds(seed))
         return observations, self._infos(range(self.num_envs), start_report)
 
+    def set_stage(self, stage: int) -> None:
+        """Let episodes that begin from now on be of this level of the task; raise ConfigurationError where there is none."""
+        self.batch.set_stage(stage)
+
     def step(self, actions: NDArray[np.floating]) -> tuple[Observations, Floats, Flags, Flags, dict[str, Any]]:
         """Drive all robots for one control period; worlds whose episodes end begin the next ones."""
         step = self.batch.step(actions)

@@ -1,0 +1,36 @@
+"""Samples of what is learned from: transitions, and observations of several robots."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from arena_core.interfaces import PathBatch
+from arena_core.learning import ObservationBatch, Situation, Transition
+
+ALL = slice(None)
+PERIOD = 0.1  # s
+
+
+def joined(batches: Sequence[ObservationBatch]) -> ObservationBatch:
+    """Return the observations of several batches of one as one batch."""
+    names = ("stamps", "ranges", "poses", "twists", "goals", "waypoints", "last_commands")
+    arrays = [np.concatenate([getattr(batch, name) for batch in batches]) for name in names]
+    offsets = np.cumsum([0, *(len(batch.paths.poses) for batch in batches)])
+    return ObservationBatch(*arrays, PathBatch(np.concatenate([batch.paths.poses for batch in batches]), offsets))
+
+
+def transition(robots: int, chosen: slice = ALL, seed: int = 0) -> Transition:
+    """Return a step that some robots took near obstacles and people, of those ``chosen``; the first arrived, the second collided."""
+    random = np.random.default_rng(seed)
+    before, after = _situation(robots, random, chosen), _situation(robots, random, chosen)
+    commands, last_commands = random.uniform(-1.0, 1.0, (2, robots, 3))[:, chosen]
+    arrived, collided, timed_out = (np.arange(robots)[chosen] == k for k in range(3))
+    return Transition(before, after, commands, last_commands, arrived, collided, timed_out, PERIOD)
+
+
+def _situation(robots: int, random: np.random.Generator, chosen: slice) -> Situation:
+    poses, twists = random.uniform(-1.0, 1.0, (2, robots, 3))[:, chosen]
+    lengths = random.uniform(0.0, 1.0, (6, robots))[:, chosen]
+    return Situation(poses, twists, *lengths)
