@@ -185,3 +185,8 @@ def test_levels_draw_alike_in_every_process() -> None:
 def test_the_preset_has_the_curricula_that_it_names() -> None:
     text = (files("arena_tasks.conf") / "task" / "staged.yaml").read_text()
     assert all(name in text for name in built_in())
+
+
+def test_curriculum_may_lie_in_a_package():
+    addressed, named = read_curriculum("pkg://arena_tasks/curricula/growing.yaml"), read_curriculum("growing")
+    assert (addressed.content_hash, addressed.levels) == (named.content_hash, named.levels)

@@ -8,7 +8,7 @@ from hashlib import blake2b
 from importlib.resources import files
 from pathlib import Path
 
-from arena_core import InputFileError
+from arena_core import InputFileError, local_path
 from arena_tasks.json_fields import Field
 from arena_tasks.yaml_fields import read_yaml
 
@@ -55,7 +55,7 @@ def built_in() -> list[str]:
 def read_curriculum(path: str | None) -> Curriculum:
     """Read a curriculum file, or the built-in one of this name; raise InputFileError with file and key."""
     name = path or DEFAULT
-    file = Path(str(BUILT_IN / f"{name}.yaml")) if name in built_in() else Path(name)
+    file = Path(str(BUILT_IN / f"{name}.yaml")) if name in built_in() else local_path(name)
     root = read_yaml(file, f"a curriculum file, or one of {', '.join(built_in())}")
     root.only("levels")
     levels = _levels(root["levels"])
