@@ -12,6 +12,12 @@ def register_pedestrian_models(register: Register) -> None:
 
 
 @hookimpl
+def register_commands(register: Register) -> None:
+    """Offer the validation of crowd models."""
+    register("crowd", "arena_crowds.command:CrowdCommand")
+
+
+@hookimpl
 def config_package() -> str:
     """Name the configuration package."""
     return "arena_crowds.conf"

@@ -74,6 +74,13 @@ class Recording:
         x, y = self.positions.T
         return Recording(self.ids, self.first, self.stamps, np.stack((c * x - s * y, s * x + c * y), axis=1) + offset_xy)
 
+    def sampled(self, rate: float) -> Floats:
+        """Return positions (T, P, 2) m, ``rate`` times a second from 0 s on; NaN when absent."""
+        times = np.arange(int(self.duration * rate + SAME) + 1) / rate
+        walks = np.arange(len(self.ids))
+        positions, _ = self.at(np.tile(walks, len(times)), np.repeat(times, len(walks)), cubic=False)
+        return positions.reshape(len(times), len(walks), 2)
+
     def at(self, people: NDArray[np.int64], times: Floats, cubic: bool = True) -> tuple[Floats, Floats]:
         """Return positions and velocities, each (K, 2), of ``people`` (K,), indices of walks, at ``times`` (K,) s; NaN when absent."""
         positions, velocities = np.empty((len(people), 2)), np.empty((len(people), 2))

@@ -3,12 +3,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arena_core import InputFileError
-from arena_pedsim.fundamental_diagram import Area, binned, measure, read_trajectories, weidmann
-from arena_pedsim.ring_corridor import MEASURED, RATE, people, walk_round
+from arena_crowds.command import model
+from arena_crowds.floor_plan import Area
+from arena_crowds.fundamental_diagram import binned, measure, weidmann
+from arena_crowds.recordings import read_recording
+from arena_crowds.speed_density import FRAME_RATE, RECORDED, simulated
 
 JUELICH = Path(__file__).resolve().parents[4] / "shared" / "data" / "pedestrians" / "juelich"
-RECORDED = Area(0.0, 1.8, -1.0, 3.0)
 
 
 @pytest.fixture(scope="module")
@@ -16,14 +17,8 @@ def recorded():
     """Return binned density and speed of both recordings together."""
     if not JUELICH.is_dir():
         pytest.skip("the recorded trajectories are not beside the repository")
-    names = ("uo-050-180-180.txt", "uo-100-180-180.txt.gz")
-    densities, speeds = zip(*(measure(*read_trajectories(JUELICH / name), RECORDED) for name in names), strict=True)
-    return binned(np.concatenate(densities), np.concatenate(speeds), 0.25, 16)
-
-
-def simulated(model, numbers=(6, 15, 30, 45, 60, 75, 90, 105, 120, 140)):
-    walks = [walk_round(model, people(number, 1.48, 0.2, number), 40.0, 20.0) for number in numbers]
-    densities, speeds = zip(*(measure(walk, RATE, MEASURED) for walk in walks), strict=True)
+    walks = [read_recording(path, "juelich", FRAME_RATE).sampled(FRAME_RATE) for path in sorted(JUELICH.glob("uo-*.txt*"))]
+    densities, speeds = zip(*(measure(walk, FRAME_RATE, RECORDED) for walk in walks), strict=True)
     return binned(np.concatenate(densities), np.concatenate(speeds), 0.25, 16)
 
 
@@ -55,8 +50,8 @@ def test_recorded_speed_falls_with_density(recorded):
 
 
 @pytest.mark.slow
-def test_simulated_speed_falls_with_density_as_recorded(recorded, make_model):
-    densities, speeds = simulated(make_model())
+def test_simulated_speed_falls_with_density_as_recorded(recorded):
+    densities, speeds = simulated(model("social_force", []))
     assert densities[-1] > 2.0
     assert (np.diff(speeds[densities > 0.5]) < 0.0).all()
     assert np.abs(np.interp(recorded[0], densities, speeds) - recorded[1]).max() < 0.14
@@ -65,15 +60,7 @@ def test_simulated_speed_falls_with_density_as_recorded(recorded, make_model):
     assert np.abs(speeds - weidmann(densities, 1.48))[beyond].max() < 0.13
 
 
-def test_without_sight_people_would_not_slow_down_as_recorded(recorded, make_model):
+def test_without_sight_people_would_not_slow_down_as_recorded(recorded):
     """Pushed from behind as much as from ahead, a queue does not brake: the reason for ``rear_weight``."""
-    densities, speeds = simulated(make_model(social={"rear_weight": 1.0}), (15, 105))
+    densities, speeds = simulated(model("social_force", ["pedestrians.social.rear_weight=1.0"]), (15, 105))
     assert speeds[-1] - np.interp(densities[-1], *recorded) > 0.1
-
-
-@pytest.mark.parametrize("text", ["", "1 2 three 4 5", "1 2\n"])
-def test_a_malformed_recording_is_named(tmp_path, text):
-    path = tmp_path / "walk.txt"
-    path.write_text(text)
-    with pytest.raises(InputFileError, match=r"walk\.txt: .*allowed: rows of person, frame, x, y, z in cm"):
-        read_trajectories(path)

@@ -5,30 +5,22 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import OCCUPIED, OccupancyGrid, PedestrianModel, PedestrianSpec, Pose, RobotBatch, Scenario, World
-from arena_pedsim.fundamental_diagram import Area
+from arena_core import PedestrianModel, PedestrianSpec, World
+from arena_crowds.floor_plan import Area, floor, scenario
+from arena_crowds.walks import walk
 
 Floats = NDArray[np.float64]
 
 LENGTH, HEIGHT, WIDTH = 16.0, 6.0, 1.8  # m, outer sides of the ring and width of the corridor: that of the experiment
-WALL, RESOLUTION = 0.2, 0.05  # m
 MEASURED = Area(LENGTH / 2 - 2.0, LENGTH / 2 + 2.0, 0.0, WIDTH)  # the middle of a straight, as long as in the experiment
-RATE, STEP = 10.0, 0.05  # 1/s of the recorded positions, s of a step
+RATE = 10.0  # 1/s
 SPEED_SPREAD = 0.2  # m/s, standard deviation of desired speeds (Weidmann 1993: 0.26 over all ages)
 
 
-def ring() -> OccupancyGrid:
-    """Return the map: a rectangular ring, its inner lower left corner at the origin."""
-    data = np.full(_cells(HEIGHT + WALL, LENGTH + WALL), OCCUPIED, np.int8)
+def ring() -> World:
+    """Return a rectangular ring, its inner lower left corner at the origin."""
     straights = (Area(0, LENGTH, 0, WIDTH), Area(0, LENGTH, HEIGHT - WIDTH, HEIGHT))
-    for area in (*straights, Area(0, WIDTH, 0, HEIGHT), Area(LENGTH - WIDTH, LENGTH, 0, HEIGHT)):
-        (low, first), (high, last) = _cells(area.bottom, area.left), _cells(area.top, area.right)
-        data[low:high, first:last] = 0
-    return OccupancyGrid(data, RESOLUTION, Pose(-WALL, -WALL))
-
-
-def _cells(y: float, x: float) -> tuple[int, int]:
-    return round((y + WALL) / RESOLUTION), round((x + WALL) / RESOLUTION)
+    return floor("ring", (*straights, Area(0, WIDTH, 0, HEIGHT), Area(LENGTH - WIDTH, LENGTH, 0, HEIGHT)))
 
 
 def people(number: int, free_speed: float, radius: float, seed: int) -> tuple[PedestrianSpec, ...]:
@@ -54,14 +46,5 @@ def _lane(inset: float) -> Floats:
 
 def walk_round(model: PedestrianModel, specs: tuple[PedestrianSpec, ...], seconds: float, settling: float) -> Floats:
     """Return positions (T, P, 2) at RATE, after a time for the crowd to settle."""
-    here = Pose(WIDTH / 2, WIDTH / 2)
-    scenario = Scenario("ring", 0, World("ring", ring()), here, here, specs, (), 0.3, seconds)
-    crowd = model.reset(np.zeros(1, np.int64), [scenario], 1)
-    nobody = RobotBatch(np.full((1, 3), -100.0), np.zeros((1, 2)), 0.2)
-    every = round(1.0 / (RATE * STEP))
-    rows = []
-    for tick in range(round((settling + seconds) / STEP)):
-        crowd = model.step(crowd, nobody, np.full(1, tick, np.int64), STEP)
-        if tick * STEP >= settling and tick % every == 0:
-            rows.append(crowd.positions[0].copy())
-    return np.array(rows)
+    positions = walk(model, [scenario(ring(), specs, settling + seconds, "ring")], settling + seconds, RATE)
+    return positions[round(settling * RATE) :, 0, : len(specs)]

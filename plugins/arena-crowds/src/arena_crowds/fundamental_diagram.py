@@ -2,32 +2,14 @@
 
 from __future__ import annotations
 
-import gzip
-from pathlib import Path
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import InputFileError
+from arena_crowds.floor_plan import Area
 
 Floats = NDArray[np.float64]
 
 SPAN = 0.3  # s before and after an instant over which a speed is taken: shorter spans measure the swaying of heads
-
-
-class Area(NamedTuple):
-    """A rectangle, m."""
-
-    left: float
-    right: float
-    bottom: float
-    top: float
-
-    def contains(self, positions: Floats) -> NDArray[np.bool_]:
-        """Tell which positions (..., 2) lie inside."""
-        x, y = positions[..., 0], positions[..., 1]
-        return (x > self.left) & (x < self.right) & (y > self.bottom) & (y < self.top)
 
 
 def measure(positions: Floats, rate: float, area: Area) -> tuple[Floats, Floats]:
@@ -44,7 +26,7 @@ def measure(positions: Floats, rate: float, area: Area) -> tuple[Floats, Floats]
     counts = inside.sum(axis=1)
     some = counts > 0
     means = np.where(inside, speeds, 0.0)[some].sum(axis=1) / counts[some]
-    return counts[some] / ((area.right - area.left) * (area.top - area.bottom)), means
+    return counts[some] / area.size, means
 
 
 def binned(densities: Floats, speeds: Floats, width: float, least: int) -> tuple[Floats, Floats]:
@@ -57,17 +39,3 @@ def binned(densities: Floats, speeds: Floats, width: float, least: int) -> tuple
 def weidmann(densities: Floats, free_speed: float = 1.34) -> Floats:
     """Return the speed (m/s) at these densities after Weidmann, Transporttechnik der Fussgaenger, ETH Zuerich 1993."""
     return free_speed * (1.0 - np.exp(-1.913 * (1.0 / densities - 1.0 / 5.4)))
-
-
-def read_trajectories(path: Path, rate: float = 16.0) -> tuple[Floats, float]:
-    """Read rows of (person, frame, x, y, z) in cm, plain or gzipped; return positions (T, P, 2) m, NaN when absent, and ``rate`` (1/s)."""
-    opened = gzip.open if path.suffix == ".gz" else open
-    try:
-        with opened(path, "rt") as file:
-            rows = np.array([line.split() for line in file], np.float64)
-        people, frames = rows[:, 0].astype(np.int64), rows[:, 1].astype(np.int64)
-        positions = np.full((int(np.ptp(frames)) + 1, int(np.ptp(people)) + 1, 2), np.nan)
-        positions[frames - frames.min(), people - people.min()] = rows[:, 2:4] / 100.0
-    except (OSError, ValueError, IndexError) as error:
-        raise InputFileError(f"{path}: {error}; allowed: rows of person, frame, x, y, z in cm") from error
-    return positions, rate

@@ -1,0 +1,91 @@
+"""``arena crowd validate``: hold crowd models against recordings and the literature."""
+
+from __future__ import annotations
+
+import csv
+import importlib
+import io
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, ClassVar
+
+from arena_core import Command, ConfigurationError, PedestrianModel, compose, load_registry, write_bytes_whole, write_text_whole
+from arena_crowds.findings import Findings
+
+EXPERIMENTS = {
+    "speed_density": "walking speed over density in a corridor, against Weidmann and the Juelich recordings",
+    "lanes": "lanes of people who walk against each other",
+    "door": "flow through a door, over its width and over people's hurry",
+    "rollout": "error of 4.8 s of simulation against the recording zara01 of UCY",
+}
+USAGE = "arena crowd validate [EXPERIMENT ...] [pedestrians=MODEL,...] [pedestrians.KEY=VALUE ...] [recordings=DIR] [out=DIR]"
+
+
+class CrowdCommand(Command):
+    """Run experiments with crowd models; write a table and a picture for each."""
+
+    help: ClassVar[str] = f"validate crowd models: {USAGE}"
+
+    def run(self, arguments: Sequence[str]) -> int:
+        """Run the experiments (all that the recordings allow, without names) and print their tables."""
+        if not arguments or arguments[0] != "validate" or "--help" in arguments or "-h" in arguments:
+            print(_usage())
+            return 0 if not arguments or {"--help", "-h"} & set(arguments) else 2
+        names, keys, overrides = _parsed(arguments[1:])
+        recordings = Path(keys["recordings"]) if "recordings" in keys else None
+        chosen = keys.get("pedestrians", "social_force").split(",")
+        models = {preset: model(preset, overrides) for preset in chosen}
+        for name in names or [name for name in EXPERIMENTS if name != "rollout" or recordings]:
+            findings: Findings = importlib.import_module(f"arena_crowds.{name}").run(models, recordings)
+            print(f"\n{name}: {EXPERIMENTS[name]}\n{table(findings.rows)}")
+            write(findings, Path(keys.get("out", "crowds")), name)
+        return 0
+
+
+def model(preset: str, overrides: Sequence[str]) -> PedestrianModel:
+    """Build a crowd model from its preset, as a run would."""
+    from omegaconf import OmegaConf
+
+    node: Any = OmegaConf.to_container(compose([f"pedestrians={preset}", *overrides], "component").pedestrians, resolve=True)
+    return load_registry().build("pedestrians", node)  # type: ignore[no-any-return]
+
+
+def _parsed(words: Sequence[str]) -> tuple[list[str], dict[str, str], list[str]]:
+    """Return names of experiments, our own keys, and overrides of the models' parameters."""
+    names = [word for word in words if "=" not in word]
+    overrides = [word for word in words if word.startswith("pedestrians.")]
+    keys = dict(word.split("=", 1) for word in words if "=" in word and word not in overrides)
+    for name in names:
+        if name not in EXPERIMENTS:
+            raise ConfigurationError(f"arena crowd validate has no experiment {name!r} (possible: {', '.join(EXPERIMENTS)})")
+    for key in keys:
+        if key not in ("pedestrians", "recordings", "out"):
+            raise ConfigurationError(f"arena crowd validate has no key {key!r} (possible: pedestrians, recordings, out)")
+    return names, keys, overrides
+
+
+def table(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Return rows as aligned text."""
+    cells = [list(rows[0]), *([value if isinstance(value, str) else f"{value:.4g}" for value in row.values()] for row in rows)]
+    widths = [max(len(row[i]) for row in cells) for i in range(len(cells[0]))]
+    return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in cells)
+
+
+def write(findings: Findings, folder: Path, name: str) -> None:
+    """Write NAME.csv and NAME.png."""
+    from matplotlib.figure import Figure
+
+    text, picture = io.StringIO(), io.BytesIO()
+    writer = csv.DictWriter(text, list(findings.rows[0]), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(findings.rows)
+    figure = Figure(figsize=findings.size, layout="constrained")
+    findings.draw(figure)
+    figure.savefig(picture, format="png", dpi=110)
+    write_text_whole(folder / f"{name}.csv", text.getvalue())
+    write_bytes_whole(folder / f"{name}.png", picture.getvalue())
+    print(f"written: {folder / name}.csv and .png")
+
+
+def _usage() -> str:
+    return "\n".join([f"usage: {USAGE}", "", *(f"  {name:14} {what}" for name, what in EXPERIMENTS.items())])

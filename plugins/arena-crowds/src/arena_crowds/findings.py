@@ -1,0 +1,16 @@
+"""What an experiment found: a table and a picture."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Findings:
+    """Rows with the same columns, and ``draw(figure)``, which fills a matplotlib figure of ``size`` (inches)."""
+
+    rows: Sequence[Mapping[str, Any]]
+    draw: Callable[[Any], None]
+    size: tuple[float, float] = (7.0, 4.2)
