@@ -50,15 +50,20 @@ def _walls(side: float) -> Floats:
     return np.array(border + inner)
 
 
-def ours(people: int, worlds: int = 1) -> Callable[[], None]:
-    """Return steps of arena-pedsim's crowd in so many equal worlds, each person walking between its goal and its start."""
+def hall(people: int) -> Scenario:
+    """Return the square with its walls on a map, each person walking between its goal and its start."""
     side, walls, starts, goals = crossing(people)
     data = np.zeros((round(side / 0.1) + 1,) * 2, np.int8)
     for left, bottom, right, top in np.floor(walls / 0.1).astype(int):
         data[bottom : top + 1, left : right + 1] = 100
     specs = [PedestrianSpec(k, starts[k], np.stack((goals[k], starts[k])), SPEED, RADIUS) for k in range(people)]
-    hall, here = World("hall", OccupancyGrid(data, 0.1, Pose(0.0, 0.0))), Pose(1.0, 1.0)
-    scenario = Scenario("crowd", 0, hall, here, here, tuple(specs), (), 0.3, 180.0)
+    here = Pose(1.0, 1.0)
+    return Scenario("crowd", 0, World("hall", OccupancyGrid(data, 0.1, Pose(0.0, 0.0))), here, here, tuple(specs), (), 0.3, 180.0)
+
+
+def ours(people: int, worlds: int = 1) -> Callable[[], None]:
+    """Return steps of arena-pedsim's crowd in so many equal worlds."""
+    scenario = hall(people)
     preset: Any = yaml.safe_load((files("arena_pedsim.conf") / "pedestrians" / "social_force.yaml").read_text())
     model = load_registry().build("pedestrians", preset)
     crowd = model.reset(np.arange(worlds), [scenario] * worlds, worlds)

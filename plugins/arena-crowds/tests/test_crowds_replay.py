@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_core import ABSENT, ConfigurationError, ImpossibleScenario, InputFileError
+from arena_core import ABSENT, ConfigurationError, ImpossibleScenario, InputFileError, local_path
 from arena_core.testing import component
-from arena_crowds.recordings import SHIPPED, read_recording
+from arena_crowds.recordings import read_recording
 
 
 def replay(*overrides):
@@ -43,7 +43,7 @@ def test_people_are_where_they_were_recorded(stage, zara):
 
 @pytest.mark.parametrize("interpolation", ["cubic", "linear"])
 def test_walks_have_no_jumps_and_velocities_are_theirs(interpolation):
-    recording = read_recording(SHIPPED, "frames", 25.0)
+    recording = read_recording(local_path("pkg://arena_crowds/recordings/crossing.txt"), "frames", 25.0)
     walk, cubic = 3, interpolation == "cubic"
     times = np.arange(recording.begins[walk] + 0.01, recording.ends[walk] - 0.01, 0.002)
     positions, velocities = recording.at(np.full(len(times), walk), times, cubic)

@@ -5,8 +5,6 @@ from __future__ import annotations
 import gzip
 from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib.resources import as_file, files
-from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
@@ -19,7 +17,6 @@ from arena_kernels.compiled import compiled
 Floats = NDArray[np.float64]
 Format = Literal["frames", "obsmat", "juelich"]
 
-SHIPPED = files("arena_crowds") / "recordings" / "crossing.txt"
 SAME = 1e-6  # s, stamps nearer than this are one
 
 
@@ -88,12 +85,11 @@ class Recording:
         return positions, velocities
 
 
-def read_recording(path: Path | Traversable, layout: Format, frame_rate: float) -> Recording:
+def read_recording(path: Path, layout: Format, frame_rate: float) -> Recording:
     """Read rows of numbers, plain or gzipped; raise InputFileError, with the file, for rows of another format."""
     columns = FORMATS[layout]
     try:
-        with as_file(path) as file:
-            rows = _rows(file, columns.width)
+        rows = _rows(path, columns.width)
     except (OSError, ValueError, EOFError) as error:
         raise InputFileError(f"{path}: {error}; allowed: rows of {columns.width} numbers for format {layout}") from error
     if len(rows) == 0 or not np.isfinite(rows[:, : columns.y + 1]).all():

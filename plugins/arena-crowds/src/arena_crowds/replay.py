@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -21,8 +20,9 @@ from arena_core import (
     RobotBatch,
     Scenario,
     generator,
+    local_path,
 )
-from arena_crowds.recordings import SHIPPED, Format, read_recording
+from arena_crowds.recordings import Format, read_recording
 from arena_crowds.slots import grown, no_crowd, with_worlds
 
 STANDING, WALKING = 1, 2
@@ -36,7 +36,7 @@ class ReplayedCrowd(PedestrianModel):
 
     def __init__(
         self,
-        path: str | None,
+        path: str,
         format: Format,
         frame_rate: Positive,
         interpolation: Literal["cubic", "linear"],
@@ -47,7 +47,7 @@ class ReplayedCrowd(PedestrianModel):
         clear_start: NonNegative,
         radius: Positive,
     ) -> None:
-        recording = read_recording(SHIPPED if path is None else Path(path), format, frame_rate)
+        recording = read_recording(local_path(path), format, frame_rate)
         self._recording = recording.moved(np.array(offset_xy, np.float64), rotation)
         if len(offset_xy) != 2:
             raise ConfigurationError(f"pedestrians.offset_xy has {len(offset_xy)} numbers; allowed: 2, x and y")
