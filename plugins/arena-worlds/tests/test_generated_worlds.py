@@ -187,9 +187,9 @@ def test_automaton_keeps_clumps_and_clears_single_cells() -> None:
         ("indoor", ("width=1e6", "height=1e6", "iterations=3"), r"world\.width is 1e\+06"),
     ],
 )
-def test_impossible_worlds_are_one_line(kind: str, words: Sequence[str], message: str) -> None:
+def test_impossible_worlds_are_refused_before_one_is_asked_for(kind: str, words: Sequence[str], message: str) -> None:
     with pytest.raises(ConfigurationError, match=message) as caught:
-        make(kind, *words).world(0, 0)
+        make(kind, *words)
     assert "\n" not in str(caught.value)
 
 
