@@ -1,4 +1,5 @@
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -50,7 +51,7 @@ def test_place_does_not_leap_to_where_the_path_passes_near_itself():
 def test_with_unlimited_reach_no_point_of_the_path_is_nearer(path, x, y):
     places, out = followed([path], [(x, y)], 1e3, [0])
     points = np.array(path)
-    samples = np.concatenate([a + np.linspace(0, 1, 50)[:, None] * (b - a) for a, b in zip(points, points[1:], strict=False)])
+    samples = np.concatenate([a + np.linspace(0, 1, 50)[:, None] * (b - a) for a, b in pairwise(points)])
     assert out[0, 1] <= np.hypot(*(samples - (x, y)).T).min() + 1e-9
     assert 0 <= places[0] < len(path) - 1 or len(path) == 2
     assert -1e-9 <= out[0, 0] <= packed(path)[2][0] + 1e-9
