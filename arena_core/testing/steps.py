@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -16,9 +17,9 @@ PERIOD = 0.1  # s
 def joined(batches: Sequence[ObservationBatch]) -> ObservationBatch:
     """Return the observations of several batches of one as one batch."""
     names = ("stamps", "ranges", "poses", "twists", "goals", "waypoints", "last_commands")
-    arrays = [np.concatenate([getattr(batch, name) for batch in batches]) for name in names]
+    arrays: dict[str, Any] = {name: np.concatenate([getattr(batch, name) for batch in batches]) for name in names}
     offsets = np.cumsum([0, *(len(batch.paths.poses) for batch in batches)])
-    return ObservationBatch(*arrays, PathBatch(np.concatenate([batch.paths.poses for batch in batches]), offsets))
+    return ObservationBatch(**arrays, paths=PathBatch(np.concatenate([batch.paths.poses for batch in batches]), offsets))
 
 
 def transition(robots: int, chosen: slice = ALL, seed: int = 0) -> Transition:
