@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -218,6 +219,9 @@ def check_simulator(simulator: Simulator, body: Robot) -> Facts:
     pair = [simulator.advance(command.repeat(2, axis=0), ticks) for _ in range(20)][-1]
     same = pair.state(1).pose == states[-1].state(0).pose and (pair.sensors(1).scan.ranges == view.scan.ranges).all()
     yield "a world among others gives what it gives alone", bool(same)
+    simulator.reset([replace(problem, speed_share=0.5)])
+    fastest = max(simulator.advance(np.array(((9.0, 0.0, 0.0),)), ticks).state(0).twist.vx for _ in range(10))
+    yield "a robot keeps to the scenario's share of its speed limits", 0.0 < fastest <= 0.5 * body.limits.vx_max + 1e-9
 
 
 def check_reward(reward: Reward, body: Robot) -> Facts:

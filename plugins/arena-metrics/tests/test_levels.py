@@ -44,6 +44,8 @@ def test_report_of_a_staged_run_holds_table_and_figure(run_folder, tmp_path):
     assert ReportCommand().run([str(tmp_path), "--out", str(tmp_path / "out")]) == 0
     page = (tmp_path / "out" / "index.html").read_text()
     assert "<h2>Levels</h2>" in page
+    assert "dwa ended on level 1 (highest 1)." in page
+    assert "teb succeeded in 2 of 3 episodes" in page
     assert 'alt="levels: ' in page
     assert "2 – 3 | 1 | 1 of 2" in (tmp_path / "out" / "tables" / "levels.md").read_text()
     assert (tmp_path / "out" / "figures" / "levels.pdf").exists()

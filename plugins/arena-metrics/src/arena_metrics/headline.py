@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby
 
 import numpy as np
 
 from arena_metrics.cells import Cell, Cells
 from arena_metrics.intervals import Estimate, estimate
+from arena_metrics.levels import Climb, climbs
 from arena_metrics.runs import Column, Row
 from arena_metrics.summary import Over, Summary
 from arena_metrics.tables import decimals, headline_columns, interval_text, mean_text, unit_text
@@ -153,10 +154,25 @@ def _percent(share: float) -> float | None:
 
 
 def answers(summary: Summary) -> list[str]:
-    """Return the sentences that say what came out."""
+    """Return the sentences that say what came out: of staged runs their levels, because all of them succeed about equally often."""
     if all(column.name != "success" for column in summary.columns):
         return []
+    climbed = list(climbs(summary.cells))
+    fixed = [cell for cell in summary.cells.cells if all(climb.cell is not cell for climb in climbed)]
+    return _successes(replace(summary, cells=replace(summary.cells, cells=fixed))) + _levels(summary.cells, climbed)
+
+
+def _levels(cells: Cells, climbed: Sequence[Climb]) -> list[str]:
+    ends = [(cells.name(c.cell), c.episodes[-1].row["stage"], max(e.row["stage"] for e in c.episodes)) for c in climbed]
+    texts = [f"{name} ended on level {last} (highest {highest})" for name, last, highest in ends]
+    more = f"; {len(texts) - SPOKEN} more below" if len(texts) > SPOKEN else ""
+    return [f"{'; '.join(texts[:SPOKEN])}{more}."] if texts else []
+
+
+def _successes(summary: Summary) -> list[str]:
     cells = summary.cells
+    if not cells.cells:
+        return []
     planners = list(dict.fromkeys(cells.planner(cell) for cell in cells.cells))
     if len(cells.cells) == 1:
         return [_single(summary, cells.cells[0])]
