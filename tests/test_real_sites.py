@@ -1,6 +1,7 @@
 """Whole runs on maps and scenarios of real sites."""
 
 import csv
+import json
 from pathlib import Path
 
 import pytest
@@ -22,9 +23,35 @@ def test_a_real_map_can_be_driven_on_among_people(arena, data):
 
 @pytest.mark.slow
 def test_a_scenario_of_another_tool_runs_on_its_map(arena, data):
-    site = data / "maps/arena_bench/small_warehouse/map.yaml"
     scenario = data / "scenarios/small_warehouse_obs05.json"
-    words = ("planner=dwa", "robot=jackal", "world=ros_map", f"world.path={site}", "task=scenario", f"task.path={scenario}", "episodes=1")
-    answer = arena("run", *words, "executor=serial", "report=false", "hydra.run.dir=run")
+    words = ("planner=dwa", "robot=jackal", "world=scenario_map", f"world.maps={data / 'maps'}", "task=scenario", f"task.path={scenario}")
+    answer = arena("run", *words, "episodes=1", "executor=serial", "report=false", "hydra.run.dir=run")
     assert answer.status == 0, answer.errors
     assert (rows()[0]["n_pedestrians"], rows()[0]["error"]) == ("5", "")
+
+
+@pytest.mark.slow
+def test_a_flatland_scenario_runs_in_a_world_from_gazebo(arena):
+    disc = {
+        "start_pos": [3, 3, 0],
+        "waypoints": [[1, 0, 0]],
+        "linear_velocity": 0.3,
+        "obstacle_radius": 0.3,
+        "mode": "yoyo",
+        "triggers": ["w"],
+    }
+    robot = {"start_pos": [1.3, 1.3, 0], "goal_pos": [5, 1.3, 0]}
+    scene = {
+        "scene_name": "hall",
+        "repeats": 1,
+        "robot": robot,
+        "dynamic_obstacles": {"d": disc},
+        "watchers": {"w": {"pos": [3, 1.3], "range": 1}},
+    }
+    Path("scenes.json").write_text(json.dumps({"scenerios": [scene]}))
+    assert arena("world", "generate", "kind=empty", "width=8", "height=8", "out=hall").status == 0
+    assert arena("world", "convert", "hall/map.yaml", "hall.sdf").status == 0
+    words = ("planner=dwa", "robot=jackal", "world=file", "world.path=hall.sdf", "task=scenario", "task.path=scenes.json", "episodes=1")
+    answer = arena("run", *words, "executor=serial", "report=false", "hydra.run.dir=run")
+    assert answer.status == 0, answer.errors
+    assert (rows()[0]["n_pedestrians"], rows()[0]["outcome"]) == ("1", "goal_reached")

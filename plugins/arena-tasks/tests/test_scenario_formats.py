@@ -191,6 +191,12 @@ def test_show_tells_problems_and_people(tmp_path: Path, capsys: pytest.CaptureFi
     assert main(["scenario", "show"]) == 2
 
 
+@pytest.mark.parametrize("name", ["convert", "show"])
+def test_a_subcommand_tells_how_it_is_used(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["scenario", name, "--help"]) == 0
+    assert f"arena scenario {name}" in capsys.readouterr().out
+
+
 SAMPLES: dict[str, Callable[[], dict[str, Any]]] = {
     "ours": lambda: {
         "format": "arena-scenario",

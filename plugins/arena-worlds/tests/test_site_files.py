@@ -1,5 +1,6 @@
 """Worlds go from file to file by their endings, plain pictures among them, and a scenario's map is found by its folder's name."""
 
+import io
 import itertools
 import json
 import shutil
@@ -116,6 +117,30 @@ def test_what_cannot_be_converted_is_said_in_one_line(tmp_path, monkeypatch, cap
     shown = capsys.readouterr().err
     assert said in shown
     assert shown.count("\n") == 1
+
+
+@pytest.mark.parametrize("name", ["convert", "generate"])
+def test_a_subcommand_tells_how_it_is_used(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["world", name, "--help"]) == 0
+    assert f"arena world {name}" in capsys.readouterr().out
+
+
+@given(
+    cuts=st.lists(st.tuples(st.integers(0, 200), st.integers(0, 8), st.binary(max_size=4)), min_size=1, max_size=3),
+    ending=st.sampled_from(["PNG", "BMP", "PPM", "GIF"]),
+)
+@settings(deadline=None)
+def test_a_spoilt_picture_is_read_or_refused_in_one_line(tmp_path_factory: pytest.TempPathFactory, cuts, ending: str) -> None:
+    buffer = io.BytesIO()
+    Image.fromarray(np.arange(60, dtype=np.uint8).reshape(6, 10)).save(buffer, ending)
+    content = buffer.getvalue()
+    for place, length, other in cuts:
+        place %= len(content)
+        content = content[:place] + other + content[place + length :]
+    path = tmp_path_factory.getbasetemp() / "spoilt.png"
+    path.write_bytes(content)
+    said = refusal(lambda file: read_picture(file, 0.1), path)
+    assert said is None or (str(path) in said and "\n" not in said)
 
 
 def test_world_file_needs_a_path() -> None:

@@ -25,6 +25,9 @@ class ConvertCommand(Command):
 
     def run(self, arguments: Sequence[str]) -> int:
         """Write OUT, print its name and say what its format has no place for."""
+        if "-h" in arguments or "--help" in arguments:
+            print(self.help)
+            return 0
         source, target, words = _given(arguments)
         file = read_scenario_file(source, ANYBODY)
         problems = _chosen(file, source, words)

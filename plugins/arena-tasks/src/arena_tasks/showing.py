@@ -26,6 +26,9 @@ class ShowCommand(Command):
 
     def run(self, arguments: Sequence[str]) -> int:
         """Print a table of problems and one of people."""
+        if "-h" in arguments or "--help" in arguments:
+            print(self.help)
+            return 0
         if len(arguments) != 1 or arguments[0].startswith("-"):
             raise ConfigurationError(f"arena scenario show {' '.join(arguments)}; allowed: arena scenario show FILE")
         path = Path(arguments[0])

@@ -28,6 +28,9 @@ class WorldCommand(Command):
         name, *rest = arguments
         if name not in SUBCOMMANDS:
             raise ConfigurationError(f"arena world has no subcommand {name!r} (possible: {', '.join(SUBCOMMANDS)})")
+        if "-h" in rest or "--help" in rest:
+            print(subcommand(name).help)
+            return 0
         return subcommand(name).run(rest)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,8 @@ from PIL import Image
 from arena_core import InputFileError
 from arena_worlds.canvas import LARGEST
 from arena_worlds.map_yaml import MapFile
+
+FORMATS = ("PNG", "PPM", "BMP")  # of all that Pillow could open; PPM is its name for PGM as well
 
 
 def occupancy(file: MapFile) -> NDArray[np.int8]:
@@ -55,12 +58,12 @@ def _shade(colours: NDArray[np.float64], alpha: NDArray[np.float64] | None) -> N
 def _read(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
     """Return colours (H, W, 1 or 3) and alpha (H, W) or None, 0 .. 1, row 0 at the top."""
     try:
-        with Image.open(path) as image:
+        with warnings.catch_warnings(action="error", category=Image.DecompressionBombWarning), Image.open(path, formats=FORMATS) as image:
             if image.width * image.height > LARGEST:
                 raise InputFileError(f"{path}: has {image.width} x {image.height} pixels; allowed: {LARGEST} in all")
             return _channels(image)
     # Pillow raises these, and no common error of its own, for files that are cut off or are no images
-    except (OSError, ValueError, SyntaxError, EOFError, Image.DecompressionBombError) as error:
+    except (OSError, ValueError, SyntaxError, EOFError, Image.DecompressionBombError, Image.DecompressionBombWarning) as error:
         reason = " ".join(str(error).split())
         raise InputFileError(f"{path}: is no image that can be read ({reason}); allowed: PGM, PNG or BMP") from None
 
