@@ -227,15 +227,14 @@ def test_who_talks_and_walks_is_slow_and_has_the_listener_beside(stage, make_mod
     ]
     crowds = list(stage.walk(make_model(), stage.scenario(stage.hall(30, 10), people), 40.0))
     states = np.array([crowd.states[0] for crowd in crowds])
-    talk = np.flatnonzero(states[:, 0] == NAMES.index("talking_and_walking"))
-    end = talk[np.argmax(np.diff(talk, append=1 << 30) > 1)]
-    assert (states[talk[0] : end, 1] == NAMES.index("listening_and_walking")).all()
-    settled = crowds[end - 10]
+    talks, listens = states[:, 0] == NAMES.index("talking_and_walking"), states[:, 1] == NAMES.index("listening_and_walking")
+    assert talks.mean() > 0.8
+    assert (talks != listens).mean() < 0.01  # who listens leaves when the talker stops, and not before
+    settled = crowds[np.argmax(talks) + 180]  # 9 s later, before the shortest talk is over
     assert np.hypot(*settled.velocities[0, 0]) == pytest.approx(0.3, rel=0.05)
     gap = settled.positions[0, 1] - settled.positions[0, 0]
-    assert abs(gap[0]) < 0.2
-    assert abs(gap[1]) == pytest.approx(0.8, abs=0.15)
-    assert NAMES[states[end + 1, 1]] != "listening_and_walking"  # who listens leaves when the talker stops
+    assert abs(gap[0]) < 0.1
+    assert abs(gap[1]) == pytest.approx(0.8, abs=0.1)
 
 
 def test_people_ask_one_guide_at_a_time_and_follow_it_at_a_distance(stage, make_model):
@@ -326,3 +325,50 @@ def test_nobody_stays_in_a_state_longer_than_its_time(stage, make_model):
         assert (measured <= limit + 2 * STEP).all()
     on_the_move = np.isin(states, [NAMES.index("walking"), NAMES.index("running")])
     assert on_the_move[-int(120 / STEP) :].any(axis=0).all()
+
+
+def town(stage):
+    """Return worlds in which everything in the table happens."""
+    chances = {f"{name}_probability": 0.1 for name in ("running", "chatting", "tell_story", "group_talking", "talking_and_walking")}
+    times = {f"{name}_base_time": 3.0 for name in ("talking", "tell_story", "group_talking", "talking_and_walking", "clearing_goal")}
+    hall = stage.hall(16.0, 16.0, resolution=0.1)
+    talkers = [stage.person(k, (3 + k, 4), (13, 4 + k), (3, 12 - k), speed=1.2, **chances, **times) for k in range(8)]
+    service = {"requesting_service_probability": 0.5, "requesting_service_base_time": 4.0, "receiving_service_base_time": 3.0}
+    served = [stage.person(k, (4 + 3 * k, 5), (12, 6), (4, 10), **service) for k in range(3)]
+    server = stage.person(3, (8, 8), (9, 8), (8, 9), type="service_robot")
+    guided = stage.person(0, (4, 4), (12, 4), (4, 4), requesting_guide_probability=0.3, requesting_guide_base_time=2.0)
+    by_robot = stage.person(1, (12, 8), (9, 4), (12, 8), speed=1.2, type="service_robot", respawn=1)
+    leader = {"requesting_follower_probability": 0.3, "requesting_follower_base_time": 2.0, "clearing_goal_base_time": 2.0}
+    led = stage.person(0, (4, 4), (9, 4), (4, 4), **leader)
+    delayed = {"start_up_mode": "wait_timer", "wait_time": 1.0}
+    runners = [stage.person(k, (4 + k, 4), (12, 8), (4, 8), speed=0.8, group="a", **delayed) for k in range(2)]
+    early = [stage.person(k, (4, k), (12, k), (4, k), group=k, running_probability=0.9) for k in (9, 11, 13)]
+    late = [stage.person(20 + k, (7, k), (12, k), (4, k), group=k, spawn_time=3.3) for k in (9, 11, 13)]
+    line = [stage.person(k, (3 + k, 4), (8, 8), (8, 14), queue=1, running_probability=0.9, queue_base_time=2.0) for k in range(3)]
+    zone = stage.person(0, (8, 8), (12, 8), (4, 8), start_up_mode="trigger_zone", trigger_zone_radius=9.0)
+    one_way = [stage.person(k, (3 + k, 6), (12, 6 + 3 * k), group="a") for k in range(2)]
+    curious = stage.person(50, (6, 14.5), (12, 14.5), (3, 14.5), reaction="curious")
+    crowds = (talkers, [*served, server], [guided, by_robot], [led], [*runners, *early, *late, curious], line, [zone], one_way)
+    return [renamed(stage.scenario(hall, crowd), k) for k, crowd in enumerate(crowds)]
+
+
+def test_people_make_every_transition_of_the_table_and_no_other(stage, make_model):
+    model, scenarios = make_model(), town(stage)
+    worlds = len(scenarios)
+    crowd, rows = model.reset(np.arange(worlds), scenarios, worlds), []
+    for tick in range(round(240.0 / STEP)):
+        robots = stage.robots((1.0 + 6.0 * (tick // 400 % 2), 1.0 + 4.0 * (tick // 400 % 2), 0.0), worlds=worlds)
+        crowd = model.step(crowd, robots, np.full(worlds, tick), STEP)
+        rows.append(crowd.states)
+    states = np.array(rows).reshape(len(rows), -1).astype(int)
+    made = {(NAMES[a], NAMES[b]) for a, b in set(zip(states[:-1].ravel().tolist(), states[1:].ravel().tolist(), strict=True)) if a != b}
+    table = state_table()
+    listed = {
+        (name, NAMES[t["to"]]) for name, row in zip(NAMES, table.states, strict=True) for t in table.transitions[row["first"] : row["last"]]
+    }
+    drawn_in = {(free, NAMES[t["calls"]]) for free in ("walking", "running") for t in table.transitions if t["calls"] > 0}
+    assert (listed | drawn_in) - made == set()
+    elsewhere = {pair for pair in made if {"none", "waiting"} & set(pair) or REACTIONS & set(pair)}
+    at_once = {(a, c) for a, b in listed for d, c in listed | drawn_in if b == d == "walking"}
+    assert made - listed - drawn_in - at_once - elsewhere == set()
+    assert {name for pair in made for name in pair} == set(NAMES) - {"shying_from_robot", "blocking_robot"}

@@ -42,7 +42,7 @@ def sum_forces(
     rear = parameters.social_rear_weight
     for pair in range(found):
         i, j = pairs[pair, 0], pairs[pair, 1]
-        if people[i].companion == j or people[j].companion == i:
+        if people[i].party == people[j].party:
             continue
         dx, dy = positions[j, 0] - positions[i, 0], positions[j, 1] - positions[i, 1]
         dvx, dvy = velocities[i, 0] - velocities[j, 0], velocities[i, 1] - velocities[j, 1]

@@ -88,6 +88,9 @@ def check_behaviour(spec: PedestrianSpec) -> None:
         fits, allowed = KEYS[key]
         if not fits(value):
             raise ConfigurationError(f"person {spec.id}: {key} is {value!r}; allowed: {allowed}")
+    place, places = spec.behaviour.get("queue_waypoint", 0), len(spec.waypoints_xy)
+    if "queue" in spec.behaviour and not float(place) < places:
+        raise ConfigurationError(f"person {spec.id}: queue_waypoint is {place}; allowed: 0 .. {places - 1}, the places of its waypoints")
 
 
 def traits_of(spec: PedestrianSpec, defaults: Behaviour, sociable: bool) -> tuple[float, ...]:

@@ -22,6 +22,7 @@ def change(scene: Scene, i: int, row: Any, partner: int) -> None:
     enter(scene, i, row.to, partner)
     if row.calls == 0:
         return
+    scene.people[i].party = i  # and the others' will be this one, too
     if row.needs == LISTENER:
         enter(scene, partner, row.calls, i)
     elif row.needs == COMPANY:
@@ -43,7 +44,8 @@ def enter(scene: Scene, i: int, state: int, partner: int) -> None:
         mind.centre_x, mind.centre_y = person.goal_x, person.goal_y
     if was_queueing and person.waypoints > 0:
         person.wish = NEXT_WAYPOINT
-    mind.partner = person.companion = partner
+    mind.partner = partner
+    person.party = partner if partner >= 0 else i
     scene.states[i] = state
     mind.duration = _duration(scene, i, scene.table[state])
     settle_into(scene, i)
@@ -58,7 +60,7 @@ def leave(scene: Scene, i: int) -> None:
             other = scene.minds[j]
             if other.queue == mind.queue and scene.table[other.state].goal == QUEUE_GOAL and other.place > mind.place:
                 other.place -= 1
-    mind.partner = scene.people[i].companion = NOBODY
+    mind.partner, scene.people[i].party = NOBODY, i
     mind.clock = 0.0
     mind.duration = np.inf
 

@@ -13,7 +13,7 @@ from arena_kernels.ground import Ground, ground_of
 from arena_kernels.neighbours import CELLS_FROM, near_pairs
 from arena_pedsim.acceleration import accelerate, sum_forces
 from arena_pedsim.giving_way import detour
-from arena_pedsim.people import COME, NOTHING
+from arena_pedsim.people import COME, NOTHING, ON_ERRAND
 from arena_pedsim.reactions import notice_robot, turn_to_robot
 from arena_pedsim.states import APPROACHING_ROBOT, NONE, desired_speed, turns_to_robot
 from arena_pedsim.walking import walk
@@ -143,7 +143,7 @@ def _choose_headings(
         else:
             state, hx, hy, to_goal = follow_way(person, state, x, y, radii[i], corners[i], ground, dt, parameters)
             speed = desired_speed(person, state, parameters)
-            if person.errand == 1:
+            if person.errand == ON_ERRAND:
                 speed = min(speed, to_goal / (SLOWING * parameters.relaxation_time))
         if person.gives_way == 1 and state != APPROACHING_ROBOT:
             hx, hy = detour(ground, x, y, hx, hy, to_goal, radii[i], robot, parameters)

@@ -9,7 +9,7 @@ import numpy as np
 from arena_kernels.compiled import compiled
 from arena_pedsim.minds import NOBODY, ROBOT
 from arena_pedsim.needs import BESIDE, QUEUE_GOAL
-from arena_pedsim.people import NEW_ROUTE, NOTHING
+from arena_pedsim.people import BACK_FROM_ERRAND, NEW_ROUTE, NO_ERRAND, NOTHING, ON_ERRAND
 from arena_pedsim.scene import Scene
 from arena_pedsim.state_table import GOALS
 from arena_pedsim.wayfinding import SLOWING
@@ -46,8 +46,8 @@ def send(scene: Scene, i: int, x: float, y: float) -> None:
     """Let somebody go to (x, y), by a route if that is not in sight."""
     person = scene.people[i]
     person.errand_x, person.errand_y = x, y
-    if person.errand == 0:
-        person.errand, person.corner, person.corners, person.lost = 1, 0, 0, 0
+    if person.errand != ON_ERRAND:
+        person.errand, person.corner, person.corners, person.lost = ON_ERRAND, 0, 0, 0
         person.look_clock = np.inf
         person.wish = NOTHING
 
@@ -56,8 +56,8 @@ def send(scene: Scene, i: int, x: float, y: float) -> None:
 def drop_errand(scene: Scene, i: int) -> None:
     """Let somebody go on with the own waypoints."""
     person = scene.people[i]
-    if person.errand == 1:
-        person.errand = 0
+    if person.errand == ON_ERRAND:
+        person.errand = BACK_FROM_ERRAND if person.waypoints > 0 else NO_ERRAND
         if person.wish == NOTHING and person.waypoints > 0:
             person.wish = NEW_ROUTE
 

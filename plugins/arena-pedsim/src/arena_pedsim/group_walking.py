@@ -50,11 +50,13 @@ def _lead(scene: Scene, leader: int, following: Ints) -> None:
     """Let a group follow its leader's waypoints; the next comes when the first of them reaches one."""
     drop_errand(scene, leader)
     head = scene.people[leader]
+    head.party = leader
     member = following[leader]
     while member != NOBODY:
         person = scene.people[member]
         if person.waypoints == head.waypoints:
             person.waypoint = head.waypoint
+        person.party = leader
         send(scene, member, head.goal_x, head.goal_y)
         dx, dy = head.goal_x - scene.positions[member, 0], head.goal_y - scene.positions[member, 1]
         ends = head.respawn != NEVER and head.waypoint == head.waypoints - 1  # who leaves must get there

@@ -11,6 +11,7 @@ from arena_kernels.compiled import compiled
 from arena_kernels.random import uniform
 from arena_pedsim.behaviour import TRAITS
 from arena_pedsim.minds import NOBODY, NOT_MET, ROBOT
+from arena_pedsim.people import NO_ERRAND, ON_ERRAND
 from arena_pedsim.scene import Scene, can_join, gap_between, is_in, robot_gap
 from arena_pedsim.state_table import GOALS, NEEDS, NO_KEY
 
@@ -144,7 +145,7 @@ def _partner_in(scene: Scene, i: int, of: int) -> bool:
 def _reaches_queue(scene: Scene, i: int) -> bool:
     """Tell whether the queue that somebody walks to has its head or its end within reach."""
     mind, person, numbers = scene.minds[i], scene.people[i], scene.numbers
-    if person.waypoint != mind.queue_waypoint or person.errand == 1:
+    if person.waypoint != mind.queue_waypoint or person.errand != NO_ERRAND:
         return False
     behind = numbers.queue_spacing * length_of_queue(scene, mind.queue)
     dx, dy = person.goal_x - scene.positions[i, 0], person.goal_y - scene.positions[i, 1]
@@ -168,7 +169,7 @@ def _has_arrived(scene: Scene, i: int) -> bool:
     person = scene.people[i]
     dx, dy = person.errand_x - scene.positions[i, 0], person.errand_y - scene.positions[i, 1]
     there: bool = sqrt(dx * dx + dy * dy) < scene.numbers.arrival
-    return person.errand == 1 and there
+    return person.errand == ON_ERRAND and there
 
 
 @compiled

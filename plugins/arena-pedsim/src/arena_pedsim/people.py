@@ -10,6 +10,7 @@ from arena_pedsim.parameters import ForceFactors
 NOTHING, NEXT_WAYPOINT, NEW_ROUTE = 0, 1, 2  # what a person wishes of the route planner
 COME, LEAVE = 3, 4  # and of the world
 NEVER, AT_START, AT_RANDOM = 0, 1, 2  # where who has ended the round comes back
+NO_ERRAND, ON_ERRAND, BACK_FROM_ERRAND = 0, 1, 2
 MAX_CORNERS = 24  # of one route; a longer one is planned again on arrival at the last of them
 
 PERSON = np.dtype(
@@ -26,7 +27,7 @@ PERSON = np.dtype(
         ("anchor_x", np.float64),
         ("anchor_y", np.float64),
         ("share", np.float64),  # of the repulsions of others that this person feels
-        ("errand_x", np.float64),  # where to, if ``errand`` is 1, instead of the waypoint
+        ("errand_x", np.float64),  # where to on an errand, instead of the waypoint
         ("errand_y", np.float64),
         ("push_x", np.float64),  # m/s^2, by the own group, if ``pushing`` is 1
         ("push_y", np.float64),
@@ -38,9 +39,9 @@ PERSON = np.dtype(
         ("lost", np.int32),  # 1: there is no way to the waypoint, so the person walks straight at it
         ("waypoint_mode", np.int32),  # 0: in a loop, 1: at random
         ("legs", np.int32),  # number of waypoints walked to so far
-        ("errand", np.int32),
+        ("errand", np.int32),  # NO_ERRAND, ON_ERRAND, or BACK_FROM_ERRAND until the route to the waypoint is there
         ("pushing", np.int32),
-        ("companion", np.int32),  # place in the list of the person who does not push this one, or -1
+        ("party", np.int32),  # number of those who do not push each other at a distance: of two who talk, of a group
         ("gives_way", np.int32),  # 1: sees the robot at all
         ("reaction_state", np.int32),  # in which the person reacts to the robot, NONE when it does no more than give way
         ("mass", np.float64),
@@ -78,7 +79,7 @@ def remember(spec: PedestrianSpec, factors: ForceFactors) -> np.void:
     for place in ("goal", "anchor", "start"):
         person[f"{place}_x"], person[f"{place}_y"] = spec.position_xy
     person["waypoints"] = len(spec.waypoints_xy)
-    person["waypoint"], person["companion"], person["share"] = -1, -1, share
+    person["waypoint"], person["share"] = -1, share
     person["waypoint_mode"] = spec.behaviour.get("waypoint_mode", 0)
     person["wish"] = NEXT_WAYPOINT if len(spec.waypoints_xy) else NOTHING
     return person

@@ -35,6 +35,7 @@ class Society:
             self.minds = np.concatenate((self.minds, more), axis=1)
         minds = self.minds[slot]
         minds[:] = np.zeros(1, MIND)
+        people["party"] = np.arange(len(people))
         groups, queues = _numbered(specs, "group"), _numbered(specs, "queue")
         for i, spec in enumerate(specs):
             state = self._start(spec, int(crowd.states[slot, i]))

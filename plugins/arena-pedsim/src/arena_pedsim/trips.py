@@ -13,7 +13,7 @@ from arena_kernels.random import uniform
 from arena_kernels.route_grid import Rooms, rooms_of
 from arena_kernels.routes import find_corners, nearest_room
 from arena_kernels.sliding import SIGHT, is_visible
-from arena_pedsim.people import NEW_ROUTE, NEXT_WAYPOINT, NOTHING
+from arena_pedsim.people import NEW_ROUTE, NEXT_WAYPOINT, NO_ERRAND, NOTHING, ON_ERRAND
 
 Floats = NDArray[np.float64]
 
@@ -53,10 +53,11 @@ def grant_wishes(
                 person.waypoint = _next_waypoint(person, i)
                 person.anchor_x, person.anchor_y, person.stuck_clock = x, y, 0.0
             person.wish, person.look_clock = NOTHING, 0.0
-            if person.errand == 1:
+            if person.errand == ON_ERRAND:
                 person.goal_x, person.goal_y = person.errand_x, person.errand_y
             else:
                 person.goal_x, person.goal_y = waypoints[world, i, person.waypoint, 0], waypoints[world, i, person.waypoint, 1]
+                person.errand = NO_ERRAND
             person.corner, person.corners, person.lost = 0, 0, 0
             if parameters[0].wayfinding_routing == 0 or _sees_goal(person, x, y, radius, ground, world_rooms):
                 continue

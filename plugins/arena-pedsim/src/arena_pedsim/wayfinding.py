@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from arena_kernels.compiled import compiled
 from arena_kernels.ground import Ground
 from arena_kernels.sliding import LOSING_SIGHT, SIGHT, is_visible
-from arena_pedsim.people import LEAVE, NEVER, NEW_ROUTE, NEXT_WAYPOINT, NOTHING
+from arena_pedsim.people import LEAVE, NEVER, NEW_ROUTE, NEXT_WAYPOINT, NO_ERRAND, NOTHING, ON_ERRAND
 from arena_pedsim.states import SHYING_FROM_ROBOT, STANDING, WALKING, desired_speed, goes_somewhere
 
 AT_CORNER = 0.05  # m, a corner this near gives no direction
@@ -26,10 +26,10 @@ def follow_way(
     """Return the state, the unit vector to walk along and the distance to the goal (inf when a corner comes first); note wishes."""
     if not goes_somewhere(state, parameters):
         return _called_back(person, state, x, y, parameters), 0.0, 0.0, 0.0
-    if person.errand == 1:  # the place may move
+    if person.errand == ON_ERRAND:  # the place may move
         person.goal_x, person.goal_y = person.errand_x, person.errand_y
     to_goal = sqrt((person.goal_x - x) ** 2 + (person.goal_y - y) ** 2)
-    if person.errand == 0:
+    if person.errand == NO_ERRAND:
         if person.corner >= person.corners and to_goal < parameters.wayfinding_waypoint_radius:
             if person.respawn != NEVER and person.waypoint == person.waypoints - 1:
                 person.wish = LEAVE
