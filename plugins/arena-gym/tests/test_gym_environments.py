@@ -1,4 +1,5 @@
 import warnings
+from dataclasses import replace
 
 import gymnasium
 import numpy as np
@@ -98,6 +99,35 @@ def test_arrival_ends_an_episode_with_success():
                 ends.append((info["outcome"], info["success"], reward > 14.0))
                 break
     assert ("goal_reached", True, True) in ends
+
+
+def test_episodes_after_a_new_level_are_of_that_level():
+    envs = NavigationVectorEnv(2, task="staged", overrides=[o for o in SMALL if "pedestrians" not in o] + ["task.random.time_limit=1.0"])
+    assert envs.reset(seed=0)[1]["stage"].tolist() == [0, 0]
+    envs.set_stage(2)
+    for _ in range(10):
+        infos = envs.step(np.full((2, 2), -1.0, np.float32))[4]
+    assert infos["final_info"]["stage"].tolist() == [0, 0]
+    assert infos["stage"].tolist() == [2, 2]
+    with pytest.raises(ConfigurationError, match=r"stage is 7; allowed: 0 \.\. 6"):
+        envs.set_stage(7)
+
+
+def test_people_who_come_later_leave_no_gap_in_observations_and_rewards():
+    env = NavigationEnv(overrides=SMALL, reward="progress")
+    pool = env.batch.parts.pool
+    for index in range(pool.size):
+        problem = pool.problem(index)
+        people = tuple(replace(person, behaviour={"spawn_time": 0.5}) for person in problem.scenario.pedestrians)
+        pool._problems[index] = replace(problem, scenario=replace(problem.scenario, pedestrians=people))
+    observation, _ = env.reset(seed=0)
+    there = []
+    for _ in range(12):
+        there.append(np.isfinite(env.batch.parts.simulator._crowd.positions).any())
+        assert np.isfinite(observation).all()
+        observation, reward, _, _, _ = env.step(np.array((-1.0, 0.0), np.float32))
+        assert np.isfinite(reward)
+    assert there[0] < there[-1]
 
 
 def test_action_that_is_not_finite_is_refused():

@@ -1,3 +1,5 @@
+from functools import cache
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -16,8 +18,16 @@ def fields(encoder, row):
     return dict(zip((field.name for field in encoder.layout()), np.split(row, ends[:-1]), strict=True))
 
 
-def seen(preset, view, command=None, body=None, *overrides):
-    encoder = component("observation_encoder", preset, overrides, robot=body or robot())
+BODIES = {drive: robot(drive) for drive in DRIVES}
+
+
+@cache
+def built(preset, drive="differential", *overrides):
+    return component("observation_encoder", preset, [f"observation_encoder.{o}" for o in overrides], robot=BODIES[drive])
+
+
+def seen(preset, view, command=None, *overrides):
+    encoder = built(preset, "differential", *overrides)
     return fields(encoder, encoder.encode(ObservationBatch.of(view, command or Twist(0.0)))[0])
 
 
@@ -30,15 +40,15 @@ def test_encoders_hold_their_contract(preset, drive):
 
 def test_rosnav_sees_beams_waypoint_and_last_command():
     view, body = observation(waypoint=Pose(0.0, 2.0), goal=Pose(3.0, 0.0)), robot()
-    raw = seen("rosnav", view, Twist(0.3, 0.0, -0.4), body, "observation_encoder.scaled=false")
+    raw = seen("rosnav", view, Twist(0.3, 0.0, -0.4), "scaled=false")
     limit = body.lidar.range_max
     assert raw["ranges"] == pytest.approx(np.minimum(view.scan.ranges, limit))
     assert (raw["rho"], raw["theta"]) == (pytest.approx(2.0), pytest.approx(np.pi / 2))
     assert [raw[name][0] for name in ("last_vx", "last_vy", "last_wz")] == pytest.approx([0.3, 0.0, -0.4])
-    scaled = seen("rosnav", view, Twist(0.3, 0.0, -0.4), body)
+    scaled = seen("rosnav", view, Twist(0.3, 0.0, -0.4))
     assert scaled["ranges"] == pytest.approx(raw["ranges"] / limit)
     assert (scaled["rho"], scaled["theta"]) == (pytest.approx(0.2), pytest.approx(0.5))
-    to_goal = seen("rosnav", view, None, body, "observation_encoder.target=goal")
+    to_goal = seen("rosnav", view, None, "target=goal")
     assert (to_goal["rho"], to_goal["theta"]) == (pytest.approx(0.3), pytest.approx(0.0))
 
 
@@ -46,11 +56,11 @@ def test_sectors_show_the_nearest_beam_and_what_is_close_most():
     body = robot()
     view = observation()
     view.scan.ranges[:] = np.inf
-    far = seen("rosnav_sectors", view, None, body)["closeness"]
+    far = seen("rosnav_sectors", view)["closeness"]
     assert np.ptp(far) == 0.0
     beams = body.lidar.beams
     view.scan.ranges[beams // 2] = body.footprint.radius
-    near = seen("rosnav_sectors", view, None, body)["closeness"]
+    near = seen("rosnav_sectors", view)["closeness"]
     assert np.flatnonzero(near != far).tolist() == [len(near) // 2]
     assert near.max() == pytest.approx(2.0)
 
@@ -62,7 +72,7 @@ def test_sectors_share_all_beams_however_many():
         for beam in range(0, body.lidar.beams, 5):
             view.scan.ranges[:] = 5.0
             view.scan.ranges[beam] = 0.5
-            ranges = seen("gring", view, None, body, f"observation_encoder.sectors={sectors}")["ranges"]
+            ranges = seen("gring", view, None, f"sectors={sectors}")["ranges"]
             assert len(ranges) == min(sectors, body.lidar.beams)
             assert (ranges < ranges.max()).sum() == (1 if sectors > 1 else 0)
 
