@@ -10,11 +10,13 @@ from pathlib import Path
 
 from arena_core import generator, load_registry
 from arena_scenarios import plans
+from arena_scenarios.halls import HALLS, hall
 from arena_scenarios.problems import write_problems
 from arena_scenarios.situations import DENSITIES, SITUATIONS, draw_spaced
 
 VERSION = "1.0.0"
 TITLE = "What a robot meets among people: seven situations and three halls, each in three densities"
+CROWDS = (5, 10, 20)  # people in a hall
 VARIATIONS = 5  # problems a file
 PLANS = {
     "ring": plans.ring(20.0, 9.0, 3.0),
@@ -29,17 +31,31 @@ PLANS = {
 def make(folder: Path) -> None:
     """Write everything below ``folder``."""
     pack = folder / "packs" / "arena"
-    for name, floor in PLANS.items():
+    for name, floor in {**PLANS, **{name: draw() for name, (draw, _) in HALLS.items()}}.items():
         floor.save(pack / "maps", name)
+    _write_situations(pack)
+    _write_halls(pack)
+    words = ["--id", "arena", "--version", VERSION, "--title", TITLE, "--licence", "MIT"]
+    command = load_registry().component("command", "scenario").resolve()()
+    command.run(["pack", str(pack), *words, "--conf", str(folder / "conf"), "--address", "pkg://arena_scenarios/packs/arena"])
+
+
+def _write_situations(pack: Path) -> None:
     for situation, (plan, draw) in SITUATIONS.items():
         for density, number in DENSITIES.items():
             name = f"{situation}_{density}"
             title = f"{(draw.__doc__ or '').rstrip('.')} ({density} density)"
             problems = [draw_spaced(draw, number, generator(variation, name, "pack")) for variation in range(VARIATIONS)]
             write_problems(pack / "scenarios" / f"{name}.json", title, f"../maps/{plan}.yaml", problems)
-    words = ["--id", "arena", "--version", VERSION, "--title", TITLE, "--licence", "MIT"]
-    command = load_registry().component("command", "scenario").resolve()()
-    command.run(["pack", str(pack), *words, "--conf", str(folder / "conf"), "--address", "pkg://arena_scenarios/packs/arena"])
+
+
+def _write_halls(pack: Path) -> None:
+    for hall_name, (draw, routes) in HALLS.items():
+        for people in CROWDS:
+            name = f"{hall_name}_{people:02d}"
+            title = f"{people} people walk about the robot's way ({hall_name})"
+            problems = [hall(draw(), route, people, generator(variation, name, "pack")) for variation, route in enumerate(routes)]
+            write_problems(pack / "scenarios" / f"{name}.json", title, f"../maps/{hall_name}.yaml", problems)
 
 
 if __name__ == "__main__":

@@ -101,13 +101,17 @@ def queue(density: int, random: Random) -> Problem:
 
 
 def draw_spaced(draw: Callable[[int, Random], Problem], density: int, random: Random) -> Problem:
-    """Draw until nobody stands in another or at the robot's start."""
-    while True:
-        problem = draw(density, random)
-        places = np.array([person.position for person in problem.people])
-        gaps = np.hypot(*(places[:, None] - places[None]).transpose(2, 0, 1)) + np.diag(np.full(len(places), np.inf))
-        if gaps.min() >= APART and np.hypot(*(places - problem.start).T).min() >= KEEP_OFF:
-            return problem
+    """Draw until people are spaced."""
+    while not spaced(problem := draw(density, random)):
+        pass
+    return problem
+
+
+def spaced(problem: Problem) -> bool:
+    """Tell whether nobody stands in another or at the robot's start."""
+    places = np.array([person.position for person in problem.people])
+    gaps = np.hypot(*(places[:, None] - places[None]).transpose(2, 0, 1)) + np.diag(np.full(len(places), np.inf))
+    return bool(gaps.min() >= APART and np.hypot(*(places - problem.start).T).min() >= KEEP_OFF)
 
 
 SITUATIONS: dict[str, tuple[str, Callable[[int, Random], Problem]]] = {  # by name: the floor plan, and who is there
