@@ -19,6 +19,7 @@ from arena_scenarios.situations import APART, KEEP_OFF
 PACKAGE = Path(str(files("arena_scenarios")))
 REGISTRY = load_registry()
 NAMES = sorted(name for name in option_files("scenario", REGISTRY.manager) if name.startswith("arena/"))
+NEAR = "metrics.si.encounter_distance=1.5"
 ROBOTS = ("turtlebot3", "jackal", "robotino")
 
 

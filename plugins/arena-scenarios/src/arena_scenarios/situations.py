@@ -24,9 +24,9 @@ def crossing(density: int, random: Random) -> Problem:
         x = 5.0 * (number % 3 + 1) + float(random.uniform(-0.7, 0.7))
         upwards = (number // 3 + number % 3) % 2 == 0
         ends = ((x, 1.8), (x, 9.7)) if upwards else ((x, 9.7), (x, 1.8))
-        share = float(random.uniform(0.0, 0.25)) + 0.3 * (number // 6)
+        share = float(random.uniform(0.06, 0.2)) + 0.3 * (number // 6)
         position = (x, ends[0][1] + share * (ends[1][1] - ends[0][1]))
-        people.append(Person(position, (ends[1], ends[0]), float(random.uniform(0.4, 0.9)), _waits(number % 3 != 0 and number < 6, 4.0)))
+        people.append(Person(position, (ends[1], ends[0]), float(random.uniform(0.5, 0.9)), _waits(number % 3 != 0 and number < 6, 6.0)))
     return Problem((1.5, 5.75), (18.5, 5.75), 0.0, tuple(people))
 
 
