@@ -175,7 +175,7 @@ def test_automaton_keeps_clumps_and_clears_single_cells() -> None:
         (
             "outdoor",
             ("obstacles=300", "obstacle_size=3"),
-            r"world outdoor: no free space for the robot \(.*\d% of the hall\); allowed: from least_share, 30%, on",
+            r"world outdoor: no free space for the robot \(.*\d% of the hall\); allowed: least_share, 30%, or more",
         ),
         ("rooms", ("door_width=0.5",), r"world\.door_width is 0\.5: no free space for the robot"),
         ("rooms", ("least_side=1",), r"world\.least_side is 1; allowed: from a door and its posts on, 1\.45 m"),

@@ -117,7 +117,7 @@ def _grid(source: Generated, random: np.random.Generator) -> OccupancyGrid:
     if not free.any() or free.mean() < source.least_share:
         raise Misdrawn(
             f"world {source.kind}: no free space for the robot (robot_radius {source.robot_radius:g} m, difficulty {source.difficulty:g}: "
-            f"{free.mean():.0%} of the hall); allowed: from least_share, {source.least_share:.0%}, on"
+            f"{free.mean():.0%} of the hall); allowed: least_share, {source.least_share:.0%}, or more"
         )
     canvas.inside = np.where(free, np.int8(FREE), np.int8(OCCUPIED))
     return canvas.grid()
