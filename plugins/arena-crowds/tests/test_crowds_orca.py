@@ -46,6 +46,27 @@ def test_people_reach_their_waypoints_round_walls(stage, orca):
     assert np.hypot(*np.diff(positions, axis=0).T).sum() < 21.0
 
 
+def test_who_is_pushed_out_of_sight_of_the_way_finds_back(stage, orca):
+    hall = stage.hall(12, 8, [(4.0, 0.0, 6.0, 5.0)])
+    crowd = orca.reset(np.zeros(1, np.int64), [stage.scenario(hall, [stage.person(0, (2, 1), (8, 1))])], 1)
+    for tick in range(500):
+        if tick == 145:  # just round the second corner, on the way down
+            assert crowd.positions[0, 0, 0] > 5.8
+            crowd.positions[0, 0] = (3.5, 4.0)
+        crowd = orca.step(crowd, stage.robots(), np.full(1, tick), 0.05)
+    assert np.hypot(*(crowd.positions[0, 0] - (8, 1))) < 0.6
+
+
+def test_who_is_pushed_away_from_the_only_waypoint_walks_back(stage, orca):
+    crowd = orca.reset(np.zeros(1, np.int64), [stage.scenario(stage.hall(12, 8), [stage.person(0, (2, 1), (6, 1))])], 1)
+    for tick in range(300):
+        if tick == 120:
+            assert crowd.states[0, 0] == 1
+            crowd.positions[0, 0] = (9.0, 6.0)
+        crowd = orca.step(crowd, stage.robots(), np.full(1, tick), 0.05)
+    assert np.hypot(*(crowd.positions[0, 0] - (6, 1))) < 0.6
+
+
 def test_bodies_hardly_overlap_in_a_crowd(stage, orca):
     scenario = stage.crowded(stage.hall(20, 20), 60, 5)
     gaps = []

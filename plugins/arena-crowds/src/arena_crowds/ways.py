@@ -19,6 +19,7 @@ from arena_kernels.sliding import LOSING_SIGHT, SIGHT, is_visible
 Floats = NDArray[np.float64]
 
 LEAVING = 2.0  # who stands at the only waypoint walks back when this many waypoint radii away
+BACK = 3.0  # m, who lost sight of the way goes back to a corner this near
 AT_CORNER = 0.05  # m, a corner this near gives no direction
 
 
@@ -31,7 +32,7 @@ def follow(
     if state == STANDING:
         if walker.waypoints == 0 or to_goal < LEAVING * rules.waypoint_radius:
             return STANDING, 0.0, 0.0, 0.0
-        walker.wish = NEW_ROUTE
+        walker.wish, walker.corner, walker.corners = NEW_ROUTE, 0, 0
     if walker.corner >= walker.corners and to_goal < rules.waypoint_radius:
         if walker.waypoints == 1:
             return STANDING, 0.0, 0.0, 0.0
@@ -106,12 +107,27 @@ def grant_wishes(
             if walker.wish == NOTHING:
                 continue
             x, y = positions[world, i, 0], positions[world, i, 1]
+            if walker.wish == NEW_ROUTE and _finds_back(walker, x, y, radii[world, i], corners[world, i], ground):
+                walker.wish = NOTHING
+                continue
             if walker.wish == NEXT_WAYPOINT:
                 walker.waypoint = (walker.waypoint + 1) % walker.waypoints
                 walker.anchor_x, walker.anchor_y, walker.stuck_clock = x, y, 0.0
             walker.goal_x, walker.goal_y = waypoints[world, i, walker.waypoint, 0], waypoints[world, i, walker.waypoint, 1]
             walker.wish, walker.look_clock, walker.corner = NOTHING, 0.0, 0
             walker.corners = _route(walker, x, y, radii[world, i], corners[world, i], ground, world_rooms, nodes)
+
+
+@compiled
+def _finds_back(walker: Any, x: float, y: float, radius: float, corners: Floats, ground: Ground) -> bool:
+    """Turn to the corner just passed if that is near and in sight: who was pushed aside needs no search."""
+    if walker.corner == 0:
+        return False
+    corner_x, corner_y = corners[walker.corner - 1, 0], corners[walker.corner - 1, 1]
+    if sqrt((corner_x - x) ** 2 + (corner_y - y) ** 2) > BACK or not is_visible(ground, x, y, corner_x, corner_y, SIGHT * radius):
+        return False
+    walker.corner -= 1
+    return True
 
 
 @compiled
