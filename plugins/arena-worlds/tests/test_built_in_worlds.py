@@ -99,7 +99,7 @@ def test_racks_differ_so_that_aisles_can_be_told_apart() -> None:
 
 
 @EXACT
-@given(st.floats(6.0, 30.0), st.floats(8.0, 30.0), st.floats(1.0, 2.5), st.floats(0.5, 1.5))
+@given(st.floats(6.6, 30.0), st.floats(8.4, 30.0), st.floats(1.0, 2.5), st.floats(0.5, 1.5))
 def test_aisles_are_never_narrower_than_asked(width: float, height: float, aisle: float, depth: float) -> None:
     bay = min(0.15, depth / 3)
     grid = make("warehouse", width=width, height=height, aisle_width=aisle, rack_depth=depth, bay_recess=bay, open_places=0, resolution=0.1)
