@@ -179,6 +179,7 @@ def test_automaton_keeps_clumps_and_clears_single_cells() -> None:
         ),
         ("rooms", ("door_width=0.5",), r"world\.door_width is 0\.5: no free space for the robot"),
         ("rooms", ("least_side=1",), r"world\.least_side is 1; allowed: from a door and its posts on, 1\.45 m"),
+        ("rooms", ("furniture=1000000000",), r"world\.furniture is 1000000000; allowed: .*10000"),
         ("rooms", ("rooms=60",), r"world\.rooms is 60; allowed: as many as fit with least_side 2\.4 m"),
         ("cellular", ("cell=0.01",), r"world\.cell is 0\.01; allowed: "),
         ("cellular", ("fill=0.6",), r"no free space for the robot"),

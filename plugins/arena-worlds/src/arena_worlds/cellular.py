@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from arena_core import FREE, OCCUPIED, ConfigurationError, Fraction, NonNegativeInt, Positive
+from arena_core import FREE, OCCUPIED, ConfigurationError, Fraction, Positive
 from arena_worlds.canvas import Canvas
-from arena_worlds.generated import Generated, Span
+from arena_worlds.generated import Count, Generated, Span
 
 NEIGHBOURS = np.array(((1, 1, 1), (1, 0, 1), (1, 1, 1)), np.uint8)
 FILL_ABOVE, CLEAR_BELOW = 4, 2  # of 8 neighbours (Perille et al.)
@@ -30,7 +30,7 @@ class Cellular(Generated):
     """Cells of ``cell`` m, a share ``fill`` of them filled at random, then ``smoothing`` steps of the automaton."""
 
     cell: Positive
-    smoothing: NonNegativeInt
+    smoothing: Count
     fill: Fraction | None
     by_difficulty: CellularByDifficulty
 

@@ -4,13 +4,14 @@
 from abc import abstractmethod
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import ClassVar, Self
+from typing import Annotated, ClassVar, Self
 
 import numpy as np
 
 from arena_core import (
     FREE,
     OCCUPIED,
+    Bounds,
     ConfigurationError,
     Fraction,
     NonNegative,
@@ -24,6 +25,9 @@ from arena_core import (
 )
 from arena_worlds.canvas import Canvas
 from arena_worlds.reachable import keep_reachable
+
+Count = Annotated[int, Bounds(low=0, high=10_000)]  # of things in a world: a slip of the pen is an error, not an endless wait
+SomeCount = Annotated[int, Bounds(low=1, high=10_000)]
 
 
 class Misdrawn(ConfigurationError):

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from arena_core import FREE, OCCUPIED, ConfigurationError, Positive, PositiveInt
+from arena_core import FREE, OCCUPIED, ConfigurationError, Positive
 from arena_worlds.canvas import WALL_CELLS, Canvas
-from arena_worlds.generated import Generated, Span
+from arena_worlds.generated import Generated, SomeCount, Span
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +28,7 @@ class Indoor(Generated):
     """Corridors of ``corridor_width`` m grown in ``iterations`` steps from the middle of a solid hall."""
 
     corridor_width: Positive | None
-    iterations: PositiveInt | None
+    iterations: SomeCount | None
     by_difficulty: IndoorByDifficulty
 
     kind = "indoor"

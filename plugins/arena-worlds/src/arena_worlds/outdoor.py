@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from arena_core import ConfigurationError, NonNegativeInt, Positive
+from arena_core import ConfigurationError, Positive
 from arena_worlds.canvas import Canvas
-from arena_worlds.generated import Generated, Span
+from arena_worlds.generated import Count, Generated, Span
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +25,7 @@ class OutdoorByDifficulty:
 class Outdoor(Generated):
     """``obstacles`` squares of ``obstacle_size`` m at random places; they may overlap."""
 
-    obstacles: NonNegativeInt | None
+    obstacles: Count | None
     obstacle_size: Positive | None
     by_difficulty: OutdoorByDifficulty
 

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from arena_core import FREE, ConfigurationError, Fraction, NonNegativeInt, Positive, PositiveInt
+from arena_core import FREE, ConfigurationError, Fraction, Positive
 from arena_worlds.canvas import WALL_CELLS, Canvas
 from arena_worlds.floor_plan import Room, choose_doors, part
 from arena_worlds.furniture import Furnisher
-from arena_worlds.generated import Generated, Misdrawn, Span
+from arena_worlds.generated import Count, Generated, Misdrawn, SomeCount, Span
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,10 +32,10 @@ class Rooms(Generated):
     """
 
     least_side: Positive
-    rooms: PositiveInt | None
+    rooms: SomeCount | None
     door_width: Positive | None
     loops: Fraction | None
-    furniture: NonNegativeInt | None
+    furniture: Count | None
     furniture_size: Positive | None
     by_difficulty: RoomsByDifficulty
 
