@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from arena_kernels.compiled import compiled
+from arena_kernels.compiled import inner
 from arena_pedsim.minds import NOBODY
 from arena_pedsim.needs import COMPANY, LENGTH, LISTENER, QUEUE_GOAL, TALKING_DISTANCE, length_of_queue, random_of
 from arena_pedsim.people import NEXT_WAYPOINT
@@ -16,7 +16,7 @@ from arena_pedsim.state_table import NO_KEY
 from arena_pedsim.states import STANDING, WALKING
 
 
-@compiled
+@inner
 def change(scene: Scene, i: int, row: Any, partner: int) -> None:
     """Make a transition: leave the old state, enter the new, and draw those in who are called."""
     enter(scene, i, row.to, partner)
@@ -31,7 +31,7 @@ def change(scene: Scene, i: int, row: Any, partner: int) -> None:
                 enter(scene, j, row.calls, i)
 
 
-@compiled
+@inner
 def enter(scene: Scene, i: int, state: int, partner: int) -> None:
     """Put somebody in a state; who would walk but has no waypoint stands."""
     person, mind = scene.people[i], scene.minds[i]
@@ -51,7 +51,7 @@ def enter(scene: Scene, i: int, state: int, partner: int) -> None:
     settle_into(scene, i)
 
 
-@compiled
+@inner
 def leave(scene: Scene, i: int) -> None:
     """Take somebody out of the state that the mind remembers: in a queue, those behind move up."""
     mind = scene.minds[i]
@@ -65,7 +65,7 @@ def leave(scene: Scene, i: int) -> None:
     mind.duration = np.inf
 
 
-@compiled
+@inner
 def settle_into(scene: Scene, i: int) -> None:
     """Give somebody the speed and the sensitivity to others of the present state."""
     person, mind, state = scene.people[i], scene.minds[i], scene.table[scene.states[i]]
@@ -75,7 +75,7 @@ def settle_into(scene: Scene, i: int) -> None:
     person.anchor_x, person.anchor_y, person.stuck_clock = scene.positions[i, 0], scene.positions[i, 1], 0.0
 
 
-@compiled
+@inner
 def take_note(scene: Scene) -> None:
     """Follow changes of state that were made elsewhere: on arrival at an only waypoint, on coming and going."""
     for i in range(len(scene.states)):
@@ -84,7 +84,7 @@ def take_note(scene: Scene) -> None:
             settle_into(scene, i)
 
 
-@compiled
+@inner
 def _duration(scene: Scene, i: int, state: Any) -> float:
     """Return how long somebody will stay in a state, s."""
     if state.base_time == NO_KEY:

@@ -6,7 +6,7 @@ from math import atan2, cos, pi, sin, sqrt
 
 import numpy as np
 
-from arena_kernels.compiled import compiled
+from arena_kernels.compiled import inner
 from arena_pedsim.minds import NOBODY, ROBOT
 from arena_pedsim.needs import BESIDE, QUEUE_GOAL
 from arena_pedsim.people import BACK_FROM_ERRAND, NEW_ROUTE, NO_ERRAND, NOTHING, ON_ERRAND
@@ -19,7 +19,7 @@ NEAR, ROBOT_GOAL, GROUP = (GOALS.index(name) for name in ("near", "robot_goal", 
 STILL = 0.1  # share of the own speed; who is slower walks in no direction
 
 
-@compiled
+@inner
 def set_errands(scene: Scene) -> None:
     """Write where everybody goes; members of groups are sent elsewhere."""
     _count_company(scene)
@@ -41,7 +41,7 @@ def set_errands(scene: Scene) -> None:
             _stand_in_line(scene, i)
 
 
-@compiled
+@inner
 def send(scene: Scene, i: int, x: float, y: float) -> None:
     """Let somebody go to (x, y), by a route if that is not in sight."""
     person = scene.people[i]
@@ -52,7 +52,7 @@ def send(scene: Scene, i: int, x: float, y: float) -> None:
         person.wish = NOTHING
 
 
-@compiled
+@inner
 def drop_errand(scene: Scene, i: int) -> None:
     """Let somebody go on with the own waypoints."""
     person = scene.people[i]
@@ -62,7 +62,7 @@ def drop_errand(scene: Scene, i: int) -> None:
             person.wish = NEW_ROUTE
 
 
-@compiled
+@inner
 def _count_company(scene: Scene) -> None:
     """Count who stands in each circle: a story's teller in the middle does not."""
     for i in range(len(scene.states)):
@@ -73,7 +73,7 @@ def _count_company(scene: Scene) -> None:
             scene.minds[i if partner == NOBODY else partner].company += 1
 
 
-@compiled
+@inner
 def _join_circle(scene: Scene, i: int, host: int) -> None:
     """Send somebody to the circle around where the host began to talk, half-way between the neighbours."""
     mind, numbers = scene.minds[host], scene.numbers
@@ -88,7 +88,7 @@ def _join_circle(scene: Scene, i: int, host: int) -> None:
     send(scene, i, mind.centre_x + radius * cos(angle), mind.centre_y + radius * sin(angle))
 
 
-@compiled
+@inner
 def _keep_from(scene: Scene, i: int, x: float, y: float, distance: float) -> None:
     """Send somebody to the nearest place at this distance from (x, y)."""
     dx, dy = scene.positions[i, 0] - x, scene.positions[i, 1] - y
@@ -97,7 +97,7 @@ def _keep_from(scene: Scene, i: int, x: float, y: float, distance: float) -> Non
     send(scene, i, x + distance * ux, y + distance * uy)
 
 
-@compiled
+@inner
 def _walk_beside(scene: Scene, i: int, partner: int, distance: float) -> None:
     """Send somebody to the partner's side, the one where he or she is; near a partner who stands."""
     x, y = scene.positions[partner, 0], scene.positions[partner, 1]
@@ -112,7 +112,7 @@ def _walk_beside(scene: Scene, i: int, partner: int, distance: float) -> None:
     send(scene, i, x - side * vy + lead * vx, y + side * vx + lead * vy)
 
 
-@compiled
+@inner
 def _stand_in_line(scene: Scene, i: int) -> None:
     """Send somebody to the own place in the queue."""
     mind = scene.minds[i]

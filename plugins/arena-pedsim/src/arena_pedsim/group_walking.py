@@ -8,16 +8,14 @@ from __future__ import annotations
 
 from math import acos, sqrt
 
-import numpy as np
-
-from arena_kernels.compiled import compiled
+from arena_kernels.compiled import inner
 from arena_pedsim.errands import GROUP, WAYPOINT, drop_errand, send
 from arena_pedsim.minds import NOBODY
 from arena_pedsim.people import NEVER, NEXT_WAYPOINT
 from arena_pedsim.scene import Ints, Scene, gap_between
 
 
-@compiled
+@inner
 def count_members(scene: Scene) -> None:
     """Count the members of each group who are on the move."""
     for i in range(len(scene.states)):
@@ -28,11 +26,12 @@ def count_members(scene: Scene) -> None:
             scene.members[group] += 1
 
 
-@compiled
+@inner
 def walk_in_groups(scene: Scene) -> None:
     """Send each group where its first member goes, and write the forces between its members."""
-    people = len(scene.states)
-    first, following = np.full(people, NOBODY, np.int32), np.full(people, NOBODY, np.int32)
+    people, first, following = len(scene.states), scene.first, scene.following
+    for i in range(people):
+        first[i], following[i] = NOBODY, NOBODY
     for i in range(people - 1, -1, -1):
         scene.people[i].pushing = 0
         group = scene.minds[i].group
@@ -45,7 +44,7 @@ def walk_in_groups(scene: Scene) -> None:
             _keep_shape(scene, first[group], following)
 
 
-@compiled
+@inner
 def _lead(scene: Scene, leader: int, following: Ints) -> None:
     """Let a group follow its leader's waypoints; the next comes when the first of them reaches one."""
     drop_errand(scene, leader)
@@ -65,7 +64,7 @@ def _lead(scene: Scene, leader: int, following: Ints) -> None:
         member = following[member]
 
 
-@compiled
+@inner
 def _keep_shape(scene: Scene, leader: int, following: Ints) -> None:
     """Write the three forces on each member of a group."""
     number, x, y = 0, 0.0, 0.0
@@ -83,7 +82,7 @@ def _keep_shape(scene: Scene, leader: int, following: Ints) -> None:
         member = following[member]
 
 
-@compiled
+@inner
 def _gaze(scene: Scene, i: int, x: float, y: float) -> tuple[float, float]:
     """Return the braking of who must turn the head to see the group's centre: -beta_1 alpha V."""
     dx, dy = x - scene.positions[i, 0], y - scene.positions[i, 1]
@@ -96,7 +95,7 @@ def _gaze(scene: Scene, i: int, x: float, y: float) -> tuple[float, float]:
     return -brake * vx, -brake * vy
 
 
-@compiled
+@inner
 def _coherence(scene: Scene, i: int, x: float, y: float, number: int) -> tuple[float, float]:
     """Return the pull towards a centre that is farther than (N - 1) / 2 m: beta_2 U."""
     dx, dy = x - scene.positions[i, 0], y - scene.positions[i, 1]
@@ -107,7 +106,7 @@ def _coherence(scene: Scene, i: int, x: float, y: float, number: int) -> tuple[f
     return pull * dx, pull * dy
 
 
-@compiled
+@inner
 def _repulsion(scene: Scene, i: int, leader: int, following: Ints) -> tuple[float, float]:
     """Return the push of members nearer than a body and some air: beta_3 W each."""
     x, y = 0.0, 0.0

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from arena_kernels.compiled import compiled
+from arena_kernels.compiled import inner
 from arena_kernels.random import uniform
 from arena_pedsim.behaviour import TRAITS
 from arena_pedsim.minds import NOBODY, NOT_MET, ROBOT
@@ -27,7 +27,7 @@ ZONE_X, ZONE_Y, ZONE_RADIUS = (TRAITS.index(f"trigger_zone_{name}") for name in 
 QUEUE_GOAL, BESIDE = GOALS.index("queue"), GOALS.index("beside")
 
 
-@compiled
+@inner
 def next_transition(scene: Scene, i: int, chances: bool) -> tuple[int, int]:
     """Return the first transition that holds for somebody, and with whom; (-1, NOBODY) if none does."""
     state, mind = scene.table[scene.states[i]], scene.minds[i]
@@ -41,19 +41,19 @@ def next_transition(scene: Scene, i: int, chances: bool) -> tuple[int, int]:
     return -1, NOBODY
 
 
-@compiled
+@inner
 def draws(scene: Scene, i: int, draw: int, chance: float) -> bool:
     """Tell whether something of this chance happens now."""
     return chance > 0.0 and random_of(scene, i, draw) < chance
 
 
-@compiled
+@inner
 def random_of(scene: Scene, i: int, draw: int) -> float:
     """Return a number in [0, 1) of somebody's own."""
     return uniform(scene.world.key, scene.tick, i * DRAWS + draw)
 
 
-@compiled
+@inner
 def partner_for(scene: Scene, i: int, row: Any) -> int:
     """Return with whom a transition would be made (NOBODY if with nobody), NOT_MET if it cannot be made now."""
     needs, mind = row.needs, scene.minds[i]
@@ -78,14 +78,14 @@ def partner_for(scene: Scene, i: int, row: Any) -> int:
     return _helper(scene, i, row)
 
 
-@compiled
+@inner
 def _robot_in_zone(scene: Scene, mind: Any) -> bool:
     """Tell whether the robot is in the zone that somebody waits for it to enter."""
     dx, dy = scene.robot_x - mind.traits[ZONE_X], scene.robot_y - mind.traits[ZONE_Y]
     return sqrt(dx * dx + dy * dy) < mind.traits[ZONE_RADIUS]  # type: ignore[no-any-return]
 
 
-@compiled
+@inner
 def _helper(scene: Scene, i: int, row: Any) -> int:
     """Return who serves or guides, or whom to serve."""
     needs, mind, numbers = row.needs, scene.minds[i], scene.numbers
@@ -102,7 +102,7 @@ def _helper(scene: Scene, i: int, row: Any) -> int:
     return NOT_MET
 
 
-@compiled
+@inner
 def _listener(scene: Scene, i: int, reach: float) -> int:
     """Return somebody at random among those who can join, NOT_MET if nobody can."""
     number = 0
@@ -119,7 +119,7 @@ def _listener(scene: Scene, i: int, reach: float) -> int:
     return NOT_MET
 
 
-@compiled
+@inner
 def _has_company(scene: Scene, i: int, reach: float, of: int) -> bool:
     """Tell whether enough people can join, and nobody near is in these states already."""
     number = 0
@@ -131,7 +131,7 @@ def _has_company(scene: Scene, i: int, reach: float, of: int) -> bool:
     return enough
 
 
-@compiled
+@inner
 def _partner_in(scene: Scene, i: int, of: int) -> bool:
     """Tell whether the partner is in one of these states; one who speaks to one person only, must speak to this one."""
     partner = scene.minds[i].partner
@@ -141,7 +141,7 @@ def _partner_in(scene: Scene, i: int, of: int) -> bool:
     return meant
 
 
-@compiled
+@inner
 def _reaches_queue(scene: Scene, i: int) -> bool:
     """Tell whether the queue that somebody walks to has its head or its end within reach."""
     mind, person, numbers = scene.minds[i], scene.people[i], scene.numbers
@@ -154,7 +154,7 @@ def _reaches_queue(scene: Scene, i: int) -> bool:
     return near
 
 
-@compiled
+@inner
 def length_of_queue(scene: Scene, queue: int) -> int:
     """Return how many stand in a queue."""
     number = 0
@@ -163,7 +163,7 @@ def length_of_queue(scene: Scene, queue: int) -> int:
     return number
 
 
-@compiled
+@inner
 def _has_arrived(scene: Scene, i: int) -> bool:
     """Tell whether somebody is at the place to go to."""
     person = scene.people[i]
@@ -172,7 +172,7 @@ def _has_arrived(scene: Scene, i: int) -> bool:
     return person.errand == ON_ERRAND and there
 
 
-@compiled
+@inner
 def _is_alone(scene: Scene, i: int, of: int) -> bool:
     """Tell whether nobody else in the world is in these states."""
     others = 0
@@ -181,7 +181,7 @@ def _is_alone(scene: Scene, i: int, of: int) -> bool:
     return others == 0
 
 
-@compiled
+@inner
 def _server(scene: Scene, i: int, reach: float) -> int:
     """Return the first service robot within ``reach`` m."""
     for j in range(len(scene.states)):
@@ -190,7 +190,7 @@ def _server(scene: Scene, i: int, reach: float) -> int:
     return NOT_MET
 
 
-@compiled
+@inner
 def _nearest_in(scene: Scene, i: int, of: int, reach: float) -> int:
     """Return the nearest person in these states within ``reach`` m."""
     nearest, found = reach, NOT_MET

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_kernels.compiled import compiled
+from arena_kernels.compiled import inner
 from arena_kernels.ground import Ground
 from arena_kernels.sliding import is_visible
 
@@ -19,7 +19,8 @@ SIGHT_LINE = 0.05  # m free on both sides of a line of sight
 
 
 class Scene(NamedTuple):
-    """The P people of a world and where they are, m and m/s; ``members`` (P,) counts those of each group who are on the move.
+    """The P people of a world and where they are, m and m/s; ``members`` (P,) counts those of each group who are on the move,
+    ``first`` (P,) is the first of each group and ``following`` (P,) who comes after somebody in the same group, or NOBODY.
 
     ``states``, ``people`` and ``minds`` are written to. ``table``, ``transitions`` and ``numbers`` are those of the StateTable.
     """
@@ -31,6 +32,8 @@ class Scene(NamedTuple):
     people: NDArray[np.void]
     minds: NDArray[np.void]
     members: Ints
+    first: Ints
+    following: Ints
     world: Any
     tick: int
     robot_x: float
@@ -42,21 +45,21 @@ class Scene(NamedTuple):
     parameters: Any
 
 
-@compiled
+@inner
 def gap_between(scene: Scene, i: int, j: int) -> float:
     """Return the distance of two people's centres, m; NaN if one is not there."""
     dx, dy = scene.positions[j, 0] - scene.positions[i, 0], scene.positions[j, 1] - scene.positions[i, 1]
     return sqrt(dx * dx + dy * dy)
 
 
-@compiled
+@inner
 def robot_gap(scene: Scene, i: int) -> float:
     """Return the distance of somebody's centre from the robot's, m."""
     dx, dy = scene.robot_x - scene.positions[i, 0], scene.robot_y - scene.positions[i, 1]
     return sqrt(dx * dx + dy * dy)
 
 
-@compiled
+@inner
 def can_join(scene: Scene, i: int, j: int, reach: float) -> bool:
     """Tell whether ``j`` is free for a talk, within ``reach`` m of ``i`` and in sight."""
     if i == j or scene.table[scene.states[j]].free == 0 or scene.people[j].sociable == 0 or not gap_between(scene, i, j) < reach:
@@ -65,7 +68,7 @@ def can_join(scene: Scene, i: int, j: int, reach: float) -> bool:
     return is_visible(scene.ground, x, y, scene.positions[j, 0], scene.positions[j, 1], SIGHT_LINE)
 
 
-@compiled
+@inner
 def is_in(state: int, of: int) -> bool:
     """Tell whether a state is among those whose bits are set."""
     return (of >> state) & 1 == 1

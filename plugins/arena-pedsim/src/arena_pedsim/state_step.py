@@ -40,7 +40,7 @@ def step_states(
     parameters: NDArray[np.void],
 ) -> None:
     """Let ``dt`` s pass for what people are doing, in place, and say where each of them goes."""
-    members = np.zeros(positions.shape[1], np.int32)
+    members, first, following = np.zeros((3, positions.shape[1]), np.int32)
     for world in range(len(counts)):
         n = counts[world]
         if worlds[world].lively == 0 or n == 0:
@@ -53,6 +53,8 @@ def step_states(
             people[world],
             minds[world],
             members[:n],
+            first[:n],
+            following[:n],
             worlds[world],
             ticks[world],
             robot_poses[world, 0],
