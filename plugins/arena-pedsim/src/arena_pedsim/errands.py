@@ -22,7 +22,7 @@ STILL = 0.1  # share of the own speed; who is slower walks in no direction
 @inner
 def set_errands(scene: Scene) -> None:
     """Write where everybody goes; members of groups are sent elsewhere."""
-    _count_company(scene)
+    _form_circles(scene)
     for i in range(len(scene.states)):
         state, partner = scene.table[scene.states[i]], scene.minds[i].partner
         if state.goal == WAYPOINT:
@@ -44,9 +44,11 @@ def set_errands(scene: Scene) -> None:
 @inner
 def send(scene: Scene, i: int, x: float, y: float) -> None:
     """Let somebody go to (x, y), by a route if that is not in sight."""
-    person = scene.people[i]
+    person, mind = scene.people[i], scene.minds[i]
     person.errand_x, person.errand_y = x, y
     if person.errand != ON_ERRAND:
+        person.kept = 1 if person.errand == NO_ERRAND and person.wish == NOTHING and person.lost == 0 else 0
+        mind.way_x, mind.way_y, mind.way_corner, mind.way_corners = person.goal_x, person.goal_y, person.corner, person.corners
         person.errand, person.corner, person.corners, person.lost = ON_ERRAND, 0, 0, 0
         person.look_clock = np.inf
         person.wish = NOTHING
@@ -54,23 +56,31 @@ def send(scene: Scene, i: int, x: float, y: float) -> None:
 
 @inner
 def drop_errand(scene: Scene, i: int) -> None:
-    """Let somebody go on with the own waypoints."""
-    person = scene.people[i]
-    if person.errand == ON_ERRAND:
+    """Let somebody go on with the own waypoints, by the old way while it is in sight."""
+    person, mind = scene.people[i], scene.minds[i]
+    if person.errand == ON_ERRAND and person.kept == 1:
+        person.errand = NO_ERRAND
+        person.goal_x, person.goal_y, person.corner, person.corners = mind.way_x, mind.way_y, mind.way_corner, mind.way_corners
+        person.look_clock = np.inf
+    elif person.errand == ON_ERRAND:
         person.errand = BACK_FROM_ERRAND if person.waypoints > 0 else NO_ERRAND
         if person.wish == NOTHING and person.waypoints > 0:
             person.wish = NEW_ROUTE
 
 
 @inner
-def _count_company(scene: Scene) -> None:
-    """Count who stands in each circle: a story's teller in the middle does not."""
+def _form_circles(scene: Scene) -> None:
+    """Link and count who stands in each circle, by its host: a story's teller, in the middle, does not."""
     for i in range(len(scene.states)):
         scene.minds[i].company = 0
+        scene.first[i], scene.following[i] = NOBODY, NOBODY
     for i in range(len(scene.states)):
         if scene.table[scene.states[i]].goal == CIRCLE:
             partner = scene.minds[i].partner
-            scene.minds[i if partner == NOBODY else partner].company += 1
+            host = i if partner == NOBODY else partner
+            scene.minds[host].company += 1
+            scene.following[i] = scene.first[host]
+            scene.first[host] = i
 
 
 @inner
@@ -80,10 +90,12 @@ def _join_circle(scene: Scene, i: int, host: int) -> None:
     radius = max(mind.company * numbers.circle_spacing / (2.0 * pi), numbers.circle_least)
     angle = atan2(scene.positions[i, 1] - mind.centre_y, scene.positions[i, 0] - mind.centre_x)
     left, right = 2.0 * pi, 2.0 * pi
-    for j in range(len(scene.states)):
-        if j != i and scene.table[scene.states[j]].goal == CIRCLE and (j == host or scene.minds[j].partner == host):
-            turn = atan2(scene.positions[j, 1] - mind.centre_y, scene.positions[j, 0] - mind.centre_x) - angle
+    member = scene.first[host]
+    while member != NOBODY:
+        if member != i:
+            turn = atan2(scene.positions[member, 1] - mind.centre_y, scene.positions[member, 0] - mind.centre_x) - angle
             left, right = min(left, turn % (2.0 * pi)), min(right, -turn % (2.0 * pi))
+        member = scene.following[member]
     angle += 0.5 * (left - right)
     send(scene, i, mind.centre_x + radius * cos(angle), mind.centre_y + radius * sin(angle))
 

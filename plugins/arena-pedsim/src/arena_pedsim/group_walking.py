@@ -53,8 +53,8 @@ def _lead(scene: Scene, leader: int, following: Ints) -> None:
     member = following[leader]
     while member != NOBODY:
         person = scene.people[member]
-        if person.waypoints == head.waypoints:
-            person.waypoint = head.waypoint
+        if person.waypoints == head.waypoints and person.waypoint != head.waypoint:
+            person.waypoint, person.kept = head.waypoint, 0
         person.party = leader
         send(scene, member, head.goal_x, head.goal_y)
         dx, dy = head.goal_x - scene.positions[member, 0], head.goal_y - scene.positions[member, 1]

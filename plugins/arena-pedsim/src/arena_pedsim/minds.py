@@ -17,6 +17,10 @@ MIND = np.dtype(
         ("centre_x", np.float64),  # where the state was entered; of a queue, its head
         ("centre_y", np.float64),
         ("queue_heading", np.float64),  # rad, where a queue looks
+        ("way_x", np.float64),  # the way that an errand interrupted: its goal and its corners
+        ("way_y", np.float64),
+        ("way_corner", np.int32),
+        ("way_corners", np.int32),
         ("traits", np.float64, (len(TRAITS),)),
         ("state", np.int32),  # as the state machine left it
         ("partner", np.int32),  # place in the list of people, NOBODY or ROBOT

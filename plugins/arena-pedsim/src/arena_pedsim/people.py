@@ -40,6 +40,7 @@ PERSON = np.dtype(
         ("waypoint_mode", np.int32),  # 0: in a loop, 1: at random
         ("legs", np.int32),  # number of waypoints walked to so far
         ("errand", np.int32),  # NO_ERRAND, ON_ERRAND, or BACK_FROM_ERRAND until the route to the waypoint is there
+        ("kept", np.int32),  # 1: ``corners`` are still those of the way that the errand interrupted
         ("pushing", np.int32),
         ("party", np.int32),  # number of those who do not push each other at a distance: of two who talk, of a group
         ("gives_way", np.int32),  # 1: sees the robot at all

@@ -20,7 +20,7 @@ SIGHT_LINE = 0.05  # m free on both sides of a line of sight
 
 class Scene(NamedTuple):
     """The P people of a world and where they are, m and m/s; ``members`` (P,) counts those of each group who are on the move,
-    ``first`` (P,) is the first of each group and ``following`` (P,) who comes after somebody in the same group, or NOBODY.
+    ``first`` (P,) and ``following`` (P,) link people: the first of each circle, then of each group, and who comes next, or NOBODY.
 
     ``states``, ``people`` and ``minds`` are written to. ``table``, ``transitions`` and ``numbers`` are those of the StateTable.
     """

@@ -54,7 +54,7 @@ def grant_wishes(
                 person.anchor_x, person.anchor_y, person.stuck_clock = x, y, 0.0
             person.wish, person.look_clock = NOTHING, 0.0
             if person.errand == ON_ERRAND:
-                person.goal_x, person.goal_y = person.errand_x, person.errand_y
+                person.goal_x, person.goal_y, person.kept = person.errand_x, person.errand_y, 0
             else:
                 person.goal_x, person.goal_y = waypoints[world, i, person.waypoint, 0], waypoints[world, i, person.waypoint, 1]
                 person.errand = NO_ERRAND
