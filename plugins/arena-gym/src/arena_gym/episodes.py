@@ -47,6 +47,8 @@ def _varied_people(
     if randomization.people is not None:
         number = min(int(random.integers(randomization.people.low, randomization.people.high + 1)), number)
     factor = _drawn(randomization.people_speed, random)
+    if number == len(people) and factor == 1.0:
+        return people  # the very same, which simulators may know by now
     chosen = np.sort(random.permutation(len(people))[:number]).tolist()
     return tuple(replace(people[i], max_speed=people[i].max_speed * factor) for i in chosen)
 

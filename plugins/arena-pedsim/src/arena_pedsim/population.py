@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Crowd, ImpossibleScenario, OccupancyGrid, PedestrianSpec, Scenario
+from arena_core import Crowd, ImpossibleScenario, OccupancyGrid, PedestrianSpec, Scenario, stream_key
 from arena_pedsim.customs import Customs
+from arena_pedsim.draft import draft
 from arena_pedsim.people import MAX_CORNERS, PERSON
-from arena_pedsim.presence import take_presence
-from arena_pedsim.states import NONE, STANDING, WALKING
+from arena_pedsim.states import NONE
 
 
 class Population:
@@ -42,22 +42,20 @@ class Population:
 
     def settle(self, slot: int, scenario: Scenario, grid: OccupancyGrid, customs: Customs) -> None:
         """Put a scenario's people in a slot, in place of those who were there; raise ImpossibleScenario if somebody starts in a wall."""
-        specs = [customs.of(spec) for spec in scenario.pedestrians]
-        _check_starts(specs, scenario, grid)
-        self._make_room(len(specs), max((len(spec.waypoints_xy) for spec in specs), default=0))
-        crowd, people = self.crowd, len(specs)
+        begin = draft(customs, tuple(scenario.pedestrians))
+        _check_starts(begin.specs, scenario, grid)
+        self._make_room(len(begin.specs), begin.waypoints.shape[1])
+        crowd, people = self.crowd, len(begin.specs)
         counts, ids, radii, states = crowd.counts.copy(), crowd.ids.copy(), crowd.radii.copy(), crowd.states.copy()
         positions, velocities = crowd.positions.copy(), crowd.velocities.copy()
         counts[slot] = people
         ids[slot], radii[slot], states[slot] = -1, 0.0, NONE
         positions[slot], velocities[slot] = np.nan, np.nan
-        for i, spec in enumerate(specs):
-            ids[slot, i], radii[slot, i] = spec.id, spec.radius
-            self.people[slot, i] = customs.memory(spec)
-            if take_presence(self.people[slot, i], spec, scenario):
-                positions[slot, i], velocities[slot, i] = spec.position_xy, 0.0
-                states[slot, i] = WALKING if len(spec.waypoints_xy) else STANDING
-            self.waypoints[slot, i, : len(spec.waypoints_xy)] = spec.waypoints_xy
+        ids[slot, :people], radii[slot, :people], states[slot, :people] = begin.ids, begin.radii, begin.states
+        positions[slot, :people], velocities[slot, :people] = begin.positions, begin.velocities
+        self.people[slot, :people] = begin.people
+        self.people["key"][slot] = stream_key(scenario.seed, scenario.name, "respawn")
+        self.waypoints[slot, :people, : begin.waypoints.shape[1]] = begin.waypoints
         self.leg_corners[slot] = -1
         self.crowd = Crowd(counts, ids, positions, velocities, radii, states)
 

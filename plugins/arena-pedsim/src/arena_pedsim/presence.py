@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ConfigurationError, PedestrianSpec, Scenario, stream_key
+from arena_core import ConfigurationError, PedestrianSpec
 from arena_kernels.compiled import compiled
 from arena_kernels.ground import Ground, clearance, ground_of
 from arena_kernels.random import uniform
@@ -21,7 +21,7 @@ PLACES = {0: NEVER, 1: AT_START, "start": AT_START, "random": AT_RANDOM}
 AGAIN = 0.5  # s until the place is looked at anew, or another is drawn
 
 
-def take_presence(person: np.void, spec: PedestrianSpec, scenario: Scenario) -> bool:
+def take_presence(person: np.void, spec: PedestrianSpec) -> bool:
     """Write into somebody's memory when and where it comes; tell whether it is there at the start.
 
     Raises ConfigurationError for an impossible ``spawn_time`` or ``respawn``.
@@ -32,7 +32,6 @@ def take_presence(person: np.void, spec: PedestrianSpec, scenario: Scenario) -> 
     if place not in PLACES:
         raise ConfigurationError(f"person {spec.id}: respawn is {place!r}; allowed: {', '.join(map(str, PLACES))}")
     person["absence"], person["respawn"] = wait, PLACES[place]
-    person["key"] = stream_key(scenario.seed, scenario.name, "respawn")
     if wait > 0.0:
         person["wish"] = NOTHING
     return not wait > 0.0

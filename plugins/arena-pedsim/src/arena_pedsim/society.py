@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 
 from arena_core import Crowd, PedestrianSpec, Scenario, stream_key
 from arena_pedsim.behaviour import CHANCES, TRAITS, Behaviour, serves, traits_of
+from arena_pedsim.draft import KEPT
 from arena_pedsim.minds import MIND, NOBODY, WORLD
 from arena_pedsim.state_table import state_table
 from arena_pedsim.states import NONE, STANDING, WALKING
 
+Beginning = tuple[NDArray[np.void], NDArray[np.int8], bool]
 START_UPS = {"wait_timer": "waiting_for_timer", "trigger_zone": "waiting_for_trigger"}
 
 
@@ -26,25 +28,34 @@ class Society:
         self.minds = np.zeros((worlds, 0), MIND)
         self.worlds = np.zeros(worlds, WORLD)
         self.lively = False
+        self._beginnings: dict[tuple[PedestrianSpec, ...], Beginning] = {}
 
     def settle(self, slot: int, scenario: Scenario, crowd: Crowd, people: NDArray[np.void]) -> None:
         """Begin a scenario in a slot, whose ``people`` (P,) are settled; who starts up later waits in ``crowd.states``."""
-        specs = scenario.pedestrians
+        specs = tuple(scenario.pedestrians)
         if len(people) > self.minds.shape[1]:
             more = np.zeros((len(self.worlds), len(people) - self.minds.shape[1]), MIND)
             self.minds = np.concatenate((self.minds, more), axis=1)
-        minds = self.minds[slot]
-        minds[:] = np.zeros(1, MIND)
+        begun = crowd.states[slot, : len(specs)]
+        minds, states, lively = self._beginnings.get(specs) or self._begin(specs, people[: len(specs)], begun)
+        self.minds[slot, : len(specs)], self.minds[slot, len(specs) :] = minds, np.zeros(1, MIND)
+        begun[:] = states
         people["party"] = np.arange(len(people))
-        groups, queues = _numbered(specs, "group"), _numbered(specs, "queue")
-        for i, spec in enumerate(specs):
-            state = self._start(spec, int(crowd.states[slot, i]))
-            crowd.states[slot, i] = state
-            minds[i] = self._mind(spec, people[i], state, groups[i], queues[i])
-        lively = self._is_lively(specs, minds)
         key = stream_key(scenario.seed, scenario.name, "social_states")
         self.worlds[slot] = np.array([(key, 0.0, scenario.goal.x, scenario.goal.y, lively)], WORLD)[0]
         self.lively = bool(self.worlds["lively"].any())
+
+    def _begin(self, specs: tuple[PedestrianSpec, ...], people: NDArray[np.void], states: NDArray[np.int8]) -> Beginning:
+        """Return what these people have in mind when they begin, their states, and whether those may change; keep it for the next time."""
+        minds = np.zeros(len(specs), MIND)
+        groups, queues = _numbered(specs, "group"), _numbered(specs, "queue")
+        started = np.array([self._start(spec, int(state)) for spec, state in zip(specs, states, strict=True)], np.int8)
+        for i, spec in enumerate(specs):
+            minds[i] = self._mind(spec, people[i], int(started[i]), groups[i], queues[i])
+        if len(self._beginnings) >= KEPT:
+            self._beginnings.clear()
+        self._beginnings[specs] = minds, started, self._is_lively(specs, minds)
+        return self._beginnings[specs]
 
     def _start(self, spec: PedestrianSpec, state: int) -> int:
         mode: Any = spec.behaviour.get("start_up_mode", "default")
