@@ -45,7 +45,7 @@ def step_crowds(
     ``people`` (N, P) and ``corners`` (N, P, C, 2) are the model's memory, ``grids`` (N,) says which of the ``layouts`` each world uses.
     """
     slots = positions.shape[1]
-    headings, forces, masses = np.empty((slots, 4)), np.empty((slots, 2)), np.empty(slots)
+    headings, forces = np.empty((slots, 4)), np.empty((slots, 2))
     small = min(slots, CELLS_FROM)
     pairs = np.empty((small * small // 2, 2), np.int32)
     substeps = max(ceil(dt / parameters[0].longest_step - 1e-9), 1)
@@ -56,8 +56,6 @@ def step_crowds(
             continue
         x, y, theta = robot_poses[world, 0], robot_poses[world, 1], robot_poses[world, 2]
         robot = (x, y, robot_velocities[world, 0], robot_velocities[world, 1], robot_radius, theta)
-        for i in range(n):
-            masses[i] = people[world, i].mass
         ground = ground_of(distance, layouts[grids[world]])
         for _ in range(substeps):
             pairs = _step_crowd(
@@ -65,7 +63,6 @@ def step_crowds(
                 velocities[world, :n],
                 radii[world, :n],
                 states[world, :n],
-                masses[:n],
                 people[world],
                 corners[world],
                 ground,
@@ -96,7 +93,6 @@ def _step_crowd(
     velocities: Floats,
     radii: Floats,
     states: NDArray[np.int8],
-    masses: Floats,
     people: NDArray[np.void],
     corners: Floats,
     ground: Ground,
@@ -112,7 +108,7 @@ def _step_crowd(
     pairs, found = near_pairs(positions, parameters.social_range, pairs)
     sum_forces(positions, velocities, radii, states, people, ground, robot, parameters, headings, pairs, found, forces)
     accelerate(positions, velocities, radii, states, people, robot, dt, parameters, forces)
-    walk(positions, velocities, radii, states, masses, people, ground, robot, dt, parameters, pairs, found, headings, forces)
+    walk(positions, velocities, radii, people, ground, robot, dt, parameters, pairs, found, headings, forces)
     return pairs
 
 

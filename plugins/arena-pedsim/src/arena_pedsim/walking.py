@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isnan
 from typing import Any
 
 import numpy as np
@@ -9,13 +10,14 @@ from numpy.typing import NDArray
 
 from arena_kernels.compiled import compiled
 from arena_kernels.ground import Ground
-from arena_kernels.separation import push_apart
 from arena_kernels.sliding import slide
 from arena_pedsim.acceleration import clipped
 from arena_pedsim.giving_way import keeps_off
-from arena_pedsim.states import NONE
+from arena_pedsim.pushing import push_by_mass
 
 Floats = NDArray[np.float64]
+
+ABSENT = -1.0  # in ``starts``: this person is nowhere
 
 FREE_STRIDE = 2.0  # no wall is met on a move of half the gap: the interpolated field rises a little more steeply than a distance
 
@@ -25,8 +27,6 @@ def walk(
     positions: Floats,
     velocities: Floats,
     radii: Floats,
-    states: NDArray[np.int8],
-    masses: Floats,
     people: NDArray[np.void],
     ground: Ground,
     robot: Any,
@@ -42,18 +42,19 @@ def walk(
     ``starts`` (P, 4) comes with the gap to the walls in its last column; it and ``pushes`` (P, 2) are overwritten.
     """
     for i in range(len(positions)):
-        if states[i] == NONE:
-            continue
         x, y, dx, dy = positions[i, 0], positions[i, 1], dt * velocities[i, 0], dt * velocities[i, 1]
+        if isnan(x):
+            starts[i, 2] = ABSENT
+            continue
         if starts[i, 3] > FREE_STRIDE * people[i].max_speed * dt:
             positions[i, 0], positions[i, 1] = x + dx, y + dy
         else:
             positions[i, 0], positions[i, 1] = slide(ground, x, y, dx, dy, radii[i])
         starts[i, 0], starts[i, 1] = x, y
         starts[i, 2] = 1.0 if positions[i, 0] != x + dx or positions[i, 1] != y + dy else 0.0
-    touching = push_apart(positions, radii, pairs, found, pushes, masses)
+    touching = push_by_mass(positions, radii, people, pairs, found, pushes)
     for i in range(len(positions)):
-        if states[i] == NONE:
+        if starts[i, 2] == ABSENT:
             continue
         if touching and (pushes[i, 0] != 0.0 or pushes[i, 1] != 0.0):
             dx, dy = positions[i, 0] + pushes[i, 0] - starts[i, 0], positions[i, 1] + pushes[i, 1] - starts[i, 1]
