@@ -46,7 +46,7 @@ def scenarios(name: str, robot: str = "jackal") -> tuple[Scenario, ...]:
 def test_making_it_anew_gives_the_same_files_bit_for_bit(tmp_path: Path) -> None:
     make(tmp_path)
     made = {path.relative_to(tmp_path): path for folder in ("packs", "conf") for path in (tmp_path / folder).rglob("*") if path.is_file()}
-    kept = [path for folder in ("packs", "conf/scenario") for path in (PACKAGE / folder).rglob("*") if path.is_file()]
+    kept = [path for folder in ("packs", "conf/scenario", "conf/experiment") for path in (PACKAGE / folder).rglob("*") if path.is_file()]
     assert sorted(made) == sorted(path.relative_to(PACKAGE) for path in kept)
     assert [str(name) for name, path in made.items() if path.read_bytes() != (PACKAGE / name).read_bytes()] == []
 

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,13 +13,15 @@ from hypothesis import strategies as st
 
 from arena_core import InputFileError, Obstacle, PedestrianSpec, Pose, RunFolderError, Scenario, World, testing
 from arena_tasks.problem import PersonDefaults, Problem
-from arena_tasks.scenario_file import read_scenarios, save_scenarios
+from arena_tasks.scenario_file import read_scenario_file, read_scenarios, save_scenarios
 
 EXACT = settings(derandomize=True, deadline=None, max_examples=60)
 DEFAULTS = PersonDefaults(0.3, 0.25)
 GOOD: dict[str, Any] = {
     "format": "arena-scenario",
-    "version": 1,
+    "version": 2,
+    "title": "Two problems",
+    "map": "room.yaml",
     "scenarios": [
         {
             "name": "crossing",
@@ -125,6 +128,26 @@ def test_what_is_saved_is_read_back(
     assert people(found) == people(scenario)
     assert obstacles(found) == obstacles(scenario)
     assert [file.name for file in path.parent.iterdir()] == ["saved.json"]
+
+
+@EXACT
+@given(st.lists(st.integers(1, 1000), min_size=1, max_size=4), st.text(min_size=1, max_size=20), st.text(min_size=1, max_size=20))
+def test_problems_with_repeats_title_and_map_are_read_back(
+    tmp_path_factory: pytest.TempPathFactory, repeats: list[int], title: str, map_file: str
+) -> None:
+    path = tmp_path_factory.mktemp("saved") / "saved.json"
+    (problem, *_) = read_scenarios(write(path.parent, GOOD), DEFAULTS)
+    problems = [replace(problem, name=f"problem {k}", repeats=times) for k, times in enumerate(repeats)]
+    save_scenarios(path, problems, title, map_file)
+    found = read_scenario_file(path, DEFAULTS)
+    assert (found.title, found.map) == (title, map_file)
+    assert [(p.name, p.repeats) for p in found.problems] == [(p.name, p.repeats) for p in problems]
+    assert all(people(p) == people(problem) and p.goal_radius == problem.goal_radius for p in found.problems)
+
+
+def test_files_of_the_first_version_are_read(tmp_path: Path) -> None:
+    old = {key: value for key, value in GOOD.items() if key not in ("title", "map")}
+    assert [p.repeats for p in read_scenarios(write(tmp_path, {**old, "version": 1}), DEFAULTS)] == [1] * len(GOOD["scenarios"])
 
 
 def test_writing_where_nothing_can_be_written_is_one_line(tmp_path: Path) -> None:

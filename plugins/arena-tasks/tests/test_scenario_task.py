@@ -62,6 +62,11 @@ def test_problems_come_in_the_order_of_the_file_again_and_again(tmp_path: Path) 
     assert task.count() is None
 
 
+def test_problem_comes_as_often_as_it_says_before_the_next_one(tmp_path: Path) -> None:
+    task = make(tmp_path, problem("a", repeats=2), problem("b"))
+    assert [task.scenario(0, index).name for index in range(6)] == ["a/0000", "a/0001", "b/0000", "a/0002", "a/0003", "b/0001"]
+
+
 def test_file_goes_before_the_task_and_the_task_fills_the_rest(tmp_path: Path) -> None:
     task = make(tmp_path, problem(goal_radius=1.0, time_limit=10.0, pedestrians=[{"position": [0, 2]}]), problem("two"))
     one, two = task.scenario(0, 0), task.scenario(0, 1)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from arena_core import generator, load_registry
+from arena_core import generator, load_registry, write_text_whole
 from arena_scenarios import plans
 from arena_scenarios.halls import HALLS, hall
 from arena_scenarios.problems import write_problems
@@ -35,6 +35,7 @@ def make(folder: Path) -> None:
         floor.save(pack / "maps", name)
     _write_situations(pack)
     _write_halls(pack)
+    _write_experiment(pack, folder / "conf" / "experiment" / "arena_pack.yaml")
     words = ["--id", "arena", "--version", VERSION, "--title", TITLE, "--licence", "MIT"]
     command = load_registry().component("command", "scenario").resolve()()
     command.run(["pack", str(pack), *words, "--conf", str(folder / "conf"), "--address", "pkg://arena_scenarios/packs/arena"])
@@ -56,6 +57,12 @@ def _write_halls(pack: Path) -> None:
             title = f"{people} people walk about the robot's way ({hall_name})"
             problems = [hall(draw(), route, people, generator(variation, name, "pack")) for variation, route in enumerate(routes)]
             write_problems(pack / "scenarios" / f"{name}.json", title, f"../maps/{hall_name}.yaml", problems)
+
+
+def _write_experiment(pack: Path, path: Path) -> None:
+    names = ",".join(f"arena/{file.stem}" for file in sorted((pack / "scenarios").glob("*.json")))
+    head = "# @package _global_\n# Every scenario of the pack arena (docs/scenario_pack.md): a multirun; choose planner and robot.\n"
+    write_text_whole(path, f"{head}hydra:\n  mode: MULTIRUN\n  sweeper:\n    params:\n      scenario: {names}\n")
 
 
 if __name__ == "__main__":
