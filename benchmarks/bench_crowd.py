@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from importlib.resources import files
 from importlib.util import find_spec
 from statistics import median
@@ -61,18 +62,20 @@ def hall(people: int) -> Scenario:
     return Scenario("crowd", 0, World("hall", OccupancyGrid(data, 0.1, Pose(0.0, 0.0))), here, here, tuple(specs), (), 0.3, 180.0)
 
 
-def ours(people: int, worlds: int = 1) -> Callable[[], None]:
-    """Return steps of arena-pedsim's crowd in so many equal worlds."""
+def ours(people: int, worlds: int = 1, preset: str = "social_force") -> Callable[[], None]:
+    """Return steps of arena-pedsim's crowd in so many worlds, each with random numbers of its own."""
     scenario = hall(people)
-    preset: Any = yaml.safe_load((files("arena_pedsim.conf") / "pedestrians" / "social_force.yaml").read_text())
-    model = load_registry().build("pedestrians", preset)
-    crowd = model.reset(np.arange(worlds), [scenario] * worlds, worlds)
+    scenarios = [replace(scenario, seed=seed) for seed in range(worlds)]
+    node: Any = yaml.safe_load((files("arena_pedsim.conf") / "pedestrians" / f"{preset}.yaml").read_text())
+    model = load_registry().build("pedestrians", node)
+    crowd = model.reset(np.arange(worlds), scenarios, worlds)
     robots, ticks = RobotBatch(np.zeros((worlds, 3)), np.zeros((worlds, 2)), 0.2), np.zeros(worlds, np.int64)
 
     def run() -> None:
-        nonlocal crowd
+        nonlocal crowd, ticks
         for _ in range(CALLS["ours"][people] // worlds):
             crowd = model.step(crowd, robots, ticks, STEP)
+            ticks = ticks + 1
 
     return run
 
@@ -133,18 +136,21 @@ def measure() -> list[dict[str, Any]]:
         ms = {name: 1e3 * median(times[name]) / CALLS[name][people] for name in runs}
         what = f"crowd step, {people} people"
         rows += [_row(what, ms["ours"], peer, ms[peer], GOALS.get(peer, {}).get(people)) for peer in installed] or [_row(what, ms["ours"])]
-    rows.append(_batch_row(installed))
-    return rows
+    rows += _preset_rows(installed, 10, BATCH, f"crowd step, 10 people, a world of a batch of {BATCH}", BATCH_GOAL)
+    return rows + _preset_rows(installed, 1000, 1, "crowd step, 1000 people", GOALS["pysocialforce"][1000])[1:]
 
 
-def _batch_row(installed: Mapping[str, Callable[[int], Callable[[], None]]]) -> dict[str, Any]:
-    """Return the row of ten people in each of BATCH worlds that are stepped in one call."""
+def _preset_rows(
+    installed: Mapping[str, Callable[[int], Callable[[], None]]], people: int, worlds: int, what: str, goal: float
+) -> list[dict[str, Any]]:
+    """Return the rows of people whose states never change, and of lively ones, in worlds that are stepped in one call."""
     peer = "pysocialforce" if "pysocialforce" in installed else None
-    runs = {"ours": ours(10, BATCH), **({peer: installed[peer](10)} if peer else {})}
-    times = interleave(runs, REPEATS)
-    ours_ms = 1e3 * median(times["ours"]) / (CALLS["ours"][10] // BATCH * BATCH)
-    peer_ms = 1e3 * median(times[peer]) / CALLS[peer][10] if peer else None
-    return _row(f"crowd step, 10 people, a world of a batch of {BATCH}", ours_ms, peer, peer_ms, BATCH_GOAL)
+    runs = {preset: ours(people, worlds, preset) for preset in ("social_force", "social_force_lively")}
+    times = interleave({**runs, **({peer: installed[peer](people)} if peer else {})}, REPEATS)
+    peer_ms = 1e3 * median(times[peer]) / CALLS[peer][people] if peer else None
+    ms = {preset: 1e3 * median(times[preset]) / (CALLS["ours"][people] // worlds * worlds) for preset in runs}
+    lively = f"{what}, social states"
+    return [_row(text, ms[preset], peer, peer_ms, goal) for text, preset in zip((what, lively), runs, strict=True)]
 
 
 def _row(what: str, ours_ms: float, peer: str | None = None, peer_ms: float | None = None, goal: float | None = None) -> dict[str, Any]:

@@ -81,6 +81,8 @@ def _form_circles(scene: Scene) -> None:
             scene.minds[host].company += 1
             scene.following[i] = scene.first[host]
             scene.first[host] = i
+            centre = scene.minds[host]
+            scene.angles[i] = atan2(scene.positions[i, 1] - centre.centre_y, scene.positions[i, 0] - centre.centre_x)
 
 
 @inner
@@ -88,13 +90,13 @@ def _join_circle(scene: Scene, i: int, host: int) -> None:
     """Send somebody to the circle around where the host began to talk, half-way between the neighbours."""
     mind, numbers = scene.minds[host], scene.numbers
     radius = max(mind.company * numbers.circle_spacing / (2.0 * pi), numbers.circle_least)
-    angle = atan2(scene.positions[i, 1] - mind.centre_y, scene.positions[i, 0] - mind.centre_x)
-    left, right = 2.0 * pi, 2.0 * pi
+    angle, left, right = scene.angles[i], 2.0 * pi, 2.0 * pi
     member = scene.first[host]
     while member != NOBODY:
         if member != i:
-            turn = atan2(scene.positions[member, 1] - mind.centre_y, scene.positions[member, 0] - mind.centre_x) - angle
-            left, right = min(left, turn % (2.0 * pi)), min(right, -turn % (2.0 * pi))
+            turn = scene.angles[member] - angle
+            turn += 2.0 * pi if turn < 0.0 else 0.0
+            left, right = min(left, turn), min(right, 2.0 * pi - turn)
         member = scene.following[member]
     angle += 0.5 * (left - right)
     send(scene, i, mind.centre_x + radius * cos(angle), mind.centre_y + radius * sin(angle))

@@ -38,7 +38,7 @@ def walk_in_groups(scene: Scene) -> None:
         if group != NOBODY and scene.table[scene.states[i]].goal == GROUP:
             following[i] = first[group]
             first[group] = i
-    for group in range(people):
+    for group in range(scene.world.groups):
         if first[group] != NOBODY:
             _lead(scene, first[group], following)
             _keep_shape(scene, first[group], following)

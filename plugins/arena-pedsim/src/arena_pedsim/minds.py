@@ -40,6 +40,7 @@ WORLD = np.dtype(
         ("clock", np.float64),  # s since chances were tested
         ("goal_x", np.float64),  # of the robot
         ("goal_y", np.float64),
+        ("groups", np.int64),  # number of them
         ("lively", np.int64),  # 0: nobody will ever leave walking and waiting
     ],
     align=True,

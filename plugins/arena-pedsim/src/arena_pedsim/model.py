@@ -149,6 +149,8 @@ class SocialForceModel(PedestrianModel):
             table.transitions,
             table.numbers,
             self._parameters,
+            society.links,
+            society.angles,
         )
 
     def _let_come_and_go(self, crowd: Crowd, robots: RobotBatch) -> None:

@@ -14,6 +14,7 @@ from arena_kernels.ground import Ground, clearance, ground_of
 from arena_kernels.random import uniform
 from arena_pedsim.people import AT_RANDOM, AT_START, COME, LEAVE, NEVER, NEXT_WAYPOINT, NOTHING
 from arena_pedsim.states import NONE, STANDING, WALKING
+from arena_pedsim.trips import anybody_wishes
 
 Floats = NDArray[np.float64]
 
@@ -55,6 +56,8 @@ def come_and_go(
 ) -> None:
     """Let everybody who wishes for it leave, or come where there is room."""
     for world in range(len(counts)):
+        if not anybody_wishes(people[world], counts[world]):
+            continue
         ground = ground_of(distance, layouts[grids[world]])
         for i in range(counts[world]):
             person = people[world, i]

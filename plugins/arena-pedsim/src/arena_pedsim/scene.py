@@ -20,7 +20,8 @@ SIGHT_LINE = 0.05  # m free on both sides of a line of sight
 
 class Scene(NamedTuple):
     """The P people of a world and where they are, m and m/s; ``members`` (P,) counts those of each group who are on the move,
-    ``first`` (P,) and ``following`` (P,) link people: the first of each circle, then of each group, and who comes next, or NOBODY.
+    ``first`` (P,) and ``following`` (P,) link people: the first of each circle, then of each group, and who comes next, or NOBODY;
+    ``angles`` (P,) rad are where people stand in their circle.
 
     ``states``, ``people`` and ``minds`` are written to. ``table``, ``transitions`` and ``numbers`` are those of the StateTable.
     """
@@ -34,6 +35,7 @@ class Scene(NamedTuple):
     members: Ints
     first: Ints
     following: Ints
+    angles: Floats
     world: Any
     tick: int
     robot_x: float

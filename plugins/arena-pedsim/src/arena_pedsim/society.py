@@ -20,13 +20,17 @@ START_UPS = {"wait_timer": "waiting_for_timer", "trigger_zone": "waiting_for_tri
 
 
 class Society:
-    """``minds`` (N, P) and ``worlds`` (N,); worlds in which nobody can change state cost nothing."""
+    """``minds`` (N, P) and ``worlds`` (N,); worlds in which nobody can change state cost nothing.
+
+    ``links`` (3, P) and ``angles`` (P,) are room for the kernels to work in.
+    """
 
     def __init__(self, worlds: int, defaults: Behaviour) -> None:
         self._defaults = defaults
         self._table = state_table()
         self.minds = np.zeros((worlds, 0), MIND)
         self.worlds = np.zeros(worlds, WORLD)
+        self.links, self.angles = np.zeros((3, 0), np.int32), np.zeros(0)
         self.lively = False
         self._beginnings: dict[tuple[PedestrianSpec, ...], Beginning] = {}
 
@@ -36,13 +40,15 @@ class Society:
         if len(people) > self.minds.shape[1]:
             more = np.zeros((len(self.worlds), len(people) - self.minds.shape[1]), MIND)
             self.minds = np.concatenate((self.minds, more), axis=1)
+            self.links, self.angles = np.zeros((3, len(people)), np.int32), np.zeros(len(people))
         begun = crowd.states[slot, : len(specs)]
         minds, states, lively = self._beginnings.get(specs) or self._begin(specs, people[: len(specs)], begun)
         self.minds[slot, : len(specs)], self.minds[slot, len(specs) :] = minds, np.zeros(1, MIND)
         begun[:] = states
         people["party"] = np.arange(len(people))
         key = stream_key(scenario.seed, scenario.name, "social_states")
-        self.worlds[slot] = np.array([(key, 0.0, scenario.goal.x, scenario.goal.y, lively)], WORLD)[0]
+        groups = 1 + int(minds["group"].max(initial=NOBODY))
+        self.worlds[slot] = np.array([(key, 0.0, scenario.goal.x, scenario.goal.y, groups, lively)], WORLD)[0]
         self.lively = bool(self.worlds["lively"].any())
 
     def _begin(self, specs: tuple[PedestrianSpec, ...], people: NDArray[np.void], states: NDArray[np.int8]) -> Beginning:

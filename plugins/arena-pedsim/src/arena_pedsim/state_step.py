@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_kernels.compiled import compiled
+from arena_kernels.compiled import borrowing, inner
 from arena_kernels.ground import ground_of
 from arena_pedsim.changes import change, take_note
 from arena_pedsim.errands import set_errands
@@ -18,7 +18,7 @@ from arena_pedsim.scene import Scene
 Floats = NDArray[np.float64]
 
 
-@compiled
+@borrowing
 def step_states(
     counts: NDArray[np.int32],
     positions: Floats,
@@ -38,9 +38,13 @@ def step_states(
     transitions: NDArray[np.void],
     numbers: NDArray[np.void],
     parameters: NDArray[np.void],
+    links: NDArray[np.int32],
+    angles: Floats,
 ) -> None:
-    """Let ``dt`` s pass for what people are doing, in place, and say where each of them goes."""
-    members, first, following = np.zeros((3, positions.shape[1]), np.int32)
+    """Let ``dt`` s pass for what people are doing, in place, and say where each of them goes.
+
+    ``links`` (3, P) and ``angles`` (P,) are room to work in.
+    """
     for world in range(len(counts)):
         n = counts[world]
         if worlds[world].lively == 0 or n == 0:
@@ -52,9 +56,10 @@ def step_states(
             states[world, :n],
             people[world],
             minds[world],
-            members[:n],
-            first[:n],
-            following[:n],
+            links[0, :n],
+            links[1, :n],
+            links[2, :n],
+            angles[:n],
             worlds[world],
             ticks[world],
             robot_poses[world, 0],
@@ -66,13 +71,15 @@ def step_states(
             parameters[0],
         )
         take_note(scene)
-        count_members(scene)
+        if worlds[world].groups > 0:
+            count_members(scene)
         _change_states(scene, dt, _is_check(worlds[world], dt, numbers[0].check_period))
         set_errands(scene)
-        walk_in_groups(scene)
+        if worlds[world].groups > 0:
+            walk_in_groups(scene)
 
 
-@compiled
+@inner
 def _is_check(world: Any, dt: float, period: float) -> bool:
     """Tell whether chances are tested now."""
     world.clock += dt
@@ -82,7 +89,7 @@ def _is_check(world: Any, dt: float, period: float) -> bool:
     return True
 
 
-@compiled
+@inner
 def _change_states(scene: Scene, dt: float, chances: bool) -> None:
     """Let clocks run, and everybody go on to another state who must or happens to."""
     for i in range(len(scene.states)):

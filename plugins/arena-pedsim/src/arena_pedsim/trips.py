@@ -43,6 +43,8 @@ def grant_wishes(
     next time round.
     """
     for world in range(len(counts)):
+        if not anybody_wishes(people[world], counts[world]):
+            continue
         ground, world_rooms = ground_of(distance, layouts[grids[world]]), rooms_of(rooms, grids[world])
         for i in range(counts[world]):
             person = people[world, i]
@@ -70,6 +72,15 @@ def grant_wishes(
             if next_leg:
                 leg_corners[world, i, person.waypoint] = person.corners
                 _copy(corners[world, i], leg, person.corners)
+
+
+@compiled
+def anybody_wishes(people: NDArray[np.void], number: int) -> bool:
+    """Tell whether anybody of a world has a wish."""
+    wishes = 0
+    for i in range(number):
+        wishes += people[i].wish != NOTHING
+    return wishes > 0
 
 
 @compiled
