@@ -4,7 +4,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arena_kernels.distance import grid_distance
-from arena_kernels.grids import distance_and_gradient, is_blocked, quadrant_reach, stack_grids, to_grid
+from arena_kernels.grids import (
+    LINE,
+    TILE,
+    distance_and_gradient,
+    in_tiles,
+    is_blocked,
+    quadrant_reach,
+    stack_grids,
+    table_size,
+    to_grid,
+)
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -41,11 +51,12 @@ def test_position_is_blocked_where_its_cell_is_occupied(random_grid, seed):
 def test_reach_is_the_largest_empty_square(random_grid, seed):
     grid = random_grid(seed)
     rows, columns = grid.occupied.shape
-    table = quadrant_reach(grid).reshape(4, rows + 1, columns + 1)
+    tables = quadrant_reach(grid).reshape(4, table_size(rows, columns))
+    assert tables.ctypes.data % LINE == 0
     for quadrant in range(4):
         cells = grid.occupied[:: -1 if quadrant & 2 else 1, :: -1 if quadrant & 1 else 1]
         for row, column in np.ndindex(rows, columns):
-            side = table[quadrant, row, column]
+            side = tables[quadrant, in_tiles(row, column, (columns // TILE + 1) * TILE * TILE)]
             assert not cells[row : row + side, column : column + side].any()
             assert side <= min(rows - row, columns - column)
             if side < min(rows - row, columns - column):

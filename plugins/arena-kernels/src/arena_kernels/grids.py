@@ -8,9 +8,12 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_kernels.compiled import borrowing
+from arena_kernels.compiled import borrowing, inlined
 from arena_kernels.distance import Grid, grid_distance
 from arena_kernels.scalars import Integer
+
+TILE = 8  # cells; ``in_tiles`` shifts by its binary logarithm
+LINE = 64  # bytes of a cache line: those of a tile
 
 
 class GridStack(NamedTuple):
@@ -57,7 +60,7 @@ def _pack(grids: Sequence[PlacedGrid]) -> GridStack:
     return GridStack(
         _join(cells),
         _join([grid.derive(grid_distance).ravel() for grid in grids]),
-        _join(reaches),
+        _join_tiles(reaches),
         _offsets(cells),
         _offsets(reaches),
         np.array([grid.occupied.shape for grid in grids], np.int64).reshape(-1, 2),
@@ -72,6 +75,20 @@ def _join(parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
     return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
+def _join_tiles(parts: Sequence[NDArray[np.uint8]]) -> NDArray[np.uint8]:
+    """Concatenate tables of tiles, each tile in a cache line of its own; a single one is shared, not copied."""
+    if len(parts) == 1:
+        return parts[0]
+    return np.concatenate(parts, out=aligned(sum(len(part) for part in parts)))
+
+
+def aligned(length: int) -> NDArray[np.uint8]:
+    """Return room for so many bytes that begins with a cache line."""
+    room = np.empty(length + LINE, np.uint8)
+    start = -room.ctypes.data % LINE
+    return room[start : start + length]
+
+
 def _offsets(parts: Sequence[NDArray[Any]]) -> NDArray[np.int64]:
     return np.cumsum([0, *(len(part) for part in parts)], dtype=np.int64)[:-1]
 
@@ -81,17 +98,38 @@ def _flat_cells(grid: Grid) -> NDArray[np.uint8]:
 
 
 def quadrant_reach(grid: Grid) -> NDArray[np.uint8]:
-    """Return, flat, a table (4, H + 1, W + 1): the side in cells of the largest empty square whose lowest cell this is.
+    """Return, flat, four tables of ``table_size``: the side in cells of the largest empty square whose lowest cell this is.
 
     Table q is of the grid mirrored in its columns if q & 1, in its rows if q & 2: a ray of any direction then runs to higher
-    columns and rows. Occupied cells and the rim beyond the last column and row have 0; larger sides than 255 are cut.
+    columns and rows. Occupied cells and the rim beyond the last column and row have 0; larger sides than 255 are cut. A table lies
+    in tiles of 8 x 8 cells, a cache line each: rays of many worlds wait for memory, and cross fewer tiles than rows (``in_tiles``).
     """
     blocked = np.array(grid.occupied, dtype=np.uint8)
     table = np.zeros((4, blocked.shape[0] + 1, blocked.shape[1] + 1), np.uint8)
     for quadrant in range(4):
         mirrored = blocked[:: -1 if quadrant & 2 else 1, :: -1 if quadrant & 1 else 1]
         _largest_squares(np.ascontiguousarray(mirrored), table[quadrant])
-    return table.ravel()
+    return _join_tiles([_tiled(part) for part in table])
+
+
+def _tiled(table: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Return a table (H, W), padded with zeros, tile by tile."""
+    rows, columns = (-(-size // TILE) for size in table.shape)
+    padded = np.zeros((rows * TILE, columns * TILE), np.uint8)
+    padded[: table.shape[0], : table.shape[1]] = table
+    return np.ascontiguousarray(padded.reshape(rows, TILE, columns * TILE).swapaxes(1, 2)).ravel()
+
+
+@borrowing
+def table_size(rows: Integer, columns: Integer) -> int:
+    """Return the length of one reach table of a grid of so many rows and columns."""
+    return (rows // TILE + 1) * (columns // TILE + 1) * TILE * TILE
+
+
+@inlined
+def in_tiles(row: Integer, column: Integer, strip: Integer) -> Integer:
+    """Return where a cell lies in a table whose strips of eight rows take so many bytes, column by column."""
+    return (row >> 3) * strip + (column << 3) + (row & 7)
 
 
 @borrowing

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_kernels.grids import GridStack, PlacedGrid, stack_grids
+from arena_kernels.grids import GridStack, PlacedGrid, aligned, stack_grids, table_size
 
 FLAT = ("cells", "distance", "reach")
 
@@ -56,7 +56,7 @@ class GridPool:
         """Return how much of a flat array is taken."""
         rows, columns = self.stack.shapes[-1]
         if name == "reach":
-            return int(self.stack.reach_offsets[-1] + 4 * (rows + 1) * (columns + 1))
+            return int(self.stack.reach_offsets[-1]) + 4 * table_size(rows, columns)
         return int(self.stack.offsets[-1] + rows * columns)
 
     def _repack(self, grids: Sequence[PlacedGrid]) -> None:
@@ -68,7 +68,7 @@ class GridPool:
 
 
 def _doubled(array: NDArray[Any]) -> NDArray[Any]:
-    room = np.empty(2 * len(array), array.dtype)
+    room: NDArray[Any] = aligned(2 * array.nbytes).view(array.dtype)
     room[: len(array)] = array
     return room
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing, inner
-from arena_kernels.grids import GridStack, to_grid
+from arena_kernels.grids import TILE, GridStack, in_tiles, table_size, to_grid
 from arena_kernels.scalars import Integer
 
 Ray = tuple[Integer, float, float, float, float, float, float]
@@ -73,7 +73,7 @@ def _cast(
     ranges: NDArray[np.float32],
 ) -> None:
     """Fill ``ranges`` (B,) seen from column u, row v; all lengths in cells."""
-    width, last = columns + 1, len(ranges) - 1
+    strip, last = (columns // TILE + 1) * TILE * TILE, len(ranges) - 1
     for i in range(0, last + 1, 4):  # four rays at once: their leaps wait for memory, not for each other
         i1, i2, i3 = min(i + 1, last), min(i + 2, last), min(i + 3, last)
         ray0, t0, c0, r0 = _begin(offset, rows, columns, u, v, directions, i)
@@ -81,10 +81,10 @@ def _cast(
         ray2, t2, c2, r2 = _begin(offset, rows, columns, u, v, directions, i2)
         ray3, t3, c3, r3 = _begin(offset, rows, columns, u, v, directions, i3)
         while True:
-            side0 = np.int64(reach[ray0[0] + r0 * width + c0]) if t0 < limit else 0
-            side1 = np.int64(reach[ray1[0] + r1 * width + c1]) if t1 < limit else 0
-            side2 = np.int64(reach[ray2[0] + r2 * width + c2]) if t2 < limit else 0
-            side3 = np.int64(reach[ray3[0] + r3 * width + c3]) if t3 < limit else 0
+            side0 = np.int64(reach[ray0[0] + in_tiles(r0, c0, strip)]) if t0 < limit else 0
+            side1 = np.int64(reach[ray1[0] + in_tiles(r1, c1, strip)]) if t1 < limit else 0
+            side2 = np.int64(reach[ray2[0] + in_tiles(r2, c2, strip)]) if t2 < limit else 0
+            side3 = np.int64(reach[ray3[0] + in_tiles(r3, c3, strip)]) if t3 < limit else 0
             if side0 | side1 | side2 | side3 == 0:
                 break
             t0, c0, r0 = _leap(ray0, side0, t0, c0, r0)
@@ -118,7 +118,7 @@ def _begin(
     x, y = (columns - u if left else u), (rows - v if down else v)
     dx, dy = abs(directions[0, i]), abs(directions[1, i])
     inverse_x, inverse_y = abs(directions[2, i]), abs(directions[3, i])
-    base = offset + (np.int64(left) + 2 * np.int64(down)) * (rows + 1) * (columns + 1)
+    base = offset + (np.int64(left) + 2 * np.int64(down)) * table_size(rows, columns)
     ray = (base, x, y, dx, dy, inverse_x, inverse_y)
     if 0.0 <= u < columns and 0.0 <= v < rows:
         column, row = np.int64(u), np.int64(v)
