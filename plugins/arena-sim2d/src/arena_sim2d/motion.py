@@ -105,7 +105,7 @@ def wrap(angle: float) -> float:
 
 @inner
 def _towards(value: float, wanted: float, change: float) -> float:
-    return value + _clip(wanted - value, -change, change)
+    return _clip(wanted, value - change, value + change)  # so that rounding never leads beyond what is wanted
 
 
 @inner
