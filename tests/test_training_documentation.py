@@ -38,8 +38,10 @@ def test_own_reward_and_encoder_hold_their_contracts():
     assert check("observation_encoder", names["Compass"](body), body)
 
 
-def test_table_of_randomisation_is_complete():
+def test_tables_of_settings_are_complete():
     config = yaml.safe_load((TOP / "plugins/arena-gym/src/arena_gym/conf/environment.yaml").read_text())
+    defaults = {key: str(value).lower() for key, value in config["environment"].items()}
+    assert dict(re.findall(r"^\| `environment\.(\w+)` \| (\w+) \|", TEXT, re.M)) == defaults
     assert set(re.findall(r"^\| `randomization\.(\w+)` \|", TEXT, re.M)) == set(config["randomization"])
 
 

@@ -152,3 +152,42 @@ def test_bad_settings_are_refused_in_one_line(override, message):
     with pytest.raises(ConfigurationError, match=message) as error:
         NavigationEnv(overrides=[*SMALL, override])
     assert "\n" not in str(error.value)
+
+
+def test_policy_that_drives_to_near_waypoints_arrives_and_earns_more_than_one_that_stands():
+    near = [
+        "waypoints.d_ahead=0.6",
+        "waypoints.tolerance=0.2",
+        "task.pedestrians=0",
+        "environment.worlds=4",
+        "environment.problems_per_world=4",
+    ]
+    envs = NavigationVectorEnv(16, robot="jackal", observation="rosnav_sectors", reward="progress", overrides=near)
+    closeness = envs.batch.parts.encoder.layout()[0].size
+    observation, _ = envs.reset(seed=0)
+    outcomes, earned = [], np.zeros(16)
+    for _ in range(400):
+        bearing = np.arctan2(observation[:, closeness + 2], observation[:, closeness + 1])
+        speed = 0.6 * np.clip(1.0 - np.abs(bearing) / 0.6, 0.0, 1.0)
+        action = np.stack((2.0 * speed - 1.0, np.clip(bearing, -1.0, 1.0)), axis=1).astype(np.float32)
+        observation, reward, _, _, infos = envs.step(action)
+        earned += reward
+        outcomes += infos["final_info"]["outcome"][infos["_final_info"]].tolist() if infos else []
+    assert len(outcomes) > 30
+    assert outcomes.count("goal_reached") > 0.9 * len(outcomes)
+    assert earned.min() > 0.0
+
+
+def test_final_observation_and_report_are_those_of_the_single_environment():
+    envs, alone = NavigationVectorEnv(3, overrides=SHORT), NavigationEnv(overrides=SHORT)
+    actions = np.random.default_rng(2).uniform(-1.0, 0.0, (20, 3, 2)).astype(np.float32)
+    envs.reset(seed=5)
+    alone.reset(seed=6)
+    for action in actions:
+        infos = envs.step(action)[4]
+        observation, _, terminated, truncated, info = alone.step(action[1])
+        assert bool(infos.get("_final_obs", np.zeros(3, bool))[1]) == (terminated or truncated)
+        if terminated or truncated:
+            break
+    assert (infos["final_obs"][1] == observation).all()
+    assert {key: infos["final_info"][key][1] for key in info} == info
