@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -47,7 +49,15 @@ class Walk(TaskMode):
 
 def pool_of(task, size=4):
     body = robot()
-    return ProblemPool(task, component("global_planner", "astar", robot=body), component("waypoints", "spatial_horizon"), 0, size)
+    return ProblemPool(task, component("global_planner", "astar", robot=body), waypoints(), simulator(), 0, size)
+
+
+def waypoints():
+    return component("waypoints", "spatial_horizon")
+
+
+def simulator():
+    return component("simulator", "sim2d", robot=robot(), pedestrians=component("pedestrians", "social_force"))
 
 
 def test_worlds_are_made_once_and_differ():
@@ -90,9 +100,19 @@ def test_problem_without_a_way_is_replaced_too():
         def plan(self, grid, start, goal):
             raise NoPath("shut in")
 
-    pool = ProblemPool(Walk(), Shut(), component("waypoints", "spatial_horizon"), 0, 2)
+    pool = ProblemPool(Walk(), Shut(), waypoints(), simulator(), 0, 2)
     with pytest.raises(ImpossibleScenario, match="shut in"):
         pool.problem(0)
+
+
+def test_problem_that_no_simulator_can_begin_is_replaced_too():
+    class OnTop(Walk):
+        def scenario(self, seed, index):
+            drawn = super().scenario(seed, index)
+            on_robot = replace(drawn.pedestrians[0], position_xy=np.array((drawn.start.x, drawn.start.y)))
+            return replace(drawn, pedestrians=(on_robot,)) if index == 0 else drawn
+
+    assert pool_of(OnTop()).problem(0).scenario.name == "walk/4"
 
 
 def test_problem_is_drawn_once():

@@ -50,11 +50,10 @@ def build_parts(config: Mapping[str, Any], registry: Registry | None = None) -> 
     registry = registry or load_registry()
     settings = read_settings(config["environment"], EnvironmentSettings, "environment")
     robot = registry.build("robot", config["robot"])
-    pedestrians = registry.build("pedestrians", config["pedestrians"])
     return Parts(
         config=config,
         robot=robot,
-        simulator=registry.build("simulator", config["simulator"], robot=robot, pedestrians=pedestrians),
+        simulator=_simulator(config, registry, robot),
         waypoints=registry.build("waypoints", config["waypoints"], robot=robot),
         pool=_pool(config, registry, robot, settings),
         encoder=registry.build("observation_encoder", config["observation_encoder"], robot=robot),
@@ -70,4 +69,11 @@ def _pool(config: Mapping[str, Any], registry: Registry, robot: Robot, settings:
     task = registry.build("task", config["task"], robot=robot, world=worlds)
     planner = registry.build("global_planner", config["global_planner"], robot=robot)
     waypoints = registry.build("waypoints", config["waypoints"], robot=robot)
-    return ProblemPool(task, planner, waypoints, settings.seed, settings.worlds * settings.problems_per_world)
+    size = settings.worlds * settings.problems_per_world
+    return ProblemPool(task, planner, waypoints, _simulator(config, registry, robot), settings.seed, size)
+
+
+def _simulator(config: Mapping[str, Any], registry: Registry, robot: Robot) -> Simulator:
+    pedestrians = registry.build("pedestrians", config["pedestrians"])
+    simulator: Simulator = registry.build("simulator", config["simulator"], robot=robot, pedestrians=pedestrians)
+    return simulator

@@ -16,6 +16,7 @@ from arena_core import (
     Path,
     PathBatch,
     Scenario,
+    Simulator,
     Staging,
     TaskMode,
     WaypointGenerator,
@@ -60,10 +61,15 @@ class Problem:
 
 
 class ProblemPool:
-    """``size`` problems of a training seed, drawn when first asked for."""
+    """``size`` problems of a training seed, drawn when first asked for.
 
-    def __init__(self, task: TaskMode, planner: GlobalPlanner, waypoints: WaypointGenerator, seed: int, size: int) -> None:
-        self._task, self._planner, self._waypoints = task, planner, waypoints
+    ``waypoints`` and ``simulator`` are the pool's own: each problem begins in them once, so that it cannot fail in training.
+    """
+
+    def __init__(
+        self, task: TaskMode, planner: GlobalPlanner, waypoints: WaypointGenerator, simulator: Simulator, seed: int, size: int
+    ) -> None:
+        self._task, self._planner, self._waypoints, self._simulator = task, planner, waypoints, simulator
         self._seed = seed
         self.size = min(size, task.count() or size)
         self._problems: dict[int, Problem] = {}
@@ -80,7 +86,8 @@ class ProblemPool:
         if not 0 <= stage < levels:
             raise ConfigurationError(f"stage is {stage}; allowed: {f'0 .. {levels - 1}' if levels else 'none, this task has no levels'}")
         if stage not in self._levels:
-            self._levels[stage] = ProblemPool(self._task.at_stage(stage), self._planner, self._waypoints, self._seed, self.size)
+            parts = self._planner, self._waypoints, self._simulator
+            self._levels[stage] = ProblemPool(self._task.at_stage(stage), *parts, self._seed, self.size)
         return self._levels[stage]
 
     def problem(self, index: int) -> Problem:
@@ -109,6 +116,7 @@ class ProblemPool:
     def _draw(self, index: int) -> Problem:
         scenario = self._task.scenario(training_seed(self._seed), index)
         assert scenario.seed >= FIRST_TRAINING_SEED, f"{scenario.name} has seed {scenario.seed}, which evaluation may use"
+        self._simulator.reset([scenario])
         path = self._planner.plan(scenario.world.grid, scenario.start, scenario.goal)
         packed = PathBatch.of([path])
         left = np.empty(len(path.poses))

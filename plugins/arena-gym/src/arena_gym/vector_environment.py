@@ -55,7 +55,7 @@ class NavigationVectorEnv(VectorEnv[Observations, Observations, NDArray[Any]]):
         """Begin the first episodes of the seeds ``seed``, ``seed + 1``, ... or of those listed."""
         super().reset(seed=seed if isinstance(seed, int) else None)
         observations = self.batch.reset(self._seeds(seed))
-        return observations, self._infos(range(self.num_envs), start_report)
+        return observations, self._beginnings(range(self.num_envs))
 
     def set_stage(self, stage: int) -> None:
         """Let episodes that begin from now on be of this level of the task; raise ConfigurationError where there is none."""
@@ -75,12 +75,12 @@ class NavigationVectorEnv(VectorEnv[Observations, Observations, NDArray[Any]]):
             end = {"final_obs": step.observations[slot].copy(), "final_info": final_report(self.batch, step, slot)}
             ends = self._add_info(ends, end, slot)
         step.observations[slots] = self.batch.restart(slots)
-        return ends | self._infos(slots.tolist(), start_report)
+        return ends | self._beginnings(slots.tolist())
 
-    def _infos(self, slots: Any, report: Any) -> dict[str, Any]:
+    def _beginnings(self, slots: Sequence[int]) -> dict[str, Any]:
         infos: dict[str, Any] = {}
         for slot in slots:
-            infos = self._add_info(infos, report(self.batch, slot), slot)
+            infos = self._add_info(infos, start_report(self.batch, slot), slot)
         return infos
 
     def _seeds(self, seed: int | list[int | None] | None) -> list[int]:
