@@ -54,7 +54,16 @@ from arena_core.interfaces import (
     Waypoints,
     WorldSource,
 )
-from arena_core.learning import ObservationBatch, ObservationEncoder, ObservationField, Reward, Situation, Transition
+from arena_core.learning import (
+    EarlierScans,
+    ObservationBatch,
+    ObservationEncoder,
+    ObservationField,
+    Reward,
+    ScanMemory,
+    Situation,
+    Transition,
+)
 from arena_core.obstacles import with_obstacles
 from arena_core.parameters import Bounds, Fraction, NonNegative, NonNegativeInt, Positive, PositiveInt
 from arena_core.recording import find_runs, read_record, write_bytes_whole, write_text_whole
@@ -104,6 +113,7 @@ __all__ = [
     "Costmap",
     "Crowd",
     "DuplicateComponent",
+    "EarlierScans",
     "EpisodeRecord",
     "EpisodeStart",
     "Event",
@@ -151,6 +161,7 @@ __all__ = [
     "Robot",
     "RobotBatch",
     "RunFolderError",
+    "ScanMemory",
     "Scenario",
     "Sensors",
     "Simulator",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,12 +17,52 @@ Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class EarlierScans:
+    """L scans of N robots, taken some control steps ago.
+
+    ``ranges`` (N, L, B) float32 m; ``poses`` (N, L, 3) in ``map`` of the robots then.
+    """
+
+    ranges: NDArray[np.float32]
+    poses: FloatArray
+
+
+class ScanMemory:
+    """Keeps the latest scans of N robots for an encoder that looks back so many control steps as each entry of ``lookback`` says.
+
+    What lies before an episode's first scan is that first scan.
+    """
+
+    def __init__(self, lookback: Sequence[int], robots: int, beams: int) -> None:
+        self._lookback = np.array(lookback, np.int64)
+        self._depth = max(lookback, default=0) + 1
+        self._now = 0
+        self._ranges = np.empty((robots, self._depth if lookback else 0, beams), np.float32)
+        self._poses = np.empty((*self._ranges.shape[:2], 3))
+
+    def begin(self, slots: NDArray[np.int64], ranges: NDArray[np.float32], poses: FloatArray) -> None:
+        """Begin episodes of K robots with the first scans (K, B), taken at poses (K, 3)."""
+        self._ranges[slots], self._poses[slots] = ranges[:, None], poses[:, None]
+
+    def remember(self, ranges: NDArray[np.float32], poses: FloatArray) -> None:
+        """Take in the scans (N, B) of one more control step, taken at poses (N, 3)."""
+        if len(self._lookback):
+            self._now = (self._now + 1) % self._depth
+            self._ranges[:, self._now], self._poses[:, self._now] = ranges, poses
+
+    def earlier(self, slots: NDArray[np.int64] | slice = slice(None)) -> EarlierScans:
+        """Return new arrays of the scans that the encoder looks back at."""
+        chosen = (self._now - self._lookback) % self._depth
+        return EarlierScans(self._ranges[slots][:, chosen], self._poses[slots][:, chosen])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class ObservationBatch:
     """What N planners see at one control step, as arrays; the single one is a batch of one.
 
     ``stamps`` (N,) s; ``ranges`` (N, B) float32 m, +inf where nothing was hit; ``poses`` (N, 3) in ``map``; ``twists`` (N, 3) measured, in
     ``base_link``; ``goals`` and ``waypoints`` (N, 3) in ``map``; ``last_commands`` (N, 3), the velocities commanded a step before, zero at
-    first; ``paths`` in ``map``.
+    first; ``paths`` in ``map``; ``earlier`` scans as many as the encoder looks back at.
     """
 
     stamps: FloatArray
@@ -32,10 +73,11 @@ class ObservationBatch:
     waypoints: FloatArray
     last_commands: FloatArray
     paths: PathBatch
+    earlier: EarlierScans
 
     @staticmethod
-    def of(observation: Observation, last_command: Twist) -> ObservationBatch:
-        """Make the batch of one that a planner sees."""
+    def of(observation: Observation, last_command: Twist, memory: ScanMemory | None = None) -> ObservationBatch:
+        """Make the batch of one that a planner sees, which keeps ``memory`` where its encoder looks back."""
         return ObservationBatch(
             np.array((observation.stamp,)),
             np.ascontiguousarray(observation.scan.ranges, np.float32)[None],
@@ -45,6 +87,7 @@ class ObservationBatch:
             observation.waypoint.array()[None],
             last_command.array()[None],
             PathBatch.of([observation.path]),
+            (memory or ScanMemory((), 1, len(observation.scan.ranges))).earlier(),
         )
 
 
@@ -61,7 +104,12 @@ class ObservationField:
 
 
 class ObservationEncoder(ABC):
-    """Turns observations into the numbers that a policy reads, alike in training and on the robot. The constructor receives ``robot``."""
+    """Turns observations into the numbers that a policy reads, alike in training and on the robot. The constructor receives ``robot``.
+
+    ``lookback`` lists how many control steps ago the earlier scans were taken that it wants to see.
+    """
+
+    lookback: tuple[int, ...] = ()
 
     @abstractmethod
     def layout(self) -> tuple[ObservationField, ...]:

@@ -30,7 +30,7 @@ from arena_core.interfaces import (
     WaypointGenerator,
     WorldSource,
 )
-from arena_core.learning import ObservationBatch, ObservationEncoder, ObservationField, Reward
+from arena_core.learning import ObservationBatch, ObservationEncoder, ObservationField, Reward, ScanMemory
 from arena_core.navigator import checked
 from arena_core.robot import Robot
 from arena_core.sensing import Observation, Tracks
@@ -237,7 +237,7 @@ def check_reward(reward: Reward, body: Robot) -> Facts:
 def check_observation_encoder(encoder: ObservationEncoder, body: Robot) -> Facts:
     """Encode what a planner sees, together and one by one."""
     fields, views = encoder.layout(), _views(body)
-    batches = [ObservationBatch.of(view, Twist(0.1, 0.0, 0.05 * k)) for k, view in enumerate(views)]
+    batches = [ObservationBatch.of(view, Twist(0.1, 0.0, 0.05 * k), _remembered(encoder, views[:k], view)) for k, view in enumerate(views)]
     rows = [encoder.encode(batch) for batch in batches]
     size = sum(field.size for field in fields)
     yield "an observation is float32 and as long as the layout says", all(r.shape == (1, size) and r.dtype == np.float32 for r in rows)
@@ -248,6 +248,15 @@ def check_observation_encoder(encoder: ObservationEncoder, body: Robot) -> Facts
     together = encoder.encode(joined(batches))
     yield "an observation among others gives what it gives alone", bool((together == np.concatenate(rows)).all())
     yield "the result is new each time", not np.shares_memory(together, encoder.encode(joined(batches)))
+
+
+def _remembered(encoder: ObservationEncoder, before: Sequence[Observation], view: Observation) -> ScanMemory:
+    """Return the memory of a robot that saw some views before this one."""
+    memory = ScanMemory(encoder.lookback, 1, len(view.scan.ranges))
+    for step, seen in enumerate((*before, view)):
+        ranges, poses = seen.scan.ranges[None], seen.pose.array()[None]
+        memory.remember(ranges, poses) if step else memory.begin(np.zeros(1, np.int64), ranges, poses)
+    return memory
 
 
 def check_metrics(pack: MetricPack, body: Robot) -> Facts:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from arena_core.interfaces import PathBatch
-from arena_core.learning import ObservationBatch, Situation, Transition
+from arena_core.learning import EarlierScans, ObservationBatch, Situation, Transition
 
 ALL = slice(None)
 PERIOD = 0.1  # s
@@ -19,7 +19,9 @@ def joined(batches: Sequence[ObservationBatch]) -> ObservationBatch:
     names = ("stamps", "ranges", "poses", "twists", "goals", "waypoints", "last_commands")
     arrays: dict[str, Any] = {name: np.concatenate([getattr(batch, name) for batch in batches]) for name in names}
     offsets = np.cumsum([0, *(len(batch.paths.poses) for batch in batches)])
-    return ObservationBatch(**arrays, paths=PathBatch(np.concatenate([batch.paths.poses for batch in batches]), offsets))
+    paths = PathBatch(np.concatenate([batch.paths.poses for batch in batches]), offsets)
+    ranges, poses = (np.concatenate([getattr(batch.earlier, name) for batch in batches]) for name in ("ranges", "poses"))
+    return ObservationBatch(**arrays, paths=paths, earlier=EarlierScans(ranges, poses))
 
 
 def transition(robots: int, chosen: slice = ALL, seed: int = 0) -> Transition:

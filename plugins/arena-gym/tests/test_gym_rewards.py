@@ -31,12 +31,12 @@ def step(**changes):
 
 
 @cache
-def built(preset, drive):
-    return component("reward", preset, robot=robot(drive))
+def built(preset, drive, *overrides):
+    return component("reward", preset, overrides, robot=robot(drive))
 
 
-def earned(preset, drive="differential", **changes):
-    return float(built(preset, drive).reward(step(**changes))[0])
+def earned(preset, drive="differential", *overrides, **changes):
+    return float(built(preset, drive, *overrides).reward(step(**changes))[0])
 
 
 @pytest.mark.parametrize("preset", [*RULES, "progress"])
@@ -91,3 +91,9 @@ def test_progress_counts_the_way_left_and_undoes_what_is_lost():
     assert earned("progress", collided=True) == pytest.approx(-0.2 * 15.02)
     assert earned("progress", arrived=True) == pytest.approx(0.2 * 14.98)
     assert earned("progress", after_clearances=0.5 * robot().footprint.radius) == pytest.approx(-0.2 * 0.17)
+
+
+def test_progress_counts_people_nearby_in_proportion():
+    caring = "progress", "differential", "reward.near_people=0.15"
+    near = [earned(*caring, after_clearances_people=clearance) for clearance in (0.0, 0.25, 0.5, np.inf)]
+    assert near == pytest.approx([-0.2 * (0.02 + cost) for cost in (0.15, 0.075, 0.0, 0.0)])

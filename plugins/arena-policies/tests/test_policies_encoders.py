@@ -1,3 +1,4 @@
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -7,7 +8,10 @@ from hypothesis import strategies as st
 
 from arena_core import ConfigurationError, ObservationBatch, Pose, Twist
 from arena_core.testing import check, component, joined, observation, robot
+from arena_policies.encoding import nearest_in_sectors
+from arena_policies.looking_back import beams_of, nearest_now
 
+LOOKING_BACK = ["observation_encoder.lookback=[0.1,0.3]"]
 PRESETS = ("rosnav", "rosnav_sectors", "gring")
 DRIVES = ("differential", "omnidirectional", "ackermann")
 
@@ -18,6 +22,7 @@ def fields(encoder, row):
     return dict(zip((field.name for field in encoder.layout()), np.split(row, ends[:-1]), strict=True))
 
 
+BEAMS = {name: component("robot", name).lidar for name in ("turtlebot3", "jackal", "robotino")}
 BODIES = {drive: robot(drive) for drive in DRIVES}
 
 
@@ -36,6 +41,14 @@ def seen(preset, view, command=None, *overrides):
 def test_encoders_hold_their_contract(preset, drive):
     body = robot(drive)
     assert check("observation_encoder", component("observation_encoder", preset, robot=body), body)
+
+
+def test_encoder_that_looks_back_holds_its_contract():
+    body = robot()
+    encoder = component("observation_encoder", "rosnav_sectors", LOOKING_BACK, robot=body)
+    assert encoder.lookback == (1, 3)
+    assert [field.name for field in encoder.layout()][:3] == ["closeness", "closeness_1", "closeness_2"]
+    assert check("observation_encoder", encoder, body)
 
 
 def test_rosnav_sees_beams_waypoint_and_last_command():
@@ -61,8 +74,55 @@ def test_sectors_show_the_nearest_beam_and_what_is_close_most():
     beams = body.lidar.beams
     view.scan.ranges[beams // 2] = body.footprint.radius
     near = seen("rosnav_sectors", view)["closeness"]
-    assert np.flatnonzero(near != far).tolist() == [len(near) // 2]
+    assert len(np.flatnonzero(near != far)) == 1
     assert near.max() == pytest.approx(2.0)
+
+
+def test_sectors_of_a_scan_all_round_begin_behind_and_overlap():
+    body = replace(robot(), lidar=BEAMS["turtlebot3"])
+    encoder = component("observation_encoder", "rosnav_sectors", robot=body)
+    closeness = {}
+    for degrees in (0, 90, 180, 270):
+        view = observation()
+        view = replace(view, scan=replace(view.scan, ranges=np.full(360, np.inf, np.float32)))
+        view.scan.ranges[degrees] = 0.5
+        row = fields(encoder, encoder.encode(ObservationBatch.of(view, Twist(0.0)))[0])["closeness"]
+        closeness[degrees] = np.flatnonzero(row > row.min()).tolist()
+    assert closeness == {0: [45], 90: [67], 180: [0, 90], 270: [22]}
+
+
+@pytest.mark.parametrize("name", BEAMS)
+def test_earlier_scan_from_the_same_pose_shows_the_same_sectors(name):
+    lidar, random = BEAMS[name], np.random.default_rng(0)
+    stride = max(lidar.beams // 360, 1)
+    ranges, poses = random.uniform(0.2, 9.0, (3, lidar.beams)).astype(np.float32), random.uniform(-3.0, 3.0, (3, 3))
+    ranges[:, np.arange(lidar.beams) % stride > 0] = np.inf
+    direct, again = np.empty((3, 90)), np.empty((3, 1, 90))
+    nearest_in_sectors(ranges, 8.0, direct)
+    nearest_now(ranges[:, None], poses[:, None], poses, beams_of(lidar), 8.0, again)
+    assert again[:, 0] == pytest.approx(direct, abs=1e-12)
+
+
+@settings(derandomize=True, deadline=None, max_examples=50)
+@given(x=st.floats(-1, 1), y=st.floats(-1, 1), turn=st.floats(-3, 3), beam=st.integers(0, 359), away=st.floats(0.2, 5.0))
+def test_earlier_return_is_seen_where_it_lies(x, y, turn, beam, away):
+    lidar = BEAMS["turtlebot3"]
+    ranges = np.full((1, 1, 360), np.inf, np.float32)
+    ranges[0, 0, beam] = away
+    then, now = Pose(0.3, -0.2, 0.7), Pose(0.3, -0.2, 0.7).compose(Pose(x, y, turn))
+    out = np.empty((1, 1, 360))
+    nearest_now(ranges, then.array()[None, None], now.array()[None], beams_of(lidar), 9.0, out)
+    angle = beam * lidar.angle_increment
+    hit = then.compose(lidar.mount).compose(Pose(away * np.cos(angle), away * np.sin(angle)))
+    seen = now.compose(lidar.mount).relative(hit)
+    assert out.min() == pytest.approx(np.hypot(seen.x, seen.y), abs=1e-5)
+    off = out[0, 0].argmin() * lidar.angle_increment - np.arctan2(seen.y, seen.x)
+    assert abs(np.sin(off / 2)) * 2 <= 0.5 * lidar.angle_increment + 1e-5
+
+
+def test_looking_back_takes_whole_control_steps():
+    with pytest.raises(ConfigurationError, match=r"lookback has 0.25; allowed: multiples of the robot's control period, 0.1 s"):
+        built("rosnav_sectors", "differential", "lookback=[0.25]")
 
 
 def test_sectors_share_all_beams_however_many():
@@ -109,15 +169,16 @@ def test_batch_of_many_equals_each_alone_bit_for_bit(preset):
     assert all((together[k] == encoder.encode(batch)[0]).all() for k, batch in enumerate(batches))
 
 
+@pytest.mark.parametrize("beam", [3, 90])
 @pytest.mark.parametrize("preset", PRESETS)
-def test_range_that_is_no_number_stays_none(preset):
+def test_range_that_is_no_number_stays_none(preset, beam):
     view = observation()
-    view.scan.ranges[3] = np.nan
+    view.scan.ranges[beam] = np.nan
     encoder = component("observation_encoder", preset, robot=robot())
-    assert np.isnan(encoder.encode(ObservationBatch.of(view, Twist(0.0)))).sum() == 1
+    assert np.isnan(encoder.encode(ObservationBatch.of(view, Twist(0.0)))).any()
 
 
-@pytest.mark.parametrize("override", ["sectors=0", "range_max=-1.0", "decay=0.0"])
+@pytest.mark.parametrize("override", ["sectors=0", "range_max=-1.0", "decay=0.0", "overlap=-1", "lookback=[0.0]"])
 def test_impossible_numbers_are_refused(override):
     with pytest.raises(ConfigurationError, match=f"observation_encoder.{override.split('=')[0]}"):
         component("observation_encoder", "rosnav_sectors", [f"observation_encoder.{override}"], robot=robot())

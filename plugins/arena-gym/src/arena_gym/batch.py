@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ObservationBatch, PathBatch, Situation, Snapshot, Transition
+from arena_core import EarlierScans, ObservationBatch, PathBatch, ScanMemory, Situation, Snapshot, Transition
 from arena_gym.building import Parts
 from arena_gym.episodes import Episode, draw_episode
 from arena_gym.late_commands import LateCommands
@@ -55,6 +55,7 @@ class NavigationBatch:
         self._tracking = PathTracking(worlds)
         self._late = LateCommands(worlds, parts.randomization.latency.high)
         self._noise = RangeNoise(parts.robot.lidar, worlds)
+        self._memory = ScanMemory(parts.encoder.lookback, worlds, parts.robot.lidar.beams)
         self._goals = np.zeros((worlds, 3))
         self._goal_radii, self._time_limits = np.zeros(worlds), np.zeros(worlds)
         self._commands = np.zeros((worlds, 3))
@@ -92,7 +93,9 @@ class NavigationBatch:
         self._situation = self._seen(snapshot)
         arrived, collided, timed_out = self._judge(snapshot)
         terminated = arrived | (collided & parts.settings.terminate_on_collision)
-        observed = _observed(snapshot, ranges, self._goals, waypoints, self._commands, self._tracking.paths)
+        self._memory.remember(ranges, snapshot.poses)
+        earlier = self._memory.earlier()
+        observed = _observed(snapshot, ranges, self._goals, waypoints, self._commands, self._tracking.paths, earlier)
         period = parts.robot.control_period
         rewards = parts.reward.reward(
             Transition(before, self._situation, self._commands, last_commands, arrived, collided, timed_out, period)
@@ -124,7 +127,9 @@ class NavigationBatch:
         self._situation = self._seen(snapshot)
         waypoints = np.array([episode.problem.waypoint for episode in begun])
         paths = PathBatch.of([episode.problem.path for episode in begun])
-        return self.parts.encoder.encode(_observed(snapshot, ranges, self._goals, waypoints, self._commands, paths, slots))
+        self._memory.begin(slots, ranges[slots], snapshot.poses[slots])
+        earlier = self._memory.earlier(slots)
+        return self.parts.encoder.encode(_observed(snapshot, ranges, self._goals, waypoints, self._commands, paths, earlier, slots))
 
     def _seen(self, snapshot: Snapshot) -> Situation:
         """Return the truth that rewards see."""
@@ -155,6 +160,7 @@ def _observed(
     waypoints: Floats,
     last_commands: Floats,
     paths: PathBatch,
+    earlier: EarlierScans,
     slots: Slots | slice = slice(None),
 ) -> ObservationBatch:
     """Return what the robots in these slots see, whose waypoints and paths are given; the pose estimate is the truth."""
@@ -167,4 +173,5 @@ def _observed(
         waypoints,
         last_commands[slots],
         paths,
+        earlier,
     )

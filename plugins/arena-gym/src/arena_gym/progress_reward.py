@@ -26,6 +26,8 @@ class ProgressReward(Reward):
         beside: NonNegative,
         safe_distance: Positive,
         near: NonNegative,
+        people_distance: Positive,
+        near_people: NonNegative,
         time: NonNegative,
         change_of_speed: NonNegative,
         change_of_turning: NonNegative,
@@ -34,6 +36,7 @@ class ProgressReward(Reward):
         self._scale, self._goal, self._collision = scale, goal, collision
         self._progress, self._beside = progress, beside
         self._safe, self._near, self._time = (safe_distance - 1.0) * robot.footprint.radius, near, time
+        self._people_distance, self._near_people = people_distance, near_people
         forward = max(limits.vx_max, -limits.vx_min)
         sideways = change_of_speed / limits.vy_max**2 if robot.holonomic else 0.0
         self._changes = np.array((change_of_speed / forward**2, sideways, change_of_turning / limits.wz_max**2))
@@ -44,6 +47,8 @@ class ProgressReward(Reward):
         total = self._progress * (before.path_lengths_left - after.path_lengths_left)
         total += self._beside * (before.path_distances - after.path_distances)
         total -= self._near * (after.clearances < self._safe) + self._time
+        missing = 1.0 - after.clearances_people / self._people_distance
+        total -= self._near_people * np.maximum(missing, 0.0)
         change = transition.commands - transition.last_commands
         jumps = change * change * self._changes
         total -= jumps[:, 0] + jumps[:, 1] + jumps[:, 2]

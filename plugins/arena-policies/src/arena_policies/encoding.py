@@ -54,22 +54,35 @@ def write_ranges(ranges: Numbers, range_max: float, scale: float, sectors: int, 
 
 
 @borrowing
-def write_closeness(ranges: Numbers, range_max: float, radius: float, decay: float, sectors: int, rows: Numbers) -> None:
-    """Write how close each sector is: 2 exp(-gap / decay) - gap / range_max, where the gap is the least range less ``radius``, m."""
+def nearest_in_sectors(ranges: Numbers, range_max: float, out: Floats) -> None:
+    """Fill ``out`` (N, S) with the least range of each sector, at most ``range_max`` m."""
+    for k in range(len(out)):
+        for s in range(out.shape[1]):
+            out[k, s] = _nearest_in_sector(ranges, k, s, out.shape[1], range_max)
+
+
+@borrowing
+def write_closeness(nearest: Floats, order: NDArray[np.int64], range_max: float, radius: float, decay: float, rows: Numbers) -> None:
+    """Write how close the sectors ``order`` (M,) are of scans whose nearest returns are (N, C, S), scan after scan.
+
+    Closeness is 2 exp(-gap / decay) - gap / range_max, where the gap is the least range less ``radius``, m.
+    """
     for k in range(len(rows)):
-        for s in range(sectors):
-            gap = _nearest_in_sector(ranges, k, s, sectors, range_max) - radius
-            rows[k, s] = 2.0 * math.exp(-gap / decay) - gap / range_max
+        for scan in range(nearest.shape[1]):
+            for place in range(len(order)):
+                gap = nearest[k, scan, order[place]] - radius
+                rows[k, scan * len(order) + place] = 2.0 * math.exp(-gap / decay) - gap / range_max
 
 
 @borrowing
 def _nearest_in_sector(ranges: Numbers, k: int, sector: int, sectors: int, range_max: float) -> float:
-    """Return the least range of a sector, ``range_max`` if none is less; sectors share the beams evenly."""
+    """Return the least range of a sector, ``range_max`` if none is less; NaN where one is, to be refused later. Sectors share the beams."""
     beams = ranges.shape[1]
     nearest = range_max
     for b in range(sector * beams // sectors, (sector + 1) * beams // sectors):
-        if not ranges[k, b] >= nearest:  # so that a NaN is kept, to be refused later
-            nearest = float(ranges[k, b])
+        if math.isnan(ranges[k, b]):
+            return math.nan
+        nearest = min(nearest, float(ranges[k, b]))
     return nearest
 
 

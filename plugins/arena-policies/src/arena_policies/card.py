@@ -1,0 +1,76 @@
+"""Policy cards: what a policy was trained for, in a JSON file beside the ONNX file of the same name."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from arena_core import InputFileError, ObservationField, write_text_whole
+
+FORMAT = "arena-policy"
+VERSION = 1
+
+
+@dataclass(frozen=True, slots=True)
+class PolicyCard:
+    """What has to match before a policy drives, and what its users want to know.
+
+    ``encoder`` is the encoder's name with its parameters, ``layout`` the fields that it makes; ``action`` the names of the actions with
+    what -1 and 1 mean (m/s, rad/s); ``sha256`` is that of the ONNX file. ``training`` holds seed, configuration, steps, curve,
+    evaluation and package versions, and is read by people alone.
+    """
+
+    planner: str
+    robot: str
+    kinematics: str
+    control_period: float
+    encoder: Mapping[str, Any]
+    layout: Sequence[ObservationField]
+    action: Mapping[str, Sequence[float]]
+    action_range: Mapping[str, Any]
+    sha256: str
+    training: Mapping[str, Any] = field(default_factory=dict)
+
+
+def write_card(path: Path, card: PolicyCard) -> None:
+    """Write a card, whole or not at all."""
+    content = {"format": FORMAT, "version": VERSION, **asdict(card)}
+    write_text_whole(path, json.dumps(content, indent=1, allow_nan=False) + "\n")
+
+
+def read_card(path: Path) -> PolicyCard:
+    """Read a card; raise InputFileError with file and key for anything that is not one."""
+    try:
+        content = json.loads(path.read_text("utf-8"))
+    except FileNotFoundError:
+        raise InputFileError(f"{path}: no such file; allowed: a policy with its card beside it (docs/policies.md)") from None
+    except (OSError, ValueError) as error:
+        raise InputFileError(f"{path}: is no policy card ({error}); allowed: a card as in docs/policies.md") from None
+    if not isinstance(content, dict) or content.get("format") != FORMAT or content.get("version") != VERSION:
+        raise InputFileError(f"{path}: format and version are not {FORMAT} {VERSION}; allowed: a card that `arena train` wrote")
+    try:
+        return PolicyCard(
+            planner=str(content["planner"]),
+            robot=str(content["robot"]),
+            kinematics=str(content["kinematics"]),
+            control_period=float(content["control_period"]),
+            encoder=dict(content["encoder"]),
+            layout=tuple(ObservationField(**fields) for fields in content["layout"]),
+            action={str(name): tuple(map(float, ends)) for name, ends in content["action"].items()},
+            action_range=dict(content["action_range"]),
+            sha256=str(content["sha256"]),
+            training=dict(content["training"]),
+        )
+    except KeyError as error:
+        raise InputFileError(f"{path}: {error.args[0]} is missing; allowed: a card as in docs/policies.md") from None
+    except (AttributeError, TypeError, ValueError) as error:
+        raise InputFileError(f"{path}: is no policy card ({error}); allowed: a card as in docs/policies.md") from None
+
+
+def sha256(content: bytes) -> str:
+    """Return the hash that names a file's content."""
+    return hashlib.sha256(content).hexdigest()

@@ -1,0 +1,48 @@
+"""What planners that follow a policy have in common."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from arena_core import ConfigurationError, EpisodeStart, Observation, Planner, Robot, Twist, local_path
+from arena_policies.policy import load_policy
+
+
+class PolicyPlanner(Planner):
+    """Asks a policy at every control step; it remembers its last command, and scans where the policy looks back.
+
+    ``policy`` is an ONNX file with its card beside it; None takes ``robot.name``'s from the folder ``shipped``.
+    """
+
+    compiles: ClassVar[bool] = True  # the encoder's kernels
+
+    def __init__(self, name: str, robot: Robot, policy: str | None, shipped: str) -> None:
+        self._name = name
+        self._policy = load_policy(policy or _shipped(name, robot, shipped), name, robot)
+        self._last = Twist(0.0)
+
+    def reset(self, episode: EpisodeStart) -> None:
+        """Begin at rest; raise ConfigurationError for another control period than the policy was trained with."""
+        trained = self._policy.card.control_period
+        if abs(episode.control_period - trained) > 1e-9:
+            raise ConfigurationError(
+                f"{self._name}: planner.control_period is {episode.control_period:g}; allowed: {trained:g}, as the policy was trained"
+            )
+        self._last = Twist(0.0)
+        self._policy.begin()
+
+    def compute_velocity(self, observation: Observation) -> Twist:
+        """Return the policy's velocity; raise NoValidCommand where the observation is no number."""
+        self._last = self._policy.command(observation, self._last)
+        return self._last
+
+
+def _shipped(name: str, robot: Robot, folder: str) -> str:
+    """Return the address of the policy that a package brings for a robot."""
+    there = sorted(path.stem for path in local_path(f"{folder}/x").parent.glob("*.onnx"))
+    if robot.name not in there:
+        raise ConfigurationError(
+            f"{name}: no policy for {robot.name} (`arena train planner={name} robot={robot.name}` trains one); "
+            f"allowed: {', '.join([*there, 'or planner.policy=FILE'])}"
+        )
+    return f"{folder}/{robot.name}.onnx"

@@ -1,0 +1,132 @@
+"""Policies that drive: an ONNX file, held to its card and to the robot."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core import (
+    ConfigurationError,
+    InputFileError,
+    NoValidCommand,
+    Observation,
+    ObservationBatch,
+    ObservationEncoder,
+    Robot,
+    ScanMemory,
+    Twist,
+    load_registry,
+    local_path,
+    read_settings,
+)
+from arena_policies.actions import ActionRange, ActionScale
+from arena_policies.card import PolicyCard, read_card, sha256
+
+LARGEST = 64 * 2**20  # bytes of a policy file
+
+
+class Policy:
+    """Observation to velocity: encoder, network, scaling; the same in every process, one thread each."""
+
+    def __init__(self, session: Any, encoder: ObservationEncoder, scale: ActionScale, card: PolicyCard) -> None:
+        self._session, self._encoder, self._scale = session, encoder, scale
+        self._input = session.get_inputs()[0].name
+        self._memory: ScanMemory | None = None
+        self.card = card
+
+    def begin(self) -> None:
+        """Forget what was seen before."""
+        self._memory = None
+
+    def command(self, observation: Observation, last_command: Twist) -> Twist:
+        """Return the velocity for what is seen; raise NoValidCommand when something in it is not a number."""
+        numbers = self._encoder.encode(ObservationBatch.of(observation, last_command, self._remember(observation)))
+        if not np.isfinite(numbers).all():
+            raise NoValidCommand(f"{self.card.planner}: the observation has values that are not finite")
+        actions: NDArray[np.float32] = self._session.run(None, {self._input: numbers})[0]
+        if not np.isfinite(actions).all():
+            raise NoValidCommand(f"{self.card.planner}: the policy answered with values that are not finite")
+        return Twist.of(self._scale.commands(actions)[0])
+
+    def _remember(self, observation: Observation) -> ScanMemory:
+        ranges = np.ascontiguousarray(observation.scan.ranges, np.float32)[None]
+        pose = observation.pose.array()[None]
+        if self._memory is None:
+            self._memory = ScanMemory(self._encoder.lookback, 1, ranges.shape[1])
+            self._memory.begin(np.zeros(1, np.int64), ranges, pose)
+        else:
+            self._memory.remember(ranges, pose)
+        return self._memory
+
+
+def load_policy(address: str, planner: str, robot: Robot) -> Policy:
+    """Load ``address`` (a path or pkg://) with its card; raise InputFileError or ConfigurationError where they or the robot do not fit."""
+    path = local_path(address)
+    content = _content(path)
+    card = read_card(path.with_suffix(".json"))
+    _check_card(path, card, content, planner, robot)
+    encoder: ObservationEncoder = load_registry().build("observation_encoder", card.encoder, robot=robot)
+    scale = ActionScale.of(robot, read_settings(card.action_range, ActionRange, f"{path.with_suffix('.json')}: action_range"))
+    _check_layout(path.with_suffix(".json"), card, encoder, scale)
+    return Policy(_session(path, content, sum(f.size for f in card.layout), len(card.action)), encoder, scale, card)
+
+
+def _content(path: Path) -> bytes:
+    try:
+        if path.stat().st_size > LARGEST:
+            raise InputFileError(f"{path}: has {path.stat().st_size} bytes; allowed: policies up to {LARGEST}")
+        return path.read_bytes()
+    except OSError as error:
+        raise InputFileError(f"{path}: cannot be read ({error.strerror}); allowed: an ONNX file with its card beside it") from None
+
+
+def _check_card(path: Path, card: PolicyCard, content: bytes, planner: str, robot: Robot) -> None:
+    beside = path.with_suffix(".json")
+    if sha256(content) != card.sha256:
+        raise InputFileError(
+            f"{path}: sha256 is {sha256(content)[:12]}…, its card says {card.sha256[:12]}…; allowed: the file the card was made for"
+        )
+    if card.planner != planner:
+        raise ConfigurationError(f"{beside}: planner is {card.planner}; allowed: a policy for {planner}")
+    if card.kinematics != robot.kinematics:
+        raise ConfigurationError(
+            f"{beside}: trained for {card.robot} ({card.kinematics}); allowed: a policy for {robot.name} ({robot.kinematics})"
+        )
+
+
+def _check_layout(beside: Path, card: PolicyCard, encoder: ObservationEncoder, scale: ActionScale) -> None:
+    """Refuse a robot whose sensors or speeds differ from those that the policy was trained with."""
+    made = encoder.layout()
+    if tuple(card.layout) != tuple(made):
+        differing = next((f"{a.name} ({a.meaning})" for a, b in zip(card.layout, made, strict=False) if a != b), "number of fields")
+        raise ConfigurationError(
+            f"{beside}: the observation of {card.robot} differs from this robot's in {differing}; allowed: a policy trained for it"
+        )
+    ends = dict(zip(scale.names, zip(scale.low.tolist(), scale.high.tolist(), strict=True), strict=True))
+    if {name: tuple(limits) for name, limits in card.action.items()} != ends:
+        raise ConfigurationError(f"{beside}: actions are {dict(card.action)}; allowed: those of this robot, {ends}")
+
+
+def _session(path: Path, content: bytes, inputs: int, outputs: int) -> Any:
+    """Open the network; raise InputFileError where it is none, or reads or writes other numbers than the card says."""
+    import onnxruntime
+
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = options.inter_op_num_threads = 1
+    options.log_severity_level = 4
+    try:
+        session = onnxruntime.InferenceSession(content, options, providers=["CPUExecutionProvider"])
+        shapes = [[i.shape[-1] for i in session.get_inputs()], [o.shape[-1] for o in session.get_outputs()]]
+        types = {value.type for value in (*session.get_inputs(), *session.get_outputs())}
+    except Exception as error:  # onnxruntime's own kinds, for a damaged or foreign file
+        raise InputFileError(
+            f"{path}: is no ONNX model that runs ({' '.join(str(error).split())[:120]}); allowed: one that `arena train` wrote"
+        ) from None
+    if shapes != [[inputs], [outputs]] or types != {"tensor(float)"}:
+        raise InputFileError(
+            f"{path}: reads {shapes[0]} and writes {shapes[1]} numbers; allowed: {[inputs]} and {[outputs]} as in its card, float32"
+        )
+    return session

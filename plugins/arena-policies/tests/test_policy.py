@@ -1,0 +1,189 @@
+"""Policies drive only what they were made for, and whatever is wrong with a file is one line."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import re
+
+import numpy as np
+import onnx
+import pytest
+from onnx import TensorProto, helper, numpy_helper
+
+from arena_core import ArenaError, NoValidCommand, Pose, Twist, testing
+from arena_policies.actions import ActionRange, ActionScale
+from arena_policies.card import PolicyCard, read_card, sha256, write_card
+from arena_policies.policy import load_policy
+
+RANGE = {"vx_min": 0.0, "vx_max": None, "vy_max": None, "wz_max": None, "steering_max": None}
+ENCODER = {
+    "name": "rosnav_sectors",
+    "sectors": 12,
+    "overlap": 0,
+    "lookback": [0.2],
+    "range_max": 8.0,
+    "decay": 1.0,
+    "distance_unit": 2.0,
+}
+
+
+def linear_model(inputs: int, outputs: int, seed: int = 0, scale: float = 0.05) -> bytes:
+    """Return an ONNX model of one layer with fixed weights."""
+    random = np.random.default_rng(seed)
+    weights = numpy_helper.from_array(random.normal(0.0, scale, (inputs, outputs)).astype(np.float32), "weights")
+    graph = helper.make_graph(
+        [helper.make_node("MatMul", ["observation", "weights"], ["action"])],
+        "linear",
+        [helper.make_tensor_value_info("observation", TensorProto.FLOAT, ["worlds", inputs])],
+        [helper.make_tensor_value_info("action", TensorProto.FLOAT, ["worlds", outputs])],
+        [weights],
+    )
+    model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", 17)], ir_version=9)
+    onnx.checker.check_model(model)
+    return model.SerializeToString()
+
+
+def built_encoder(robot):
+    chosen = [f"observation_encoder.{key}={ENCODER[key]}" for key in ("sectors", "overlap", "lookback")]
+    return testing.component("observation_encoder", "rosnav_sectors", chosen, robot=robot)
+
+
+def write_policy(folder, robot, model=None, **changes):
+    """Write a policy and its card for a robot; return the ONNX file."""
+    encoder = built_encoder(robot)
+    scale = ActionScale.of(robot, ActionRange(**RANGE))
+    layout = encoder.layout()
+    content = linear_model(sum(f.size for f in layout), len(scale.names)) if model is None else model
+    card = PolicyCard(
+        "rosnav",
+        robot.name,
+        robot.kinematics,
+        robot.control_period,
+        ENCODER,
+        layout,
+        {n: (low, high) for n, low, high in zip(scale.names, scale.low.tolist(), scale.high.tolist(), strict=True)},
+        RANGE,
+        sha256(content),
+    )
+    path = folder / "policy.onnx"
+    path.write_bytes(content)
+    write_card(path.with_suffix(".json"), dataclasses.replace(card, **changes))
+    return path
+
+
+@pytest.mark.parametrize("kinematics", ["differential", "omnidirectional", "ackermann"])
+def test_policy_answers_within_the_robots_limits(tmp_path, kinematics):
+    robot = testing.robot(kinematics)
+    policy = load_policy(str(write_policy(tmp_path, robot)), "rosnav", robot)
+    command = policy.command(testing.observation(body=robot), Twist(0.0))
+    assert 0.0 <= command.vx <= robot.limits.vx_max
+    assert abs(command.wz) <= robot.limits.wz_max
+    assert abs(command.vy) <= robot.limits.vy_max
+    assert command != Twist(0.0)
+
+
+def test_same_observation_gives_the_same_command_bit_for_bit(tmp_path):
+    robot = testing.robot()
+    path = str(write_policy(tmp_path, robot))
+    commands = [load_policy(path, "rosnav", robot).command(testing.observation(body=robot), Twist(0.3)) for _ in range(2)]
+    assert commands[0] == commands[1]
+
+
+def test_policy_looks_back_until_it_begins_anew(tmp_path):
+    robot = testing.robot()
+    policy = load_policy(str(write_policy(tmp_path, robot)), "rosnav", robot)
+    view, other = testing.observation(body=robot), testing.observation(pose=Pose(1.0, 1.0, 2.0), body=robot)
+    first = policy.command(view, Twist(0.0))
+    policy.command(other, Twist(0.0))
+    policy.command(other, Twist(0.0))
+    assert policy.command(view, Twist(0.0)) != first
+    policy.begin()
+    assert policy.command(view, Twist(0.0)) == first
+
+
+def test_card_is_read_as_it_was_written(tmp_path):
+    card = read_card(write_policy(tmp_path, testing.robot(), training={"seed": 3, "steps": 10}).with_suffix(".json"))
+    write_card(tmp_path / "again.json", card)
+    assert read_card(tmp_path / "again.json") == card
+    assert card.training["steps"] == 10
+
+
+def refused(path, robot, planner="rosnav"):
+    with pytest.raises(ArenaError) as caught:
+        load_policy(str(path), planner, robot)
+    assert "\n" not in str(caught.value)
+    assert "allowed:" in str(caught.value)
+    return str(caught.value)
+
+
+def test_policy_of_another_robot_is_refused(tmp_path):
+    path = write_policy(tmp_path, testing.robot())
+    assert "kinematics" in refused(path, testing.robot("ackermann")) or "ackermann" in refused(path, testing.robot("ackermann"))
+    quick = testing.robot()
+    quick = dataclasses.replace(quick, limits=dataclasses.replace(quick.limits, vx_max=1.5))
+    assert re.search("observation|actions", refused(path, quick))
+    seeing = dataclasses.replace(testing.robot(), lidar=dataclasses.replace(testing.robot().lidar, range_max=4.0))
+    assert "closeness" in refused(path, seeing)
+
+
+def test_policy_of_another_planner_is_refused(tmp_path):
+    assert "planner is rosnav" in refused(write_policy(tmp_path, testing.robot()), testing.robot(), "gring")
+
+
+def test_changed_file_is_refused(tmp_path):
+    path = write_policy(tmp_path, testing.robot())
+    path.write_bytes(path.read_bytes() + b"\0")
+    assert "sha256" in refused(path, testing.robot())
+
+
+@pytest.mark.parametrize("content", [b"", b"not a model", linear_model(20, 2)[:200]], ids=["empty", "foreign", "truncated"])
+def test_file_that_is_no_model_is_refused(tmp_path, content):
+    assert "ONNX" in refused(write_policy(tmp_path, testing.robot(), content), testing.robot())
+
+
+def test_model_of_another_size_is_refused(tmp_path):
+    assert "numbers" in refused(write_policy(tmp_path, testing.robot(), linear_model(7, 2)), testing.robot())
+
+
+def test_policy_without_a_card_is_refused(tmp_path):
+    path = write_policy(tmp_path, testing.robot())
+    path.with_suffix(".json").unlink()
+    assert "card" in refused(path, testing.robot())
+
+
+@pytest.mark.parametrize("key", ["planner", "kinematics", "encoder", "layout", "action", "sha256"])
+def test_card_that_lacks_a_key_is_refused(tmp_path, key):
+    path = write_policy(tmp_path, testing.robot())
+    card = json.loads(path.with_suffix(".json").read_text())
+    del card[key]
+    path.with_suffix(".json").write_text(json.dumps(card))
+    assert key in refused(path, testing.robot())
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", "null", '{"format": "arena-policy", "version": 1, "layout": 3}'])
+def test_card_that_is_none_is_refused(tmp_path, text):
+    path = write_policy(tmp_path, testing.robot())
+    path.with_suffix(".json").write_text(text)
+    assert "policy.json" in refused(path, testing.robot())
+
+
+def test_missing_policy_is_refused(tmp_path):
+    assert "cannot be read" in refused(tmp_path / "none.onnx", testing.robot())
+
+
+def test_observation_that_is_no_number_gets_no_command(tmp_path):
+    robot = testing.robot()
+    policy = load_policy(str(write_policy(tmp_path, robot)), "rosnav", robot)
+    seen = testing.observation(body=robot)
+    blind = dataclasses.replace(seen, scan=dataclasses.replace(seen.scan, ranges=np.full_like(seen.scan.ranges, np.nan)))
+    with pytest.raises(NoValidCommand):
+        policy.command(blind, Twist(0.0))
+
+
+def test_policy_that_answers_no_number_gives_no_command(tmp_path):
+    robot = testing.robot()
+    size = sum(field.size for field in built_encoder(robot).layout())
+    path = write_policy(tmp_path, robot, linear_model(size, 2, scale=np.inf))
+    with pytest.raises(NoValidCommand):
+        load_policy(str(path), "rosnav", robot).command(testing.observation(body=robot), Twist(0.0))
