@@ -11,6 +11,12 @@ def register_rewards(register: Register) -> None:
 
 
 @hookimpl
+def register_commands(register: Register) -> None:
+    """Offer ``arena train``."""
+    register("train", "arena_gym.train_command:TrainCommand")
+
+
+@hookimpl
 def config_package() -> str:
     """Name the configuration package."""
     return "arena_gym.conf"

@@ -39,10 +39,10 @@ class Parts:
     randomization: Randomization
 
 
-def compose_environment(overrides: Sequence[str] = (), **choices: str | None) -> dict[str, Any]:
-    """Return the configuration with these components and overrides; raise ConfigurationError in one line."""
+def compose_environment(overrides: Sequence[str] = (), primary: str = "environment", **choices: str | None) -> dict[str, Any]:
+    """Return the configuration ``primary`` with these components and overrides; raise ConfigurationError in one line."""
     chosen = [f"{kind}={name}" for kind, name in choices.items() if name is not None]
-    return plain(compose([*chosen, *overrides], "environment"))
+    return plain(compose([*chosen, *overrides], primary))
 
 
 def build_parts(config: Mapping[str, Any], registry: Registry | None = None) -> Parts:

@@ -11,7 +11,7 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from arena_gym.batch import NavigationBatch, Step
-from arena_gym.building import build_parts, compose_environment
+from arena_gym.building import Parts, build_parts, compose_environment
 from arena_gym.environment import SEEDS
 from arena_gym.reports import final_report, start_report
 from arena_gym.spaces import action_space, observation_space
@@ -39,10 +39,13 @@ class NavigationVectorEnv(VectorEnv[Observations, Observations, NDArray[Any]]):
         reward: str | None = None,
         observation: str | None = None,
         overrides: Sequence[str] = (),
+        parts: Parts | None = None,
     ) -> None:
         super().__init__()
-        config = compose_environment(overrides, robot=robot, world=world, task=task, reward=reward, observation_encoder=observation)
-        self.batch = NavigationBatch(build_parts(config), num_envs)
+        if parts is None:
+            config = compose_environment(overrides, robot=robot, world=world, task=task, reward=reward, observation_encoder=observation)
+            parts = build_parts(config)
+        self.batch = NavigationBatch(parts, num_envs)
         self.num_envs = num_envs
         self.single_observation_space = observation_space(self.batch.parts.encoder)
         self.single_action_space = action_space(self.batch.parts.scale)

@@ -1,0 +1,1 @@
+"""Training policies by reinforcement learning; needs the extra ``arena-gym[train]``."""

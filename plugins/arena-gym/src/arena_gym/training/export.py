@@ -1,0 +1,46 @@
+"""A trained policy as an ONNX file."""
+
+from __future__ import annotations
+
+import logging
+import warnings
+from typing import Any
+
+import torch
+from stable_baselines3 import PPO
+from torch import nn
+
+
+class _Acting(nn.Module):
+    """What acts: the mean of the policy's actions."""
+
+    def __init__(self, policy: Any) -> None:
+        super().__init__()
+        self.features, self.body, self.action = policy.pi_features_extractor, policy.mlp_extractor.policy_net, policy.action_net
+
+    def forward(self, observation: torch.Tensor) -> torch.Tensor:
+        actions: torch.Tensor = self.action(self.body(self.features(observation)))
+        return actions.clamp(-1.0, 1.0)
+
+
+def to_onnx(learner: PPO) -> bytes:
+    """Return the policy as an ONNX model: ``observation`` (N, D) float32 to ``action`` (N, A) float32 in [-1, 1]."""
+    acting = _Acting(learner.policy).to("cpu").eval()
+    seen = torch.zeros(2, int(learner.observation_space.shape[0]))  # type: ignore[index]
+    exporter = logging.getLogger("torch.onnx")
+    level = exporter.level
+    exporter.setLevel(logging.ERROR)  # it notes every optional package that is not installed
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        program = torch.onnx.export(
+            acting,
+            (seen,),
+            dynamo=True,
+            input_names=["observation"],
+            output_names=["action"],
+            dynamic_shapes={"observation": {0: torch.export.Dim("worlds", min=1)}},
+            verbose=False,
+        )
+    exporter.setLevel(level)
+    assert program is not None
+    return bytes(program.model_proto.SerializeToString())

@@ -1,0 +1,103 @@
+"""From settings to a learner, and from a learner to its checkpoints."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import Any
+
+import torch
+from stable_baselines3 import PPO
+from stable_baselines3.common.vec_env import VecEnv
+from torch import nn
+
+from arena_core import ConfigurationError, ObservationField, write_bytes_whole
+from arena_gym.training.network import BeamFeatures
+from arena_gym.training.settings import Network, TrainingSettings
+
+
+def make_learner(env: VecEnv, layout: tuple[ObservationField, ...], settings: TrainingSettings, logs: Path | None) -> PPO:
+    """Return an untrained learner whose random streams follow from the settings' seed."""
+    torch.set_num_threads(settings.threads)
+    chosen = settings.optimization
+    return PPO(
+        "MlpPolicy",
+        env,
+        learning_rate=_falling(chosen.learning_rate, chosen.final_learning_rate),
+        n_steps=chosen.steps,
+        batch_size=chosen.minibatch,
+        n_epochs=chosen.epochs,
+        gamma=chosen.gamma,
+        gae_lambda=chosen.gae_lambda,
+        clip_range=chosen.clip,
+        ent_coef=chosen.entropy,
+        vf_coef=chosen.value,
+        max_grad_norm=chosen.max_gradient,
+        policy_kwargs=_policy(settings.network, layout),
+        tensorboard_log=str(logs) if logs else None,
+        seed=settings.seed,
+        device=_device(settings.device),
+        verbose=0,
+    )
+
+
+def _falling(initial: float, final_share: float) -> Any:
+    return lambda left: initial * (final_share + (1.0 - final_share) * left)
+
+
+def _policy(network: Network, layout: tuple[ObservationField, ...]) -> dict[str, Any]:
+    beams, scans = beams_of(network, layout)
+    extractor = {"beams": beams, "scans": scans, "convolutions": network.convolutions, "features": network.features}
+    return {
+        "features_extractor_class": BeamFeatures,
+        "features_extractor_kwargs": extractor,
+        "net_arch": list(network.heads),
+        "activation_fn": nn.ReLU,
+        "log_std_init": network.log_std_init,
+        "ortho_init": True,
+    }
+
+
+def beams_of(network: Network, layout: tuple[ObservationField, ...]) -> tuple[slice, int]:
+    """Return where the observation has the scans that the convolutions read, and how many; raise ConfigurationError where it has none.
+
+    Scans are fields of one size in a row: ``beams_field``, then any whose names go on from it.
+    """
+    start = 0
+    for place, field in enumerate(layout):
+        if field.name == network.beams_field:
+            scans = sum(1 for f in layout[place:] if f.name.startswith(field.name) and f.size == field.size)
+            return slice(start, start + scans * field.size), scans
+        start += field.size
+    names = ", ".join(field.name for field in layout)
+    raise ConfigurationError(f"training.network.beams_field is {network.beams_field}; allowed: {names}")
+
+
+def _device(name: str) -> torch.device:
+    try:
+        device = torch.device(name)
+    except RuntimeError:
+        raise ConfigurationError(f"device is {name}; allowed: cpu, cuda, cuda:1, ...") from None
+    if device.type == "cuda" and not torch.cuda.is_available():
+        raise ConfigurationError(f"device is {name}, but this machine has none that torch can use; allowed: device=cpu")
+    return device
+
+
+def save_checkpoint(path: Path, learner: PPO, progress: dict[str, Any]) -> None:
+    """Write a learner's weights and ``progress`` (plain numbers), whole or not at all."""
+    content = io.BytesIO()
+    policy = learner.policy
+    torch.save({"policy": policy.state_dict(), "optimizer": policy.optimizer.state_dict(), "progress": progress}, content)
+    write_bytes_whole(path, content.getvalue())
+
+
+def load_checkpoint(path: Path, learner: PPO) -> dict[str, Any]:
+    """Give a learner the weights of a checkpoint and return its progress; reads tensors and plain numbers, never code."""
+    try:
+        content = torch.load(path, weights_only=True, map_location=learner.device)
+        learner.policy.load_state_dict(content["policy"])
+        learner.policy.optimizer.load_state_dict(content["optimizer"])
+        return dict(content["progress"])
+    except Exception as error:  # whatever a damaged or foreign file raises
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise ConfigurationError(f"{path}: is no checkpoint of this training ({reason}); remove the folder to begin anew") from error

@@ -1,0 +1,43 @@
+"""The policy's network: convolutions over the beams, after the released agents."""
+
+from __future__ import annotations
+
+import torch
+from gymnasium import spaces
+from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
+from torch import nn
+
+from arena_gym.training.settings import Convolution
+
+
+class BeamFeatures(BaseFeaturesExtractor):
+    """1-D convolutions over ``beams``, a slice of the observation, reduced to ``features``; the rest of the observation beside them.
+
+    The slice holds ``scans`` scans, one after the other, which are the convolutions' first channels.
+
+    The structure of the released ROSNAV agents (Kaestner et al. 2022, AGENT_24), whose robot state joins behind the convolutions.
+    """
+
+    def __init__(
+        self, observation_space: spaces.Box, beams: slice, scans: int, convolutions: tuple[Convolution, ...], features: int
+    ) -> None:
+        total = int(observation_space.shape[0])
+        count = beams.stop - beams.start
+        super().__init__(observation_space, features + total - count)
+        self._beams, self._scans = beams, scans
+        layers: list[nn.Module] = []
+        channels = scans
+        for layer in convolutions:
+            layers += [nn.Conv1d(channels, layer.channels, layer.kernel, layer.stride), nn.ReLU()]
+            channels = layer.channels
+        self.convolutions = nn.Sequential(*layers, nn.Flatten())
+        with torch.no_grad():
+            width = self.convolutions(torch.zeros(1, scans, count // scans)).shape[1]
+        self.reduced = nn.Sequential(nn.Linear(width, features), nn.ReLU())
+
+    def forward(self, observations: torch.Tensor) -> torch.Tensor:
+        """Return the features (N, F) of observations (N, D)."""
+        start, stop = self._beams.start, self._beams.stop
+        scans = observations[:, start:stop].reshape(-1, self._scans, (stop - start) // self._scans)
+        seen = self.reduced(self.convolutions(scans))
+        return torch.cat((seen, observations[:, :start], observations[:, stop:]), dim=1)

@@ -1,0 +1,77 @@
+"""A whole training: environments, learner, policy and card."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from arena_core import ConfigurationError, read_settings, write_bytes_whole
+from arena_gym.building import Parts, build_parts
+from arena_gym.seeds import check_evaluation_seed
+from arena_gym.training.evaluation import Score
+from arena_gym.training.export import to_onnx
+from arena_gym.training.settings import TrainingSettings
+from arena_gym.training.trainer import train
+from arena_gym.vector_environment import NavigationVectorEnv
+from arena_policies.card import PolicyCard, sha256, write_card
+
+EVALUATED_WORLDS = 32  # worlds driven in step in an evaluation
+PACKAGES = ("arena-core", "arena-gym", "arena-policies", "arena-sim2d", "arena-pedsim", "torch", "stable-baselines3", "onnx")
+
+
+def run_training(config: Mapping[str, Any], folder: Path) -> int:
+    """Train by a composed configuration; write ``policy.onnx`` and ``policy.json`` to ``folder``."""
+    settings = training_settings(config)
+    parts, other = build_parts(config), evaluation_parts(config, settings)
+    env = NavigationVectorEnv(settings.optimization.environments, parts=parts)
+    evaluation = NavigationVectorEnv(min(EVALUATED_WORLDS, settings.evaluation.episodes), parts=other)
+    if parts.pool.staging is not None:
+        evaluation.set_stage(parts.pool.staging.levels - 1)
+    learner, curve, score = train(settings, env, evaluation, parts.pool.staging, folder)
+    content = to_onnx(learner)
+    write_bytes_whole(folder / "policy.onnx", content)
+    write_card(folder / "policy.json", _card(config, parts, content, learner.num_timesteps, curve, score))
+    print(f"policy: {folder / 'policy.onnx'}")
+    return 0
+
+
+def training_settings(config: Mapping[str, Any]) -> TrainingSettings:
+    """Return the settings of a composed configuration; raise ConfigurationError."""
+    shared = {key: config[key] for key in ("planner", "seed", "total_steps", "device")}
+    return read_settings({**shared, **config["training"]}, TrainingSettings, "training")
+
+
+def evaluation_parts(config: Mapping[str, Any], settings: TrainingSettings) -> Parts:
+    """Return an environment of other worlds and problems, all of whose people are there."""
+    if settings.evaluation.seed == config["environment"]["seed"]:
+        raise ConfigurationError(
+            f"training.evaluation.seed is {settings.evaluation.seed}; allowed: any other than environment.seed, which is for training"
+        )
+    seed = check_evaluation_seed(settings.evaluation.seed)
+    still = {**config["randomization"], "people": None}
+    return build_parts({**config, "environment": {**config["environment"], "seed": seed}, "randomization": still})
+
+
+def _card(config: Mapping[str, Any], parts: Parts, content: bytes, steps: int, curve: list[dict[str, float]], score: Score) -> PolicyCard:
+    ends = zip(parts.scale.names, parts.scale.low.tolist(), parts.scale.high.tolist(), strict=True)
+    return PolicyCard(
+        planner=config["planner"],
+        robot=parts.robot.name,
+        kinematics=parts.robot.kinematics,
+        control_period=parts.robot.control_period,
+        encoder=config["observation_encoder"],
+        layout=parts.encoder.layout(),
+        action={name: (low, high) for name, low, high in ends},
+        action_range=config["action"],
+        sha256=sha256(content),
+        training={
+            "seed": config["seed"],
+            "steps": steps,
+            "curve": curve,
+            "score": {**score.as_row(), "seed": config["training"]["evaluation"]["seed"]},
+            "config": dict(config),
+            "versions": {name: version(name) for name in PACKAGES},
+        },
+    )

@@ -1,0 +1,78 @@
+"""The settings of a training, as its YAML has them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from arena_core import Fraction, NonNegative, NonNegativeInt, Positive, PositiveInt
+
+
+@dataclass(frozen=True, slots=True)
+class Convolution:
+    """One 1-D convolution over the beams: output ``channels``, ``kernel`` and ``stride`` in beams."""
+
+    channels: PositiveInt
+    kernel: PositiveInt
+    stride: PositiveInt
+
+
+@dataclass(frozen=True, slots=True)
+class Network:
+    """The policy's network: ``convolutions`` over the scans ``beams_field`` of the observation, ``features`` from them, then ``heads``.
+
+    The heads, one for the policy and one for the value, see these features and the rest of the observation.
+    """
+
+    beams_field: str
+    convolutions: tuple[Convolution, ...]
+    features: PositiveInt
+    heads: tuple[PositiveInt, ...]
+    log_std_init: float
+
+
+@dataclass(frozen=True, slots=True)
+class Optimization:
+    """Proximal policy optimisation (Schulman et al. 2017), in the words of Stable-Baselines3.
+
+    ``learning_rate`` falls in a line to its share ``final_learning_rate`` at the end.
+    """
+
+    environments: PositiveInt
+    steps: PositiveInt
+    minibatch: PositiveInt
+    epochs: PositiveInt
+    learning_rate: Positive
+    final_learning_rate: Fraction
+    gamma: Fraction
+    gae_lambda: Fraction
+    clip: Positive
+    entropy: NonNegative
+    value: NonNegative
+    max_gradient: Positive
+
+
+@dataclass(frozen=True, slots=True)
+class Evaluation:
+    """How a policy is evaluated while it trains: ``episodes`` of ``seed`` every ``every`` steps.
+
+    Training stops early once ``target`` of them succeed without a collision on the last level; null trains to the end.
+    """
+
+    every: PositiveInt
+    episodes: PositiveInt
+    seed: NonNegativeInt
+    target: Fraction | None
+
+
+@dataclass(frozen=True, slots=True)
+class TrainingSettings:
+    """What a training is beside its environment."""
+
+    planner: str
+    seed: NonNegativeInt
+    total_steps: PositiveInt
+    device: str
+    threads: PositiveInt
+    network: Network
+    optimization: Optimization
+    evaluation: Evaluation

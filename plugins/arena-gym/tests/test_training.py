@@ -1,0 +1,175 @@
+"""Training: rewards rise, policies drive as they were trained, and a training that was cut off goes on."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import time
+from importlib import util
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from arena_core import ConfigurationError, ObservationBatch, Pose, Twist, testing
+from arena_core.cli import main
+
+pytest.importorskip("torch", reason="training needs the extra arena-gym[train]")
+
+RECIPE = """
+# @package _global_
+defaults:
+  - override /observation_encoder: rosnav_sectors
+  - override /reward: progress
+  - override /world: empty
+  - override /pedestrians: none
+
+planner: beginner
+world: {width: 5.0, height: 5.0}
+task: {pedestrians: 0, min_distance: 1.5, max_distance: 4.0, time_limit: 20.0}
+environment: {worlds: 1, problems_per_world: 64}
+observation_encoder: {sectors: 16}
+training:
+  network:
+    beams_field: closeness
+    convolutions: [{channels: 4, kernel: 3, stride: 2}]
+    features: 16
+    heads: [32]
+    log_std_init: -0.5
+  optimization: {environments: 16, steps: 128, minibatch: 512, epochs: 6, learning_rate: 0.002, gamma: 0.97}
+  evaluation: {every: 8192, episodes: 32, seed: 7, target: null}
+"""
+WORDS = ("train", "planner=beginner", "robot=jackal")
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """Work in a folder whose conf/ holds a recipe that is trained in seconds."""
+    (tmp_path / "conf" / "recipe").mkdir(parents=True)
+    (tmp_path / "conf" / "recipe" / "beginner.yaml").write_text(RECIPE.lstrip())
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def curve(folder):
+    return json.loads((folder / "curve.json").read_text())
+
+
+@pytest.mark.slow
+def test_policy_learns_to_reach_its_goals_and_drives_as_it_was_trained(here, capsys):
+    assert main([*WORDS, "total_steps=40000", "out=trained"]) == 0
+    scores = [score["success"] for score in curve(here / "trained")]
+    assert scores[-1] >= 0.8, scores
+    assert scores[-1] > scores[0]
+    card = json.loads((here / "trained" / "policy.json").read_text())
+    assert (card["planner"], card["robot"], card["training"]["curve"]) == ("beginner", "jackal", curve(here / "trained"))
+    score = card["training"]["score"]
+    assert (score["episodes"], score["seed"]) == (32, 7)
+    assert score["success"] + score["collision"] + score["time_out"] == pytest.approx(1.0)
+    assert "success" in capsys.readouterr().out
+
+    from arena_gym.building import build_parts
+    from arena_gym.training.learning import load_checkpoint, make_learner
+    from arena_gym.training.session import training_settings
+    from arena_gym.training.worlds_in_step import WorldsInStep
+    from arena_gym.vector_environment import NavigationVectorEnv
+    from arena_policies.policy import load_policy
+
+    config = card["training"]["config"]
+    env = NavigationVectorEnv(4, parts=build_parts(config))
+    learner = make_learner(WorldsInStep(env, 0), env.batch.parts.encoder.layout(), training_settings(config), None)
+    load_checkpoint(here / "trained" / "checkpoint.pt", learner)
+    robot = testing.component("robot", "jackal")
+    policy = load_policy(str(here / "trained" / "policy.onnx"), "beginner", robot)
+    for angle in np.linspace(-3.0, 3.0, 7):
+        seen = testing.observation(pose=Pose(0.3, 0.2, float(angle)), body=robot)
+        numbers = env.batch.parts.encoder.encode(ObservationBatch.of(seen, Twist(0.1)))
+        meant = env.batch.parts.scale.commands(learner.predict(numbers, deterministic=True)[0])[0]
+        np.testing.assert_allclose(policy.command(seen, Twist(0.1)).array(), meant, atol=1e-5)
+
+
+@pytest.mark.slow
+def test_training_that_was_cut_off_goes_on(here):
+    assert main([*WORDS, "total_steps=8192", "out=cut"]) == 0
+    assert main([*WORDS, "total_steps=16384", "out=cut", "resume=true"]) == 0
+    steps = [score["steps"] for score in curve(here / "cut")]
+    assert steps == sorted(set(steps))
+    assert json.loads((here / "cut" / "policy.json").read_text())["training"]["steps"] >= 16384
+
+
+@pytest.mark.slow
+def test_training_that_was_killed_goes_on_from_its_checkpoint(here):
+    words = [str(Path(sys.executable).with_name("arena")), *WORDS, "out=killed", "training.evaluation.every=2048"]
+    killed = subprocess.Popen([*words, "total_steps=10000000"], stdout=subprocess.DEVNULL)
+    try:
+        for _ in range(600):
+            if (here / "killed" / "checkpoint.pt").exists() or killed.poll() is not None:
+                break
+            time.sleep(0.1)
+    finally:
+        killed.kill()
+        killed.wait()
+    before = curve(here / "killed")
+    assert before, "it was killed after its first checkpoint"
+    assert (
+        main([*WORDS, "out=killed", "training.evaluation.every=2048", f"total_steps={int(before[-1]['steps']) + 4096}", "resume=true"]) == 0
+    )
+    after = curve(here / "killed")
+    assert after[: len(before)] == before
+    assert after[-1]["steps"] > before[-1]["steps"]
+
+
+def refused(words, capsys):
+    assert main(list(words)) == 2
+    lines = capsys.readouterr().err.strip().splitlines()
+    assert len(lines) == 1, lines
+    return lines[0]
+
+
+def test_folder_of_another_training_is_refused(here, capsys):
+    (here / "other").mkdir()
+    (here / "other" / "config.json").write_text('{"seed": 3}')
+    assert "resume=true" in refused([*WORDS, "out=other"], capsys)
+    assert "another" in refused([*WORDS, "out=other", "resume=true"], capsys)
+
+
+def test_checkpoint_that_is_none_is_refused(here, capsys):
+    (here / "cut").mkdir()
+    (here / "cut" / "checkpoint.pt").write_bytes(b"no checkpoint")
+    assert "checkpoint.pt" in refused([*WORDS, "total_steps=2048", "out=cut"], capsys)
+
+
+@pytest.mark.parametrize(
+    ("word", "said"),
+    [
+        ("planner=unheard_of", "unheard_of"),
+        ("robot=unheard_of", "unheard_of"),
+        ("total_steps=0", "total_steps"),
+        ("device=abacus", "device"),
+        ("device=cuda:77", "device"),
+        ("training.evaluation.seed=0", "evaluation.seed"),
+        ("training.network.beams_field=nothing", "beams_field"),
+        ("training.optimization.gamma=2", "gamma"),
+        ("resume=perhaps", "resume"),
+    ],
+)
+def test_impossible_request_is_one_line(here, capsys, word, said):
+    words = [w for w in WORDS if w.split("=")[0] != word.split("=")[0]]
+    assert said in refused([*words, word, "out=none"], capsys)
+
+
+def test_missing_torch_is_said_with_what_to_install(here, capsys, monkeypatch):
+    found = util.find_spec
+    monkeypatch.setattr("arena_gym.train_command.find_spec", lambda name: None if name == "torch" else found(name))
+    assert "arena-gym[train]" in refused(WORDS, capsys)
+
+
+def test_evaluation_never_meets_the_problems_of_training(here):
+    from arena_gym.building import compose_environment
+    from arena_gym.training.session import evaluation_parts, training_settings
+
+    config = compose_environment(["recipe=beginner", "robot=jackal"], primary="train")
+    config["training"]["evaluation"]["seed"] = config["environment"]["seed"]
+    with pytest.raises(ConfigurationError, match=r"evaluation\.seed"):
+        evaluation_parts(config, training_settings(config))
