@@ -1,6 +1,7 @@
-# make demo | test | lint | bench | docs: each sets up .venv by itself when it is missing or older than what it is made from.
+# make demo | test | lint | bench | policies | wheels: each sets up .venv by itself when it is missing or older than what it is made from.
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint bench clean setup wheels
+ROBOTS := turtlebot3 jackal robotino
+.PHONY: help demo test lint bench clean setup wheels policies
 PYTHON ?= python3
 BIN := .venv/bin
 SOURCES := pyproject.toml constraints.txt $(wildcard plugins/*/pyproject.toml)
@@ -10,6 +11,7 @@ help:
 	@echo "make test   run all tests"
 	@echo "make lint   ruff, mypy, import-linter"
 	@echo "make bench  speed against named peers (installs the peers)"
+	@echo "make policies  train every policy that comes with a package, two at a time; goes on where it was cut off"
 	@echo "make wheels build wheels and try them in an empty environment"
 
 setup: .venv/.complete
@@ -36,6 +38,9 @@ bench: setup
 
 wheels: setup
 	scripts/try_wheels
+
+policies: setup
+	printf '%s\n' $(ROBOTS) | OMP_NUM_THREADS=1 xargs -P 2 -I ROBOT scripts/train_policy rosnav ROBOT
 
 clean:
 	rm -rf .venv dist build

@@ -1,0 +1,14 @@
+"""ROSNAV: a policy from scan, waypoint and last command to velocity."""
+
+from arena_core import Robot
+from arena_policies.planner import PolicyPlanner
+
+
+class Rosnav(PolicyPlanner):
+    """Drive by a policy trained with proximal policy optimisation (Kaestner et al. 2022, section III).
+
+    ``policy`` is an ONNX file with its card beside it; None takes the one that comes with this package for the robot.
+    """
+
+    def __init__(self, robot: Robot, policy: str | None) -> None:
+        super().__init__("rosnav", robot, policy, "pkg://arena_rosnav/policies")

@@ -1,0 +1,62 @@
+"""The policies that come with ROSNAV fit their robots, drive them among people, and are what their cards say."""
+
+import csv
+import json
+from importlib import resources
+
+import pytest
+
+from arena_core import ConfigurationError, testing
+from arena_core.cli import main
+
+ROBOTS = ("turtlebot3", "jackal", "robotino")
+POLICIES = resources.files("arena_rosnav") / "policies"
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_planner_holds_its_contract(robot):
+    body = testing.component("robot", robot)
+    assert testing.check("planner", testing.component("planner", "rosnav", robot=body), body)
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_policy_is_small_and_its_card_tells_how_it_was_trained(robot):
+    assert len((POLICIES / f"{robot}.onnx").read_bytes()) <= 2 * 10**6
+    training = json.loads((POLICIES / f"{robot}.json").read_text("utf-8"))["training"]
+    assert training["steps"] >= training["config"]["total_steps"]
+    assert training["config"]["task"]["path"].startswith("pkg://arena_rosnav/")
+    assert training["score"]["episodes"] >= 100
+    assert {"torch", "stable-baselines3", "arena-sim2d"} <= set(training["versions"])
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_card_has_what_its_recipe_composes(robot):
+    from arena_gym.building import compose_environment
+
+    recorded = json.loads((POLICIES / f"{robot}.json").read_text("utf-8"))["training"]["config"]
+    composed = json.loads(json.dumps(compose_environment(["recipe=rosnav", f"robot={robot}"], primary="train")))
+    for key in ("action", "observation_encoder", "randomization", "reward", "total_steps", "training"):
+        assert recorded[key] == composed[key], key
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_robot_reaches_its_goals_among_people_in_a_hall_it_never_saw(tmp_path, robot):
+    words = [f"robot={robot}", "world=warehouse", "task.pedestrians=5", "localizer=ground_truth", "episodes=6", "executor=serial"]
+    assert main(["run", "planner=rosnav", *words, "report=false", f"hydra.run.dir={tmp_path}"]) == 0
+    with (tmp_path / "episodes.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert sum(float(row["success"]) for row in rows) >= 5
+
+
+def test_robot_without_a_policy_is_told_how_to_train_one():
+    with pytest.raises(
+        ConfigurationError, match=r"arena train planner=rosnav robot=jackal_ackermann.*allowed: jackal, robotino, turtlebot3, or"
+    ):
+        testing.component("planner", "rosnav", robot=testing.component("robot", "jackal_ackermann"))
+
+
+def test_policy_of_another_robot_is_refused():
+    chosen = [f"planner.policy={POLICIES / 'robotino.onnx'}"]
+    with pytest.raises(ConfigurationError, match=r"robotino\.json: trained for robotino .*allowed: a policy for jackal"):
+        testing.component("planner", "rosnav", chosen, robot=testing.component("robot", "jackal"))
