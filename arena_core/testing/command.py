@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Sequence
 from typing import Any, ClassVar
 
-from arena_core.errors import ConfigurationError, ContractViolation, UnknownComponent
+from arena_core.errors import ConfigurationError, ContractViolation, ImpossibleScenario, UnknownComponent
 from arena_core.interfaces import Command
 from arena_core.listing import presets
 from arena_core.registry import load_registry, unknown
@@ -46,24 +46,40 @@ def _check_or_say_why_not(kind: str, preset: str) -> int:
     """Check one preset; one that cannot be built without values from its user (a file, say) is named and passed over."""
     try:
         return _check_preset(kind, preset, [])
-    except ConfigurationError as error:
+    except (ConfigurationError, ImpossibleScenario) as error:
         print(f"-- {kind}={preset} needs values: {error}")
         return 0
 
 
 def _check_preset(kind: str, preset: str, overrides: Sequence[str]) -> int:
     """Check one preset on every kind of robot that matters to it and print what held."""
-    bodies = BODIES.get(kind, ("differential",))
-    for kinematics in bodies:
-        body = robot(kinematics)
+    bodies = _bodies(kind, preset, overrides)
+    for body in bodies:
         try:
             facts = check(kind, component(kind, preset, overrides, **_context(kind, body)), body)
         except ContractViolation as violation:
-            print(f"BROKEN {kind}={preset} ({kinematics}): {violation}")
+            print(f"BROKEN {kind}={preset} ({body.name}, {body.kinematics}): {violation}")
             return 1
-        on = f" on a robot with {kinematics} drive" if len(bodies) > 1 else ""
+        on = f" on {'a robot' if body.name == 'sample' else body.name} with {body.kinematics} drive" if len(bodies) > 1 else ""
         print(f"ok {kind}={preset}: {len(facts)} facts hold{on}")
     return 0
+
+
+def _bodies(kind: str, preset: str, overrides: Sequence[str]) -> list[Robot]:
+    """Return a sample of each drive that matters to a kind; for a planner that knows robots by name, those of them that are installed."""
+    samples = [robot(kinematics) for kinematics in BODIES.get(kind, ("differential",))]
+    if kind != "planner" or _accepts(preset, overrides, samples[0]):
+        return samples
+    named = [component("robot", name) for name in presets(load_registry(), "robot")]
+    return [body for body in named if _accepts(preset, overrides, body)] or samples
+
+
+def _accepts(preset: str, overrides: Sequence[str], body: Robot) -> bool:
+    try:
+        component("planner", preset, overrides, robot=body)
+    except ConfigurationError:
+        return False
+    return True
 
 
 def _context(kind: str, body: Robot) -> dict[str, Any]:

@@ -19,6 +19,12 @@ def test_planner_holds_its_contract(robot):
     assert testing.check("planner", testing.component("planner", "rosnav", robot=body), body)
 
 
+def test_check_command_tries_it_on_the_robots_that_it_has_policies_for(capsys):
+    assert main(["check", "planner=rosnav"]) == 0
+    said = capsys.readouterr().out
+    assert all(f"on {robot} with" in said for robot in ROBOTS)
+
+
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_policy_is_small_and_its_card_tells_how_it_was_trained(robot):
     assert len((POLICIES / f"{robot}.onnx").read_bytes()) <= 2 * 10**6

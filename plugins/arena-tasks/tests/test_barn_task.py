@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import yaml
 
-from arena_core import ConfigurationError, OccupancyGrid, Pose, World, WorldSource, testing
+from arena_core import ConfigurationError, ImpossibleScenario, OccupancyGrid, Pose, World, WorldSource, testing
 from arena_tasks.barn_task import BarnTask
 
 GRID = OccupancyGrid(np.zeros((120, 60), np.int8), 0.15, Pose(-5.0, 0.0))
@@ -48,3 +48,8 @@ def test_world_without_reference_path_gives_no_reference_length() -> None:
 def test_goal_within_its_radius_of_the_start_is_refused() -> None:
     with pytest.raises(ConfigurationError, match=r"task\.goal_radius is 11"):
         task(goal_radius=11.0)
+
+
+def test_world_that_does_not_hold_the_way_is_said_with_one_that_does() -> None:
+    with pytest.raises(ImpossibleScenario, match=r"task\.goal is \(-2, 40\), beyond the map of barn/world_0; allowed: .* world=barn"):
+        task(goal={"x": -2.0, "y": 40.0, "theta": 0.0}).scenario(0, 0)

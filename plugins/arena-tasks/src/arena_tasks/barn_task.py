@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from arena_core import ConfigurationError, Pose, Positive, Robot, Scenario, TaskMode, World, WorldSource
+from arena_core import ConfigurationError, ImpossibleScenario, Pose, Positive, Robot, Scenario, TaskMode, World, WorldSource
 
 
 class BarnTask(TaskMode):
@@ -20,8 +20,16 @@ class BarnTask(TaskMode):
         self._time_limit = time_limit
 
     def scenario(self, seed: int, index: int) -> Scenario:
-        """Return the way through world ``index``; its reference length is that of start, the world's reference path and goal."""
+        """Return the way through world ``index``; its reference length is that of start, the world's reference path and goal.
+
+        Raises ImpossibleScenario for a world that does not hold them.
+        """
         world = self._world.world(seed, index)
+        for name, place in (("start", self._start), ("goal", self._goal)):
+            if not world.grid.contains(world.grid.cells([(place.x, place.y)])).all():
+                raise ImpossibleScenario(
+                    f"task.{name} is ({place.x:g}, {place.y:g}), beyond the map of {world.name}; allowed: a place on it, as in world=barn"
+                )
         return Scenario(
             name=f"{world.name}/{index:04d}",
             seed=seed,
