@@ -99,6 +99,13 @@ def test_training_that_was_cut_off_goes_on(here):
 
 
 @pytest.mark.slow
+def test_training_ends_early_at_its_target(here):
+    assert main([*WORDS, "total_steps=10000000", "out=early", "training.evaluation.every=2048", "training.evaluation.target=0.0"]) == 0
+    assert len(curve(here / "early")) == 1
+    assert json.loads((here / "early" / "policy.json").read_text())["training"]["steps"] < 10000
+
+
+@pytest.mark.slow
 def test_training_that_was_killed_goes_on_from_its_checkpoint(here):
     words = [str(Path(sys.executable).with_name("arena")), *WORDS, "out=killed", "training.evaluation.every=2048"]
     killed = subprocess.Popen([*words, "total_steps=10000000"], stdout=subprocess.DEVNULL)

@@ -77,7 +77,7 @@ class Trainer(BaseCallback):
             self._worlds.set_stage(stage)
 
     def _on_rollout_end(self) -> None:
-        self._report.show(self.num_timesteps, self._late_success(), self.stage)
+        self._report.note(self.num_timesteps, self._late_success(), self.stage)
         self.logger.record("train/success", self._late_success())
         self.logger.record("train/level", self.stage)
         if self.num_timesteps >= self._next_evaluation:
@@ -91,9 +91,10 @@ class Trainer(BaseCallback):
         score = self.score()
         self.curve.append({"steps": self.num_timesteps, "level": self.stage, "training": self._late_success(), **score.as_row()})
         self.logger.record("evaluation/success", score.success)
-        self._report.say(
+        print(
             f"{self.num_timesteps:>9} steps, level {self.stage}, success {self._late_success():.2f}; evaluation: "
-            f"success {score.success:.3f}, collision {score.collision:.3f}, time out {score.time_out:.3f} of {score.episodes}"
+            f"success {score.success:.3f}, collision {score.collision:.3f}, time out {score.time_out:.3f} of {score.episodes}",
+            flush=True,
         )
         target = self._settings.evaluation.target
         on_top = self._staging is None or self.stage == self._staging.levels - 1
