@@ -28,7 +28,7 @@ class Replay(Planner):
 @pytest.mark.parametrize("encoder", ["rosnav", "rosnav_sectors", "gring"])
 @pytest.mark.parametrize("robot", ["turtlebot3", "robotino"])
 def test_navigator_shows_a_planner_what_the_environment_showed(robot, encoder):
-    env = NavigationEnv(robot=robot, observation=encoder, overrides=[*COMMON, "environment.terminate_on_collision=false"])
+    env = NavigationEnv(robot=robot, observation=encoder, overrides=[*COMMON, "environment.collisions_to_end=null"])
     actions = np.random.default_rng(0).uniform(-1.0, 1.0, (40, *env.action_space.shape)).astype(np.float32)
     shown = [env.reset(seed=0)[0], *(env.step(action)[0] for action in actions)]
     parts, problem = env.batch.parts, env.batch.episodes[0].problem

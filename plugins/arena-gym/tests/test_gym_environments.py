@@ -73,19 +73,31 @@ def test_make_vec_gives_the_vectorised_environment_with_final_observations():
     assert observations in envs.observation_space
 
 
-def test_collision_ends_an_episode_only_if_it_shall():
-    for ends in (True, False):
-        env = NavigationEnv(overrides=[*SMALL, f"environment.terminate_on_collision={ends}"], reward="rule_00")
-        env.reset(seed=0)
-        rewards = []
-        for _ in range(60):
-            _, reward, terminated, _, info = env.step(np.array((1.0, 0.0), np.float32))
-            rewards.append(reward)
-            if terminated:
-                break
-        assert terminated == ends
-        assert min(rewards) < -9.0
-        assert not ends or info["outcome"] == "collision"
+@pytest.mark.parametrize(("to_end", "ends"), [(1, True), (2, False), (None, False)])
+def test_so_many_collisions_end_an_episode(to_end, ends):
+    env = NavigationEnv(overrides=[*SMALL, f"environment.collisions_to_end={'null' if to_end is None else to_end}"], reward="rule_00")
+    env.reset(seed=0)
+    rewards = []
+    for _ in range(60):
+        _, reward, terminated, _, info = env.step(np.array((1.0, 0.0), np.float32))  # into a wall, and against it
+        rewards.append(reward)
+        if terminated:
+            break
+    assert terminated == ends
+    assert min(rewards) < -9.0
+    assert not ends or info["outcome"] == "collision"
+
+
+def test_robot_that_leaves_a_wall_and_meets_it_again_has_collided_twice():
+    env = NavigationEnv(overrides=[*SMALL, "environment.collisions_to_end=2", "action.vx_min=null"], reward="rule_00")
+    env.reset(seed=0)
+    terminated, steps = False, 0
+    while not terminated and steps < 100:
+        forwards = steps % 40 < 30
+        _, _, terminated, _, info = env.step(np.array((1.0 if forwards else -1.0, 0.0), np.float32))
+        steps += 1
+    assert info["outcome"] == "collision"
+    assert info["collisions"] == 2
 
 
 def test_arrival_ends_an_episode_with_success():

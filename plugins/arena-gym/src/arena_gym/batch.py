@@ -36,7 +36,7 @@ class Step:
 class NavigationBatch:
     """Drives N robots by the actions of a policy; slot k is bit for bit what it is alone.
 
-    An episode ends when the robot is within its goal's radius, when it collides (if that ends it), or when its time is over.
+    An episode ends when the robot is within its goal's radius, when it has collided too often, or when its time is over.
     ``steps`` and ``collisions`` (N,) count since the episodes began. ``stage`` is the level of a task that has any.
     """
 
@@ -92,7 +92,8 @@ class NavigationBatch:
         self._nearest = ranges.min(axis=1).astype(np.float64)
         self._situation = self._seen(snapshot)
         arrived, collided, timed_out = self._judge(snapshot)
-        terminated = arrived | (collided & parts.settings.terminate_on_collision)
+        limit = parts.settings.collisions_to_end
+        terminated = arrived if limit is None else arrived | (collided & (self.collisions >= limit))
         self._memory.remember(ranges, snapshot.poses)
         earlier = self._memory.earlier()
         observed = _observed(snapshot, ranges, self._goals, waypoints, self._commands, self._tracking.paths, earlier)

@@ -31,12 +31,12 @@ class CountSpan:
 
 @dataclass(frozen=True, slots=True)
 class EnvironmentSettings:
-    """The pool of problems, and what ends an episode."""
+    """The pool of problems, and how many collisions end an episode; None: no number of them."""
 
     seed: NonNegativeInt
     worlds: PositiveInt
     problems_per_world: PositiveInt
-    terminate_on_collision: bool
+    collisions_to_end: PositiveInt | None
 
 
 @dataclass(frozen=True, slots=True)

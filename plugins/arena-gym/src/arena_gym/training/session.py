@@ -44,14 +44,13 @@ def training_settings(config: Mapping[str, Any]) -> TrainingSettings:
 
 
 def evaluation_parts(config: Mapping[str, Any], settings: TrainingSettings) -> Parts:
-    """Return an environment of other worlds and problems, all of whose people are there."""
+    """Return an environment of other worlds and problems, all of whose people are there, where the first collision ends an episode."""
     if settings.evaluation.seed == config["environment"]["seed"]:
         raise ConfigurationError(
             f"training.evaluation.seed is {settings.evaluation.seed}; allowed: any other than environment.seed, which is for training"
         )
-    seed = check_evaluation_seed(settings.evaluation.seed)
-    still = {**config["randomization"], "people": None}
-    return build_parts({**config, "environment": {**config["environment"], "seed": seed}, "randomization": still})
+    environment = {**config["environment"], "seed": check_evaluation_seed(settings.evaluation.seed), "collisions_to_end": 1}
+    return build_parts({**config, "environment": environment, "randomization": {**config["randomization"], "people": None}})
 
 
 def _card(config: Mapping[str, Any], parts: Parts, content: bytes, steps: int, curve: list[dict[str, float]], score: Score) -> PolicyCard:

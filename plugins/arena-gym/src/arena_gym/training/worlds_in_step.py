@@ -15,8 +15,8 @@ from arena_gym.vector_environment import NavigationVectorEnv
 class WorldsInStep(VecEnv):
     """N worlds of one vectorised environment; begins with the episodes of ``seed``.
 
-    The info of an ended episode has ``terminal_observation``, ``TimeLimit.truncated``, ``is_success`` and ``episode`` (return ``r``,
-    length ``l``, collisions ``c``, outcome ``o``).
+    The info of an ended episode has ``terminal_observation``, ``TimeLimit.truncated``, ``is_success`` (the goal without a collision) and
+    ``episode`` (return ``r``, length ``l``, collisions ``c``, outcome ``o``).
     """
 
     def __init__(self, env: NavigationVectorEnv, seed: int) -> None:
@@ -57,7 +57,7 @@ class WorldsInStep(VecEnv):
         return {
             "terminal_observation": ends["final_obs"][slot],
             "TimeLimit.truncated": truncated,
-            "is_success": bool(final["success"][slot]),
+            "is_success": bool(final["success"][slot]) and collisions == 0,
             "episode": episode,
         }
 
