@@ -180,3 +180,31 @@ def test_evaluation_never_meets_the_problems_of_training(here):
     config["training"]["evaluation"]["seed"] = config["environment"]["seed"]
     with pytest.raises(ConfigurationError, match=r"evaluation\.seed"):
         evaluation_parts(config, training_settings(config))
+
+
+def test_goal_after_a_collision_is_no_success():
+    from arena_gym.training.worlds_in_step import WorldsInStep
+    from arena_gym.vector_environment import NavigationVectorEnv
+
+    near = ["task.min_distance=3.05", "task.max_distance=4.0", "task.goal_radius=3.0", "task.pedestrians=0", "action.vx_min=null"]
+    small = ["world.width=8", "world.height=8", "environment.worlds=2", "environment.collisions_to_end=null"]
+    env = NavigationVectorEnv(2, overrides=[*near, *small])
+    worlds, ends = WorldsInStep(env, 0), {}
+    worlds.reset()
+    for step in range(200):
+        env.batch.collisions[1] = max(env.batch.collisions[1], 1)  # as if it had touched something before
+        infos = worlds.step(np.full((2, 2), (1.0, 0.3) if step % 40 < 20 else (-1.0, 0.3), np.float32))[3]
+        for slot, info in enumerate(infos):
+            if info.get("episode", {}).get("o") == "goal_reached":
+                ends.setdefault((slot, info["episode"]["c"] > 0), info["is_success"])
+    assert ends[0, False]
+    assert not ends[1, True]
+    assert all(success == (not touched) for (_, touched), success in ends.items())
+
+
+def test_evaluation_ends_at_the_first_collision_whatever_training_does(here):
+    from arena_gym.building import compose_environment
+    from arena_gym.training.session import evaluation_parts, training_settings
+
+    config = compose_environment(["recipe=beginner", "robot=jackal", "environment.collisions_to_end=null"], primary="train")
+    assert evaluation_parts(config, training_settings(config)).settings.collisions_to_end == 1
