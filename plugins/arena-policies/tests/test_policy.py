@@ -102,6 +102,22 @@ def test_policy_looks_back_until_it_begins_anew(tmp_path):
     assert policy.command(view, Twist(0.0)) == first
 
 
+@pytest.mark.parametrize(
+    ("encoder", "says"),
+    [
+        ({}, "name"),
+        ({**ENCODER, "name": "unheard_of"}, "unheard_of.* rosnav_sectors"),
+        ({**ENCODER, "sector": 12}, "no parameter sector; did you mean sectors"),
+        ({key: value for key, value in ENCODER.items() if key != "decay"}, "lacks decay"),
+    ],
+)
+def test_card_of_an_encoder_that_is_not_installed_is_refused_by_its_name(tmp_path, encoder, says):
+    robot = testing.robot()
+    path = write_policy(tmp_path, robot, encoder=encoder)
+    with pytest.raises(ArenaError, match=rf"policy\.json: encoder: .*{says}"):
+        load_policy(str(path), "rosnav", robot)
+
+
 def test_card_is_read_as_it_was_written(tmp_path):
     card = read_card(write_policy(tmp_path, testing.robot(), training={"seed": 3, "steps": 10}).with_suffix(".json"))
     write_card(tmp_path / "again.json", card)

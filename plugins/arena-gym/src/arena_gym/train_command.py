@@ -11,7 +11,7 @@ from arena_core import Command, ConfigurationError
 from arena_gym.building import compose_environment
 
 USAGE = "usage: arena train planner=NAME robot=NAME [seed=0] [total_steps=N] [device=cpu] [out=DIR] [resume=true] [KEY=VALUE ...]"
-NEEDED = ("torch", "stable_baselines3", "onnx", "onnxscript", "tensorboard")
+NEEDED = ("torch", "stable_baselines3", "onnx", "onnxscript", "tensorboard", "rich")
 
 
 class TrainCommand(Command):

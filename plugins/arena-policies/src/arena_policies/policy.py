@@ -68,7 +68,7 @@ def load_policy(address: str, planner: str, robot: Robot) -> Policy:
     content = _content(path)
     card = read_card(path.with_suffix(".json"))
     _check_card(path, card, content, planner, robot)
-    encoder: ObservationEncoder = load_registry().build("observation_encoder", card.encoder, robot=robot)
+    encoder = _encoder(path.with_suffix(".json"), card, robot)
     scale = ActionScale.of(robot, read_settings(card.action_range, ActionRange, f"{path.with_suffix('.json')}: action_range"))
     _check_layout(path.with_suffix(".json"), card, encoder, scale)
     return Policy(_session(path, content, sum(f.size for f in card.layout), len(card.action)), encoder, scale, card)
@@ -95,6 +95,15 @@ def _check_card(path: Path, card: PolicyCard, content: bytes, planner: str, robo
         raise ConfigurationError(
             f"{beside}: trained for {card.robot} ({card.kinematics}); allowed: a policy for {robot.name} ({robot.kinematics})"
         )
+
+
+def _encoder(beside: Path, card: PolicyCard, robot: Robot) -> ObservationEncoder:
+    """Build the encoder that the card tells of; raise ConfigurationError where what is installed has none like it."""
+    try:
+        encoder: ObservationEncoder = load_registry().build("observation_encoder", card.encoder, robot=robot)
+    except ConfigurationError as error:
+        raise ConfigurationError(f"{beside}: encoder: {error}") from error
+    return encoder
 
 
 def _check_layout(beside: Path, card: PolicyCard, encoder: ObservationEncoder, scale: ActionScale) -> None:
