@@ -37,6 +37,7 @@ training:
     features: 16
     heads: [32]
     log_std_init: -0.5
+    log_std_final: null
   optimization: {environments: 16, steps: 128, minibatch: 512, epochs: 6, learning_rate: 0.002, gamma: 0.97}
   evaluation: {every: 8192, episodes: 32, seed: 7, target: null}
 """
@@ -96,6 +97,15 @@ def test_training_that_was_cut_off_goes_on(here):
     steps = [score["steps"] for score in curve(here / "cut")]
     assert steps == sorted(set(steps))
     assert json.loads((here / "cut" / "policy.json").read_text())["training"]["steps"] >= 16384
+
+
+@pytest.mark.slow
+def test_actions_spread_less_towards_the_end(here):
+    import torch
+
+    assert main([*WORDS, "total_steps=8192", "out=calm", "training.network.log_std_final=-2.5", "training.evaluation.every=8192"]) == 0
+    spread = torch.load(here / "calm" / "checkpoint.pt", weights_only=True)["policy"]["log_std"]
+    assert float(spread.max()) < -1.7  # the last of four rollouts began at -2.0
 
 
 @pytest.mark.slow

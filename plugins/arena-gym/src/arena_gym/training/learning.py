@@ -83,6 +83,12 @@ def _device(name: str) -> torch.device:
     return device
 
 
+def limit_spread(learner: PPO, log_std: float) -> None:
+    """Let actions spread by at most exp(``log_std``) about their mean."""
+    with torch.no_grad():
+        learner.policy.log_std.clamp_(max=log_std)
+
+
 def save_checkpoint(path: Path, learner: PPO, progress: dict[str, Any]) -> None:
     """Write a learner's weights and ``progress`` (plain numbers), whole or not at all."""
     content = io.BytesIO()

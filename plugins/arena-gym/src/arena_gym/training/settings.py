@@ -20,7 +20,8 @@ class Convolution:
 class Network:
     """The policy's network: ``convolutions`` over the scans ``beams_field`` of the observation, ``features`` from them, then ``heads``.
 
-    The heads, one for the policy and one for the value, see these features and the rest of the observation.
+    The heads, one for the policy and one for the value, see these features and the rest of the observation. The spread of the actions
+    begins at exp(``log_std_init``); unless ``log_std_final`` is null, it has a limit that falls from there to exp(``log_std_final``).
     """
 
     beams_field: str
@@ -28,6 +29,7 @@ class Network:
     features: PositiveInt
     heads: tuple[PositiveInt, ...]
     log_std_init: float
+    log_std_final: float | None
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ from stable_baselines3.common.callbacks import BaseCallback
 
 from arena_core import Staging, write_text_whole
 from arena_gym.training.evaluation import Score, evaluate
-from arena_gym.training.learning import load_checkpoint, make_learner, save_checkpoint
+from arena_gym.training.learning import limit_spread, load_checkpoint, make_learner, save_checkpoint
 from arena_gym.training.report import TrainingReport
 from arena_gym.training.settings import TrainingSettings
 from arena_gym.training.worlds_in_step import WorldsInStep
@@ -55,6 +55,11 @@ class Trainer(BaseCallback):
 
     def _on_training_start(self) -> None:
         self._enter(self.stage)
+
+    def _on_rollout_start(self) -> None:
+        initial, final = self._settings.network.log_std_init, self._settings.network.log_std_final
+        if final is not None:
+            limit_spread(self._learner, initial + min(self.num_timesteps / self._settings.total_steps, 1.0) * (final - initial))
 
     def _on_step(self) -> bool:
         for info in self.locals["infos"]:
