@@ -37,7 +37,6 @@ training:
     features: 16
     heads: [32]
     log_std_init: -0.5
-    log_std_final: null
   optimization: {environments: 16, steps: 128, minibatch: 512, epochs: 6, learning_rate: 0.002, gamma: 0.97}
   evaluation: {every: 8192, episodes: 32, seed: 7, target: null}
 """
