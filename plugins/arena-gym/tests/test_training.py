@@ -33,7 +33,7 @@ observation_encoder: {sectors: 16}
 training:
   network:
     beams_field: closeness
-    convolutions: [{channels: 4, kernel: 3, stride: 2}]
+    convolutions: [{channels: 4, kernel: 3, stride: 2}, {channels: 4, kernel: 3, stride: 1}]
     features: 16
     heads: [32]
     log_std_init: -0.5

@@ -31,7 +31,7 @@ class BeamFeatures(BaseFeaturesExtractor):
         for layer in convolutions:
             layers += [nn.Conv2d(channels, layer.channels, (1, layer.kernel), (1, layer.stride)), nn.ReLU()]
             channels = layer.channels
-        self.convolutions = nn.Sequential(*layers, nn.Flatten()).to(memory_format=torch.channels_last)
+        self.convolutions = nn.Sequential(*layers, nn.Flatten())
         with torch.no_grad():
             width = self.convolutions(torch.zeros(1, scans, 1, count // scans)).shape[1]
         self.reduced = nn.Sequential(nn.Linear(width, features), nn.ReLU())
