@@ -40,7 +40,8 @@ wheels: setup
 	scripts/try_wheels
 
 policies: setup
-	printf '%s\n' $(ROBOTS) | OMP_NUM_THREADS=1 xargs -P 2 -I ROBOT scripts/train_policy rosnav ROBOT
+	for planner in rosnav gring gring_as_released; do printf "$$planner %s\n" $(ROBOTS); done | OMP_NUM_THREADS=1 xargs -P 2 -L 1 scripts/train_policy
+	printf 'aio %s\n' $(ROBOTS) | OMP_NUM_THREADS=1 xargs -P 2 -L 1 scripts/train_policy  # last: it switches between others
 
 clean:
 	rm -rf .venv dist build

@@ -1,7 +1,7 @@
 """The public core of the arena suite: values, interfaces and hook specifications for plugins and notebooks."""
 
 from arena_core.addresses import local_path
-from arena_core.benchmark import build_metrics
+from arena_core.benchmark import Benchmark, build_benchmark, build_metrics
 from arena_core.configuration import compose, option_files, plain
 from arena_core.conversion import read_settings
 from arena_core.episode import (
@@ -104,6 +104,7 @@ __all__ = [
     "WAYPOINT_FOUND",
     "WAYPOINT_TIMEOUT",
     "ArenaError",
+    "Benchmark",
     "Bounds",
     "BrokenPlugin",
     "Command",
@@ -180,6 +181,7 @@ __all__ = [
     "World",
     "WorldSource",
     "WorldState",
+    "build_benchmark",
     "build_metrics",
     "compose",
     "find_runs",

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from arena_core.geometry import FloatArray, Twist
 from arena_core.interfaces import PathBatch
 from arena_core.sensing import Observation
+from arena_core.world import OccupancyGrid
 
 Flags = NDArray[np.bool_]
 
@@ -62,7 +63,7 @@ class ObservationBatch:
 
     ``stamps`` (N,) s; ``ranges`` (N, B) float32 m, +inf where nothing was hit; ``poses`` (N, 3) in ``map``; ``twists`` (N, 3) measured, in
     ``base_link``; ``goals`` and ``waypoints`` (N, 3) in ``map``; ``last_commands`` (N, 3), the velocities commanded a step before, zero at
-    first; ``paths`` in ``map``; ``earlier`` scans as many as the encoder looks back at.
+    first; ``paths`` in ``map``; ``earlier`` scans as many as the encoder looks back at; ``maps`` (N), None where a robot has none.
     """
 
     stamps: FloatArray
@@ -74,6 +75,7 @@ class ObservationBatch:
     last_commands: FloatArray
     paths: PathBatch
     earlier: EarlierScans
+    maps: tuple[OccupancyGrid | None, ...]
 
     @staticmethod
     def of(observation: Observation, last_command: Twist, memory: ScanMemory | None = None) -> ObservationBatch:
@@ -88,6 +90,7 @@ class ObservationBatch:
             last_command.array()[None],
             PathBatch.of([observation.path]),
             (memory or ScanMemory((), 1, len(observation.scan.ranges))).earlier(),
+            (observation.map,),
         )
 
 
@@ -126,7 +129,7 @@ class Situation:
 
     ``poses`` (N, 3) in ``map``, ``twists`` (N, 3) in ``base_link``, all others (N,) in m: the distance to the goal, the way left along the
     path, the distance beside it, the footprint's clearance of everything and of people (inf without), the least range of the scan (inf
-    where nothing was hit).
+    where nothing was hit); last, in s, for how long the robot has stood.
     """
 
     poses: FloatArray
@@ -137,6 +140,7 @@ class Situation:
     clearances: FloatArray
     clearances_people: FloatArray
     nearest_ranges: FloatArray
+    standing_times: FloatArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)

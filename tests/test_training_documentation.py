@@ -45,7 +45,7 @@ def test_tables_of_settings_are_complete():
     assert set(re.findall(r"^\| `randomization\.(\w+)` \|", TEXT, re.M)) == set(config["randomization"])
 
 
-@pytest.mark.parametrize("preset", ["rosnav", "rosnav_sectors", "gring"])
+@pytest.mark.parametrize("preset", ["rosnav", "rosnav_sectors", "gring", "gring_as_released", "aio"])
 def test_every_encoder_has_a_row(preset):
     assert f"| `{preset}` |" in TEXT
     assert component("observation_encoder", preset, robot=robot()).layout()

@@ -21,7 +21,8 @@ def joined(batches: Sequence[ObservationBatch]) -> ObservationBatch:
     offsets = np.cumsum([0, *(len(batch.paths.poses) for batch in batches)])
     paths = PathBatch(np.concatenate([batch.paths.poses for batch in batches]), offsets)
     ranges, poses = (np.concatenate([getattr(batch.earlier, name) for batch in batches]) for name in ("ranges", "poses"))
-    return ObservationBatch(**arrays, paths=paths, earlier=EarlierScans(ranges, poses))
+    maps = tuple(grid for batch in batches for grid in batch.maps)
+    return ObservationBatch(**arrays, paths=paths, earlier=EarlierScans(ranges, poses), maps=maps)
 
 
 def transition(robots: int, chosen: slice = ALL, seed: int = 0) -> Transition:
@@ -35,5 +36,5 @@ def transition(robots: int, chosen: slice = ALL, seed: int = 0) -> Transition:
 
 def _situation(robots: int, random: np.random.Generator, chosen: slice) -> Situation:
     poses, twists = random.uniform(-1.0, 1.0, (2, robots, 3))[:, chosen]
-    lengths = random.uniform(0.0, 1.0, (6, robots))[:, chosen]
+    lengths = random.uniform(0.0, 1.0, (7, robots))[:, chosen]
     return Situation(poses, twists, *lengths)

@@ -6,13 +6,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_core import ConfigurationError, ObservationBatch, Pose, Twist
+from arena_core import ConfigurationError, ObservationBatch, Pose, ScanMemory, Twist
 from arena_core.testing import check, component, joined, observation, robot
 from arena_policies.encoding import nearest_in_sectors
 from arena_policies.looking_back import beams_of, nearest_now
 
 LOOKING_BACK = ["observation_encoder.lookback=[0.1,0.3]"]
-PRESETS = ("rosnav", "rosnav_sectors", "gring")
+PRESETS = ("rosnav", "rosnav_sectors", "gring", "gring_as_released", "aio")
 DRIVES = ("differential", "omnidirectional", "ackermann")
 
 
@@ -31,9 +31,17 @@ def built(preset, drive="differential", *overrides):
     return component("observation_encoder", preset, [f"observation_encoder.{o}" for o in overrides], robot=BODIES[drive])
 
 
+def batch_of(encoder, view, command=None, earlier=None):
+    """Return the batch of one of a robot that has only just begun, or that saw ``earlier`` at the steps that the encoder looks back at."""
+    memory = ScanMemory(encoder.lookback, 1, len(view.scan.ranges))
+    first = earlier or view
+    memory.begin(np.zeros(1, np.int64), first.scan.ranges[None], first.pose.array()[None])
+    return ObservationBatch.of(view, command or Twist(0.0), memory)
+
+
 def seen(preset, view, command=None, *overrides):
     encoder = built(preset, "differential", *overrides)
-    return fields(encoder, encoder.encode(ObservationBatch.of(view, command or Twist(0.0)))[0])
+    return fields(encoder, encoder.encode(batch_of(encoder, view, command))[0])
 
 
 @pytest.mark.parametrize("preset", PRESETS)
@@ -132,7 +140,7 @@ def test_sectors_share_all_beams_however_many():
         for beam in range(0, body.lidar.beams, 5):
             view.scan.ranges[:] = 5.0
             view.scan.ranges[beam] = 0.5
-            ranges = seen("gring", view, None, f"sectors={sectors}")["ranges"]
+            ranges = seen("gring_as_released", view, None, f"sectors={sectors}")["ranges"]
             assert len(ranges) == min(sectors, body.lidar.beams)
             assert (ranges < ranges.max()).sum() == (1 if sectors > 1 else 0)
 
@@ -149,11 +157,61 @@ def test_waypoint_is_seen_from_the_robot(x, y, theta):
     assert away * state["waypoint_sin"][0] == pytest.approx(there.y, abs=1e-5)
 
 
-def test_gring_sees_eight_points_ahead_in_its_own_frame():
-    view = observation(pose=Pose(0.0, 0.0, np.pi / 2), goal=Pose(0.0, 3.0))
-    points = seen("gring", view)["waypoints_xy"].reshape(8, 2) * 4.0
-    assert points[:, 0] == pytest.approx([0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.0, 3.0], abs=1e-3)
+def test_gring_sees_eight_waypoints_ahead_in_its_own_frame():
+    view = observation(pose=Pose(0.0, 0.0, np.pi / 2), goal=Pose(0.0, 4.0))
+    points = seen("gring_as_released", view)["waypoints_xy"].reshape(8, 2)
+    assert points[:, 0] == pytest.approx([1.5, 3.0, *[4.0] * 6], abs=1e-3)
     assert points[:, 1] == pytest.approx(np.zeros(8), abs=1e-3)
+    ways = seen("gring", view)["waypoints_xy"].reshape(8, 2) * 1.5 * np.arange(1, 9)[:, None]
+    assert ways == pytest.approx(points, abs=1e-3)
+
+
+def test_gring_sees_earlier_scans_as_they_were():
+    encoder = built("gring")
+    assert encoder.lookback == (5, 10)
+    now, then = observation(pose=Pose(1.0, 0.0, 0.3)), observation(pose=Pose(0.0, 0.0, 0.0))
+    both = fields(encoder, encoder.encode(batch_of(encoder, now, earlier=then))[0])
+    assert (both["closeness"] == seen("gring", now)["closeness"]).all()
+    assert (both["closeness_1"] == seen("gring", then)["closeness"]).all()
+    assert (both["closeness_2"] == both["closeness_1"]).all()
+
+
+def test_gring_as_released_rounds_metres():
+    view = observation(pose=Pose(0.013, 0.0, 0.1), twist=Twist(0.3))
+    state = seen("gring_as_released", view)
+    assert list(state) == ["ranges", "waypoints_xy"], "no speeds"
+    for numbers in state.values():
+        assert numbers / 0.05 == pytest.approx(np.round(numbers / 0.05), abs=1e-4)
+    assert seen("gring", view)["vx"] == pytest.approx(0.3)
+
+
+def test_aio_tells_what_is_on_the_map_from_what_is_not():
+    view = observation()
+    walls = seen("aio", view)
+    empty = walls["scan_dynamic"].min()
+    assert (walls["scan_dynamic"] == empty).all()
+    assert (walls["scan"] > empty).all()
+    view.scan.ranges[90] = 1.0  # straight ahead, of a scan of 180 beams from behind on
+    person = seen("aio", view)
+    assert np.flatnonzero(person["scan_dynamic"] > empty).tolist() == [16]
+    assert person["scan_dynamic"][16] == pytest.approx(2.0 * np.exp(-0.8) - 0.1, abs=1e-3)
+    unmapped = seen("aio", replace(view, map=None))
+    assert (unmapped["scan_dynamic"] == empty).all(), "without a map, all of it stands"
+    assert unmapped["scan"][16] == person["scan_dynamic"][16]
+
+
+@settings(derandomize=True, deadline=None, max_examples=30)
+@given(x=st.floats(-3, 3), y=st.floats(-3, 3), theta=st.floats(-10, 10))
+def test_aio_takes_no_wall_for_something_that_moves(x, y, theta):
+    walls = seen("aio", observation(pose=Pose(x, y, theta)))
+    assert np.ptp(walls["scan_dynamic"]) == 0.0
+
+
+def test_aio_sees_goal_and_waypoint():
+    state = seen("aio", observation(goal=Pose(0.0, -3.0), waypoint=Pose(2.0, 0.0), twist=Twist(0.4)))
+    assert (state["goal_distance"], state["goal_cos"], state["goal_sin"]) == (pytest.approx(0.6), pytest.approx(0, abs=1e-6), -1.0)
+    assert (state["waypoint_distance"], state["waypoint_cos"], state["waypoint_sin"]) == (1.0, 1.0, 0.0)
+    assert state["vx"] == pytest.approx(0.4)
 
 
 @pytest.mark.parametrize("preset", PRESETS)
@@ -164,7 +222,7 @@ def test_batch_of_many_equals_each_alone_bit_for_bit(preset):
     for _ in range(64):
         x, y, theta, v, w = random.uniform(-1, 1, 5).tolist()
         view = observation(Pose(x, y, 3.0 * theta), Pose(y, -x), Pose(3.0, y), Twist(v, 0.0, w))
-        batches.append(ObservationBatch.of(view, Twist(w, 0.0, v)))
+        batches.append(batch_of(encoder, view, Twist(w, 0.0, v)))
     together = encoder.encode(joined(batches))
     assert all((together[k] == encoder.encode(batch)[0]).all() for k, batch in enumerate(batches))
 
@@ -175,7 +233,7 @@ def test_range_that_is_no_number_stays_none(preset, beam):
     view = observation()
     view.scan.ranges[beam] = np.nan
     encoder = component("observation_encoder", preset, robot=robot())
-    assert np.isnan(encoder.encode(ObservationBatch.of(view, Twist(0.0)))).any()
+    assert np.isnan(encoder.encode(batch_of(encoder, view, earlier=observation()))).any()
 
 
 @pytest.mark.parametrize("override", ["sectors=0", "range_max=-1.0", "decay=0.0", "overlap=-1", "lookback=[0.0]"])

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import EarlierScans, ObservationBatch, PathBatch, ScanMemory, Situation, Snapshot, Transition
+from arena_core import EarlierScans, ObservationBatch, OccupancyGrid, PathBatch, ScanMemory, Situation, Snapshot, Transition
 from arena_gym.building import Parts
 from arena_gym.episodes import Episode, draw_episode
 from arena_gym.late_commands import LateCommands
@@ -18,6 +19,7 @@ from arena_gym.range_noise import RangeNoise
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Slots = NDArray[np.int64]
+STANDING = 0.05  # m/s: a robot slower than this stands, however it turns
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,9 +39,11 @@ class NavigationBatch:
     """Drives N robots by the actions of a policy; slot k is bit for bit what it is alone.
 
     An episode ends when the robot is within its goal's radius, when it has collided too often, or when its time is over.
-    ``steps`` and ``collisions`` (N,) count since the episodes began. ``stage`` is the level of a task that has any.
+    ``steps`` and ``collisions`` (N,) count since the episodes began. ``stage`` is the level of a task that has any. ``seen`` is what
+    was encoded last: a row for each robot after a step, for each that began anew after a reset.
     """
 
+    seen: ObservationBatch
     _situation: Situation
 
     def __init__(self, parts: Parts, worlds: int) -> None:
@@ -60,6 +64,7 @@ class NavigationBatch:
         self._goal_radii, self._time_limits = np.zeros(worlds), np.zeros(worlds)
         self._commands = np.zeros((worlds, 3))
         self._nearest = np.zeros(worlds)
+        self._standing = np.zeros(worlds)
 
     def reset(self, seeds: Sequence[int]) -> NDArray[np.float32]:
         """Begin the first episodes of these seeds, one a world; return the observations (N, D)."""
@@ -80,28 +85,33 @@ class NavigationBatch:
         self.parts.pool.at_stage(stage)
         self.stage = stage
 
-    def step(self, actions: NDArray[np.floating]) -> Step:
+    def step(self, actions: NDArray[Any]) -> Step:
         """Drive for one control period by actions (N, A) in [-1, 1]."""
+        return self.drive(self.parts.scale.commands(actions))
+
+    def drive(self, commands: Floats) -> Step:
+        """Drive for one control period by velocities (N, 3) in ``base_link``."""
         parts, before, last_commands = self.parts, self._situation, self._commands
-        self._commands = parts.scale.commands(actions)
+        self._commands = commands
         snapshot = parts.simulator.advance(self._late.acting(self._commands), self._ticks)
         self.steps += 1
         ranges = self._noise.disturbed(snapshot.ranges, self.steps)
         waypoints = parts.waypoints.next(self._tracking.paths, snapshot.poses, snapshot.stamps).poses
         self._tracking.follow(snapshot.poses)
         self._nearest = ranges.min(axis=1).astype(np.float64)
+        self._standing = self._stood(snapshot)
         self._situation = self._seen(snapshot)
         arrived, collided, timed_out = self._judge(snapshot)
         limit = parts.settings.collisions_to_end
         terminated = arrived if limit is None else arrived | (collided & (self.collisions >= limit))
         self._memory.remember(ranges, snapshot.poses)
         earlier = self._memory.earlier()
-        observed = _observed(snapshot, ranges, self._goals, waypoints, self._commands, self._tracking.paths, earlier)
+        self.seen = _observed(snapshot, ranges, self._goals, waypoints, self._commands, self._tracking.paths, earlier, self._maps())
         period = parts.robot.control_period
         rewards = parts.reward.reward(
             Transition(before, self._situation, self._commands, last_commands, arrived, collided, timed_out, period)
         )
-        observations = parts.encoder.encode(observed)
+        observations = parts.encoder.encode(self.seen)
         return Step(observations, rewards, arrived, collided, timed_out, terminated, timed_out & ~terminated)
 
     def _next_episode(self, slot: int) -> Episode:
@@ -124,13 +134,18 @@ class NavigationBatch:
         self._noise.begin(slots, begun)
         self.parts.waypoints.reset(slots, self.worlds)
         ranges = self._noise.disturbed(snapshot.ranges, self.steps)
-        self._nearest[slots] = ranges[slots].min(axis=1)
+        self._nearest[slots], self._standing[slots] = ranges[slots].min(axis=1), 0.0
         self._situation = self._seen(snapshot)
         waypoints = np.array([episode.problem.waypoint for episode in begun])
         paths = PathBatch.of([episode.problem.path for episode in begun])
         self._memory.begin(slots, ranges[slots], snapshot.poses[slots])
         earlier = self._memory.earlier(slots)
-        return self.parts.encoder.encode(_observed(snapshot, ranges, self._goals, waypoints, self._commands, paths, earlier, slots))
+        maps = tuple(_map_of(episode) for episode in begun)
+        self.seen = _observed(snapshot, ranges, self._goals, waypoints, self._commands, paths, earlier, maps, slots)
+        return self.parts.encoder.encode(self.seen)
+
+    def _maps(self) -> tuple[OccupancyGrid | None, ...]:
+        return tuple(_map_of(episode) for episode in self.episodes)
 
     def _seen(self, snapshot: Snapshot) -> Situation:
         """Return the truth that rewards see."""
@@ -144,7 +159,13 @@ class NavigationBatch:
             snapshot.clearances,
             snapshot.clearances_people,
             self._nearest.copy(),
+            self._standing.copy(),
         )
+
+    def _stood(self, snapshot: Snapshot) -> Floats:
+        """Return for how long each robot has stood, s."""
+        stands = np.hypot(snapshot.twists[:, 0], snapshot.twists[:, 1]) < STANDING
+        return np.where(stands, self._standing + self.parts.robot.control_period, 0.0)
 
     def _judge(self, snapshot: Snapshot) -> tuple[Flags, Flags, Flags]:
         """Return who arrived, who collided, and whose time is over, in the order of a benchmark's judge."""
@@ -162,6 +183,7 @@ def _observed(
     last_commands: Floats,
     paths: PathBatch,
     earlier: EarlierScans,
+    maps: tuple[OccupancyGrid | None, ...],
     slots: Slots | slice = slice(None),
 ) -> ObservationBatch:
     """Return what the robots in these slots see, whose waypoints and paths are given; the pose estimate is the truth."""
@@ -175,4 +197,10 @@ def _observed(
         last_commands[slots],
         paths,
         earlier,
+        maps,
     )
+
+
+def _map_of(episode: Episode) -> OccupancyGrid | None:
+    world = episode.problem.scenario.world
+    return world.grid if world.known else None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,14 +18,28 @@ from arena_core import (
     plain,
     read_settings,
 )
+from arena_gym.driver import Driver
 from arena_gym.pool import PooledWorlds, ProblemPool
-from arena_gym.settings import EnvironmentSettings, Randomization
+from arena_gym.settings import EnvironmentSettings, Randomization, SwitchSettings
 from arena_policies.actions import ActionRange, ActionScale
+from arena_policies.members import Members, build_members, describe_members
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SwitchParts:
+    """Planners that an action chooses among, for ``every`` control steps: what a card says of them, and how one world's are made."""
+
+    every: int
+    members: Mapping[str, Mapping[str, str]]
+    make_driver: Callable[[], Driver]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Parts:
-    """What an environment is made of; ``config`` is the composed configuration in plain containers."""
+    """What an environment is made of; ``config`` is the composed configuration in plain containers.
+
+    With ``switch`` an action chooses a planner, else it is a velocity.
+    """
 
     config: Mapping[str, Any]
     robot: Robot
@@ -37,6 +51,7 @@ class Parts:
     scale: ActionScale
     settings: EnvironmentSettings
     randomization: Randomization
+    switch: SwitchParts | None
 
 
 def compose_environment(overrides: Sequence[str] = (), primary: str = "environment", **choices: str | None) -> dict[str, Any]:
@@ -61,7 +76,23 @@ def build_parts(config: Mapping[str, Any], registry: Registry | None = None) -> 
         scale=ActionScale.of(robot, read_settings(config["action"], ActionRange, "action")),
         settings=settings,
         randomization=read_settings(config["randomization"], Randomization, "randomization"),
+        switch=_switch(config, registry, robot),
     )
+
+
+def _switch(config: Mapping[str, Any], registry: Registry, robot: Robot) -> SwitchParts | None:
+    """Build the members once, so that whatever is wrong with one is said now; None where actions are velocities."""
+    if config.get("switch") is None:
+        return None
+    settings = read_settings(config["switch"], SwitchSettings, "switch")
+    members = build_members(settings.members, tuple(settings.members), robot, registry, "switch.members")
+
+    def make_driver() -> Driver:
+        own = Members(build_members(settings.members, tuple(settings.members), robot, registry, "switch.members"))
+        local_map = registry.build("local_map", settings.local_map, robot=robot)
+        return Driver(robot, own, local_map, registry.build("tracker", settings.tracker, robot=robot))
+
+    return SwitchParts(settings.every, describe_members(settings.members, members, registry), make_driver)
 
 
 def _pool(config: Mapping[str, Any], registry: Registry, robot: Robot, settings: EnvironmentSettings) -> ProblemPool:

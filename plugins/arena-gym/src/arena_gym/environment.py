@@ -9,10 +9,10 @@ import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_gym.batch import NavigationBatch
 from arena_gym.building import build_parts, compose_environment
 from arena_gym.reports import final_report, start_report
 from arena_gym.spaces import action_space, observation_space
+from arena_gym.switched_batch import make_batch
 
 Observation = NDArray[np.float32]
 SEEDS = 2**31
@@ -36,9 +36,9 @@ class NavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         overrides: Sequence[str] = (),
     ) -> None:
         config = compose_environment(overrides, robot=robot, world=world, task=task, reward=reward, observation_encoder=observation)
-        self.batch = NavigationBatch(build_parts(config), 1)
+        self.batch = make_batch(build_parts(config), 1)
         self.observation_space: Any = observation_space(self.batch.parts.encoder)
-        self.action_space: Any = action_space(self.batch.parts.scale)
+        self.action_space: Any = action_space(self.batch.parts)
         self._begun = False
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Observation, dict[str, Any]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from arena_core import ConfigurationError, NonNegative, NonNegativeInt, PositiveInt
 
@@ -54,6 +55,23 @@ class Randomization:
             raise ConfigurationError(f"randomization.speed_share is {self.speed_share.low} .. {self.speed_share.high}; allowed: > 0 .. 1")
         if self.people_speed.low <= 0.0:
             raise ConfigurationError(f"randomization.people_speed.low is {self.people_speed.low}; allowed: > 0")
+
+
+@dataclass(frozen=True, slots=True)
+class SwitchSettings:
+    """Planners that an action chooses among for ``every`` control steps, with the local map and the tracker that they share."""
+
+    every: PositiveInt
+    members: dict[str, dict[str, Any]]
+    local_map: dict[str, Any]
+    tracker: dict[str, Any]
+
+    def __post_init__(self) -> None:
+        if len(self.members) < 2:
+            there = ", ".join(self.members) or "none"
+            raise ConfigurationError(
+                f"switch.members has {there}; allowed: two or more installed planners (arena-aio[default] brings rosnav and teb)"
+            )
 
 
 def _check_order(low: float, high: float) -> None:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from gymnasium.spaces import Box
+from gymnasium.spaces import Box, Discrete
 
 from arena_core import ObservationEncoder
-from arena_policies.actions import ActionScale
+from arena_gym.building import Parts
 
 
 def observation_space(encoder: ObservationEncoder) -> Box:
@@ -17,6 +17,8 @@ def observation_space(encoder: ObservationEncoder) -> Box:
     return Box(low, high, dtype=np.float32)
 
 
-def action_space(scale: ActionScale) -> Box:
-    """Return [-1, 1] in every axis."""
-    return Box(-1.0, 1.0, (len(scale.names),), np.float32)
+def action_space(parts: Parts) -> Box | Discrete:
+    """Return [-1, 1] in every axis, or the members of a switch."""
+    if parts.switch is not None:
+        return Discrete(len(parts.switch.members))
+    return Box(-1.0, 1.0, (len(parts.scale.names),), np.float32)

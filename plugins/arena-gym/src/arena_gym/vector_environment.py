@@ -10,11 +10,12 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from arena_gym.batch import NavigationBatch, Step
+from arena_gym.batch import Step
 from arena_gym.building import Parts, build_parts, compose_environment
 from arena_gym.environment import SEEDS
 from arena_gym.reports import final_report, start_report
 from arena_gym.spaces import action_space, observation_space
+from arena_gym.switched_batch import make_batch
 
 Observations = NDArray[np.float32]
 Floats = NDArray[np.float64]
@@ -45,10 +46,10 @@ class NavigationVectorEnv(VectorEnv[Observations, Observations, NDArray[Any]]):
         if parts is None:
             config = compose_environment(overrides, robot=robot, world=world, task=task, reward=reward, observation_encoder=observation)
             parts = build_parts(config)
-        self.batch = NavigationBatch(parts, num_envs)
+        self.batch = make_batch(parts, num_envs)
         self.num_envs = num_envs
         self.single_observation_space = observation_space(self.batch.parts.encoder)
-        self.single_action_space = action_space(self.batch.parts.scale)
+        self.single_action_space = action_space(self.batch.parts)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
 
@@ -64,8 +65,8 @@ class NavigationVectorEnv(VectorEnv[Observations, Observations, NDArray[Any]]):
         """Let episodes that begin from now on be of this level of the task; raise ConfigurationError where there is none."""
         self.batch.set_stage(stage)
 
-    def step(self, actions: NDArray[np.floating]) -> tuple[Observations, Floats, Flags, Flags, dict[str, Any]]:
-        """Drive all robots for one control period; worlds whose episodes end begin the next ones."""
+    def step(self, actions: NDArray[Any]) -> tuple[Observations, Floats, Flags, Flags, dict[str, Any]]:
+        """Drive all robots for one control period, or for one decision of a switch; worlds whose episodes end begin the next ones."""
         step = self.batch.step(actions)
         slots = np.flatnonzero(step.terminated | step.truncated)
         infos = self._begin_next(step, slots) if len(slots) else {}

@@ -9,6 +9,7 @@ def register_observation_encoders(register: Register) -> None:
     register("rosnav", "arena_policies.rosnav:RosnavEncoder")
     register("rosnav_sectors", "arena_policies.rosnav_sectors:RosnavSectorsEncoder")
     register("gring", "arena_policies.gring:GringEncoder")
+    register("aio", "arena_policies.aio:AioEncoder")
 
 
 @hookimpl

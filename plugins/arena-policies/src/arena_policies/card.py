@@ -21,7 +21,8 @@ class PolicyCard:
 
     ``encoder`` is the encoder's name with its parameters, ``layout`` the fields that it makes; ``action`` the names of the actions with
     what -1 and 1 mean (m/s, rad/s); ``sha256`` is that of the ONNX file. ``training`` holds seed, configuration, steps, curve,
-    evaluation and package versions, and is read by people alone.
+    evaluation and package versions, and is read by people alone. ``members`` are the planners that a switch chooses among, in the order
+    of the network's answers, each with its ``sha256``, ``distribution`` and ``version``; a switch has no actions.
     """
 
     planner: str
@@ -34,6 +35,7 @@ class PolicyCard:
     action_range: Mapping[str, Any]
     sha256: str
     training: Mapping[str, Any] = field(default_factory=dict)
+    members: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
 
 
 def write_card(path: Path, card: PolicyCard) -> None:
@@ -64,11 +66,16 @@ def read_card(path: Path) -> PolicyCard:
             action_range=dict(content["action_range"]),
             sha256=str(content["sha256"]),
             training=dict(content["training"]),
+            members={str(name): _member(member) for name, member in content.get("members", {}).items()},
         )
     except KeyError as error:
         raise InputFileError(f"{path}: {error.args[0]} is missing; allowed: a card as in docs/policies.md") from None
     except (AttributeError, TypeError, ValueError) as error:
         raise InputFileError(f"{path}: is no policy card ({error}); allowed: a card as in docs/policies.md") from None
+
+
+def _member(member: Mapping[str, Any]) -> dict[str, str]:
+    return {key: str(member[key]) for key in ("sha256", "distribution", "version")}
 
 
 def sha256(content: bytes) -> str:

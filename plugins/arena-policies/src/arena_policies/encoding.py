@@ -8,7 +8,7 @@ from abc import abstractmethod
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ObservationBatch, ObservationEncoder, ObservationField, Robot
+from arena_core import Lidar, ObservationBatch, ObservationEncoder, ObservationField, Robot
 from arena_kernels.compiled import borrowing, compiled
 
 Floats = NDArray[np.float64]
@@ -43,6 +43,27 @@ def speed_scales(robot: Robot) -> Floats:
     limits = robot.limits
     forward = max(limits.vx_max, -limits.vx_min)
     return np.array((forward, limits.vy_max, limits.wz_max) if robot.holonomic else (forward, limits.wz_max))
+
+
+def closeness_field(name: str, size: int, range_max: float, robot: Robot, decay: float, when: str) -> ObservationField:
+    """Return the field that ``write_closeness`` fills for a scan taken ``when``."""
+    radius = robot.footprint.radius
+    farthest = range_max - radius
+    low = 2.0 * math.exp(-farthest / decay) - farthest / range_max
+    high = 2.0 * math.exp(radius / decay) + radius / range_max
+    meaning = f"2 exp(-gap / {decay:g} m) - gap / {range_max:g} m; gap: least range of a sector less {radius:.3f} m"
+    return ObservationField(name, size, "-", low, high, meaning + when)
+
+
+def sectors_shown(sectors: int, overlap: int, lidar: Lidar) -> NDArray[np.int64]:
+    """Return which sectors are shown, one after the other.
+
+    Those of a lidar that looks all round begin behind the robot, and the first ``overlap`` of them come once more.
+    """
+    if (lidar.beams + 0.5) * lidar.angle_increment < 2.0 * math.pi:
+        return np.arange(sectors)
+    behind = round((math.pi - lidar.angle_min) / (2.0 * math.pi) * sectors)
+    return (np.arange(sectors + min(overlap, sectors)) + behind) % sectors
 
 
 @borrowing

@@ -1,39 +1,101 @@
-"""The observation of GRING: pooled ranges and several waypoints ahead."""
+"""The observation of GRING: pooled ranges, now and before, and several waypoints ahead."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from arena_core import ObservationBatch, ObservationField, Positive, PositiveInt, Robot
+from arena_core import NonNegativeInt, ObservationBatch, ObservationField, Positive, PositiveInt, Robot
 from arena_kernels.paths import points_ahead
-from arena_policies.encoding import BoundedEncoder, Numbers, from_robot, write_ranges
+from arena_policies.encoding import (
+    BoundedEncoder,
+    Floats,
+    Numbers,
+    closeness_field,
+    from_robot,
+    nearest_in_sectors,
+    sectors_shown,
+    speed_scales,
+    write_closeness,
+)
+from arena_policies.looking_back import steps_back
 
 
 class GringEncoder(BoundedEncoder):
-    """Ranges of some sectors and the positions of waypoints ahead on the path, in ``base_link`` (Guldenring et al. 2020)."""
+    """Ranges of some sectors and the positions of waypoints ahead on the path, in ``base_link`` (Guldenring et al. 2020).
 
-    def __init__(self, robot: Robot, sectors: PositiveInt, range_max: Positive, waypoints: PositiveInt, spacing: Positive) -> None:
+    Earlier scans are shown as they were then, so that what stands moves as the robot did. With ``decay`` ranges come as closeness and
+    each waypoint over its way along the path; without, both come in metres. ``resolution`` rounds both, m. ``speeds`` adds the measured
+    ones, as the image variant of the release has them.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        sectors: PositiveInt,
+        overlap: NonNegativeInt,
+        lookback: tuple[Positive, ...],
+        range_max: Positive,
+        waypoints: PositiveInt,
+        spacing: Positive,
+        speeds: bool,
+        decay: Positive | None,
+        resolution: Positive | None,
+    ) -> None:
+        self.lookback = steps_back(lookback, robot)
         self._sectors = min(sectors, robot.lidar.beams)
+        self._order = sectors_shown(self._sectors, overlap, robot.lidar)
         self._range_max = min(range_max, robot.lidar.range_max)
-        self._waypoints, self._spacing = waypoints, spacing
-        self._reach = waypoints * spacing
+        self._radius, self._decay, self._resolution = robot.footprint.radius, decay, resolution
+        self._spacing = spacing
+        ways = spacing * np.arange(1.0, waypoints + 1.0)
+        self._units = ways if decay else np.ones(waypoints)
+        self._axes = ([0, 1, 2] if robot.holonomic else [0, 2]) if speeds else []
+        self._speeds = speed_scales(robot)
+        names = ("vx", "vy", "wz") if robot.holonomic else ("vx", "wz")
+        scans = [("", ""), *((f"_{k}", f", {seconds:g} s ago") for k, seconds in enumerate(lookback, 1))]
         super().__init__(
             (
-                ObservationField("ranges", self._sectors, "-", 0.0, 1.0, f"least range of each sector, over {self._range_max:g} m"),
-                ObservationField(
-                    "waypoints_xy",
-                    2 * waypoints,
-                    "-",
-                    -2.0,
-                    2.0,
-                    f"x, y in base_link of {waypoints} points, {spacing:g} m of path apart, over {self._reach:g} m",
-                ),
+                *(self._scan(robot, suffix, when) for suffix, when in scans),
+                self._ahead(waypoints),
+                *(ObservationField(n, 1, "-", -1.5, 1.5, "measured, over the robot's greatest") for n in names if speeds),
             )
         )
 
     def write(self, observations: ObservationBatch, rows: Numbers) -> None:
         """Fill ``rows`` (N, D)."""
-        write_ranges(observations.ranges, self._range_max, self._range_max, self._sectors, rows)
-        points = np.empty((len(rows), self._waypoints, 2))
+        nearest = self._nearest(observations)
+        seen = nearest.shape[1] * len(self._order)
+        if self._decay:
+            write_closeness(nearest, self._order, self._range_max, self._radius, self._decay, rows)
+        else:
+            rows[:, :seen] = nearest[:, :, self._order].reshape(len(rows), seen)
+        points = np.empty((len(rows), len(self._units), 2))
         points_ahead(observations.paths.poses, observations.paths.offsets, observations.poses, self._spacing, points)
-        rows[:, self._sectors :] = from_robot(points, observations.poses).reshape(len(rows), -1) / self._reach
+        ahead = self._rounded(from_robot(points, observations.poses)) / self._units[:, None]
+        speeds = seen + 2 * len(self._units)
+        rows[:, seen:speeds] = ahead.reshape(len(rows), -1)
+        if self._axes:
+            rows[:, speeds:] = observations.twists[:, self._axes] / self._speeds
+
+    def _nearest(self, observations: ObservationBatch) -> Floats:
+        """Return the least range of each sector (N, C, S), m, of the scan now and of the earlier ones."""
+        scans = np.concatenate((observations.ranges[:, None], observations.earlier.ranges), axis=1)
+        nearest = np.empty((scans.shape[0] * scans.shape[1], self._sectors))
+        nearest_in_sectors(scans.reshape(-1, scans.shape[2]), self._range_max, nearest)
+        return self._rounded(nearest.reshape(*scans.shape[:2], self._sectors))
+
+    def _rounded(self, lengths: Floats) -> Floats:
+        return lengths if self._resolution is None else np.round(lengths / self._resolution) * self._resolution
+
+    def _scan(self, robot: Robot, suffix: str, when: str) -> ObservationField:
+        size = len(self._order)
+        if self._decay is None:
+            return ObservationField(f"ranges{suffix}", size, "m", 0.0, self._range_max, f"least range of each sector{when}")
+        return closeness_field(f"closeness{suffix}", size, self._range_max, robot, self._decay, when)
+
+    def _ahead(self, waypoints: int) -> ObservationField:
+        what = f"x, y in base_link of {waypoints} points, {self._spacing:g} m of path apart"
+        if self._decay is None:
+            reach = 2.0 * waypoints * self._spacing
+            return ObservationField("waypoints_xy", 2 * waypoints, "m", -reach, reach, what)
+        return ObservationField("waypoints_xy", 2 * waypoints, "-", -4.0, 4.0, f"{what}, each over its way")

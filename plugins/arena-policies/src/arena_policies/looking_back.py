@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Lidar
+from arena_core import ConfigurationError, Lidar, Robot
 from arena_kernels.compiled import borrowing
 
 Floats = NDArray[np.float64]
@@ -30,6 +31,20 @@ def beams_of(lidar: Lidar) -> Beams:
     angles, mount = lidar.angles(), lidar.mount
     at = mount.x, mount.y, math.cos(mount.theta), math.sin(mount.theta)
     return Beams(np.cos(angles), np.sin(angles), lidar.angle_min, lidar.angle_increment, at)
+
+
+def steps_back(times: Sequence[float], robot: Robot) -> tuple[int, ...]:
+    """Return how many control steps ago ``times``, s, lie; raise ConfigurationError where one is no whole number of them."""
+    return tuple(_steps(seconds, robot.control_period) for seconds in times)
+
+
+def _steps(seconds: float, period: float) -> int:
+    steps = round(seconds / period)
+    if steps < 1 or abs(steps * period - seconds) > 1e-9:
+        raise ConfigurationError(
+            f"observation_encoder.lookback has {seconds:g}; allowed: multiples of the robot's control period, {period:g} s"
+        )
+    return steps
 
 
 @borrowing

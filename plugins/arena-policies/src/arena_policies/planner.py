@@ -18,7 +18,7 @@ class PolicyPlanner(Planner):
 
     def __init__(self, name: str, robot: Robot, policy: str | None, shipped: str) -> None:
         self._name = name
-        self._policy = load_policy(policy or _shipped(name, robot, shipped), name, robot)
+        self._policy = load_policy(policy or shipped_policy(name, robot, shipped), name, robot)
         self._last = Twist(0.0)
 
     def reset(self, episode: EpisodeStart) -> None:
@@ -31,13 +31,23 @@ class PolicyPlanner(Planner):
         self._last = Twist(0.0)
         self._policy.begin()
 
+    @property
+    def sha256(self) -> str:
+        """Return the hash of the policy's file."""
+        return self._policy.card.sha256
+
+    def look_on(self, observation: Observation, command: Twist) -> None:
+        """See a control step at which another planner drove, by ``command``."""
+        self._policy.look(observation)
+        self._last = command
+
     def compute_velocity(self, observation: Observation) -> Twist:
         """Return the policy's velocity; raise NoValidCommand where the observation is no number."""
         self._last = self._policy.command(observation, self._last)
         return self._last
 
 
-def _shipped(name: str, robot: Robot, folder: str) -> str:
+def shipped_policy(name: str, robot: Robot, folder: str) -> str:
     """Return the address of the policy that a package brings for a robot."""
     there = sorted(path.stem for path in local_path(f"{folder}/x").parent.glob("*.onnx"))
     if robot.name not in there:

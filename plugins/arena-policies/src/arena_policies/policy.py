@@ -28,11 +28,11 @@ from arena_policies.card import PolicyCard, read_card, sha256
 LARGEST = 64 * 2**20  # bytes of a policy file
 
 
-class Policy:
-    """Observation to velocity: encoder, network, scaling; the same in every process, one thread each."""
+class Asked:
+    """Observation to the network's answers; the same in every process, one thread each."""
 
-    def __init__(self, session: Any, encoder: ObservationEncoder, scale: ActionScale, card: PolicyCard) -> None:
-        self._session, self._encoder, self._scale = session, encoder, scale
+    def __init__(self, session: Any, encoder: ObservationEncoder, card: PolicyCard) -> None:
+        self._session, self._encoder = session, encoder
         self._input = session.get_inputs()[0].name
         self._memory: ScanMemory | None = None
         self.card = card
@@ -41,17 +41,8 @@ class Policy:
         """Forget what was seen before."""
         self._memory = None
 
-    def command(self, observation: Observation, last_command: Twist) -> Twist:
-        """Return the velocity for what is seen; raise NoValidCommand when something in it is not a number."""
-        numbers = self._encoder.encode(ObservationBatch.of(observation, last_command, self._remember(observation)))
-        if not np.isfinite(numbers).all():
-            raise NoValidCommand(f"{self.card.planner}: the observation has values that are not finite")
-        actions: NDArray[np.float32] = self._session.run(None, {self._input: numbers})[0]
-        if not np.isfinite(actions).all():
-            raise NoValidCommand(f"{self.card.planner}: the policy answered with values that are not finite")
-        return Twist.of(self._scale.commands(actions)[0])
-
-    def _remember(self, observation: Observation) -> ScanMemory:
+    def look(self, observation: Observation) -> ScanMemory:
+        """See what there is at one more control step, without an answer."""
         ranges = np.ascontiguousarray(observation.scan.ranges, np.float32)[None]
         pose = observation.pose.array()[None]
         if self._memory is None:
@@ -61,17 +52,63 @@ class Policy:
             self._memory.remember(ranges, pose)
         return self._memory
 
+    def answers(self, observation: Observation, last_command: Twist) -> NDArray[np.float32]:
+        """Return the network's answers (1, A) to one more control step; raise NoValidCommand when something is not a number."""
+        numbers = self._encoder.encode(ObservationBatch.of(observation, last_command, self.look(observation)))
+        if not np.isfinite(numbers).all():
+            raise NoValidCommand(f"{self.card.planner}: the observation has values that are not finite")
+        answers: NDArray[np.float32] = self._session.run(None, {self._input: numbers})[0]
+        if not np.isfinite(answers).all():
+            raise NoValidCommand(f"{self.card.planner}: the policy answered with values that are not finite")
+        return answers
+
+
+class Policy(Asked):
+    """Observation to velocity: encoder, network, scaling."""
+
+    def __init__(self, session: Any, encoder: ObservationEncoder, scale: ActionScale, card: PolicyCard) -> None:
+        super().__init__(session, encoder, card)
+        self._scale = scale
+
+    def command(self, observation: Observation, last_command: Twist) -> Twist:
+        """Return the velocity for what is seen; raise NoValidCommand when something in it is not a number."""
+        return Twist.of(self._scale.commands(self.answers(observation, last_command))[0])
+
+
+class Switch(Asked):
+    """Observation to which of the card's members drives."""
+
+    def choice(self, observation: Observation, last_command: Twist) -> int:
+        """Return the place of the member that the network prefers; raise NoValidCommand when something is not a number."""
+        return int(self.answers(observation, last_command)[0].argmax())
+
 
 def load_policy(address: str, planner: str, robot: Robot) -> Policy:
     """Load ``address`` (a path or pkg://) with its card; raise InputFileError or ConfigurationError where they or the robot do not fit."""
+    path, content, card, encoder = _read(address, planner, robot)
+    beside = path.with_suffix(".json")
+    scale = ActionScale.of(robot, read_settings(card.action_range, ActionRange, f"{beside}: action_range"))
+    _check_actions(beside, card, scale)
+    return Policy(_session(path, content, sum(f.size for f in card.layout), len(card.action)), encoder, scale, card)
+
+
+def load_switch(address: str, planner: str, robot: Robot) -> Switch:
+    """Load a policy that chooses among members, as ``load_policy`` does; raise ConfigurationError where its card has none."""
+    path, content, card, encoder = _read(address, planner, robot)
+    if len(card.members) < 2:
+        raise ConfigurationError(f"{path.with_suffix('.json')}: members are {', '.join(card.members) or 'none'}; allowed: two or more")
+    return Switch(_session(path, content, sum(f.size for f in card.layout), len(card.members)), encoder, card)
+
+
+def _read(address: str, planner: str, robot: Robot) -> tuple[Path, bytes, PolicyCard, ObservationEncoder]:
+    """Return file, content, card and encoder of a policy that fits planner and robot."""
     path = local_path(address)
     content = _content(path)
     card = read_card(path.with_suffix(".json"))
     _check_card(path, card, content, planner, robot)
     encoder = _encoder(path.with_suffix(".json"), card, robot)
-    scale = ActionScale.of(robot, read_settings(card.action_range, ActionRange, f"{path.with_suffix('.json')}: action_range"))
-    _check_layout(path.with_suffix(".json"), card, encoder, scale)
-    return Policy(_session(path, content, sum(f.size for f in card.layout), len(card.action)), encoder, scale, card)
+    _check_layout(path.with_suffix(".json"), card, encoder)
+    return path, content, card, encoder
 
 
 def _content(path: Path) -> bytes:
@@ -106,14 +143,18 @@ def _encoder(beside: Path, card: PolicyCard, robot: Robot) -> ObservationEncoder
     return encoder
 
 
-def _check_layout(beside: Path, card: PolicyCard, encoder: ObservationEncoder, scale: ActionScale) -> None:
-    """Refuse a robot whose sensors or speeds differ from those that the policy was trained with."""
+def _check_layout(beside: Path, card: PolicyCard, encoder: ObservationEncoder) -> None:
+    """Refuse a robot whose sensors differ from those that the policy was trained with."""
     made = encoder.layout()
     if tuple(card.layout) != tuple(made):
         differing = next((f"{a.name} ({a.meaning})" for a, b in zip(card.layout, made, strict=False) if a != b), "number of fields")
         raise ConfigurationError(
             f"{beside}: the observation of {card.robot} differs from this robot's in {differing}; allowed: a policy trained for it"
         )
+
+
+def _check_actions(beside: Path, card: PolicyCard, scale: ActionScale) -> None:
+    """Refuse a robot whose speeds differ from those that the policy was trained with."""
     ends = dict(zip(scale.names, zip(scale.low.tolist(), scale.high.tolist(), strict=True), strict=True))
     if {name: tuple(limits) for name, limits in card.action.items()} != ends:
         raise ConfigurationError(f"{beside}: actions are {dict(card.action)}; allowed: those of this robot, {ends}")

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
-from numpy.typing import NDArray
 
-from arena_core import ConfigurationError, Lidar, NonNegativeInt, ObservationBatch, ObservationField, Positive, PositiveInt, Robot
-from arena_policies.encoding import BoundedEncoder, Numbers, nearest_in_sectors, speed_scales, ways_to, write_closeness
-from arena_policies.looking_back import beams_of, nearest_now
+from arena_core import NonNegativeInt, ObservationBatch, ObservationField, Positive, PositiveInt, Robot
+from arena_policies.encoding import (
+    BoundedEncoder,
+    Numbers,
+    closeness_field,
+    nearest_in_sectors,
+    sectors_shown,
+    speed_scales,
+    ways_to,
+    write_closeness,
+)
+from arena_policies.looking_back import beams_of, nearest_now, steps_back
 
 
 class RosnavSectorsEncoder(BoundedEncoder):
@@ -32,24 +38,20 @@ class RosnavSectorsEncoder(BoundedEncoder):
         distance_unit: Positive,
     ) -> None:
         lidar = robot.lidar
-        self.lookback = tuple(_steps(seconds, robot.control_period) for seconds in lookback)
+        self.lookback = steps_back(lookback, robot)
         self._sectors = min(sectors, lidar.beams)
-        self._order = _order(self._sectors, overlap, lidar)
+        self._order = sectors_shown(self._sectors, overlap, lidar)
         self._beams = beams_of(lidar)
         self._range_max = min(range_max, lidar.range_max)
         self._radius, self._decay, self._distance_unit = robot.footprint.radius, decay, distance_unit
         self._speeds = speed_scales(robot)
         self._axes = [0, 1, 2] if robot.holonomic else [0, 2]
         names = ("vx", "vy", "wz") if robot.holonomic else ("vx", "wz")
-        farthest = self._range_max - self._radius
-        low = 2.0 * math.exp(-farthest / decay) - farthest / self._range_max
-        high = 2.0 * math.exp(self._radius / decay) + self._radius / self._range_max
-        closeness = f"2 exp(-gap / {decay:g} m) - gap / {self._range_max:g} m; gap: least range of a sector less {self._radius:.3f} m"
         ago = [f", {seconds:g} s ago, seen from here" for seconds in lookback]
         shown = [("closeness", ""), *((f"closeness_{k}", when) for k, when in enumerate(ago, 1))]
         super().__init__(
             (
-                *(ObservationField(name, len(self._order), "-", low, high, closeness + when) for name, when in shown),
+                *(closeness_field(name, len(self._order), self._range_max, robot, decay, when) for name, when in shown),
                 ObservationField("waypoint_distance", 1, "-", 0.0, 4.0, f"over {distance_unit:g} m"),
                 ObservationField("waypoint_cos", 1, "-", -1.0, 1.0, "cosine of the waypoint's bearing"),
                 ObservationField("waypoint_sin", 1, "-", -1.0, 1.0, "sine of the waypoint's bearing"),
@@ -76,21 +78,3 @@ class RosnavSectorsEncoder(BoundedEncoder):
         last = speed + len(axes)
         rows[:, speed:last] = observations.twists[:, axes] / self._speeds
         rows[:, last:] = observations.last_commands[:, axes] / self._speeds
-
-
-def _steps(seconds: float, period: float) -> int:
-    steps = round(seconds / period)
-    if steps < 1 or abs(steps * period - seconds) > 1e-9:
-        raise ConfigurationError(
-            f"observation_encoder.lookback has {seconds:g}; allowed: multiples of the robot's control period, {period:g} s"
-        )
-    return steps
-
-
-def _order(sectors: int, overlap: int, lidar: Lidar) -> NDArray[np.int64]:
-    """Return which sectors are shown, one after the other."""
-    shown = np.arange(sectors)
-    if (lidar.beams + 0.5) * lidar.angle_increment < 2.0 * math.pi:
-        return shown
-    behind = round((math.pi - lidar.angle_min) / (2.0 * math.pi) * sectors)
-    return (np.arange(sectors + min(overlap, sectors)) + behind) % sectors

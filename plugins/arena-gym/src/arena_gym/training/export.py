@@ -7,24 +7,26 @@ import warnings
 from typing import Any
 
 import torch
+from gymnasium.spaces import Discrete
 from stable_baselines3 import PPO
 from torch import nn
 
 
 class _Acting(nn.Module):
-    """What acts: the mean of the policy's actions."""
+    """What acts: the mean of the policy's actions, or what it prefers each member by."""
 
     def __init__(self, policy: Any) -> None:
         super().__init__()
+        self._chooses = isinstance(policy.action_space, Discrete)
         self.features, self.body, self.action = policy.pi_features_extractor, policy.mlp_extractor.policy_net, policy.action_net
 
     def forward(self, observation: torch.Tensor) -> torch.Tensor:
         actions: torch.Tensor = self.action(self.body(self.features(observation)))
-        return actions.clamp(-1.0, 1.0)
+        return actions if self._chooses else actions.clamp(-1.0, 1.0)
 
 
 def to_onnx(learner: PPO) -> bytes:
-    """Return the policy as an ONNX model: ``observation`` (N, D) float32 to ``action`` (N, A) float32 in [-1, 1]."""
+    """Return the policy as an ONNX model: ``observation`` (N, D) float32 to ``action`` (N, A) float32, unless of a switch in [-1, 1]."""
     acting = _Acting(learner.policy).to("cpu").eval()
     seen = torch.zeros(2, int(learner.observation_space.shape[0]))  # type: ignore[index]
     exporter = logging.getLogger("torch.onnx")

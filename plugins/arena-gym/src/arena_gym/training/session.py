@@ -54,7 +54,8 @@ def evaluation_parts(config: Mapping[str, Any], settings: TrainingSettings) -> P
 
 
 def _card(config: Mapping[str, Any], parts: Parts, content: bytes, steps: int, curve: list[dict[str, float]], score: Score) -> PolicyCard:
-    ends = zip(parts.scale.names, parts.scale.low.tolist(), parts.scale.high.tolist(), strict=True)
+    switch, scale = parts.switch, parts.scale
+    ends = zip(scale.names, scale.low.tolist(), scale.high.tolist(), strict=True)
     return PolicyCard(
         planner=config["planner"],
         robot=parts.robot.name,
@@ -62,8 +63,8 @@ def _card(config: Mapping[str, Any], parts: Parts, content: bytes, steps: int, c
         control_period=parts.robot.control_period,
         encoder=config["observation_encoder"],
         layout=parts.encoder.layout(),
-        action={name: (low, high) for name, low, high in ends},
-        action_range=config["action"],
+        action={} if switch else {name: (low, high) for name, low, high in ends},
+        action_range={} if switch else config["action"],
         sha256=sha256(content),
         training={
             "seed": config["seed"],
@@ -73,4 +74,5 @@ def _card(config: Mapping[str, Any], parts: Parts, content: bytes, steps: int, c
             "config": dict(config),
             "versions": {name: version(name) for name in PACKAGES},
         },
+        members=switch.members if switch else {},
     )

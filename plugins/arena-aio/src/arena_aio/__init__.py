@@ -1,0 +1,21 @@
+"""AIO, a learned switch between local planners."""
+
+from arena_core import Register, hookimpl
+
+
+@hookimpl
+def register_planners(register: Register) -> None:
+    """Offer AIO."""
+    register("aio", "arena_aio.planner:Aio")
+
+
+@hookimpl
+def register_commands(register: Register) -> None:
+    """Offer ``arena choices``."""
+    register("choices", "arena_aio.choices_command:ChoicesCommand")
+
+
+@hookimpl
+def config_package() -> str:
+    """Name the configuration package."""
+    return "arena_aio.conf"

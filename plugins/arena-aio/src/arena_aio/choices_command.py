@@ -1,0 +1,51 @@
+"""``arena choices``: how often a switch chooses each of its members, and how it fares."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import ClassVar
+
+from arena_aio.planner import Aio
+from arena_core import Benchmark, Command, ConfigurationError, EpisodeRecord, build_benchmark, compose, load_registry, plain, succeeded
+
+USAGE = "usage: arena choices planner=aio robot=NAME [episodes=15] [seed=0] [KEY=VALUE ...]"
+
+
+class ChoicesCommand(Command):
+    """Drive the episodes of a benchmark and count decisions."""
+
+    help: ClassVar[str] = "how often a switch chooses each member: arena choices planner=aio robot=jackal"
+
+    def run(self, arguments: Sequence[str]) -> int:
+        """Drive and print decisions by member, successes and collisions; nothing is kept."""
+        if any(word in ("-h", "--help") for word in arguments):
+            print(USAGE)
+            return 0
+        benchmark = build_benchmark(plain(compose(arguments)), load_registry())
+        planner = benchmark.navigator.planner
+        if not isinstance(planner, Aio):
+            raise ConfigurationError(f"planner is {benchmark.config['planner']['name']}; allowed: a switch, such as planner=aio")
+        chosen: Counter[str] = Counter()
+        collisions, successes = [], []
+        for record in _episodes(benchmark):
+            chosen.update(planner.chosen)
+            collisions.append(len(record["contact_stamp"]))
+            successes.append(succeeded(record))
+        print("\n".join(_lines(chosen, successes, collisions)))
+        return 0
+
+
+def _episodes(benchmark: Benchmark) -> Iterator[EpisodeRecord]:
+    with TemporaryDirectory() as folder:
+        for episode in range(benchmark.settings.episodes):
+            yield benchmark.run(episode, Path(folder))
+
+
+def _lines(chosen: Counter[str], successes: Sequence[bool], collisions: Sequence[int]) -> list[str]:
+    decisions, episodes = max(chosen.total(), 1), len(successes)
+    shares = [f"{name}: {count} of {decisions} decisions, {count / decisions:.3f}" for name, count in chosen.items()]
+    success, hits = sum(successes) / episodes, sum(collisions) / episodes
+    return [*shares, f"success {success:.3f}, collisions an episode {hits:.3f}, {episodes} episodes"]

@@ -1,0 +1,89 @@
+"""AIO: a policy that chooses which of several planners drives."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+
+from arena_core import ConfigurationError, EpisodeStart, Observation, Planner, PositiveInt, Robot, Twist, load_registry
+from arena_policies.members import Members, build_members, member_hash
+from arena_policies.planner import shipped_policy
+from arena_policies.policy import Switch, load_switch
+
+SHIPPED = "pkg://arena_aio/policies"
+
+
+class Aio(Planner):
+    """Let a policy choose among ``members`` at every ``every``-th control step (Kaestner et al. 2021, All-in-One).
+
+    ``policy`` is an ONNX file with its card beside it; None takes the one that comes with this package for the robot. With ``choice``
+    random a member is drawn in its place, of the same ones: what the policy has to be better than. ``chosen`` counts the decisions of
+    the episode by member.
+    """
+
+    compiles: ClassVar[bool] = True
+
+    def __init__(
+        self,
+        robot: Robot,
+        policy: str | None,
+        every: PositiveInt,
+        choice: Literal["policy", "random"],
+        members: Mapping[str, Mapping[str, Any]],
+    ) -> None:
+        self._switch = load_switch(policy or shipped_policy("aio", robot, SHIPPED), "aio", robot)
+        self._members = fitting_members(self._switch, members, robot)
+        self._period, self._every, self._at_random = robot.control_period, every, choice == "random"
+
+    def reset(self, episode: EpisodeStart) -> None:
+        """Begin at rest, with all members; raise ConfigurationError for another control period than the policy was trained with."""
+        if abs(episode.control_period - self._period) > 1e-9:
+            raise ConfigurationError(f"aio: planner.control_period is {episode.control_period:g}; allowed: {self._period:g}, the robot's")
+        self._members.reset(episode)
+        self._switch.begin()
+        self._random = np.random.Generator(np.random.Philox(key=int(episode.random.integers(2**63))))  # apart from the members' stream
+        self._steps, self._last, self._driving = 0, Twist(0.0), 0
+        self.chosen = dict.fromkeys(self._members.names, 0)
+
+    def compute_velocity(self, observation: Observation) -> Twist:
+        """Return the velocity of the member that drives; raise NoValidCommand where it has none, or the observation is no number."""
+        last, self._last = self._last, Twist(0.0)  # the brake, unless a member says otherwise
+        if self._steps % self._every == 0:
+            self._driving = self._choose(observation, last)
+        else:
+            self._switch.look(observation)
+        self._steps += 1
+        self._last = self._members.drive(self._driving, observation)
+        return self._last
+
+    def _choose(self, observation: Observation, last: Twist) -> int:
+        choice = self._switch.choice(observation, last)
+        if self._at_random:
+            choice = int(self._random.integers(len(self._members.names)))
+        self.chosen[self._members.names[choice]] += 1
+        return choice
+
+
+def fitting_members(switch: Switch, nodes: Mapping[str, Mapping[str, Any]], robot: Robot) -> Members:
+    """Build the members that a policy was trained to choose among; raise ConfigurationError where one is missing or another one."""
+    wanted = switch.card.members
+    for name, member in wanted.items():
+        if name not in nodes:
+            raise ConfigurationError(
+                f"aio: member {name} is not installed, or not in planner.members; install {member['distribution']} (arena-aio[default])"
+            )
+    for name in nodes:
+        if name not in wanted:
+            raise ConfigurationError(f"planner.members has {name}, which the policy was not trained with; allowed: {', '.join(wanted)}")
+    registry = load_registry()
+    planners = build_members(nodes, tuple(wanted), robot, registry, "planner.members")
+    for name, planner in planners.items():
+        made = member_hash(nodes[name], planner)
+        if made != wanted[name]["sha256"]:
+            raise ConfigurationError(
+                f"planner.members.{name}: its hash is {made[:12]}…, the policy's card says {wanted[name]['sha256'][:12]}…; "
+                f"allowed: {name} as the policy was trained with it (`arena train planner=aio robot={robot.name}` trains with this one)"
+            )
+    return Members(planners)

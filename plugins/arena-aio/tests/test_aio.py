@@ -1,0 +1,191 @@
+"""AIO drives by the member that its policy prefers, and refuses members that the policy was not trained with."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import onnx
+import pytest
+from onnx import TensorProto, helper, numpy_helper
+
+from arena_core import ConfigurationError, Planner, Twist, compose, load_registry, plain, testing
+from arena_core.cli import main
+from arena_policies.card import PolicyCard, sha256, write_card
+from arena_policies.members import Members, build_members, describe_members
+
+ENCODER = plain(compose(["observation_encoder=aio"], "component"))["observation_encoder"]
+MEMBERS = {name: plain(compose([f"planner={name}", "robot=jackal"]))["planner"] for name in ("pure_pursuit", "dwa")}
+
+
+def choosing_model(size, members, weights):
+    """Return an ONNX model that prefers the second member by ``weights``, field by field, over the others."""
+    matrix = np.zeros((size, members), np.float32)
+    for place, weight in weights.items():
+        matrix[place, 1] = weight
+    graph = helper.make_graph(
+        [helper.make_node("MatMul", ["observation", "weights"], ["action"])],
+        "choosing",
+        [helper.make_tensor_value_info("observation", TensorProto.FLOAT, ["worlds", size])],
+        [helper.make_tensor_value_info("action", TensorProto.FLOAT, ["worlds", members])],
+        [numpy_helper.from_array(matrix, "weights")],
+    )
+    model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", 17)], ir_version=9)
+    onnx.checker.check_model(model)
+    return model.SerializeToString()
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """Work in a folder whose conf/ makes pure pursuit and DWA the members of planner ``mine`` and of ``switch=mine``."""
+    defaults = "defaults:\n  - /planner@members.pure_pursuit: pure_pursuit\n  - /planner@members.dwa: dwa\n"
+    for group, more in (("planner", ""), ("switch", "  - /local_map@local_map: rolling\n  - /tracker@tracker: kalman\n")):
+        (tmp_path / "conf" / group).mkdir(parents=True)
+        (tmp_path / "conf" / group / "mine.yaml").write_text(defaults + more + "  - _self_\nevery: 3\nmembers: {}\n")
+    mine = tmp_path / "conf" / "planner" / "mine.yaml"
+    mine.write_text(mine.read_text() + "name: aio\npolicy: policy.onnx\nchoice: policy\n")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def write_policy(folder, robot, weights, **changes):
+    """Write a policy that chooses between pure pursuit and DWA, with its card."""
+    encoder = testing.component("observation_encoder", "aio", robot=robot)
+    registry = load_registry()
+    planners = build_members(MEMBERS, tuple(MEMBERS), robot, registry, "members")
+    members = {**describe_members(MEMBERS, planners, registry), **changes}
+    content = choosing_model(sum(field.size for field in encoder.layout()), len(members), weights)
+    card = PolicyCard("aio", "jackal", robot.kinematics, 0.1, ENCODER, encoder.layout(), {}, {}, sha256(content), members=members)
+    (folder / "policy.onnx").write_bytes(content)
+    write_card(folder / "policy.json", card)
+
+
+def mine(robot, *overrides):
+    return testing.planner("mine", robot, *overrides, robot_preset="jackal")
+
+
+GOAL_AHEAD = 65  # the place of goal_cos in the observation
+
+
+def test_aio_holds_the_contract_of_a_planner(here):
+    robot = testing.component("robot", "jackal")
+    write_policy(here, robot, {GOAL_AHEAD: 1.0})
+    assert testing.check("planner", mine(robot), robot)
+
+
+def test_member_that_the_policy_prefers_drives(here):
+    robot = testing.component("robot", "jackal")
+    seen = testing.observation(body=robot)
+    for preferred, weight in (("pure_pursuit", -1.0), ("dwa", 1.0)):
+        write_policy(here, robot, {GOAL_AHEAD: weight})
+        switch = mine(robot)
+        alone = testing.planner(preferred, robot, robot_preset="jackal")
+        assert [switch.compute_velocity(seen) for _ in range(7)] == [alone.compute_velocity(seen) for _ in range(7)]
+        assert switch.chosen == {"pure_pursuit": 0, "dwa": 0, preferred: 3}, "every third step decides"
+
+
+def test_random_switch_chooses_every_member_alike_in_each_run(here):
+    robot = testing.component("robot", "jackal")
+    write_policy(here, robot, {GOAL_AHEAD: 1.0})
+    counts = []
+    for _ in range(2):
+        switch = mine(robot, "planner.choice=random", "planner.every=1")
+        for _ in range(60):
+            switch.compute_velocity(testing.observation(body=robot))
+        counts.append(dict(switch.chosen))
+    assert counts[0] == counts[1]
+    assert min(counts[0].values()) > 15
+
+
+def refused(robot, *overrides):
+    with pytest.raises(ConfigurationError) as caught:
+        mine(robot, *overrides)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+def test_member_that_is_not_there_is_said_with_what_to_install(here):
+    robot = testing.component("robot", "jackal")
+    absent = {"sha256": "0" * 64, "distribution": "arena-elsewhere", "version": "1.0"}
+    write_policy(here, robot, {}, elsewhere=absent)
+    assert "member elsewhere is not installed" in refused(robot)
+    assert "install arena-elsewhere" in refused(robot)
+
+
+def test_member_of_another_configuration_is_refused(here):
+    robot = testing.component("robot", "jackal")
+    write_policy(here, robot, {})
+    assert "planner.members.dwa: its hash is" in refused(robot, "planner.members.dwa.sim_time=0.5")
+
+
+def test_member_that_the_policy_does_not_know_is_refused(here):
+    robot = testing.component("robot", "jackal")
+    write_policy(here, robot, {})
+    (here / "conf" / "planner" / "mine.yaml").write_text(
+        (here / "conf" / "planner" / "mine.yaml").read_text().replace("  - _self_", "  - /planner@members.orca: orca\n  - _self_")
+    )
+    assert "planner.members has orca" in refused(robot)
+
+
+def test_policy_for_velocities_is_no_switch(here):
+    robot = testing.component("robot", "jackal")
+    write_policy(here, robot, {})
+    card = json.loads((here / "policy.json").read_text())
+    (here / "policy.json").write_text(json.dumps({**card, "members": {}}))
+    assert "members are none; allowed: two or more" in refused(robot)
+
+
+class Counter(Planner):
+    """Says how many steps it has driven since its reset."""
+
+    def reset(self, episode):
+        self.steps = 0
+
+    def compute_velocity(self, observation):
+        self.steps += 1
+        return Twist(float(self.steps))
+
+
+def test_member_that_takes_over_begins_anew():
+    members = Members({"first": Counter(), "second": Counter()})
+    robot = testing.robot()
+    members.reset(testing.samples.episode_start(robot))
+    seen = testing.observation(body=robot)
+    assert [members.drive(k, seen).vx for k in (0, 0, 1, 1, 0)] == [1.0, 2.0, 1.0, 2.0, 1.0]
+
+
+def test_training_with_one_member_is_refused(here, capsys):
+    pytest.importorskip("torch", reason="training needs the extra arena-gym[train]")
+    (here / "conf" / "switch" / "mine.yaml").write_text(
+        (here / "conf" / "switch" / "mine.yaml").read_text().replace("  - /planner@members.dwa: dwa\n", "")
+    )
+    assert main(["train", "planner=aio", "switch=mine", "robot=jackal", "out=one"]) == 2
+    assert "switch.members has pure_pursuit; allowed: two or more" in capsys.readouterr().err
+
+
+SMALL = (
+    "total_steps=128",
+    "environment.worlds=1",
+    "environment.problems_per_world=4",
+    "training.optimization.environments=2",
+    "training.optimization.steps=32",
+    "training.optimization.minibatch=32",
+    "training.evaluation.every=64",
+    "training.evaluation.episodes=2",
+    "task.time_limit=4.0",
+)
+
+
+@pytest.mark.slow
+def test_switch_is_trained_and_drives_with_the_members_of_its_card(here, capsys):
+    pytest.importorskip("torch", reason="training needs the extra arena-gym[train]")
+    assert main(["train", "planner=aio", "switch=mine", "robot=jackal", "out=trained", *SMALL]) == 0
+    card = json.loads((here / "trained" / "policy.json").read_text())
+    assert list(card["members"]) == ["pure_pursuit", "dwa"]
+    words = ("planner=mine", "planner.policy=trained/policy.onnx", "robot=jackal", "episodes=2", "task.time_limit=6.0")
+    assert main(["choices", *words]) == 0
+    said = capsys.readouterr().out
+    assert "decisions" in said
+    assert "2 episodes" in said
+    assert main(["choices", "planner=dwa"]) == 2
+    assert "allowed: a switch" in capsys.readouterr().err

@@ -1,0 +1,48 @@
+"""The reward of AIO's rule_07, which counts progress otherwise among people."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core import NonNegative, Positive, Reward, Robot, Transition
+
+Floats = NDArray[np.float64]
+
+
+class SwitchReward(Reward):
+    """Goal and collision; near people safety, and progress alone; elsewhere progress, regress and standing (Kaestner et al. 2021)."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        goal: NonNegative,
+        collision: NonNegative,
+        people_distance: Positive,
+        safe_distance: Positive,
+        near: NonNegative,
+        progress_near_people: NonNegative,
+        regress_near_people: NonNegative,
+        progress: NonNegative,
+        regress: NonNegative,
+        standing: NonNegative,
+    ) -> None:
+        radius = robot.footprint.radius
+        self._goal, self._collision = goal, collision
+        self._people_gap, self._safe, self._near = people_distance - radius, safe_distance * radius, near
+        self._among_people = progress_near_people, regress_near_people
+        self._elsewhere = progress, regress
+        self._standing = standing
+
+    def reward(self, transition: Transition) -> Floats:
+        """Return the sum of the terms (N,)."""
+        after = transition.after
+        among = after.clearances_people < self._people_gap
+        gain = transition.before.goal_distances - after.goal_distances
+        total = np.where(among, _either(gain, *self._among_people), _either(gain, *self._elsewhere))
+        total -= np.where(among, self._near * (after.nearest_ranges < self._safe), self._standing * (after.standing_times > 0.0))
+        return np.asarray(total + self._goal * transition.arrived - self._collision * transition.collided)
+
+
+def _either(gain: Floats, if_positive: float, if_negative: float) -> Floats:
+    return np.where(gain > 0.0, if_positive, if_negative) * gain

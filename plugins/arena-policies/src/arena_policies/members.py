@@ -1,0 +1,82 @@
+"""Planners that a switch chooses among, of which one drives at a time."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from arena_core import ConfigurationError, EpisodeStart, Observation, Planner, Registry, Robot, Twist, UnknownComponent
+from arena_policies.card import sha256
+from arena_policies.planner import PolicyPlanner
+
+Node = Mapping[str, Any]
+
+
+class Members:
+    """Some planners by name, one of which drives; one that takes over begins anew, unless it runs a policy and so has looked on."""
+
+    def __init__(self, planners: Mapping[str, Planner]) -> None:
+        self.names = tuple(planners)
+        self._planners = list(planners.values())
+        self._driving: int | None = None
+
+    def reset(self, episode: EpisodeStart) -> None:
+        """Begin an episode."""
+        self._episode, self._driving = episode, None
+        for planner in self._planners:
+            planner.reset(episode)
+
+    def drive(self, chosen: int, observation: Observation) -> Twist:
+        """Return the velocity of the member in this place; raise NoValidCommand when it has none."""
+        _ = observation.local_map, observation.tracks  # kept up to date for whoever takes over and asks for them
+        planner = self._planners[chosen]
+        if self._driving not in (None, chosen) and not isinstance(planner, PolicyPlanner):
+            planner.reset(self._episode)
+        self._driving = chosen
+        command = Twist(0.0)
+        try:
+            command = planner.compute_velocity(observation)
+        finally:  # where there is none, the robot brakes
+            for other in self._planners:
+                if other is not planner and isinstance(other, PolicyPlanner):
+                    other.look_on(observation, command)
+        return command
+
+
+def build_members(nodes: Mapping[str, Node], order: Sequence[str], robot: Robot, registry: Registry, key: str) -> dict[str, Planner]:
+    """Build the members of these names, in this order, from their configurations; raise ConfigurationError where one cannot be."""
+    return {name: _built(nodes[name], robot, registry, f"{key}.{name}") for name in order}
+
+
+def _built(node: Node, robot: Robot, registry: Registry, key: str) -> Planner:
+    period = node.get("control_period")
+    if period is not None and abs(period - robot.control_period) > 1e-9:
+        raise ConfigurationError(f"{key}.control_period is {period:g}; allowed: {robot.control_period:g}, the robot's, for all members")
+    try:
+        planner: Planner = registry.build("planner", _own(node), robot=robot)
+    except UnknownComponent as error:
+        raise ConfigurationError(f"{key} is not installed: {error}") from error
+    return planner
+
+
+def member_hash(node: Node, planner: Planner) -> str:
+    """Return the hash that names a member: its configuration and, where it runs a policy, that one's file."""
+    content = {key: value for key, value in _own(node).items() if key != "policy"}
+    if isinstance(planner, PolicyPlanner):
+        content["policy"] = planner.sha256
+    return sha256(json.dumps(content, sort_keys=True).encode())
+
+
+def _own(node: Node) -> dict[str, Any]:
+    """Return a planner's configuration without what its navigator reads."""
+    return {key: value for key, value in node.items() if key != "control_period"}
+
+
+def describe_members(nodes: Mapping[str, Node], planners: Mapping[str, Planner], registry: Registry) -> dict[str, dict[str, str]]:
+    """Return what a card says of its members: hash, distribution and version."""
+    described = {}
+    for name, planner in planners.items():
+        distribution, version = registry.component("planner", nodes[name]["name"]).distribution()
+        described[name] = {"sha256": member_hash(nodes[name], planner), "distribution": distribution, "version": version}
+    return described
