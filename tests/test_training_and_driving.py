@@ -91,7 +91,7 @@ def test_members_of_a_switch_drive_as_they_would_in_a_benchmark(robot, tmp_path,
     (tmp_path / "conf" / "switch").mkdir(parents=True)
     (tmp_path / "conf" / "switch" / "two.yaml").write_text(SWITCH)
     monkeypatch.chdir(tmp_path)
-    overrides = [*COMMON, "switch=two", "environment.terminate_on_collision=false"]
+    overrides = [*COMMON, "switch=two", "environment.collisions_to_end=null"]
     env = NavigationEnv(robot=robot, observation="aio", overrides=overrides)
     choices = np.random.default_rng(0).integers(0, 2, 14).tolist()
     shown = [env.reset(seed=0)[0], *(env.step(choice)[0] for choice in choices)]
