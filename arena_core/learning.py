@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -63,7 +63,8 @@ class ObservationBatch:
 
     ``stamps`` (N,) s; ``ranges`` (N, B) float32 m, +inf where nothing was hit; ``poses`` (N, 3) in ``map``; ``twists`` (N, 3) measured, in
     ``base_link``; ``goals`` and ``waypoints`` (N, 3) in ``map``; ``last_commands`` (N, 3), the velocities commanded a step before, zero at
-    first; ``paths`` in ``map``; ``earlier`` scans as many as the encoder looks back at; ``maps`` (N), None where a robot has none.
+    first; ``paths`` in ``map``; ``earlier`` scans as many as the encoder looks back at; ``maps`` (N), None where a robot has none;
+    ``recalled`` (N, D), what a recurrent encoder made of the step before, zeros at first, (N, 0) for all others.
     """
 
     stamps: FloatArray
@@ -76,10 +77,16 @@ class ObservationBatch:
     paths: PathBatch
     earlier: EarlierScans
     maps: tuple[OccupancyGrid | None, ...]
+    recalled: NDArray[np.float32]
 
     @staticmethod
-    def of(observation: Observation, last_command: Twist, memory: ScanMemory | None = None) -> ObservationBatch:
-        """Make the batch of one that a planner sees, which keeps ``memory`` where its encoder looks back."""
+    def of(
+        observation: Observation,
+        last_command: Twist,
+        memory: ScanMemory | None = None,
+        recalled: NDArray[np.float32] | None = None,
+    ) -> ObservationBatch:
+        """Make the batch of one that a planner sees; it keeps ``memory`` where its encoder looks back, ``recalled`` (1, D) where it recalls."""
         return ObservationBatch(
             np.array((observation.stamp,)),
             np.ascontiguousarray(observation.scan.ranges, np.float32)[None],
@@ -91,6 +98,7 @@ class ObservationBatch:
             PathBatch.of([observation.path]),
             (memory or ScanMemory((), 1, len(observation.scan.ranges))).earlier(),
             (observation.map,),
+            np.zeros((1, 0), np.float32) if recalled is None else recalled,
         )
 
 
@@ -109,10 +117,12 @@ class ObservationField:
 class ObservationEncoder(ABC):
     """Turns observations into the numbers that a policy reads, alike in training and on the robot. The constructor receives ``robot``.
 
-    ``lookback`` lists how many control steps ago the earlier scans were taken that it wants to see.
+    ``lookback`` lists how many control steps ago the earlier scans were taken that it wants to see. A ``recurrent`` one sees its own
+    numbers of the step before as ``recalled``: they are all the state that it has, so that whoever keeps them keeps it.
     """
 
     lookback: tuple[int, ...] = ()
+    recurrent: bool = False
 
     @abstractmethod
     def layout(self) -> tuple[ObservationField, ...]:
@@ -121,6 +131,17 @@ class ObservationEncoder(ABC):
     @abstractmethod
     def encode(self, observations: ObservationBatch) -> NDArray[np.float32]:
         """Return new numbers (N, D); row k depends on observation k alone, bit for bit."""
+
+    def blank(self, robots: int) -> NDArray[np.float32]:
+        """Return what N robots recall when an episode begins: zeros (N, D), (N, 0) where nothing is recalled."""
+        return np.zeros((robots, sum(field.size for field in self.layout()) if self.recurrent else 0), np.float32)
+
+    def parts(self) -> Mapping[str, str]:
+        """Return the trained networks that it runs: the parameters that name them, and their ONNX files, each with a card beside it.
+
+        They go wherever a policy goes that reads these numbers.
+        """
+        return {}
 
 
 @dataclass(frozen=True, slots=True, eq=False)

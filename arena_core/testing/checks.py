@@ -238,8 +238,12 @@ def check_reward(reward: Reward, body: Robot) -> Facts:
 def check_observation_encoder(encoder: ObservationEncoder, body: Robot) -> Facts:
     """Encode what a planner sees, together and one by one."""
     fields, views = encoder.layout(), _views(body)
-    batches = [ObservationBatch.of(view, Twist(0.1, 0.0, 0.05 * k), _remembered(encoder, views[:k], view)) for k, view in enumerate(views)]
-    rows = [encoder.encode(batch) for batch in batches]
+    batches, rows, recalled = [], [], encoder.blank(1)
+    for k, view in enumerate(views):
+        command = Twist(0.1, 0.0, 0.05 * k)
+        batches.append(ObservationBatch.of(view, command, _remembered(encoder, views[:k], view), recalled))
+        rows.append(encoder.encode(batches[-1]))
+        recalled = rows[-1] if encoder.recurrent else recalled
     size = sum(field.size for field in fields)
     yield "an observation is float32 and as long as the layout says", all(r.shape == (1, size) and r.dtype == np.float32 for r in rows)
     yield "fields have names of their own, a unit, bounds and a meaning", _well_described(fields)

@@ -16,7 +16,7 @@ PERIOD = 0.1  # s
 
 def joined(batches: Sequence[ObservationBatch]) -> ObservationBatch:
     """Return the observations of several batches of one as one batch."""
-    names = ("stamps", "ranges", "poses", "twists", "goals", "waypoints", "last_commands")
+    names = ("stamps", "ranges", "poses", "twists", "goals", "waypoints", "last_commands", "recalled")
     arrays: dict[str, Any] = {name: np.concatenate([getattr(batch, name) for batch in batches]) for name in names}
     offsets = np.cumsum([0, *(len(batch.paths.poses) for batch in batches)])
     paths = PathBatch(np.concatenate([batch.paths.poses for batch in batches]), offsets)

@@ -60,6 +60,7 @@ class NavigationBatch:
         self._late = LateCommands(worlds, parts.randomization.latency.high)
         self._noise = RangeNoise(parts.robot.lidar, worlds)
         self._memory = ScanMemory(parts.encoder.lookback, worlds, parts.robot.lidar.beams)
+        self._recalled = parts.encoder.blank(worlds)
         self._goals = np.zeros((worlds, 3))
         self._goal_radii, self._time_limits = np.zeros(worlds), np.zeros(worlds)
         self._commands = np.zeros((worlds, 3))
@@ -106,13 +107,13 @@ class NavigationBatch:
         terminated = arrived if limit is None else arrived | (collided & (self.collisions >= limit))
         self._memory.remember(ranges, snapshot.poses)
         earlier = self._memory.earlier()
-        self.seen = _observed(snapshot, ranges, self._goals, waypoints, self._commands, self._tracking.paths, earlier, self._maps())
+        paths, maps = self._tracking.paths, self._maps()
+        self.seen = _observed(snapshot, ranges, self._goals, waypoints, self._commands, paths, earlier, maps, self._recalled)
         period = parts.robot.control_period
         rewards = parts.reward.reward(
             Transition(before, self._situation, self._commands, last_commands, arrived, collided, timed_out, period)
         )
-        observations = parts.encoder.encode(self.seen)
-        return Step(observations, rewards, arrived, collided, timed_out, terminated, timed_out & ~terminated)
+        return Step(self._encoded(), rewards, arrived, collided, timed_out, terminated, timed_out & ~terminated)
 
     def _next_episode(self, slot: int) -> Episode:
         number = self._numbers[slot]
@@ -139,10 +140,18 @@ class NavigationBatch:
         waypoints = np.array([episode.problem.waypoint for episode in begun])
         paths = PathBatch.of([episode.problem.path for episode in begun])
         self._memory.begin(slots, ranges[slots], snapshot.poses[slots])
+        self._recalled[slots] = 0.0
         earlier = self._memory.earlier(slots)
         maps = tuple(_map_of(episode) for episode in begun)
-        self.seen = _observed(snapshot, ranges, self._goals, waypoints, self._commands, paths, earlier, maps, slots)
-        return self.parts.encoder.encode(self.seen)
+        self.seen = _observed(snapshot, ranges, self._goals, waypoints, self._commands, paths, earlier, maps, self._recalled, slots)
+        return self._encoded(slots)
+
+    def _encoded(self, slots: Slots | slice = slice(None)) -> NDArray[np.float32]:
+        """Return the encoder's numbers for what these slots have just seen, and keep them where it recalls them a step later."""
+        rows = self.parts.encoder.encode(self.seen)
+        if self.parts.encoder.recurrent:
+            self._recalled[slots] = rows
+        return rows
 
     def _maps(self) -> tuple[OccupancyGrid | None, ...]:
         return tuple(_map_of(episode) for episode in self.episodes)
@@ -184,6 +193,7 @@ def _observed(
     paths: PathBatch,
     earlier: EarlierScans,
     maps: tuple[OccupancyGrid | None, ...],
+    recalled: NDArray[np.float32],
     slots: Slots | slice = slice(None),
 ) -> ObservationBatch:
     """Return what the robots in these slots see, whose waypoints and paths are given; the pose estimate is the truth."""
@@ -198,6 +208,7 @@ def _observed(
         paths,
         earlier,
         maps,
+        recalled[slots].copy(),
     )
 
 

@@ -22,7 +22,8 @@ class PolicyCard:
     ``encoder`` is the encoder's name with its parameters, ``layout`` the fields that it makes; ``action`` the names of the actions with
     what -1 and 1 mean (m/s, rad/s); ``sha256`` is that of the ONNX file. ``training`` holds seed, configuration, steps, curve,
     evaluation and package versions, and is read by people alone. ``members`` are the planners that a switch chooses among, in the order
-    of the network's answers, each with its ``sha256``, ``distribution`` and ``version``; a switch has no actions.
+    of the network's answers, each with its ``sha256``, ``distribution`` and ``version``; a switch has no actions. ``parts`` are the
+    hashes of the networks that the encoder runs, by the parameter that names each.
     """
 
     planner: str
@@ -36,6 +37,7 @@ class PolicyCard:
     sha256: str
     training: Mapping[str, Any] = field(default_factory=dict)
     members: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    parts: Mapping[str, str] = field(default_factory=dict)
 
 
 def write_card(path: Path, card: PolicyCard) -> None:
@@ -67,6 +69,7 @@ def read_card(path: Path) -> PolicyCard:
             sha256=str(content["sha256"]),
             training=dict(content["training"]),
             members={str(name): _member(member) for name, member in content.get("members", {}).items()},
+            parts={str(name): str(value) for name, value in content.get("parts", {}).items()},
         )
     except KeyError as error:
         raise InputFileError(f"{path}: {error.args[0]} is missing; allowed: a card as in docs/policies.md") from None
@@ -81,3 +84,8 @@ def _member(member: Mapping[str, Any]) -> dict[str, str]:
 def sha256(content: bytes) -> str:
     """Return the hash that names a file's content."""
     return hashlib.sha256(content).hexdigest()
+
+
+def part_path(policy: Path, name: str) -> Path:
+    """Return where a network that the policy's encoder runs lies: ``jackal.vision.onnx`` beside ``jackal.onnx``."""
+    return policy.with_name(f"{policy.stem}.{name}.onnx")

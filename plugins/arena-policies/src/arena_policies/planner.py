@@ -38,7 +38,7 @@ class PolicyPlanner(Planner):
 
     def look_on(self, observation: Observation, command: Twist) -> None:
         """See a control step at which another planner drove, by ``command``."""
-        self._policy.look(observation)
+        self._policy.look(observation, self._last)
         self._last = command
 
     def compute_velocity(self, observation: Observation) -> Twist:
@@ -49,7 +49,7 @@ class PolicyPlanner(Planner):
 
 def shipped_policy(name: str, robot: Robot, folder: str) -> str:
     """Return the address of the policy that a package brings for a robot."""
-    there = sorted(path.stem for path in local_path(f"{folder}/x").parent.glob("*.onnx"))
+    there = sorted(path.stem for path in local_path(f"{folder}/x").parent.glob("*.onnx") if "." not in path.stem)
     if robot.name not in there:
         raise ConfigurationError(
             f"{name}: no policy for {robot.name} (`arena train planner={name} robot={robot.name}` trains one); "

@@ -23,9 +23,8 @@ from arena_core import (
     read_settings,
 )
 from arena_policies.actions import ActionRange, ActionScale
-from arena_policies.card import PolicyCard, read_card, sha256
-
-LARGEST = 64 * 2**20  # bytes of a policy file
+from arena_policies.card import PolicyCard, part_path, read_card, sha256
+from arena_policies.network import network_content, open_network
 
 
 class Asked:
@@ -35,14 +34,30 @@ class Asked:
         self._session, self._encoder = session, encoder
         self._input = session.get_inputs()[0].name
         self._memory: ScanMemory | None = None
+        self._recalled = encoder.blank(1)
         self.card = card
 
     def begin(self) -> None:
         """Forget what was seen before."""
-        self._memory = None
+        self._memory, self._recalled = None, self._encoder.blank(1)
 
-    def look(self, observation: Observation) -> ScanMemory:
+    def look(self, observation: Observation, last_command: Twist) -> None:
         """See what there is at one more control step, without an answer."""
+        seen = self._seen(observation, last_command)
+        if self._encoder.recurrent:
+            self._encoded(seen)
+
+    def answers(self, observation: Observation, last_command: Twist) -> NDArray[np.float32]:
+        """Return the network's answers (1, A) to one more control step; raise NoValidCommand when something is not a number."""
+        numbers = self._encoded(self._seen(observation, last_command))
+        if not np.isfinite(numbers).all():
+            raise NoValidCommand(f"{self.card.planner}: the observation has values that are not finite")
+        answers: NDArray[np.float32] = self._session.run(None, {self._input: numbers})[0]
+        if not np.isfinite(answers).all():
+            raise NoValidCommand(f"{self.card.planner}: the policy answered with values that are not finite")
+        return answers
+
+    def _seen(self, observation: Observation, last_command: Twist) -> ObservationBatch:
         ranges = np.ascontiguousarray(observation.scan.ranges, np.float32)[None]
         pose = observation.pose.array()[None]
         if self._memory is None:
@@ -50,17 +65,14 @@ class Asked:
             self._memory.begin(np.zeros(1, np.int64), ranges, pose)
         else:
             self._memory.remember(ranges, pose)
-        return self._memory
+        return ObservationBatch.of(observation, last_command, self._memory, self._recalled)
 
-    def answers(self, observation: Observation, last_command: Twist) -> NDArray[np.float32]:
-        """Return the network's answers (1, A) to one more control step; raise NoValidCommand when something is not a number."""
-        numbers = self._encoder.encode(ObservationBatch.of(observation, last_command, self.look(observation)))
-        if not np.isfinite(numbers).all():
-            raise NoValidCommand(f"{self.card.planner}: the observation has values that are not finite")
-        answers: NDArray[np.float32] = self._session.run(None, {self._input: numbers})[0]
-        if not np.isfinite(answers).all():
-            raise NoValidCommand(f"{self.card.planner}: the policy answered with values that are not finite")
-        return answers
+    def _encoded(self, seen: ObservationBatch) -> NDArray[np.float32]:
+        """Return the encoder's numbers, and recall them at the next step, unless some are none."""
+        numbers = self._encoder.encode(seen)
+        if self._encoder.recurrent and np.isfinite(numbers).all():
+            self._recalled = numbers
+        return numbers
 
 
 class Policy(Asked):
@@ -89,7 +101,7 @@ def load_policy(address: str, planner: str, robot: Robot) -> Policy:
     beside = path.with_suffix(".json")
     scale = ActionScale.of(robot, read_settings(card.action_range, ActionRange, f"{beside}: action_range"))
     _check_actions(beside, card, scale)
-    return Policy(_session(path, content, sum(f.size for f in card.layout), len(card.action)), encoder, scale, card)
+    return Policy(open_network(path, content, sum(f.size for f in card.layout), len(card.action)), encoder, scale, card)
 
 
 def load_switch(address: str, planner: str, robot: Robot) -> Switch:
@@ -97,27 +109,31 @@ def load_switch(address: str, planner: str, robot: Robot) -> Switch:
     path, content, card, encoder = _read(address, planner, robot)
     if len(card.members) < 2:
         raise ConfigurationError(f"{path.with_suffix('.json')}: members are {', '.join(card.members) or 'none'}; allowed: two or more")
-    return Switch(_session(path, content, sum(f.size for f in card.layout), len(card.members)), encoder, card)
+    return Switch(open_network(path, content, sum(f.size for f in card.layout), len(card.members)), encoder, card)
 
 
 def _read(address: str, planner: str, robot: Robot) -> tuple[Path, bytes, PolicyCard, ObservationEncoder]:
     """Return file, content, card and encoder of a policy that fits planner and robot."""
     path = local_path(address)
-    content = _content(path)
+    content = network_content(path)
     card = read_card(path.with_suffix(".json"))
     _check_card(path, card, content, planner, robot)
-    encoder = _encoder(path.with_suffix(".json"), card, robot)
+    encoder = _encoder(path.with_suffix(".json"), {**card.encoder, **_parts(path, card)}, robot)
     _check_layout(path.with_suffix(".json"), card, encoder)
     return path, content, card, encoder
 
 
-def _content(path: Path) -> bytes:
-    try:
-        if path.stat().st_size > LARGEST:
-            raise InputFileError(f"{path}: has {path.stat().st_size} bytes; allowed: policies up to {LARGEST}")
-        return path.read_bytes()
-    except OSError as error:
-        raise InputFileError(f"{path}: cannot be read ({error.strerror}); allowed: an ONNX file with its card beside it") from None
+def _parts(path: Path, card: PolicyCard) -> dict[str, str]:
+    """Return the networks that the encoder runs; raise InputFileError where one is not what the policy was trained on."""
+    found = {name: part_path(path, name) for name in card.parts}
+    for name, part in found.items():
+        made = sha256(network_content(part))
+        if made != card.parts[name]:
+            raise InputFileError(
+                f"{part}: sha256 is {made[:12]}…, the card of {path.name} says {card.parts[name][:12]}…; "
+                f"allowed: the {name} that the policy was trained on"
+            )
+    return {name: str(part) for name, part in found.items()}
 
 
 def _check_card(path: Path, card: PolicyCard, content: bytes, planner: str, robot: Robot) -> None:
@@ -134,10 +150,10 @@ def _check_card(path: Path, card: PolicyCard, content: bytes, planner: str, robo
         )
 
 
-def _encoder(beside: Path, card: PolicyCard, robot: Robot) -> ObservationEncoder:
+def _encoder(beside: Path, told: dict[str, Any], robot: Robot) -> ObservationEncoder:
     """Build the encoder that the card tells of; raise ConfigurationError where what is installed has none like it."""
     try:
-        encoder: ObservationEncoder = load_registry().build("observation_encoder", card.encoder, robot=robot)
+        encoder: ObservationEncoder = load_registry().build("observation_encoder", told, robot=robot)
     except ConfigurationError as error:
         raise ConfigurationError(f"{beside}: encoder: {error}") from error
     return encoder
@@ -158,25 +174,3 @@ def _check_actions(beside: Path, card: PolicyCard, scale: ActionScale) -> None:
     ends = dict(zip(scale.names, zip(scale.low.tolist(), scale.high.tolist(), strict=True), strict=True))
     if {name: tuple(limits) for name, limits in card.action.items()} != ends:
         raise ConfigurationError(f"{beside}: actions are {dict(card.action)}; allowed: those of this robot, {ends}")
-
-
-def _session(path: Path, content: bytes, inputs: int, outputs: int) -> Any:
-    """Open the network; raise InputFileError where it is none, or reads or writes other numbers than the card says."""
-    import onnxruntime
-
-    options = onnxruntime.SessionOptions()
-    options.intra_op_num_threads = options.inter_op_num_threads = 1
-    options.log_severity_level = 4
-    try:
-        session = onnxruntime.InferenceSession(content, options, providers=["CPUExecutionProvider"])
-        shapes = [[i.shape[-1] for i in session.get_inputs()], [o.shape[-1] for o in session.get_outputs()]]
-        types = {value.type for value in (*session.get_inputs(), *session.get_outputs())}
-    except Exception as error:  # onnxruntime's own kinds, for a damaged or foreign file
-        raise InputFileError(
-            f"{path}: is no ONNX model that runs ({' '.join(str(error).split())[:120]}); allowed: one that `arena train` wrote"
-        ) from None
-    if shapes != [[inputs], [outputs]] or types != {"tensor(float)"}:
-        raise InputFileError(
-            f"{path}: reads {shapes[0]} and writes {shapes[1]} numbers; allowed: {[inputs]} and {[outputs]} as in its card, float32"
-        )
-    return session

@@ -27,20 +27,24 @@ class _Acting(nn.Module):
 
 def to_onnx(learner: PPO) -> bytes:
     """Return the policy as an ONNX model: ``observation`` (N, D) float32 to ``action`` (N, A) float32, unless of a switch in [-1, 1]."""
-    acting = _Acting(learner.policy).to("cpu").eval()
-    seen = torch.zeros(2, int(learner.observation_space.shape[0]))  # type: ignore[index]
+    size = int(learner.observation_space.shape[0])  # type: ignore[index]
+    return network_to_onnx(_Acting(learner.policy), size, "observation", "action")
+
+
+def network_to_onnx(network: nn.Module, size: int, input_name: str, output_name: str) -> bytes:
+    """Return a network that reads (N, ``size``) numbers as an ONNX model."""
     exporter = logging.getLogger("torch.onnx")
     level = exporter.level
     exporter.setLevel(logging.ERROR)  # it notes every optional package that is not installed
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         program = torch.onnx.export(
-            acting,
-            (seen,),
+            network.to("cpu").eval(),
+            (torch.zeros(2, size),),
             dynamo=True,
-            input_names=["observation"],
-            output_names=["action"],
-            dynamic_shapes={"observation": {0: torch.export.Dim("worlds", min=1)}},
+            input_names=[input_name],
+            output_names=[output_name],
+            dynamic_shapes=({0: torch.export.Dim("worlds", min=1)},),
             verbose=False,
         )
     exporter.setLevel(level)

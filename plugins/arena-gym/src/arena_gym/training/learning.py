@@ -36,7 +36,7 @@ def make_learner(env: VecEnv, layout: tuple[ObservationField, ...], settings: Tr
         policy_kwargs=_policy(settings.network, layout),
         tensorboard_log=str(logs) if logs else None,
         seed=settings.seed,
-        device=_device(settings.device),
+        device=choose_device(settings.device),
         verbose=0,
     )
 
@@ -46,16 +46,21 @@ def _falling(initial: float, final_share: float) -> Any:
 
 
 def _policy(network: Network, layout: tuple[ObservationField, ...]) -> dict[str, Any]:
-    beams, scans = beams_of(network, layout)
-    extractor = {"beams": beams, "scans": scans, "convolutions": network.convolutions, "features": network.features}
     return {
-        "features_extractor_class": BeamFeatures,
-        "features_extractor_kwargs": extractor,
+        **_features(network, layout),
         "net_arch": list(network.heads),
         "activation_fn": nn.ReLU,
         "log_std_init": network.log_std_init,
         "ortho_init": True,
     }
+
+
+def _features(network: Network, layout: tuple[ObservationField, ...]) -> dict[str, Any]:
+    if network.beams_field is None:
+        return {}
+    beams, scans = beams_of(network, layout)
+    extractor = {"beams": beams, "scans": scans, "convolutions": network.convolutions, "features": network.features}
+    return {"features_extractor_class": BeamFeatures, "features_extractor_kwargs": extractor}
 
 
 def beams_of(network: Network, layout: tuple[ObservationField, ...]) -> tuple[slice, int]:
@@ -73,7 +78,8 @@ def beams_of(network: Network, layout: tuple[ObservationField, ...]) -> tuple[sl
     raise ConfigurationError(f"training.network.beams_field is {network.beams_field}; allowed: {names}")
 
 
-def _device(name: str) -> torch.device:
+def choose_device(name: str) -> torch.device:
+    """Return the device of this name; raise ConfigurationError where this machine has none."""
     try:
         device = torch.device(name)
     except RuntimeError:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from arena_core import ConfigurationError, read_settings, write_bytes_whole
+from arena_core import ConfigurationError, ObservationEncoder, local_path, read_settings, write_bytes_whole
 from arena_gym.building import Parts, build_parts
 from arena_gym.seeds import check_evaluation_seed
 from arena_gym.training.evaluation import Score
@@ -15,7 +16,8 @@ from arena_gym.training.export import to_onnx
 from arena_gym.training.settings import TrainingSettings
 from arena_gym.training.trainer import train
 from arena_gym.vector_environment import NavigationVectorEnv
-from arena_policies.card import PolicyCard, sha256, write_card
+from arena_policies.card import PolicyCard, part_path, sha256, write_card
+from arena_policies.network import network_content
 
 EVALUATED_WORLDS = 32  # worlds driven in step in an evaluation
 PACKAGES = ("arena-core", "arena-gym", "arena-policies", "arena-sim2d", "arena-pedsim", "torch", "stable-baselines3", "onnx")
@@ -32,7 +34,9 @@ def run_training(config: Mapping[str, Any], folder: Path) -> int:
     learner, curve, score = train(settings, env, evaluation, parts.pool.staging, folder)
     content = to_onnx(learner)
     write_bytes_whole(folder / "policy.onnx", content)
-    write_card(folder / "policy.json", _card(config, parts, content, learner.num_timesteps, curve, score))
+    networks = _write_parts(folder / "policy.onnx", parts.encoder)
+    card = _card(config, parts, content, learner.num_timesteps, curve, score)
+    write_card(folder / "policy.json", replace(card, parts=networks))
     print(f"policy: {folder / 'policy.onnx'}")
     return 0
 
@@ -53,6 +57,18 @@ def evaluation_parts(config: Mapping[str, Any], settings: TrainingSettings) -> P
     return build_parts({**config, "environment": environment, "randomization": {**config["randomization"], "people": None}})
 
 
+def _write_parts(policy: Path, encoder: ObservationEncoder) -> dict[str, str]:
+    """Copy the networks that the encoder runs to the policy's side, with their cards; return their hashes."""
+    hashes = {}
+    for name, address in encoder.parts().items():
+        source, target = local_path(address), part_path(policy, name)
+        content = network_content(source)
+        write_bytes_whole(target, content)
+        write_bytes_whole(target.with_suffix(".json"), source.with_suffix(".json").read_bytes())
+        hashes[name] = sha256(content)
+    return hashes
+
+
 def _card(config: Mapping[str, Any], parts: Parts, content: bytes, steps: int, curve: list[dict[str, float]], score: Score) -> PolicyCard:
     switch, scale = parts.switch, parts.scale
     ends = zip(scale.names, scale.low.tolist(), scale.high.tolist(), strict=True)
@@ -61,7 +77,7 @@ def _card(config: Mapping[str, Any], parts: Parts, content: bytes, steps: int, c
         robot=parts.robot.name,
         kinematics=parts.robot.kinematics,
         control_period=parts.robot.control_period,
-        encoder=config["observation_encoder"],
+        encoder={**config["observation_encoder"], **dict.fromkeys(parts.encoder.parts())},
         layout=parts.encoder.layout(),
         action={} if switch else {name: (low, high) for name, low, high in ends},
         action_range={} if switch else config["action"],

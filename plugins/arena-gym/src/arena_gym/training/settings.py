@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from arena_core import Fraction, NonNegative, NonNegativeInt, Positive, PositiveInt
+from arena_core import ConfigurationError, Fraction, NonNegative, NonNegativeInt, Positive, PositiveInt
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,16 +20,23 @@ class Convolution:
 class Network:
     """The policy's network: ``convolutions`` over the scans ``beams_field`` of the observation, ``features`` from them, then ``heads``.
 
-    The heads, one for the policy and one for the value, see these features and the rest of the observation. The spread of the actions
-    begins at exp(``log_std_init``); unless ``log_std_final`` is null, it has a limit that falls from there to exp(``log_std_final``).
+    The heads, one for the policy and one for the value, see these features and the rest of the observation; all of it where
+    ``beams_field`` is null. The spread of the actions begins at exp(``log_std_init``); unless ``log_std_final`` is null, it has a limit
+    that falls from there to exp(``log_std_final``).
     """
 
-    beams_field: str
+    beams_field: str | None
     convolutions: tuple[Convolution, ...]
-    features: PositiveInt
+    features: PositiveInt | None
     heads: tuple[PositiveInt, ...]
     log_std_init: float
     log_std_final: float | None
+
+    def __post_init__(self) -> None:
+        if (self.beams_field is None) != (self.features is None):
+            raise ConfigurationError(
+                f"training.network.features is {self.features}; allowed: a number with a beams_field, null without one"
+            )
 
 
 @dataclass(frozen=True, slots=True)

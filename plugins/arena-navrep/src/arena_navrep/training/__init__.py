@@ -1,0 +1,1 @@
+"""Training world models; needs the extra ``arena-navrep[train]``."""

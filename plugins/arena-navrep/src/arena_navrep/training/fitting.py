@@ -1,0 +1,73 @@
+"""Fitting a network by epochs, with a checkpoint after each; what was cut off goes on as if it had not been."""
+
+from __future__ import annotations
+
+import io
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import torch
+from torch import nn
+
+from arena_core import ConfigurationError, write_bytes_whole, write_text_whole
+
+FINAL_SHARE = 0.05  # of the learning rate, at the end
+CHECKPOINT, CURVE = "checkpoint.pt", "curve.json"
+Curve = list[dict[str, float]]
+
+
+def fit(
+    network: nn.Module,
+    losses: Callable[[torch.Generator], Iterator[torch.Tensor]],
+    score: Callable[[], dict[str, float]],
+    epochs: int,
+    learning_rate: float,
+    seed: int,
+    folder: Path,
+) -> Curve:
+    """Fit a network to the losses of each epoch's minibatches; return the curve of its scores, an epoch each.
+
+    Every random number of an epoch comes from a generator keyed by seed and epoch. ``folder`` keeps checkpoint and curve.
+    """
+    optimizer = torch.optim.Adam(network.parameters(), learning_rate)
+    curve = _resumed(folder / CHECKPOINT, network, optimizer)
+    for epoch in range(len(curve), epochs):
+        for group in optimizer.param_groups:
+            group["lr"] = learning_rate * (1.0 - (1.0 - FINAL_SHARE) * epoch / epochs)
+        random = torch.Generator().manual_seed((seed << 16) + epoch)
+        total = [_descend(network, optimizer, loss) for loss in losses(random)]
+        curve.append({"epoch": epoch + 1, "loss": sum(total) / len(total), **score()})
+        print(", ".join(f"{name} {value:.4g}" for name, value in curve[-1].items()), flush=True)
+        _keep(folder, network, optimizer, curve)
+    return curve
+
+
+def _descend(network: nn.Module, optimizer: torch.optim.Optimizer, loss: torch.Tensor) -> float:
+    optimizer.zero_grad()
+    loss.backward()  # type: ignore[no-untyped-call]
+    nn.utils.clip_grad_norm_(network.parameters(), 10.0)
+    optimizer.step()
+    return float(loss.detach())
+
+
+def _keep(folder: Path, network: nn.Module, optimizer: torch.optim.Optimizer, curve: Curve) -> None:
+    content = io.BytesIO()
+    torch.save({"network": network.state_dict(), "optimizer": optimizer.state_dict(), "curve": curve}, content)
+    write_bytes_whole(folder / CHECKPOINT, content.getvalue())
+    write_text_whole(folder / CURVE, json.dumps(curve, indent=1) + "\n")
+
+
+def _resumed(path: Path, network: nn.Module, optimizer: torch.optim.Optimizer) -> Curve:
+    """Give network and optimiser what a checkpoint holds, if there is one, and return its curve."""
+    if not path.exists():
+        return []
+    try:
+        content: dict[str, Any] = torch.load(path, weights_only=True)
+        network.load_state_dict(content["network"])
+        optimizer.load_state_dict(content["optimizer"])
+        return list(content["curve"])
+    except Exception as error:  # whatever a damaged or foreign file raises
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise ConfigurationError(f"{path}: is no checkpoint of this training ({reason}); remove the folder to begin anew") from error

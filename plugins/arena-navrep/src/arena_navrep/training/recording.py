@@ -1,0 +1,73 @@
+"""The first stage: what robots see and do while they wander."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from arena_core import ConfigurationError, generator
+from arena_gym.building import Parts, build_parts
+from arena_gym.seeds import check_evaluation_seed, training_seed
+from arena_gym.vector_environment import NavigationVectorEnv
+from arena_navrep.rollouts import Rollouts, file_of, write_rollouts
+from arena_navrep.training.settings import Recording
+from arena_navrep.training.wanderer import Wanderer
+
+WORLDS_APART = 2**20  # between the episode seeds of two files
+
+
+def record(config: Mapping[str, Any], settings: Recording, folder: Path) -> None:
+    """Write the roll-outs that are not there yet, each a pure function of configuration and number."""
+    for kind, files in (("train", settings.files), ("test", settings.test_files)):
+        missing = [index for index in range(files) if not file_of(folder, kind, index).exists()]
+        env = _environment(config, settings, kind) if missing else None
+        for index in missing:
+            assert env is not None
+            rollouts = _recorded(env, settings, config["seed"], kind, index)
+            write_rollouts(file_of(folder, kind, index), rollouts)
+            print(
+                f"{kind} roll-outs {index + 1} of {files}: {rollouts.begins.size} steps, {int(rollouts.begins.sum())} episodes", flush=True
+            )
+
+
+def _environment(config: Mapping[str, Any], settings: Recording, kind: str) -> NavigationVectorEnv:
+    """Return the worlds of a kind; those of tests are others."""
+    own = config["environment"]
+    if settings.test_seed == own["seed"]:
+        raise ConfigurationError(
+            f"recording.test_seed is {settings.test_seed}; allowed: any other than environment.seed, which is for training"
+        )
+    seed = check_evaluation_seed(settings.test_seed) if kind == "test" else own["seed"]
+    parts = build_parts({**config, "environment": {**own, "seed": seed}})
+    _check_scan(parts)
+    return NavigationVectorEnv(settings.worlds, parts=parts)
+
+
+def _check_scan(parts: Parts) -> None:
+    names = [field.name for field in parts.encoder.layout()]
+    missing = {"waypoint_cos", "waypoint_sin", "vx", "last_vx"} - set(names)
+    if missing or parts.encoder.lookback:
+        raise ConfigurationError(
+            f"observation_encoder has fields {', '.join(names)}; allowed: rosnav_sectors without lookback, or one like it"
+        )
+
+
+def _recorded(env: NavigationVectorEnv, settings: Recording, seed: int, kind: str, index: int) -> Rollouts:
+    """Return roll-outs ``index``, on the level of the task that is its turn."""
+    staging = env.batch.parts.pool.staging
+    if staging is not None:
+        files = settings.files if kind == "train" else settings.test_files
+        env.set_stage(index * staging.levels // files)
+    layout, first = env.batch.parts.encoder.layout(), seed * WORLDS_APART * 64 + index * WORLDS_APART
+    random = generator(training_seed(seed), f"rollouts/{kind}/{index}", "wanderer")
+    wanderer = Wanderer(layout, env.batch.parts.scale.names, settings.worlds, settings.wander, random)
+    rows, begins = [env.reset(seed=first)[0].copy()], [np.ones(settings.worlds, np.bool_)]
+    for _ in range(settings.steps - 1):
+        seen, _, terminated, truncated, _ = env.step(wanderer.act(rows[-1]))
+        rows.append(seen.copy())
+        begins.append(terminated | truncated)
+    seen_all = np.stack(rows)
+    return Rollouts(seen_all[:, :, : layout[0].size], seen_all[:, :, layout[0].size :], np.stack(begins))

@@ -1,0 +1,95 @@
+"""The networks of a world model, each an ONNX file with a card beside it: vision codes scans, memory remembers codes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core import ConfigurationError, InputFileError, ObservationField, local_path, write_bytes_whole, write_text_whole
+from arena_policies.card import sha256
+from arena_policies.network import network_content, open_network
+
+FORMAT, VERSION = "arena-world-model", 1
+CODE_MAX = 6.0  # numbers of a code lie within -CODE_MAX .. CODE_MAX
+Numbers = NDArray[np.float32]
+
+
+@dataclass(frozen=True, slots=True)
+class PartCard:
+    """What a network of a world model was trained on.
+
+    ``part`` is vision or memory; ``scan`` the encoder by name, with its parameters, whose first field is the scan, ``layout`` its
+    fields; ``reads`` and ``writes`` count numbers. ``vision`` is the hash of the vision whose codes a memory remembers, of itself for a
+    vision; ``code`` and ``hidden`` count the numbers of a code and of a memory.
+    """
+
+    part: str
+    robot: str
+    scan: Mapping[str, Any]
+    layout: Sequence[ObservationField]
+    reads: int
+    writes: int
+    code: int
+    hidden: int
+    vision: str
+    sha256: str
+    training: Mapping[str, Any] = field(default_factory=dict)
+
+
+class Part:
+    """A network that runs, with its card."""
+
+    def __init__(self, path: Path, card: PartCard, session: Any) -> None:
+        self.path, self.card = path, card
+        self._session, self._input = session, session.get_inputs()[0].name
+
+    def run(self, numbers: Numbers) -> Numbers:
+        """Return what the network makes of rows (N, D); row k depends on row k alone, bit for bit."""
+        alone = len(numbers) == 1  # a single row would be multiplied in another order than one of many
+        rows = np.repeat(numbers, 2, axis=0) if alone else numbers
+        answer: Numbers = self._session.run(None, {self._input: rows})[0]
+        return answer[:1] if alone else answer
+
+
+def load_part(address: str, part: str, layout: Sequence[ObservationField] | None = None) -> Part:
+    """Load vision or memory; raise ConfigurationError or InputFileError where it is none, or not for what ``layout`` shows."""
+    path = local_path(address)
+    if not path.exists():
+        raise ConfigurationError(f"observation_encoder.{part} is {path}, which is not there; `arena navrep {part} robot=...` makes one")
+    content, card = network_content(path), read_part_card(path.with_suffix(".json"))
+    if card.part != part:
+        raise InputFileError(f"{path.with_suffix('.json')}: part is {card.part}; allowed: {part}")
+    if sha256(content) != card.sha256:
+        raise InputFileError(
+            f"{path}: sha256 is {sha256(content)[:12]}…, its card says {card.sha256[:12]}…; allowed: the file the card was made for"
+        )
+    return Part(path, card, open_network(path, content, card.reads, card.writes))
+
+
+def write_part(path: Path, content: bytes, card: PartCard) -> None:
+    """Write a network and its card, each whole or not at all."""
+    write_bytes_whole(path, content)
+    text = json.dumps({"format": FORMAT, "version": VERSION, **asdict(card)}, indent=1, allow_nan=False)
+    write_text_whole(path.with_suffix(".json"), text + "\n")
+
+
+def read_part_card(path: Path) -> PartCard:
+    """Read the card of a world model's network; raise InputFileError with file and key for anything that is not one."""
+    made_by = "allowed: a card that `arena navrep` wrote"
+    try:
+        content = json.loads(path.read_text("utf-8"))
+    except (OSError, ValueError) as error:
+        raise InputFileError(f"{path}: is no card of a world model ({error}); {made_by}") from None
+    if not isinstance(content, dict) or (content.pop("format", None), content.pop("version", None)) != (FORMAT, VERSION):
+        raise InputFileError(f"{path}: format and version are not {FORMAT} {VERSION}; {made_by}")
+    try:
+        content["layout"] = tuple(ObservationField(**fields) for fields in content["layout"])
+        return PartCard(**content)
+    except (KeyError, TypeError) as error:
+        raise InputFileError(f"{path}: is no card of a world model ({error}); {made_by}") from None

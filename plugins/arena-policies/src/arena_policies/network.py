@@ -1,0 +1,42 @@
+"""Trained networks: ONNX files of one input and one output, run by onnxruntime."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from arena_core import InputFileError
+
+LARGEST = 64 * 2**20  # bytes of a network's file
+
+
+def network_content(path: Path) -> bytes:
+    """Return what a file holds; raise InputFileError where it cannot be read or is too large for a network of ours."""
+    try:
+        if path.stat().st_size > LARGEST:
+            raise InputFileError(f"{path}: has {path.stat().st_size} bytes; allowed: policies up to {LARGEST}")
+        return path.read_bytes()
+    except OSError as error:
+        raise InputFileError(f"{path}: cannot be read ({error.strerror}); allowed: an ONNX file with its card beside it") from None
+
+
+def open_network(path: Path, content: bytes, inputs: int, outputs: int) -> Any:
+    """Open the network; raise InputFileError where it is none, or reads or writes other numbers than the card says."""
+    import onnxruntime
+
+    options = onnxruntime.SessionOptions()
+    options.intra_op_num_threads = options.inter_op_num_threads = 1
+    options.log_severity_level = 4
+    try:
+        session = onnxruntime.InferenceSession(content, options, providers=["CPUExecutionProvider"])
+        shapes = [[i.shape[-1] for i in session.get_inputs()], [o.shape[-1] for o in session.get_outputs()]]
+        types = {value.type for value in (*session.get_inputs(), *session.get_outputs())}
+    except Exception as error:  # onnxruntime's own kinds, for a damaged or foreign file
+        raise InputFileError(
+            f"{path}: is no ONNX model that runs ({' '.join(str(error).split())[:120]}); allowed: one that `arena train` wrote"
+        ) from None
+    if shapes != [[inputs], [outputs]] or types != {"tensor(float)"}:
+        raise InputFileError(
+            f"{path}: reads {shapes[0]} and writes {shapes[1]} numbers; allowed: {[inputs]} and {[outputs]} as in its card, float32"
+        )
+    return session
