@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 from arena_core import Command, ConfigurationError, compose, plain
 
 STAGES = ("record", "vision", "memory")
+NEEDS = {"vision": "rollouts/config.json", "memory": "vision.onnx"}  # what the stage before has written
 USAGE = (
     "usage: arena navrep record|vision|memory|all robot=NAME [seed=0] [device=cpu] [out=DIR] [resume=true] [KEY=VALUE ...]\n"
     "       arena navrep evidence policy=FILE [out=DIR] [episodes=200] [seed=1000]"
@@ -52,9 +53,12 @@ def _run_stage(stage: str, config: Mapping[str, Any], folder: Path, resume: str)
     """Run a stage in a folder of its own; raise ConfigurationError where that is another training's."""
     if resume not in ("true", "false"):
         raise ConfigurationError(f"resume is {resume}; allowed: true, false")
+    if stage in NEEDS and not (folder / NEEDS[stage]).exists():
+        raise ConfigurationError(f"{folder} has no {NEEDS[stage]}; `arena navrep {STAGES[STAGES.index(stage) - 1]} ...` makes it")
     from arena_gym.training.folder import open_folder
     from arena_navrep.training import stages
 
+    stages.check_settings(config)
     own: dict[str, Callable[[Mapping[str, Any], Path], None]] = {
         "record": stages.record_rollouts,
         "vision": stages.fit_vision,

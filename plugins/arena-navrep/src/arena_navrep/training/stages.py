@@ -27,6 +27,13 @@ from arena_policies.card import sha256
 PACKAGES = ("arena-core", "arena-gym", "arena-navrep", "arena-policies", "arena-sim2d", "arena-pedsim", "torch", "onnx")
 
 
+def check_settings(config: Mapping[str, Any]) -> None:
+    """Raise ConfigurationError where a setting is not possible, before anything is written."""
+    for section, settings in (("recording", Recording), ("vision", VisionSettings), ("memory", MemorySettings)):
+        read_settings(config[section], settings, section)
+    choose_device(config["device"])
+
+
 def record_rollouts(config: Mapping[str, Any], folder: Path) -> None:
     """Record what the world model learns from."""
     record(config, read_settings(config["recording"], Recording, "recording"), folder)

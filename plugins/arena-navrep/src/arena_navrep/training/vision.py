@@ -8,6 +8,7 @@ import torch
 from torch import nn
 from torch.nn import functional
 
+from arena_core import ConfigurationError
 from arena_gym.training.settings import Convolution
 from arena_navrep.world_model import CODE_MAX
 
@@ -22,6 +23,8 @@ class Vision(nn.Module):
         self._lengths = [beams]
         for layer in convolutions:
             self._lengths.append((self._lengths[-1] - layer.kernel) // layer.stride + 1)
+        if self._lengths[-1] < 1:
+            raise ConfigurationError(f"vision.convolutions leave nothing of {beams} beams; allowed: fewer or smaller ones")
         shapes = [(a, b, c.kernel, c.stride) for a, b, c in zip(channels, channels[1:], convolutions, strict=False)]
         self.seeing = nn.ModuleList(nn.Conv1d(a, b, kernel, stride) for a, b, kernel, stride in shapes)
         self.drawing = nn.ModuleList(nn.ConvTranspose1d(b, a, kernel, stride) for a, b, kernel, stride in reversed(shapes))

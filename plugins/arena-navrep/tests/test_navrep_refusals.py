@@ -1,0 +1,105 @@
+"""A world model that does not fit its controller, its robot or itself is refused in one line."""
+
+from __future__ import annotations
+
+import json
+import shutil
+
+import pytest
+
+from arena_core import ArenaError, testing
+from arena_core.cli import main
+from arena_policies.policy import load_policy
+
+
+@pytest.fixture
+def policy(made, tmp_path):
+    """Return a copy of a policy that a test may spoil."""
+    shutil.copytree(made.policy.parent, tmp_path / "copy")
+    return tmp_path / "copy" / "policy.onnx"
+
+
+def refused(call):
+    with pytest.raises(ArenaError) as caught:
+        call()
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize("part", ["vision", "memory"])
+def test_world_model_that_the_controller_was_not_trained_on_is_refused(made, policy, part):
+    for suffix in (".onnx", ".json"):
+        shutil.copy((made.other_world / part).with_suffix(suffix), policy.with_name(f"policy.{part}{suffix}"))
+    said = refused(lambda: load_policy(str(policy), "navrep", made.robot))
+    assert f"policy.{part}.onnx: sha256" in said
+    assert f"the {part} that the policy was trained on" in said
+
+
+@pytest.mark.parametrize("part", ["vision", "memory"])
+def test_missing_or_damaged_network_is_refused(made, policy, part):
+    network = policy.with_name(f"policy.{part}.onnx")
+    content = network.read_bytes()
+    network.write_bytes(content[:-7])
+    assert "sha256" in refused(lambda: load_policy(str(policy), "navrep", made.robot))
+    network.unlink()
+    assert network.name in refused(lambda: load_policy(str(policy), "navrep", made.robot))
+
+
+def test_memory_of_another_vision_is_refused(made):
+    words = [*made.words(made.world)[:1], *made.words(made.other_world)[1:]]
+    said = refused(lambda: testing.component("observation_encoder", "navrep", words, robot=made.robot))
+    assert "remembers codes of vision" in said
+
+
+@pytest.mark.parametrize("spoil", [{"part": "memory"}, {"format": "other"}, {"code": None}, {"sha256": "0"}, {"layout": 3}, {"writes": 9}])
+def test_card_that_is_none_of_this_network_is_refused(made, tmp_path, spoil):
+    for path in made.world.iterdir():
+        shutil.copy(path, tmp_path)
+    card = json.loads((tmp_path / "vision.json").read_text()) | spoil
+    if spoil == {"code": None}:
+        del card["code"]
+    (tmp_path / "vision.json").write_text(json.dumps(card))
+    said = refused(lambda: testing.component("observation_encoder", "navrep", made.words(tmp_path), robot=made.robot))
+    assert "vision" in said
+
+
+def test_robot_with_another_lidar_is_refused(made, policy):
+    body = testing.component("robot", "turtlebot3")
+    said = refused(lambda: testing.component("observation_encoder", "navrep", made.words(made.world), robot=body))
+    assert "was trained on jackal" in said
+    assert "jackal" in refused(lambda: load_policy(str(policy), "navrep", body))
+
+
+def test_policy_without_memory_is_no_policy_of_the_planner_with_one(made):
+    assert "navrep_v_only" in refused(lambda: load_policy(str(made.v_only), "navrep", made.robot))
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["dream"], "stage is dream"),
+        (["vision", "out=none"], "arena navrep record"),
+        (["record", "robot=unheard_of"], "unheard_of"),
+        (["record", "recording.steps=0"], "recording.steps"),
+        (["record", "recording.test_seed=0"], "test_seed"),
+        (["record", "observation_encoder=rosnav"], "rosnav_sectors"),
+        (["record", "device=abacus"], "device"),
+        (["record", "resume=perhaps"], "resume"),
+        (["evidence"], "allowed: policy, out"),
+        (["evidence", "out=none", "episodes=many"], "episodes is many"),
+        (["evidence", "out=none"], "vision"),
+    ],
+)
+def test_impossible_request_is_one_line(words, said, tmp_path, monkeypatch, capsys):
+    pytest.importorskip("torch", reason="a world model is trained with the extra arena-navrep[train]")
+    monkeypatch.chdir(tmp_path)
+    assert main(["navrep", *words]) == 2
+    lines = capsys.readouterr().err.strip().splitlines()
+    assert len(lines) == 1, lines
+    assert said in lines[0]
+
+
+def test_missing_torch_is_said_with_what_to_install(monkeypatch, capsys):
+    monkeypatch.setattr("arena_navrep.navrep_command.find_spec", lambda name: None)
+    assert main(["navrep", "record"]) == 2
+    assert "arena-navrep[train]" in capsys.readouterr().err
