@@ -16,10 +16,9 @@ torch = pytest.importorskip("torch", reason="training needs the extra arena-navr
 
 TINY = [
     "robot=jackal",
-    "world=empty",
-    "world.width=8.0",
-    "world.height=8.0",
-    "task.random.max_distance=5.0",
+    "world=indoor",
+    "world.width=10.0",
+    "world.height=10.0",
     "environment.worlds=1",
     "environment.problems_per_world=3",
     "observation_encoder.sectors=30",
@@ -188,7 +187,7 @@ def test_world_model_and_controller_are_trained_and_drive(tmp_path, monkeypatch,
     folder = tmp_path / "trainings" / "world_model_jackal"
     curve = json.loads((folder / "vision" / "curve.json").read_text())
     assert curve[-1]["error"] < curve[0]["error"]
-    assert curve[-1]["error"] < 0.7 * curve[-1]["spread"]
+    assert curve[-1]["error"] < 0.85 * curve[-1]["spread"]
 
     lost = folder / "rollouts" / "train_01.npz"
     before = lost.read_bytes()
@@ -202,7 +201,7 @@ def test_world_model_and_controller_are_trained_and_drive(tmp_path, monkeypatch,
     assert "if nothing changed" in capsys.readouterr().out
 
     small = [*(word for word in TINY if not word.startswith(("recording", "vision", "memory", "observation"))), "total_steps=2048"]
-    quick = ["training.optimization.environments=8", "training.optimization.steps=128", "training.evaluation.every=100000"]
+    quick = ["training.optimization.environments=8", "training.optimization.steps=128", "training.optimization.minibatch=512", "training.evaluation.every=100000"]
     assert main(["train", "planner=navrep", *small, *quick]) == 0
     policy = tmp_path / "trainings" / "navrep_jackal_0" / "policy.onnx"
     assert {p.name for p in policy.parent.glob("*.onnx")} == {"policy.onnx", "policy.vision.onnx", "policy.memory.onnx"}
