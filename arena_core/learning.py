@@ -86,7 +86,7 @@ class ObservationBatch:
         memory: ScanMemory | None = None,
         recalled: NDArray[np.float32] | None = None,
     ) -> ObservationBatch:
-        """Make the batch of one that a planner sees; it keeps ``memory`` where its encoder looks back, ``recalled`` (1, D) where it recalls."""
+        """Make the batch of one that a planner sees; it keeps ``memory`` and ``recalled`` where its encoder looks back or is recurrent."""
         return ObservationBatch(
             np.array((observation.stamp,)),
             np.ascontiguousarray(observation.scan.ranges, np.float32)[None],

@@ -96,5 +96,11 @@ def made(tmp_path_factory):
     policy = write_policy(folders["policy"], robot, folders["world"])
     v_only = write_policy(folders["v_only"], robot, folders["world"], memory=False)
     return SimpleNamespace(
-        robot=robot, words=encoder_words, world=folders["world"], other_world=folders["other_world"], policy=policy, v_only=v_only
+        robot=robot,
+        write_world_model=write_world_model,
+        words=encoder_words,
+        world=folders["world"],
+        other_world=folders["other_world"],
+        policy=policy,
+        v_only=v_only,
     )

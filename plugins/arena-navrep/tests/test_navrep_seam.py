@@ -43,6 +43,14 @@ def test_encoder_holds_its_contract(made, memory):
     assert [f.name for f in encoder.layout()][: 1 + memory] == ["z", "h"][: 1 + memory]
 
 
+@pytest.mark.parametrize("name", ["turtlebot3", "robotino"])
+def test_encoder_of_other_robots_holds_its_contract(made, name, tmp_path):
+    body = testing.component("robot", name)
+    made.write_world_model(tmp_path, body)
+    encoder = testing.component("observation_encoder", "navrep", made.words(tmp_path), robot=body)
+    assert testing.check("observation_encoder", encoder, body)
+
+
 def test_slot_of_many_worlds_recalls_what_it_recalls_alone(made):
     words = [*SMALL, "task.time_limit=2.0", *made.words(made.world)]
     envs = NavigationVectorEnv(5, robot="jackal", observation="navrep", overrides=words)

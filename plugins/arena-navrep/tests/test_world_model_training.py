@@ -201,7 +201,12 @@ def test_world_model_and_controller_are_trained_and_drive(tmp_path, monkeypatch,
     assert "if nothing changed" in capsys.readouterr().out
 
     small = [*(word for word in TINY if not word.startswith(("recording", "vision", "memory", "observation"))), "total_steps=2048"]
-    quick = ["training.optimization.environments=8", "training.optimization.steps=128", "training.optimization.minibatch=512", "training.evaluation.every=100000"]
+    quick = [
+        "training.optimization.environments=8",
+        "training.optimization.steps=128",
+        "training.optimization.minibatch=512",
+        "training.evaluation.every=100000",
+    ]
     assert main(["train", "planner=navrep", *small, *quick]) == 0
     policy = tmp_path / "trainings" / "navrep_jackal_0" / "policy.onnx"
     assert {p.name for p in policy.parent.glob("*.onnx")} == {"policy.onnx", "policy.vision.onnx", "policy.memory.onnx"}

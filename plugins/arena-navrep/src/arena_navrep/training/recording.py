@@ -63,7 +63,7 @@ def _recorded(env: NavigationVectorEnv, settings: Recording, seed: int, kind: st
         env.set_stage(index * staging.levels // files)
     layout, first = env.batch.parts.encoder.layout(), seed * WORLDS_APART * 64 + index * WORLDS_APART
     random = generator(training_seed(seed), f"rollouts/{kind}/{index}", "wanderer")
-    wanderer = Wanderer(layout, env.batch.parts.scale.names, settings.worlds, settings.wander, random)
+    wanderer = Wanderer(layout, env.batch.parts.scale, settings.worlds, settings.wander, random)
     rows, begins = [env.reset(seed=first)[0].copy()], [np.ones(settings.worlds, np.bool_)]
     for _ in range(settings.steps - 1):
         seen, _, terminated, truncated, _ = env.step(wanderer.act(rows[-1]))

@@ -8,26 +8,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import ObservationField
+from arena_policies.actions import ActionScale
 
 Numbers = NDArray[np.float32]
 KEPT = 0.9  # share of its noise that a step keeps
+BACKWARDS = 0.4  # greatest share of the forward speed that is driven backwards
 TEMPER = 60  # steps for which a world keeps its haste and the strength of its noise
 
 
 class Wanderer:
     """Drives N robots so that the world is seen from where a planner gets to, and from where it does not.
 
-    Now and then a robot is hasty, or stands and looks at people who pass.
+    Now and then a robot is hasty, backs off, or stands and looks at people who pass.
     """
 
     def __init__(
-        self, layout: Sequence[ObservationField], actions: Sequence[str], worlds: int, wander: float, random: np.random.Generator
+        self, layout: Sequence[ObservationField], scale: ActionScale, worlds: int, wander: float, random: np.random.Generator
     ) -> None:
         ends = np.cumsum([field.size for field in layout])
         self._columns = {field.name: end - field.size for field, end in zip(layout, ends.tolist(), strict=True)}
         self._beams = layout[0].size
-        self._actions, self._wander, self._random = actions, wander, random
-        self._noise = np.zeros((worlds, len(actions)))
+        self._scale, self._wander, self._random = scale, wander, random
+        self._noise = np.zeros((worlds, len(scale.names)))
         self._strength, self._haste = np.zeros((worlds, 1)), np.ones(worlds)
         self._steps = 0
 
@@ -39,13 +41,15 @@ class Wanderer:
         self._steps += 1
         fresh = self._random.standard_normal(self._noise.shape) * np.sqrt(1.0 - KEPT**2)
         self._noise = KEPT * self._noise + fresh
-        return np.clip(self._aims(rows) + self._strength * self._noise, -1.0, 1.0).astype(np.float32)
+        shares = self._aims(rows) + self._strength * self._noise
+        shares[:, 0] = np.clip(shares[:, 0], -BACKWARDS, 1.0)
+        low, high = self._scale.low, self._scale.high
+        return np.clip(2.0 * (np.clip(shares, -1.0, 1.0) * high - low) / (high - low) - 1.0, -1.0, 1.0).astype(np.float32)
 
     def _aims(self, rows: Numbers) -> NDArray[np.float64]:
-        """Return the actions that head for the waypoints."""
+        """Return shares (N, A) of the greatest speeds that head for the waypoints."""
         cos, sin = (rows[:, self._columns[name]].astype(np.float64) for name in ("waypoint_cos", "waypoint_sin"))
         room = np.clip(1.8 - rows[:, : self._beams].max(axis=1), 0.3, 1.0)
-        forwards = self._haste * room * np.maximum(cos, 0.0)
         turn = np.clip(1.5 * np.arctan2(sin, cos), -1.0, 1.0)
-        aims = {"vx": 2.0 * forwards - 1.0, "vy": 0.5 * self._haste * sin, "wz": turn, "steering": turn}
-        return np.stack([aims[name] for name in self._actions], axis=1)
+        aims = {"vx": self._haste * room * np.maximum(cos, 0.0), "vy": 0.5 * self._haste * sin, "wz": turn, "steering": turn}
+        return np.stack([aims[name] for name in self._scale.names], axis=1)
