@@ -103,3 +103,11 @@ def test_missing_torch_is_said_with_what_to_install(monkeypatch, capsys):
     monkeypatch.setattr("arena_navrep.navrep_command.find_spec", lambda name: None)
     assert main(["navrep", "record"]) == 2
     assert "arena-navrep[train]" in capsys.readouterr().err
+
+
+def test_training_without_a_world_model_says_how_to_make_one_and_leaves_nothing(tmp_path, monkeypatch, capsys):
+    pytest.importorskip("torch", reason="a controller is trained with the extra arena-navrep[train]")
+    monkeypatch.chdir(tmp_path)
+    assert main(["train", "planner=navrep", "robot=jackal"]) == 2
+    assert "trainings/world_model_jackal/vision.onnx, which is not there; `arena navrep vision" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from arena_core import Command, ConfigurationError
 from arena_gym.building import compose_environment
@@ -30,22 +30,15 @@ class TrainCommand(Command):
         recipe = [f"recipe={given['planner']}"] if "planner" in given else []
         config = compose_environment([*recipe, *words], primary="train")
         folder = Path(given.get("out") or f"trainings/{config['planner']}_{config['robot']['name']}_{config['seed']}")
-        _prepare(folder, config, given.get("resume", "false"))
+        resume = given.get("resume", "false")
+        if resume not in ("true", "false"):
+            raise ConfigurationError(f"resume is {resume}; allowed: true, false")
         from arena_gym.training.session import run_training
 
-        return run_training(config, folder)
+        return run_training(config, folder, resume == "true")
 
 
 def _check_installed() -> None:
     missing = [name for name in NEEDED if find_spec(name) is None]
     if missing:
         raise ConfigurationError(f"arena train needs {', '.join(missing)}; install the extra arena-gym[train]")
-
-
-def _prepare(folder: Path, config: Mapping[str, Any], resume: str) -> None:
-    """Make the folder; raise ConfigurationError where it holds a training that is not to be gone on with."""
-    if resume not in ("true", "false"):
-        raise ConfigurationError(f"resume is {resume}; allowed: true, false")
-    from arena_gym.training.folder import open_folder
-
-    open_folder(folder, config, resume == "true")

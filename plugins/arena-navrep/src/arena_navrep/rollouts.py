@@ -33,8 +33,7 @@ def file_of(folder: Path, kind: str, index: int) -> Path:
 def write_rollouts(path: Path, rollouts: Rollouts) -> None:
     """Write roll-outs, whole or not at all; scans and states keep three digits."""
     content = io.BytesIO()
-    half = {"scans": rollouts.scans.astype(np.float16), "states": rollouts.states.astype(np.float16)}
-    np.savez(content, **half, begins=rollouts.begins)
+    np.savez(content, scans=rollouts.scans.astype(np.float16), states=rollouts.states.astype(np.float16), begins=rollouts.begins)
     write_bytes_whole(path, content.getvalue())
 
 

@@ -13,6 +13,7 @@ from arena_gym.building import Parts, build_parts
 from arena_gym.seeds import check_evaluation_seed
 from arena_gym.training.evaluation import Score
 from arena_gym.training.export import to_onnx
+from arena_gym.training.folder import open_folder
 from arena_gym.training.settings import TrainingSettings
 from arena_gym.training.trainer import train
 from arena_gym.vector_environment import NavigationVectorEnv
@@ -23,10 +24,11 @@ EVALUATED_WORLDS = 32  # worlds driven in step in an evaluation
 PACKAGES = ("arena-core", "arena-gym", "arena-policies", "arena-sim2d", "arena-pedsim", "torch", "stable-baselines3", "onnx")
 
 
-def run_training(config: Mapping[str, Any], folder: Path) -> int:
-    """Train by a composed configuration; write ``policy.onnx`` and ``policy.json`` to ``folder``."""
+def run_training(config: Mapping[str, Any], folder: Path, resume: bool) -> int:
+    """Train by a composed configuration; write ``policy.onnx`` and ``policy.json`` to ``folder``, which may hold its beginning."""
     settings = training_settings(config)
     parts, other = build_parts(config), evaluation_parts(config, settings)
+    open_folder(folder, config, resume)  # once all is built: a request that is refused leaves nothing behind
     env = NavigationVectorEnv(settings.optimization.environments, parts=parts)
     evaluation = NavigationVectorEnv(min(EVALUATED_WORLDS, settings.evaluation.episodes), parts=other)
     if parts.pool.staging is not None:

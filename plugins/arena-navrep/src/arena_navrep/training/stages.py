@@ -48,13 +48,13 @@ def fit_vision(config: Mapping[str, Any], folder: Path) -> None:
     scans = torch.from_numpy(train)
 
     def losses(random: torch.Generator) -> Iterator[torch.Tensor]:
-        for chosen in torch.randperm(len(scans), generator=random).split(settings.minibatch):
+        for chosen in torch.split(torch.randperm(len(scans), generator=random), settings.minibatch):
             yield vision.loss(scans[chosen].to(device), random)
 
     def score() -> dict[str, float]:
         with torch.no_grad():
             seen = torch.from_numpy(test)
-            drawn = torch.cat([vision.decode(vision(part.to(device))).cpu() for part in seen.split(4096)])
+            drawn = torch.cat([vision.decode(vision(part.to(device))).cpu() for part in torch.split(seen, 4096)])
         return {"error": float((drawn - seen).square().mean().sqrt()), "spread": float((seen - seen.mean(dim=0)).square().mean().sqrt())}
 
     curve = fit(vision, losses, score, settings.epochs, settings.learning_rate, config["seed"], folder / "vision")
@@ -73,7 +73,7 @@ def fit_memory(config: Mapping[str, Any], folder: Path) -> None:
     windows = _windows(train, settings.sequence)
 
     def losses(random: torch.Generator) -> Iterator[torch.Tensor]:
-        for chosen in torch.randperm(windows[0].shape[1], generator=random).split(settings.minibatch):
+        for chosen in torch.split(torch.randperm(windows[0].shape[1], generator=random), settings.minibatch):
             yield _surprise(memory, *(part[:, chosen].to(device) for part in windows))
 
     def score() -> dict[str, float]:

@@ -39,7 +39,7 @@ class Vision(nn.Module):
 
     def decode(self, codes: torch.Tensor) -> torch.Tensor:
         """Return the scans (N, S) that codes stand for."""
-        drawn = functional.relu(self.grown(codes)).unflatten(1, self._deep)
+        drawn: torch.Tensor = functional.relu(self.grown(codes)).reshape(-1, *self._deep)
         for place, layer in enumerate(self.drawing):
             drawn = layer(drawn, output_size=[self._lengths[-2 - place]])
             drawn = drawn if place == len(self.drawing) - 1 else functional.relu(drawn)
