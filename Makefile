@@ -40,8 +40,8 @@ wheels: setup
 	scripts/try_wheels
 
 policies: setup
-	for planner in rosnav gring gring_as_released; do printf "$$planner %s\n" $(ROBOTS); done | OMP_NUM_THREADS=1 xargs -P 2 -L 1 scripts/train_policy
-	printf 'aio %s\n' $(ROBOTS) | OMP_NUM_THREADS=1 xargs -P 2 -L 1 scripts/train_policy  # last: it switches between others
+	for planner in rosnav gring gring_as_released navrep; do printf "$$planner %s\n" $(ROBOTS); done | OMP_NUM_THREADS=1 xargs -P 2 -L 1 scripts/train_policy
+	for planner in navrep_v_only aio; do printf "$$planner %s\n" $(ROBOTS); done | OMP_NUM_THREADS=1 xargs -P 2 -L 1 scripts/train_policy  # last: they use the world models and the policies of others
 
 clean:
 	rm -rf .venv dist build

@@ -53,7 +53,7 @@ class Aio(Planner):
         if self._steps % self._every == 0:
             self._driving = self._choose(observation, last)
         else:
-            self._switch.look(observation)
+            self._switch.look(observation, last)
         self._steps += 1
         self._last = self._members.drive(self._driving, observation)
         return self._last

@@ -58,11 +58,12 @@ def worth_of_memory(policy: Path, episodes: int, seed: int) -> str:
 
 
 def _unseen(policy: Path, card: PolicyCard, seed: int, worlds: int) -> NavigationVectorEnv:
-    """Return the controller's last level in worlds that no training met."""
+    """Return the controller's last level, with all its people, in worlds that no training met."""
     config = dict(card.training["config"])
     networks = {name: str(part_path(policy, name)) for name in card.parts}
     config["observation_encoder"] = {**card.encoder, **networks}
     config["environment"] = {**config["environment"], "seed": check_evaluation_seed(seed)}
+    config["randomization"] = {**config["randomization"], "people": None}
     env = NavigationVectorEnv(worlds, parts=build_parts(config))
     staging = env.batch.parts.pool.staging
     if staging is not None:

@@ -68,6 +68,9 @@ def _run_stage(stage: str, config: Mapping[str, Any], folder: Path, resume: str)
     open_folder(
         folder / ("rollouts" if stage == "record" else stage), {k: v for k, v in config.items() if k not in later}, resume == "true"
     )
+    if resume == "true" and (folder / f"{stage}.onnx").exists():
+        print(f"{stage}: {folder / stage}.onnx is there")
+        return
     own[stage](config, folder)
     if stage != "record":
         print(f"{stage}: {folder / stage}.onnx")

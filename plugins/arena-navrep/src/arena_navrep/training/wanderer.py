@@ -12,6 +12,7 @@ from arena_policies.actions import ActionScale
 
 Numbers = NDArray[np.float32]
 KEPT = 0.9  # share of its noise that a step keeps
+TURNING = 1.5  # rad/s, or rad of steering, for each rad of bearing
 BACKWARDS = 0.4  # greatest share of the forward speed that is driven backwards
 TEMPER = 60  # steps for which a world keeps its haste and the strength of its noise
 
@@ -37,7 +38,7 @@ class Wanderer:
         """Return actions (N, A) for what is seen, rows (N, D)."""
         if self._steps % TEMPER == 0:
             self._strength = self._random.uniform(0.0, self._wander, self._strength.shape)
-            self._haste = self._random.uniform(-0.3, 1.2, len(rows)).clip(0.0, 1.0)
+            self._haste = self._random.uniform(-0.2, 1.6, len(rows)).clip(0.0, 1.0)
         self._steps += 1
         fresh = self._random.standard_normal(self._noise.shape) * np.sqrt(1.0 - KEPT**2)
         self._noise = KEPT * self._noise + fresh
@@ -49,7 +50,7 @@ class Wanderer:
     def _aims(self, rows: Numbers) -> NDArray[np.float64]:
         """Return shares (N, A) of the greatest speeds that head for the waypoints."""
         cos, sin = (rows[:, self._columns[name]].astype(np.float64) for name in ("waypoint_cos", "waypoint_sin"))
-        room = np.clip(1.8 - rows[:, : self._beams].max(axis=1), 0.3, 1.0)
-        turn = np.clip(1.5 * np.arctan2(sin, cos), -1.0, 1.0)
+        room = np.clip(1.5 - rows[:, : self._beams].max(axis=1), 0.1, 1.0)
+        turn = np.clip(TURNING * np.arctan2(sin, cos) / self._scale.high[-1], -1.0, 1.0)
         aims = {"vx": self._haste * room * np.maximum(cos, 0.0), "vy": 0.5 * self._haste * sin, "wz": turn, "steering": turn}
         return np.stack([aims[name] for name in self._scale.names], axis=1)
