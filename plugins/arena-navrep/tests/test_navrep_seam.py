@@ -87,7 +87,7 @@ def test_controller_recalls_on_the_robot_what_it_recalled_in_training(made):
     env = NavigationEnv(
         robot="jackal",
         observation="navrep",
-        overrides=[*common, *made.words(made.world), "environment.terminate_on_collision=false"],
+        overrides=[*common, *made.words(made.world), "environment.collisions_to_end=null"],
     )
     shown = [env.reset(seed=0)[0].copy()]
     for _ in range(30):
@@ -139,6 +139,16 @@ def test_observation_that_is_no_number_leaves_the_memory_as_it_was(made):
         policy.command(blind, Twist(0.0))
     assert (policy._recalled == before).all()
     policy.command(view, Twist(0.0))
+
+
+def test_controller_that_looks_on_recalls_what_it_would_if_it_drove(made):
+    driving, looking = (load_policy(str(made.policy), "navrep", made.robot) for _ in range(2))
+    for x, command in ((0.0, Twist(0.0)), (0.1, Twist(0.2)), (0.3, Twist(0.4))):
+        view = testing.observation(pose=Pose(x, 0.2), body=made.robot)
+        driving.command(view, command)
+        looking.look(view, command)
+    assert (looking._recalled == driving._recalled).all()
+    assert looking._recalled.any()
 
 
 @pytest.mark.parametrize("preset", ["navrep", "navrep_v_only"])

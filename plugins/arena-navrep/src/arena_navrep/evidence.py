@@ -62,7 +62,7 @@ def _unseen(policy: Path, card: PolicyCard, seed: int, worlds: int) -> Navigatio
     config = dict(card.training["config"])
     networks = {name: str(part_path(policy, name)) for name in card.parts}
     config["observation_encoder"] = {**card.encoder, **networks}
-    config["environment"] = {**config["environment"], "seed": check_evaluation_seed(seed)}
+    config["environment"] = {**config["environment"], "seed": check_evaluation_seed(seed), "collisions_to_end": 1}
     config["randomization"] = {**config["randomization"], "people": None}
     env = NavigationVectorEnv(worlds, parts=build_parts(config))
     staging = env.batch.parts.pool.staging

@@ -14,4 +14,4 @@ class Navrep(PolicyPlanner):
     """
 
     def __init__(self, robot: Robot, variant: Literal["navrep", "navrep_v_only"], policy: str | None) -> None:
-        super().__init__(variant, robot, policy, f"pkg://arena_navrep/policies/{variant}")
+        super().__init__(variant, robot, policy, f"pkg://arena_navrep/policies{variant.removeprefix('navrep')}")

@@ -4,28 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import ObservationField
 from arena_navrep.motion import motion_columns
+from arena_navrep.rollouts import Rollouts
 from arena_navrep.world_model import Part
 
 Numbers = NDArray[np.float32]
 BLOCK = 4096  # scans coded at once
-
-
-class Recorded(Protocol):
-    """T steps of N robots: scans (T, N, S), states (T, N, R), and where episodes begin, (T, N)."""
-
-    @property
-    def scans(self) -> Numbers: ...  # noqa: D102
-    @property
-    def states(self) -> Numbers: ...  # noqa: D102
-    @property
-    def begins(self) -> NDArray[np.bool_]: ...  # noqa: D102
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,7 +30,7 @@ class Sequences:
     begins: NDArray[np.bool_]
 
 
-def sequences_of(recorded: Recorded, vision: Part, layout: Sequence[ObservationField]) -> Sequences:
+def sequences_of(recorded: Rollouts, vision: Part, layout: Sequence[ObservationField]) -> Sequences:
     """Return the sequences of roll-outs whose scans ``vision`` codes, of scans with these fields."""
     flat = recorded.scans.reshape(-1, recorded.scans.shape[2])
     codes = np.concatenate([vision.run(flat[k : k + BLOCK]) for k in range(0, len(flat), BLOCK)]).reshape(*recorded.begins.shape, -1)

@@ -57,8 +57,8 @@ class Part:
         return answer[:1] if alone else answer
 
 
-def load_part(address: str, part: str, layout: Sequence[ObservationField] | None = None) -> Part:
-    """Load vision or memory; raise ConfigurationError or InputFileError where it is none, or not for what ``layout`` shows."""
+def load_part(address: str, part: str) -> Part:
+    """Load vision or memory; raise ConfigurationError or InputFileError where it is none."""
     path = local_path(address)
     if not path.exists():
         raise ConfigurationError(f"observation_encoder.{part} is {path}, which is not there; `arena navrep {part} robot=...` makes one")
