@@ -176,6 +176,16 @@ def test_gring_sees_earlier_scans_as_they_were():
     assert (both["closeness_2"] == both["closeness_1"]).all()
 
 
+def test_gring_aligned_sees_earlier_scans_from_where_it_is_now():
+    now, then = observation(pose=Pose(1.0, 0.0, 0.3)), observation(pose=Pose(0.0, 0.0, -0.4))
+    wanted = built("rosnav_sectors", "differential", "lookback=[0.5,1.0]", "overlap=0")
+    aligned = built("gring", "differential", "aligned=true")
+    other, mine = (fields(e, e.encode(batch_of(e, now, earlier=then))[0]) for e in (wanted, aligned))
+    for scan in ("closeness", "closeness_1", "closeness_2"):
+        assert (mine[scan] == other[scan]).all()
+    assert (mine["closeness_1"] != seen("gring", then)["closeness"]).any()
+
+
 def test_gring_as_released_rounds_metres():
     view = observation(pose=Pose(0.013, 0.0, 0.1), twist=Twist(0.3))
     state = seen("gring_as_released", view)

@@ -14,7 +14,8 @@ class GringReward(Reward):
     """Waypoints approached and reached, less what walls, standing, and people cost that the robot has not stopped for; times ``scale``.
 
     After Guldenring et al. 2020, rule 2_1. Waypoints are approached along the path, where the release measured straight; one that is
-    left behind again is lost again. A person costs once, when it comes near: that ends no episode here.
+    left behind again is lost again. A person costs once, when it comes near: that ends no episode here; ``too_near`` makes it cost on, in
+    proportion to the clearance that is missing from ``too_near_distance``.
     """
 
     def __init__(
@@ -31,6 +32,8 @@ class GringReward(Reward):
         people: NonNegative,
         people_distance: Positive,
         stopped_for: NonNegative,
+        too_near: NonNegative,
+        too_near_distance: Positive,
         standing: NonNegative,
         turning: NonNegative,
         turning_from: NonNegative,
@@ -40,12 +43,15 @@ class GringReward(Reward):
         self._waypoint, self._spacing = waypoint, spacing
         self._wall_distance = wall_distance
         self._people, self._people_gap, self._stopped_for = people, people_distance - robot.footprint.radius, stopped_for
+        self._too_near, self._too_near_distance = too_near, too_near_distance
         self._standing, self._turning, self._turning_from = standing, turning, turning_from
 
     def reward(self, transition: Transition) -> Floats:
         """Return the sum of the terms (N,)."""
         total = self._of_waypoints(transition) - self._of_standing(transition)
         total -= np.maximum(self._people * self._offended(transition), self._collision * transition.collided)
+        missing = 1.0 - transition.after.clearances_people / self._too_near_distance
+        total -= self._too_near * np.maximum(missing, 0.0)
         return np.asarray(self._scale * (total + self._goal * transition.arrived))
 
     def _of_waypoints(self, transition: Transition) -> Floats:

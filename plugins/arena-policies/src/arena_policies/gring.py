@@ -17,13 +17,14 @@ from arena_policies.encoding import (
     speed_scales,
     write_closeness,
 )
-from arena_policies.looking_back import steps_back
+from arena_policies.looking_back import beams_of, nearest_now, steps_back
 
 
 class GringEncoder(BoundedEncoder):
     """Ranges of some sectors and the positions of waypoints ahead on the path, in ``base_link`` (Guldenring et al. 2020).
 
-    Earlier scans are shown as they were then, so that what stands moves as the robot did. With ``decay`` ranges come as closeness and
+    Earlier scans are shown as they were then, so that what stands moves as the robot did, or ``aligned``: as they would be seen from
+    where the robot is now, so that what stands coincides. With ``decay`` ranges come as closeness and
     each waypoint over its way along the path; without, both come in metres. ``resolution`` rounds both, m. ``speeds`` adds the measured
     ones, as the image variant of the release has them.
     """
@@ -34,6 +35,7 @@ class GringEncoder(BoundedEncoder):
         sectors: PositiveInt,
         overlap: NonNegativeInt,
         lookback: tuple[Positive, ...],
+        aligned: bool,
         range_max: Positive,
         waypoints: PositiveInt,
         spacing: Positive,
@@ -44,6 +46,7 @@ class GringEncoder(BoundedEncoder):
         self.lookback = steps_back(lookback, robot)
         self._sectors = min(sectors, robot.lidar.beams)
         self._order = sectors_shown(self._sectors, overlap, robot.lidar)
+        self._beams = beams_of(robot.lidar) if aligned else None
         self._range_max = min(range_max, robot.lidar.range_max)
         self._radius, self._decay, self._resolution = robot.footprint.radius, decay, resolution
         self._spacing = spacing
@@ -52,7 +55,7 @@ class GringEncoder(BoundedEncoder):
         self._axes = ([0, 1, 2] if robot.holonomic else [0, 2]) if speeds else []
         self._speeds = speed_scales(robot)
         names = ("vx", "vy", "wz") if robot.holonomic else ("vx", "wz")
-        scans = [("", ""), *((f"_{k}", f", {seconds:g} s ago") for k, seconds in enumerate(lookback, 1))]
+        scans = [("", ""), *((f"_{k}", f", {seconds:g} s ago" + ", seen from here" * aligned) for k, seconds in enumerate(lookback, 1))]
         super().__init__(
             (
                 *(self._scan(robot, suffix, when) for suffix, when in scans),
@@ -79,10 +82,15 @@ class GringEncoder(BoundedEncoder):
 
     def _nearest(self, observations: ObservationBatch) -> Floats:
         """Return the least range of each sector (N, C, S), m, of the scan now and of the earlier ones."""
-        scans = np.concatenate((observations.ranges[:, None], observations.earlier.ranges), axis=1)
-        nearest = np.empty((scans.shape[0] * scans.shape[1], self._sectors))
-        nearest_in_sectors(scans.reshape(-1, scans.shape[2]), self._range_max, nearest)
-        return self._rounded(nearest.reshape(*scans.shape[:2], self._sectors))
+        now, earlier = observations.ranges, observations.earlier
+        nearest = np.empty((len(now), 1 + len(self.lookback), self._sectors))
+        nearest_in_sectors(now, self._range_max, nearest[:, 0])
+        if self._beams is not None and self.lookback:
+            nearest_now(earlier.ranges, earlier.poses, observations.poses, self._beams, self._range_max, nearest[:, 1:])
+        else:
+            for k in range(len(self.lookback)):
+                nearest_in_sectors(earlier.ranges[:, k], self._range_max, nearest[:, 1 + k])
+        return self._rounded(nearest)
 
     def _rounded(self, lengths: Floats) -> Floats:
         return lengths if self._resolution is None else np.round(lengths / self._resolution) * self._resolution
