@@ -1,9 +1,10 @@
-"""GRING sees the eight waypoints ahead; as released, one of them eight times."""
+"""GRING sees the eight waypoints ahead; as released, one of them eight times; its policies are what their cards say."""
 
 from __future__ import annotations
 
 import dataclasses
 import json
+from importlib import resources
 
 import numpy as np
 import onnx
@@ -12,11 +13,14 @@ from onnx import TensorProto, helper, numpy_helper
 
 from arena_core import ConfigurationError, NoValidCommand, Path, Pose, read_settings, testing
 from arena_core.cli import main
+from arena_gym.building import compose_environment
 from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.card import PolicyCard, sha256, write_card
 
 RANGE = {"vx_min": 0.0, "vx_max": None, "vy_max": None, "wz_max": None, "steering_max": None}
 ENCODERS = ("gring", "gring_as_released")
+SHIPPED = {"gring": "policies", "gring_as_released": "policies_as_released"}
+ROBOTS = ("turtlebot3", "jackal", "robotino")
 
 
 def steering_model(layout, actions):
@@ -147,3 +151,22 @@ def test_recipe_trains_a_policy_that_drives(tmp_path, recipe):
     command = planner.compute_velocity(testing.observation(body=robot))
     low, high = card["action"]["vx"]
     assert robot.limits.vx_min <= low <= command.vx <= high <= robot.limits.vx_max
+
+
+@pytest.mark.parametrize("planner", SHIPPED)
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_policy_is_small_and_its_card_has_what_its_recipe_composes(planner, robot):
+    folder = resources.files("arena_gring") / SHIPPED[planner]
+    assert len((folder / f"{robot}.onnx").read_bytes()) <= 2 * 10**6
+    training = json.loads((folder / f"{robot}.json").read_text("utf-8"))["training"]
+    composed = json.loads(json.dumps(compose_environment([f"recipe={planner}", f"robot={robot}"], primary="train")))
+    assert training["steps"] >= composed["total_steps"]
+    for key in ("action", "observation_encoder", "randomization", "reward", "total_steps", "training"):
+        assert training["config"][key] == composed[key], key
+
+
+@pytest.mark.parametrize("planner", SHIPPED)
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_planner_holds_its_contract(planner, robot):
+    body = testing.component("robot", robot)
+    assert testing.check("planner", testing.component("planner", planner, robot=body, robot_preset=robot), body)

@@ -130,6 +130,12 @@ def test_gring_pays_once_for_people_it_has_not_stopped_for():
     assert driven_on == pytest.approx(-0.7), "who drives on among people pays"
 
 
+def test_gring_may_go_on_paying_for_people_nearby():
+    careful = "gring", "differential", "reward.too_near=0.15"
+    near = [earned(*careful, both_clearances_people=clearance) for clearance in (0.0, 0.25, 0.5, np.inf)]
+    assert near == pytest.approx([-0.1 * cost for cost in (0.15, 0.075, 0.0, 0.0)])
+
+
 def test_gring_pays_the_worse_of_people_and_collision():
     assert earned("gring", collided=True) == pytest.approx(-1.5)
     assert earned("gring", collided=True, after_clearances_people=0.0) == pytest.approx(-1.5)

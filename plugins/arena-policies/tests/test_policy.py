@@ -14,6 +14,7 @@ from onnx import TensorProto, helper, numpy_helper
 from arena_core import ArenaError, NoValidCommand, Pose, Twist, testing
 from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.card import PolicyCard, read_card, sha256, write_card
+from arena_policies.planner import PolicyPlanner
 from arena_policies.policy import load_policy
 
 RANGE = {"vx_min": 0.0, "vx_max": None, "vy_max": None, "wz_max": None, "steering_max": None}
@@ -195,6 +196,21 @@ def test_observation_that_is_no_number_gets_no_command(tmp_path):
     blind = dataclasses.replace(seen, scan=dataclasses.replace(seen.scan, ranges=np.full_like(seen.scan.ranges, np.nan)))
     with pytest.raises(NoValidCommand):
         policy.command(blind, Twist(0.0))
+
+
+def test_robot_without_a_command_remembers_that_it_braked(tmp_path):
+    robot = testing.robot()
+    path = write_policy(tmp_path, robot)
+    seen = testing.observation(body=robot)
+    blind = dataclasses.replace(seen, scan=dataclasses.replace(seen.scan, ranges=np.full_like(seen.scan.ranges, np.nan)))
+    planner, alone = PolicyPlanner("rosnav", robot, str(path), "pkg://none"), load_policy(str(path), "rosnav", robot)
+    planner.reset(testing.samples.episode_start(robot))
+    alone.begin()
+    assert planner.compute_velocity(seen) == alone.command(seen, Twist(0.0)) != Twist(0.0)
+    with pytest.raises(NoValidCommand):
+        planner.compute_velocity(blind)
+    alone.look(blind)
+    assert planner.compute_velocity(seen) == alone.command(seen, Twist(0.0))
 
 
 def test_policy_that_answers_no_number_gives_no_command(tmp_path):

@@ -43,7 +43,8 @@ class PolicyPlanner(Planner):
 
     def compute_velocity(self, observation: Observation) -> Twist:
         """Return the policy's velocity; raise NoValidCommand where the observation is no number."""
-        self._last = self._policy.command(observation, self._last)
+        last, self._last = self._last, Twist(0.0)  # where there is no command, the robot brakes
+        self._last = self._policy.command(observation, last)
         return self._last
 
 

@@ -22,7 +22,7 @@ class Network:
 
     The heads, one for the policy and one for the value, see these features and the rest of the observation; all of it where
     ``beams_field`` is null. The spread of the actions begins at exp(``log_std_init``); unless ``log_std_final`` is null, it has a limit
-    that falls from there to exp(``log_std_final``).
+    that falls from there to exp(``log_std_final``). ``differs`` tells what is not as published, for the policy's card.
     """
 
     beams_field: str | None
@@ -31,6 +31,7 @@ class Network:
     heads: tuple[PositiveInt, ...]
     log_std_init: float
     log_std_final: float | None
+    differs: str | None
 
     def __post_init__(self) -> None:
         if (self.beams_field is None) != (self.features is None):
