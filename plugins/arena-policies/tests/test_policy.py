@@ -206,10 +206,11 @@ def test_robot_without_a_command_remembers_that_it_braked(tmp_path):
     planner, alone = PolicyPlanner("rosnav", robot, str(path), "pkg://none"), load_policy(str(path), "rosnav", robot)
     planner.reset(testing.samples.episode_start(robot))
     alone.begin()
-    assert planner.compute_velocity(seen) == alone.command(seen, Twist(0.0)) != Twist(0.0)
+    first = planner.compute_velocity(seen)
+    assert first == alone.command(seen, Twist(0.0)) != Twist(0.0)
     with pytest.raises(NoValidCommand):
         planner.compute_velocity(blind)
-    alone.look(blind)
+    alone.look(blind, first)
     assert planner.compute_velocity(seen) == alone.command(seen, Twist(0.0))
 
 
