@@ -2,6 +2,33 @@
 
 import pytest
 
+CHOOSY = """
+    from arena_core import ConfigurationError, Planner, Robot, Twist, hookimpl
+
+    class Choosy(Planner):
+        def __init__(self, robot: Robot, gain: float) -> None:
+            if (robot.name, gain) not in (("jackal", 2.0), ("robotino", 1.0)):
+                raise ConfigurationError(f"choosy: gain is {gain} on {robot.name}; allowed: as trained")
+
+        def compute_velocity(self, observation):
+            return Twist(0.1)
+
+    @hookimpl
+    def register_planners(register):
+        register("choosy", Choosy)
+
+    @hookimpl
+    def config_package():
+        return "choosy.conf"
+"""
+PRESET = """
+    defaults:
+      - _self_
+      - optional choosy_tuning@_here_: ${robot}
+    name: choosy
+    gain: 1.0
+"""
+
 
 @pytest.mark.slow
 def test_everything_installed_holds_its_contract_or_needs_a_file(arena):
@@ -16,3 +43,29 @@ def test_everything_installed_holds_its_contract_or_needs_a_file(arena):
         "task=barn",
         "task=scenario",
     }
+
+
+@pytest.fixture
+def choosy(third_party):
+    third_party.package("choosy", CHOOSY, {"planner/choosy": PRESET, "planner/choosy_tuning/jackal": "gain: 2.0\n"})
+
+
+def test_planner_that_knows_robots_by_name_is_checked_tuned_for_each(choosy, arena):
+    answer = arena("check", "planner=choosy")
+    assert (answer.status, answer.errors) == (0, [])
+    assert [line.split(" on ")[1] for line in answer.out.splitlines()] == [
+        "jackal with differential drive",
+        "robotino with omnidirectional drive",
+    ]
+
+
+def test_robot_that_was_checked_is_said_even_where_it_is_the_only_one(choosy, arena):
+    answer = arena("check", "planner=choosy", "robot=jackal")
+    assert answer.out.splitlines()[0].endswith("facts hold on jackal with differential drive")
+    assert len(answer.out.splitlines()) == 1
+
+
+def test_planner_that_no_robot_fits_says_what_the_first_one_lacks(choosy, arena):
+    answer = arena("check", "planner=choosy", "planner.gain=3.0")
+    assert answer.status == 2
+    assert "choosy: gain is 3.0 on jackal" in answer.errors[0]

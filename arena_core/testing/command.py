@@ -21,6 +21,8 @@ BODIES: dict[str, tuple[Kinematics, ...]] = {
     "observation_encoder": ("differential", "omnidirectional", "ackermann"),
 }
 
+Body = tuple[str | None, Robot]  # with the preset that a planner is tuned for
+
 
 class CheckCommand(Command):
     """Try the contract of a component, or of everything that is installed."""
@@ -53,33 +55,41 @@ def _check_or_say_why_not(kind: str, preset: str) -> int:
 
 def _check_preset(kind: str, preset: str, overrides: Sequence[str]) -> int:
     """Check one preset on every kind of robot that matters to it and print what held."""
-    bodies = _bodies(kind, preset, overrides)
-    for body in bodies:
+    for tuned_for, body in _bodies(kind, preset, overrides):
         try:
-            facts = check(kind, component(kind, preset, overrides, **_context(kind, body)), body)
+            facts = check(kind, component(kind, preset, overrides, tuned_for, **_context(kind, body)), body)
         except ContractViolation as violation:
             print(f"BROKEN {kind}={preset} ({body.name}, {body.kinematics}): {violation}")
             return 1
-        on = f" on {'a robot' if body.name == 'sample' else body.name} with {body.kinematics} drive" if len(bodies) > 1 else ""
+        on = f" on {'a robot' if body.name == 'sample' else body.name} with {body.kinematics} drive" if kind in BODIES else ""
         print(f"ok {kind}={preset}: {len(facts)} facts hold{on}")
     return 0
 
 
-def _bodies(kind: str, preset: str, overrides: Sequence[str]) -> list[Robot]:
-    """Return a sample of each drive that matters to a kind; for a planner that knows robots by name, those of them that are installed."""
-    samples = [robot(kinematics) for kinematics in BODIES.get(kind, ("differential",))]
-    if kind != "planner" or _accepts(preset, overrides, samples[0]):
+def _bodies(kind: str, preset: str, overrides: Sequence[str]) -> list[Body]:
+    """Return a sample of each drive that matters to a kind; for a planner that knows robots by name, those of them that are installed.
+
+    Raises ConfigurationError, the first robot's, where a planner drives none.
+    """
+    samples: list[Body] = [(None, robot(kinematics)) for kinematics in BODIES.get(kind, ("differential",))]
+    if kind != "planner" or _refusal(preset, overrides, samples[0]) is None:
         return samples
-    named = [component("robot", name) for name in presets(load_registry(), "robot")]
-    return [body for body in named if _accepts(preset, overrides, body)] or samples
+    given = [word.removeprefix("robot=") for word in overrides if word.startswith("robot=")]
+    named: list[Body] = [(None, component("robot", name)) for name in given]  # the overrides tune for it
+    named = named or [(name, component("robot", name)) for name in presets(load_registry(), "robot")]
+    refusals = [_refusal(preset, overrides, body) for body in named or samples]
+    accepted = [body for body, refusal in zip(named, refusals, strict=False) if refusal is None]
+    if not accepted and refusals[0] is not None:
+        raise refusals[0]
+    return accepted
 
 
-def _accepts(preset: str, overrides: Sequence[str], body: Robot) -> bool:
+def _refusal(preset: str, overrides: Sequence[str], body: Body) -> ConfigurationError | None:
     try:
-        component("planner", preset, overrides, robot=body)
-    except ConfigurationError:
-        return False
-    return True
+        component("planner", preset, overrides, body[0], robot=body[1])
+    except ConfigurationError as error:
+        return error
+    return None
 
 
 def _context(kind: str, body: Robot) -> dict[str, Any]:
