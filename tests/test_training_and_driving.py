@@ -2,12 +2,15 @@
 
 import numpy as np
 import pytest
+from onnx import TensorProto, helper, numpy_helper
 
+from arena_aio.planner import Aio
 from arena_core import ObservationBatch, Planner, ScanMemory, Twist, compose, load_registry, plain
 from arena_core.benchmark import build_benchmark
 from arena_core.execution import _mission
 from arena_gym.environment import NavigationEnv
-from arena_policies.members import Members, build_members
+from arena_policies.actions import ActionRange, ActionScale
+from arena_policies.card import PolicyCard, sha256, write_card
 
 COMMON = ["world.width=12", "world.height=12", "task.pedestrians=4"]
 BRAIN = ["localizer=ground_truth", "waypoints=spatial_horizon", "replan.on_request=false", "replan.blocked_for=null", "planner=dwa"]
@@ -46,18 +49,40 @@ class Replay(Planner):
         return Twist.of(self.commands[len(self.seen) - 1])
 
 
-class Switching(Replay):
-    """Lets members drive for three steps each, as it was told."""
+class Watched(Replay):
+    """Encodes what a switch sees, and drives by it."""
 
-    def __init__(self, encoder, choices, members):
-        super().__init__(encoder, choices)
-        self.members = members
+    def __init__(self, encoder, switch):
+        super().__init__(encoder, [])
+        self.switch = switch
 
     def reset(self, episode):
-        self.members.reset(episode)
+        self.switch.reset(episode)
 
     def command(self, observation):
-        return self.members.drive(self.commands[(len(self.seen) - 1) // 3], observation)
+        return self.switch.compute_velocity(observation)
+
+
+def write_switch(path, parts):
+    """Write a policy that prefers the second member while the robot turns left, with its card."""
+    size = sum(field.size for field in parts.encoder.layout())
+    weights = np.zeros((size, 2), np.float32)
+    weights[-1, 1] = 1.0  # the measured turn rate
+    graph = helper.make_graph(
+        [helper.make_node("MatMul", ["observation", "weights"], ["action"])],
+        "turning",
+        [helper.make_tensor_value_info("observation", TensorProto.FLOAT, ["worlds", size])],
+        [helper.make_tensor_value_info("action", TensorProto.FLOAT, ["worlds", 2])],
+        [numpy_helper.from_array(weights, "weights")],
+    )
+    content = helper.make_model(graph, opset_imports=[helper.make_opsetid("", 17)], ir_version=9).SerializeToString()
+    whole = dict.fromkeys(parts.config["action"])
+    scale = ActionScale.of(parts.robot, ActionRange(**whole))
+    action = {name: ends for name, *ends in zip(scale.names, scale.low.tolist(), scale.high.tolist(), strict=True)}
+    body, encoder = parts.robot, parts.config["observation_encoder"]
+    made_for = ("aio", body.name, body.kinematics, body.control_period, encoder, parts.encoder.layout(), action, whole, sha256(content))
+    path.write_bytes(content)
+    write_card(path.with_suffix(".json"), PolicyCard(*made_for, members=parts.switch.members, every=parts.switch.every))
 
 
 def drive(planner, scenario, robot, steps):
@@ -87,19 +112,23 @@ def test_navigator_shows_a_planner_what_the_environment_showed(robot, encoder):
 
 
 @pytest.mark.parametrize("robot", ["turtlebot3", "robotino"])
-def test_members_of_a_switch_drive_as_they_would_in_a_benchmark(robot, tmp_path, monkeypatch):
+def test_switch_drives_in_a_benchmark_as_it_did_in_training(robot, tmp_path, monkeypatch):
     (tmp_path / "conf" / "switch").mkdir(parents=True)
     (tmp_path / "conf" / "switch" / "two.yaml").write_text(SWITCH)
     monkeypatch.chdir(tmp_path)
     overrides = [*COMMON, "switch=two", "environment.collisions_to_end=null"]
     env = NavigationEnv(robot=robot, observation="aio", overrides=overrides)
-    choices = np.random.default_rng(0).integers(0, 2, 14).tolist()
-    shown = [env.reset(seed=0)[0], *(env.step(choice)[0] for choice in choices)]
-    parts, problem = env.batch.parts, env.batch.episodes[0].problem
+    parts = env.batch.parts
+    write_switch(tmp_path / "policy.onnx", parts)
+    shown, choices = [env.reset(seed=0)[0]], []
+    for _ in range(14):
+        choices.append(int(shown[-1][-1] > 0.0))
+        shown.append(env.step(choices[-1])[0])
+    problem = env.batch.episodes[0].problem
 
-    nodes = parts.config["switch"]["members"]
-    members = Members(build_members(nodes, tuple(nodes), parts.robot, load_registry(), "members"))
-    planner = Switching(parts.encoder, choices, members)
+    planner = Watched(parts.encoder, Aio(parts.robot, str(tmp_path / "policy.onnx"), 3, "policy", parts.config["switch"]["members"]))
     drive(planner, problem.scenario, robot, 3 * len(choices))
     assert len(planner.seen) == 3 * len(choices)
     assert all((seen == before).all() for seen, before in zip(planner.seen[::3], shown, strict=False))
+    assert planner.switch.chosen == {"dwa": choices.count(0), "teb": choices.count(1)}
+    assert min(planner.switch.chosen.values()) > 0

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import json
+import re
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import onnx
 import pytest
 from onnx import TensorProto, helper, numpy_helper
 
+from arena_aio.planner import Aio
 from arena_core import ConfigurationError, Planner, Twist, compose, load_registry, plain, testing
 from arena_core.cli import main
+from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.card import PolicyCard, sha256, write_card
 from arena_policies.members import Members, build_members, describe_members
 
@@ -55,9 +60,12 @@ def write_policy(folder, robot, weights, **changes):
     planners = build_members(MEMBERS, tuple(MEMBERS), robot, registry, "members")
     members = {**describe_members(MEMBERS, planners, registry), **changes}
     content = choosing_model(sum(field.size for field in encoder.layout()), len(members), weights)
-    card = PolicyCard("aio", "jackal", robot.kinematics, 0.1, ENCODER, encoder.layout(), {}, {}, sha256(content), members=members)
+    whole = dict.fromkeys(("vx_min", "vx_max", "vy_max", "wz_max", "steering_max"))
+    scale = ActionScale.of(robot, ActionRange(**whole))
+    action = {name: ends for name, *ends in zip(scale.names, scale.low.tolist(), scale.high.tolist(), strict=True)}
+    made_for = ("aio", "jackal", robot.kinematics, 0.1, ENCODER, encoder.layout(), action, whole, sha256(content))
     (folder / "policy.onnx").write_bytes(content)
-    write_card(folder / "policy.json", card)
+    write_card(folder / "policy.json", PolicyCard(*made_for, members=members, every=3))
 
 
 def mine(robot, *overrides):
@@ -89,12 +97,19 @@ def test_random_switch_chooses_every_member_alike_in_each_run(here):
     write_policy(here, robot, {GOAL_AHEAD: 1.0})
     counts = []
     for _ in range(2):
-        switch = mine(robot, "planner.choice=random", "planner.every=1")
-        for _ in range(60):
+        switch = mine(robot, "planner.choice=random")
+        for _ in range(180):
             switch.compute_velocity(testing.observation(body=robot))
         counts.append(dict(switch.chosen))
     assert counts[0] == counts[1]
     assert min(counts[0].values()) > 15
+
+
+def test_switch_has_its_whole_state_before_its_first_reset(here):
+    robot = testing.component("robot", "jackal")
+    write_policy(here, robot, {})
+    built = testing.component("planner", "mine", robot_preset="jackal", robot=robot)
+    assert built.chosen == {"pure_pursuit": 0, "dwa": 0}
 
 
 def refused(robot, *overrides):
@@ -109,13 +124,47 @@ def test_member_that_is_not_there_is_said_with_what_to_install(here):
     absent = {"sha256": "0" * 64, "distribution": "arena-elsewhere", "version": "1.0"}
     write_policy(here, robot, {}, elsewhere=absent)
     assert "member elsewhere is not installed" in refused(robot)
-    assert "install arena-elsewhere" in refused(robot)
+    assert refused(robot).endswith("install arena-elsewhere")
+    write_policy(here, robot, {}, teb={**absent, "distribution": "arena-teb"})
+    assert refused(robot).endswith("install arena-teb (arena-aio[default])")
+
+
+@pytest.mark.parametrize("group", ["planner", "switch"])
+def test_template_of_the_readme_composes_without_a_member_that_is_not_installed(here, group):
+    readme = (Path(__file__).parents[1] / "README.md").read_text()
+    (template,) = re.findall(rf"```yaml\n(# conf/{group}/mine\.yaml\n.*?)```", readme, re.DOTALL)
+    (here / "conf" / group / "mine.yaml").write_text(template.replace("members.mppi: mppi", "members.elsewhere: elsewhere"))
+    config = plain(compose([f"{group}=mine", "robot=jackal"], "component" if group == "planner" else "environment"))
+    assert list(config[group]["members"]) == ["dwa"]
+
+
+def test_robot_that_the_policy_was_not_trained_on_is_refused(here):
+    robot = testing.component("robot", "jackal")
+    write_policy(here, robot, {})
+    assert "planner.control_period is 0.2; allowed: 0.1" in refused(replace(robot, control_period=0.2))
+    assert "policy.json: actions are" in refused(replace(robot, limits=replace(robot.limits, vx_max=1.0)))
+
+
+def test_decisions_at_other_steps_than_in_training_are_refused(here):
+    robot = testing.component("robot", "jackal")
+    write_policy(here, robot, {})
+    assert refused(robot, "planner.every=2") == "planner.every is 2; allowed: 3, as the policy was trained"
+
+
+@pytest.mark.parametrize("period", ["abc", "0.2"])
+def test_member_with_another_control_period_is_refused(here, period):
+    robot = testing.component("robot", "jackal")
+    write_policy(here, robot, {})
+    said = refused(robot, f"+planner.members.dwa.control_period={period}")
+    assert said.startswith(f"planner.members.dwa.control_period is {period if period == '0.2' else repr(period)}; allowed: 0.1")
 
 
 def test_member_of_another_configuration_is_refused(here):
     robot = testing.component("robot", "jackal")
     write_policy(here, robot, {})
     assert "planner.members.dwa: its hash is" in refused(robot, "planner.members.dwa.sim_time=0.5")
+    whole = next(key for key, value in MEMBERS["dwa"].items() if isinstance(value, float) and value == int(value))
+    mine(robot, f"planner.members.dwa.{whole}={int(MEMBERS['dwa'][whole])}")  # the same number
 
 
 def test_member_that_the_policy_does_not_know_is_refused(here):
@@ -154,6 +203,50 @@ def test_member_that_takes_over_begins_anew():
     assert [members.drive(k, seen).vx for k in (0, 0, 1, 1, 0)] == [1.0, 2.0, 1.0, 2.0, 1.0]
 
 
+CHOICES = ("choices", "planner=mine", "robot=jackal", "episodes=2", "task.time_limit=3.0")
+
+
+def test_choices_counts_every_decision_once(here, capsys):
+    write_policy(here, testing.component("robot", "jackal"), {})
+    assert main([*CHOICES]) == 0
+    said = capsys.readouterr().out
+    assert [float(share) for share in re.findall(r"decisions, ([\d.]+)", said)] == [1.0, 0.0], "the first of two that are liked alike"
+    assert "2 episodes" in said
+    assert main([*CHOICES, "planner.choice=random"]) == 0
+    shares = [float(share) for share in re.findall(r"decisions, ([\d.]+)", capsys.readouterr().out)]
+    assert sum(shares) == pytest.approx(1.0, abs=0.002)
+    assert min(shares) > 0.0
+
+
+def test_choices_leaves_out_an_episode_that_failed_and_says_so(here, capsys, monkeypatch):
+    write_policy(here, testing.component("robot", "jackal"), {})
+    begun = []
+
+    def reset(switch, episode, reset=Aio.reset):
+        begun.append(episode)
+        reset(switch, episode)
+
+    def compute_velocity(switch, observation, compute_velocity=Aio.compute_velocity):
+        if len(begun) == 3:  # the second episode; the first began twice, for its rehearsal
+            raise RuntimeError("out of order")
+        return compute_velocity(switch, observation)
+
+    monkeypatch.setattr(Aio, "reset", reset)
+    monkeypatch.setattr(Aio, "compute_velocity", compute_velocity)
+    assert main([*CHOICES]) == 1
+    said = capsys.readouterr()
+    assert "episode 1: RuntimeError: out of order" in said.err
+    assert "1 episodes" in said.out
+    assert "11 of 11 decisions" in said.out
+
+
+def test_training_a_switch_with_a_limited_spread_is_refused(here, capsys):
+    pytest.importorskip("torch", reason="training needs the extra arena-gym[train]")
+    words = ("planner=aio", "switch=mine", "robot=jackal", "out=spread", *SMALL, "training.network.log_std_final=-2")
+    assert main(["train", *words]) == 2
+    assert "training.network.log_std_final is -2; allowed: null for a switch" in capsys.readouterr().err
+
+
 def test_training_with_one_member_is_refused(here, capsys):
     pytest.importorskip("torch", reason="training needs the extra arena-gym[train]")
     (here / "conf" / "switch" / "mine.yaml").write_text(
@@ -182,6 +275,7 @@ def test_switch_is_trained_and_drives_with_the_members_of_its_card(here, capsys)
     assert main(["train", "planner=aio", "switch=mine", "robot=jackal", "out=trained", *SMALL]) == 0
     card = json.loads((here / "trained" / "policy.json").read_text())
     assert list(card["members"]) == ["pure_pursuit", "dwa"]
+    assert (card["every"], card["action"]["vx"]) == (3, [-2.0, 2.0]), "members drive backwards too"
     words = ("planner=mine", "planner.policy=trained/policy.onnx", "robot=jackal", "episodes=2", "task.time_limit=6.0")
     assert main(["choices", *words]) == 0
     said = capsys.readouterr().out

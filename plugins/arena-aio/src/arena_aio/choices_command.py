@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -20,7 +21,7 @@ class ChoicesCommand(Command):
     help: ClassVar[str] = "how often a switch chooses each member: arena choices planner=aio robot=jackal"
 
     def run(self, arguments: Sequence[str]) -> int:
-        """Drive and print decisions by member, successes and collisions; nothing is kept."""
+        """Drive and print decisions by member, successes and collisions; return 1 when an episode failed. Nothing is kept."""
         if any(word in ("-h", "--help") for word in arguments):
             print(USAGE)
             return 0
@@ -29,13 +30,17 @@ class ChoicesCommand(Command):
         if not isinstance(planner, Aio):
             raise ConfigurationError(f"planner is {benchmark.config['planner']['name']}; allowed: a switch, such as planner=aio")
         chosen: Counter[str] = Counter()
-        collisions, successes = [], []
-        for record in _episodes(benchmark):
+        collisions, successes, failed = [], [], 0
+        for episode, record in enumerate(_episodes(benchmark)):
+            if record.meta["outcome"] == "error":
+                print(f"episode {episode}: {record.meta['error']}", file=sys.stderr)
+                failed = 1
+                continue
             chosen.update(planner.chosen)
             collisions.append(len(record["contact_stamp"]))
             successes.append(succeeded(record))
         print("\n".join(_lines(chosen, successes, collisions)))
-        return 0
+        return failed
 
 
 def _episodes(benchmark: Benchmark) -> Iterator[EpisodeRecord]:
@@ -45,7 +50,7 @@ def _episodes(benchmark: Benchmark) -> Iterator[EpisodeRecord]:
 
 
 def _lines(chosen: Counter[str], successes: Sequence[bool], collisions: Sequence[int]) -> list[str]:
-    decisions, episodes = max(chosen.total(), 1), len(successes)
+    decisions, episodes = max(chosen.total(), 1), max(len(successes), 1)
     shares = [f"{name}: {count} of {decisions} decisions, {count / decisions:.3f}" for name, count in chosen.items()]
     success, hits = sum(successes) / episodes, sum(collisions) / episodes
-    return [*shares, f"success {success:.3f}, collisions an episode {hits:.3f}, {episodes} episodes"]
+    return [*shares, f"success {success:.3f}, collisions an episode {hits:.3f}, {len(successes)} episodes"]

@@ -7,12 +7,13 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from arena_core import ConfigurationError, EpisodeStart, Observation, Planner, PositiveInt, Robot, Twist, load_registry
+from arena_core import ConfigurationError, EpisodeStart, Observation, Planner, PositiveInt, Robot, Twist, generator, load_registry
 from arena_policies.members import Members, build_members, member_hash
 from arena_policies.planner import shipped_policy
 from arena_policies.policy import Switch, load_switch
 
 SHIPPED = "pkg://arena_aio/policies"
+DEFAULT = ("arena-rosnav", "arena-teb")  # what the extra arena-aio[default] brings
 
 
 class Aio(Planner):
@@ -20,7 +21,7 @@ class Aio(Planner):
 
     ``policy`` is an ONNX file with its card beside it; None takes the one that comes with this package for the robot. With ``choice``
     random a member is drawn in its place, of the same ones: what the policy has to be better than. ``chosen`` counts the decisions of
-    the episode by member.
+    the episode by member. Raises ConfigurationError where the policy was trained with another ``every``.
     """
 
     compiles: ClassVar[bool] = True
@@ -34,16 +35,26 @@ class Aio(Planner):
         members: Mapping[str, Mapping[str, Any]],
     ) -> None:
         self._switch = load_switch(policy or shipped_policy("aio", robot, SHIPPED), "aio", robot)
+        if every != self._switch.card.every:
+            raise ConfigurationError(f"planner.every is {every}; allowed: {self._switch.card.every}, as the policy was trained")
         self._members = fitting_members(self._switch, members, robot)
-        self._period, self._every, self._at_random = robot.control_period, every, choice == "random"
+        self._every, self._at_random = every, choice == "random"
+        self._random = generator(0, "aio", "switch")
+        self._begin()
 
     def reset(self, episode: EpisodeStart) -> None:
         """Begin at rest, with all members; raise ConfigurationError for another control period than the policy was trained with."""
-        if abs(episode.control_period - self._period) > 1e-9:
-            raise ConfigurationError(f"aio: planner.control_period is {episode.control_period:g}; allowed: {self._period:g}, the robot's")
+        trained = self._switch.card.control_period
+        if abs(episode.control_period - trained) > 1e-9:
+            raise ConfigurationError(
+                f"aio: planner.control_period is {episode.control_period:g}; allowed: {trained:g}, as the policy was trained"
+            )
         self._members.reset(episode)
         self._switch.begin()
         self._random = np.random.Generator(np.random.Philox(key=int(episode.random.integers(2**63))))  # apart from the members' stream
+        self._begin()
+
+    def _begin(self) -> None:
         self._steps, self._last, self._driving = 0, Twist(0.0), 0
         self.chosen = dict.fromkeys(self._members.names, 0)
 
@@ -71,8 +82,9 @@ def fitting_members(switch: Switch, nodes: Mapping[str, Mapping[str, Any]], robo
     wanted = switch.card.members
     for name, member in wanted.items():
         if name not in nodes:
+            extra = " (arena-aio[default])" if member["distribution"] in DEFAULT else ""
             raise ConfigurationError(
-                f"aio: member {name} is not installed, or not in planner.members; install {member['distribution']} (arena-aio[default])"
+                f"aio: member {name} is not installed, or not in planner.members; install {member['distribution']}{extra}"
             )
     for name in nodes:
         if name not in wanted:

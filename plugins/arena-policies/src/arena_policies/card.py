@@ -22,8 +22,9 @@ class PolicyCard:
     ``encoder`` is the encoder's name with its parameters, ``layout`` the fields that it makes; ``action`` the names of the actions with
     what -1 and 1 mean (m/s, rad/s); ``sha256`` is that of the ONNX file. ``training`` holds seed, configuration, steps, curve,
     evaluation and package versions, and is read by people alone. ``members`` are the planners that a switch chooses among, in the order
-    of the network's answers, each with its ``sha256``, ``distribution`` and ``version``; a switch has no actions. ``parts`` are the
-    hashes of the networks that the encoder runs, by the parameter that names each.
+    of the network's answers, each with its ``sha256``, ``distribution`` and ``version``; the actions of a switch are the whole range of
+    the robot's. ``every`` is for how many control steps an answer holds. ``parts`` are the hashes of the networks that the encoder runs,
+    by the parameter that names each.
     """
 
     planner: str
@@ -38,6 +39,7 @@ class PolicyCard:
     training: Mapping[str, Any] = field(default_factory=dict)
     members: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     parts: Mapping[str, str] = field(default_factory=dict)
+    every: int = 1
 
 
 def write_card(path: Path, card: PolicyCard) -> None:
@@ -70,6 +72,7 @@ def read_card(path: Path) -> PolicyCard:
             training=dict(content["training"]),
             members={str(name): _member(member) for name, member in content.get("members", {}).items()},
             parts={str(name): str(value) for name, value in content.get("parts", {}).items()},
+            every=int(content.get("every", 1)),
         )
     except KeyError as error:
         raise InputFileError(f"{path}: {error.args[0]} is missing; allowed: a card as in docs/policies.md") from None

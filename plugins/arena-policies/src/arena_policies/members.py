@@ -51,8 +51,8 @@ def build_members(nodes: Mapping[str, Node], order: Sequence[str], robot: Robot,
 
 def _built(node: Node, robot: Robot, registry: Registry, key: str) -> Planner:
     period = node.get("control_period")
-    if period is not None and abs(period - robot.control_period) > 1e-9:
-        raise ConfigurationError(f"{key}.control_period is {period:g}; allowed: {robot.control_period:g}, the robot's, for all members")
+    if period is not None and not (isinstance(period, (int, float)) and abs(period - robot.control_period) <= 1e-9):
+        raise ConfigurationError(f"{key}.control_period is {period!r}; allowed: {robot.control_period:g}, the robot's, for all members")
     try:
         planner: Planner = registry.build("planner", _own(node), robot=robot)
     except UnknownComponent as error:
@@ -61,11 +61,21 @@ def _built(node: Node, robot: Robot, registry: Registry, key: str) -> Planner:
 
 
 def member_hash(node: Node, planner: Planner) -> str:
-    """Return the hash that names a member: its configuration and, where it runs a policy, that one's file."""
-    content = {key: value for key, value in _own(node).items() if key != "policy"}
+    """Return the hash that names a member: its configuration and, where it runs a policy, what that one's card says it does."""
+    content = _own(node)
     if isinstance(planner, PolicyPlanner):
-        content["policy"] = planner.sha256
-    return sha256(json.dumps(content, sort_keys=True).encode())
+        card = planner.card
+        content["policy"] = [card.sha256, card.encoder, card.action, card.action_range, card.parts]
+    return sha256(json.dumps(_floats(content), sort_keys=True).encode())
+
+
+def _floats(value: Any) -> Any:
+    """Return a configuration with all its numbers as floats: 1 and 1.0 are the same."""
+    if isinstance(value, Mapping):
+        return {key: _floats(each) for key, each in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_floats(each) for each in value]
+    return float(value) if isinstance(value, int) and not isinstance(value, bool) else value
 
 
 def _own(node: Node) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from arena_core import ConfigurationError, EpisodeStart, Observation, Planner, Robot, Twist, local_path
+from arena_policies.card import PolicyCard
 from arena_policies.policy import load_policy
 
 
@@ -32,9 +33,9 @@ class PolicyPlanner(Planner):
         self._policy.begin()
 
     @property
-    def sha256(self) -> str:
-        """Return the hash of the policy's file."""
-        return self._policy.card.sha256
+    def card(self) -> PolicyCard:
+        """Return the policy's card."""
+        return self._policy.card
 
     def look_on(self, observation: Observation, command: Twist) -> None:
         """See a control step at which another planner drove, by ``command``."""

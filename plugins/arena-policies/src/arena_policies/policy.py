@@ -27,7 +27,7 @@ from arena_policies.card import PolicyCard, part_path, read_card, sha256
 from arena_policies.network import network_content, open_network
 
 
-class Asked:
+class PolicyNetwork:
     """Observation to the network's answers; the same in every process, one thread each."""
 
     def __init__(self, session: Any, encoder: ObservationEncoder, card: PolicyCard) -> None:
@@ -75,7 +75,7 @@ class Asked:
         return numbers
 
 
-class Policy(Asked):
+class Policy(PolicyNetwork):
     """Observation to velocity: encoder, network, scaling."""
 
     def __init__(self, session: Any, encoder: ObservationEncoder, scale: ActionScale, card: PolicyCard) -> None:
@@ -87,7 +87,7 @@ class Policy(Asked):
         return Twist.of(self._scale.commands(self.answers(observation, last_command))[0])
 
 
-class Switch(Asked):
+class Switch(PolicyNetwork):
     """Observation to which of the card's members drives."""
 
     def choice(self, observation: Observation, last_command: Twist) -> int:
@@ -97,30 +97,27 @@ class Switch(Asked):
 
 def load_policy(address: str, planner: str, robot: Robot) -> Policy:
     """Load ``address`` (a path or pkg://) with its card; raise InputFileError or ConfigurationError where they or the robot do not fit."""
-    path, content, card, encoder = _read(address, planner, robot)
-    beside = path.with_suffix(".json")
-    scale = ActionScale.of(robot, read_settings(card.action_range, ActionRange, f"{beside}: action_range"))
-    _check_actions(beside, card, scale)
+    path, content, card, encoder, scale = _read(address, planner, robot)
     return Policy(open_network(path, content, sum(f.size for f in card.layout), len(card.action)), encoder, scale, card)
 
 
 def load_switch(address: str, planner: str, robot: Robot) -> Switch:
     """Load a policy that chooses among members, as ``load_policy`` does; raise ConfigurationError where its card has none."""
-    path, content, card, encoder = _read(address, planner, robot)
+    path, content, card, encoder, _ = _read(address, planner, robot)
     if len(card.members) < 2:
         raise ConfigurationError(f"{path.with_suffix('.json')}: members are {', '.join(card.members) or 'none'}; allowed: two or more")
     return Switch(open_network(path, content, sum(f.size for f in card.layout), len(card.members)), encoder, card)
 
 
-def _read(address: str, planner: str, robot: Robot) -> tuple[Path, bytes, PolicyCard, ObservationEncoder]:
-    """Return file, content, card and encoder of a policy that fits planner and robot."""
+def _read(address: str, planner: str, robot: Robot) -> tuple[Path, bytes, PolicyCard, ObservationEncoder, ActionScale]:
+    """Return file, content, card, encoder and scaling of a policy that fits planner and robot."""
     path = local_path(address)
     content = network_content(path)
     card = read_card(path.with_suffix(".json"))
     _check_card(path, card, content, planner, robot)
     encoder = _encoder(path.with_suffix(".json"), {**card.encoder, **_parts(path, card)}, robot)
     _check_layout(path.with_suffix(".json"), card, encoder)
-    return path, content, card, encoder
+    return path, content, card, encoder, _scale(path.with_suffix(".json"), card, robot)
 
 
 def _parts(path: Path, card: PolicyCard) -> dict[str, str]:
@@ -169,8 +166,10 @@ def _check_layout(beside: Path, card: PolicyCard, encoder: ObservationEncoder) -
         )
 
 
-def _check_actions(beside: Path, card: PolicyCard, scale: ActionScale) -> None:
-    """Refuse a robot whose speeds differ from those that the policy was trained with."""
+def _scale(beside: Path, card: PolicyCard, robot: Robot) -> ActionScale:
+    """Return what actions mean; refuse a robot whose speeds differ from those that the policy was trained with."""
+    scale = ActionScale.of(robot, read_settings(card.action_range, ActionRange, f"{beside}: action_range"))
     ends = dict(zip(scale.names, zip(scale.low.tolist(), scale.high.tolist(), strict=True), strict=True))
     if {name: tuple(limits) for name, limits in card.action.items()} != ends:
         raise ConfigurationError(f"{beside}: actions are {dict(card.action)}; allowed: those of this robot, {ends}")
+    return scale

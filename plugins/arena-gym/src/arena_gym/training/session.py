@@ -17,6 +17,7 @@ from arena_gym.training.folder import open_folder
 from arena_gym.training.settings import TrainingSettings
 from arena_gym.training.trainer import train
 from arena_gym.vector_environment import NavigationVectorEnv
+from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.card import PolicyCard, part_path, sha256, write_card
 from arena_policies.network import network_content
 
@@ -28,6 +29,10 @@ def run_training(config: Mapping[str, Any], folder: Path, resume: bool) -> int:
     """Train by a composed configuration; write ``policy.onnx`` and ``policy.json`` to ``folder``, which may hold its beginning."""
     settings = training_settings(config)
     parts, other = build_parts(config), evaluation_parts(config, settings)
+    if parts.switch is not None and settings.network.log_std_final is not None:
+        raise ConfigurationError(
+            f"training.network.log_std_final is {settings.network.log_std_final:g}; allowed: null for a switch, which has no spread"
+        )
     open_folder(folder, config, resume)  # once all is built: a request that is refused leaves nothing behind
     env = NavigationVectorEnv(settings.optimization.environments, parts=parts)
     evaluation = NavigationVectorEnv(min(EVALUATED_WORLDS, settings.evaluation.episodes), parts=other)
@@ -72,7 +77,9 @@ def _write_parts(policy: Path, encoder: ObservationEncoder) -> dict[str, str]:
 
 
 def _card(config: Mapping[str, Any], parts: Parts, content: bytes, steps: int, curve: list[dict[str, float]], score: Score) -> PolicyCard:
-    switch, scale = parts.switch, parts.scale
+    switch = parts.switch
+    action_range = dict.fromkeys(config["action"]) if switch else config["action"]  # members have their own, up to the robot's limits
+    scale = ActionScale.of(parts.robot, read_settings(action_range, ActionRange, "action"))
     ends = zip(scale.names, scale.low.tolist(), scale.high.tolist(), strict=True)
     return PolicyCard(
         planner=config["planner"],
@@ -81,8 +88,8 @@ def _card(config: Mapping[str, Any], parts: Parts, content: bytes, steps: int, c
         control_period=parts.robot.control_period,
         encoder={**config["observation_encoder"], **dict.fromkeys(parts.encoder.parts())},
         layout=parts.encoder.layout(),
-        action={} if switch else {name: (low, high) for name, low, high in ends},
-        action_range={} if switch else config["action"],
+        action={name: (low, high) for name, low, high in ends},
+        action_range=action_range,
         sha256=sha256(content),
         training={
             "seed": config["seed"],
@@ -93,4 +100,5 @@ def _card(config: Mapping[str, Any], parts: Parts, content: bytes, steps: int, c
             "versions": {name: version(name) for name in PACKAGES},
         },
         members=switch.members if switch else {},
+        every=switch.every if switch else 1,
     )
