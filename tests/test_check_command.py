@@ -3,15 +3,14 @@
 import pytest
 
 CHOOSY = """
-    from arena_core import ConfigurationError, Planner, Robot, Twist, hookimpl
+    from arena_core import ConfigurationError, Robot, hookimpl
+    from arena_pure_pursuit import PurePursuit
 
-    class Choosy(Planner):
+    class Choosy(PurePursuit):
         def __init__(self, robot: Robot, gain: float) -> None:
             if (robot.name, gain) not in (("jackal", 2.0), ("robotino", 1.0)):
                 raise ConfigurationError(f"choosy: gain is {gain} on {robot.name}; allowed: as trained")
-
-        def compute_velocity(self, observation):
-            return Twist(0.1)
+            super().__init__(robot, None, 1.0, 2.0)
 
     @hookimpl
     def register_planners(register):
