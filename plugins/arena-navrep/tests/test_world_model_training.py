@@ -9,6 +9,7 @@ import pytest
 
 from arena_core import ConfigurationError, testing
 from arena_core.cli import main
+from arena_gym.building import compose_environment
 from arena_navrep.prediction import Sequences, prediction_errors
 from arena_navrep.rollouts import Rollouts, read_rollouts, write_rollouts
 
@@ -178,6 +179,18 @@ def test_rollouts_are_read_as_they_were_written(tmp_path):
     (tmp_path / "rollouts" / "test_01.npz").write_bytes(b"PK")
     with pytest.raises(Exception, match=r"test_01\.npz: holds no roll-outs"):
         read_rollouts(tmp_path, "test", 2)
+
+
+@pytest.mark.parametrize("robot", ["turtlebot3", "jackal", "robotino"])
+def test_world_model_depends_on_where_its_controller_drives_and_not_on_how_it_learns(robot):
+    controller = compose_environment([f"robot={robot}", "recipe=navrep"], primary="train")
+    world_model = compose_environment([f"robot={robot}"], primary="world_model")
+    assert not {"training", "total_steps", "planner"} & world_model.keys()
+    assert world_model["reward"] == compose_environment(primary="environment")["reward"], "none is learned from"
+    own = {name: span for name, span in controller["action"].items() if name != "vx_min"}  # roll-outs back off where a controller may not
+    assert {name: span for name, span in world_model["action"].items() if name != "vx_min"} == own
+    assert world_model["task"]["path"] == controller["task"]["path"]
+    assert world_model["randomization"] == controller["randomization"]
 
 
 @pytest.mark.slow
