@@ -183,12 +183,11 @@ def test_missing_torch_is_said_with_what_to_install(here, capsys, monkeypatch):
 
 def test_evaluation_never_meets_the_problems_of_training(here):
     from arena_gym.building import compose_environment
-    from arena_gym.training.session import evaluation_parts, training_settings
+    from arena_gym.training.evaluation import unseen_worlds
 
     config = compose_environment(["recipe=beginner", "robot=jackal"], primary="train")
-    config["training"]["evaluation"]["seed"] = config["environment"]["seed"]
     with pytest.raises(ConfigurationError, match=r"evaluation\.seed"):
-        evaluation_parts(config, training_settings(config))
+        unseen_worlds(config, 1, config["environment"]["seed"], "training.evaluation.seed")
 
 
 def test_goal_after_a_collision_is_no_success():
@@ -213,7 +212,7 @@ def test_goal_after_a_collision_is_no_success():
 
 def test_evaluation_ends_at_the_first_collision_whatever_training_does(here):
     from arena_gym.building import compose_environment
-    from arena_gym.training.session import evaluation_parts, training_settings
+    from arena_gym.training.evaluation import unseen_worlds
 
     config = compose_environment(["recipe=beginner", "robot=jackal", "environment.collisions_to_end=null"], primary="train")
-    assert evaluation_parts(config, training_settings(config)).settings.collisions_to_end == 1
+    assert unseen_worlds(config, 1, 7, "seed").batch.parts.settings.collisions_to_end == 1

@@ -20,3 +20,10 @@ def check_evaluation_seed(seed: int) -> int:
             f"evaluation seed is {seed}; allowed: 0 .. {FIRST_TRAINING_SEED - 1}, the seeds from there on are for training"
         )
     return seed
+
+
+def check_unseen_seed(seed: int, trained: int, name: str) -> int:
+    """Return the seed of an evaluation, called ``name``; raise ConfigurationError if training on ``trained`` may have seen it."""
+    if seed == trained:
+        raise ConfigurationError(f"{name} is {seed}; allowed: any other than environment.seed, which is for training")
+    return check_evaluation_seed(seed)

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from arena_gym.building import build_parts
+from arena_gym.seeds import check_unseen_seed
 from arena_gym.vector_environment import NavigationVectorEnv
 
+WORLDS = 32  # driven in step in an evaluation
 Act = Callable[[NDArray[np.float32]], NDArray[np.floating]]
 
 
@@ -27,20 +31,39 @@ class Score:
         return asdict(self)
 
 
-def evaluate(env: NavigationVectorEnv, act: Act, episodes: int, seed: int) -> Score:
-    """Drive the first episodes of each world until there are ``episodes`` of them; a collision ends an episode.
+def unseen_worlds(config: Mapping[str, Any], episodes: int, seed: int, name: str) -> NavigationVectorEnv:
+    """Return worlds and problems that no training meets, on the last level, with all people; the first collision ends an episode.
 
-    Each world contributes its first episodes, however long they take: the fastest to end would be the easy ones.
+    Raises ConfigurationError where ``seed``, called ``name``, is the training's.
+    """
+    own = config["environment"]
+    environment = {**own, "seed": check_unseen_seed(seed, own["seed"], name), "collisions_to_end": 1}
+    parts = build_parts({**config, "environment": environment, "randomization": {**config["randomization"], "people": None}})
+    env = NavigationVectorEnv(min(WORLDS, episodes), parts=parts)
+    if parts.pool.staging is not None:
+        env.set_stage(parts.pool.staging.levels - 1)
+    return env
+
+
+def evaluate(env: NavigationVectorEnv, act: Act, episodes: int, seed: int) -> Score:
+    """Return how well ``act`` drives in the first episodes of each world."""
+    ended = outcomes(env, act, episodes, seed)
+    return Score(len(ended), *(ended.count(outcome) / len(ended) for outcome in ("goal_reached", "collision", "time_out")))
+
+
+def outcomes(env: NavigationVectorEnv, act: Act, episodes: int, seed: int) -> list[str]:
+    """Drive the first episodes of each world until there are ``episodes`` of them; return how they ended, world by world.
+
+    Each world contributes its first episodes, however long they take: the fastest to end would be the easy ones. Episodes at one place
+    of two answers are the same problem, whoever drives.
     """
     quota = np.full(env.num_envs, episodes // env.num_envs)
     quota[: episodes % env.num_envs] += 1
-    done = np.zeros(env.num_envs, np.int64)
-    outcomes = {"goal_reached": 0, "collision": 0, "time_out": 0}
+    ended: list[list[str]] = [[] for _ in range(env.num_envs)]
     observations = env.reset(seed=seed)[0]
-    while (done < quota).any():
+    while any(len(world) < wanted for world, wanted in zip(ended, quota.tolist(), strict=True)):
         observations, _, terminated, truncated, ends = env.step(act(observations))
-        for slot in np.flatnonzero((terminated | truncated) & (done < quota)).tolist():
-            outcomes[str(ends["final_info"]["outcome"][slot])] += 1
-            done[slot] += 1
-    total = sum(outcomes.values())
-    return Score(total, outcomes["goal_reached"] / total, outcomes["collision"] / total, outcomes["time_out"] / total)
+        for slot in np.flatnonzero(terminated | truncated).tolist():
+            if len(ended[slot]) < quota[slot]:
+                ended[slot].append(str(ends["final_info"]["outcome"][slot]))
+    return [outcome for world in ended for outcome in world]

@@ -8,10 +8,9 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from arena_core import ConfigurationError, ObservationEncoder, local_path, read_settings, write_bytes_whole
+from arena_core import ObservationEncoder, local_path, read_settings, write_bytes_whole
 from arena_gym.building import Parts, build_parts
-from arena_gym.seeds import check_evaluation_seed
-from arena_gym.training.evaluation import Score
+from arena_gym.training.evaluation import Score, unseen_worlds
 from arena_gym.training.export import to_onnx
 from arena_gym.training.folder import open_folder
 from arena_gym.training.settings import TrainingSettings
@@ -21,23 +20,20 @@ from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.card import PolicyCard, part_path, sha256, write_card
 from arena_policies.network import network_content
 
-EVALUATED_WORLDS = 32  # worlds driven in step in an evaluation
 PACKAGES = ("arena-core", "arena-gym", "arena-policies", "arena-sim2d", "arena-pedsim", "torch", "stable-baselines3", "onnx")
 
 
 def run_training(config: Mapping[str, Any], folder: Path, resume: bool) -> int:
     """Train by a composed configuration; write ``policy.onnx`` and ``policy.json`` to ``folder``, which may hold its beginning."""
     settings = training_settings(config)
-    parts, other = build_parts(config), evaluation_parts(config, settings)
+    parts, chosen = build_parts(config), settings.evaluation
     if parts.switch is not None and settings.network.log_std_final is not None:
         raise ConfigurationError(
             f"training.network.log_std_final is {settings.network.log_std_final:g}; allowed: null for a switch, which has no spread"
         )
+    evaluation = unseen_worlds(config, chosen.episodes, chosen.seed, "training.evaluation.seed")
     open_folder(folder, config, resume)  # once all is built: a request that is refused leaves nothing behind
     env = NavigationVectorEnv(settings.optimization.environments, parts=parts)
-    evaluation = NavigationVectorEnv(min(EVALUATED_WORLDS, settings.evaluation.episodes), parts=other)
-    if parts.pool.staging is not None:
-        evaluation.set_stage(parts.pool.staging.levels - 1)
     learner, curve, score = train(settings, env, evaluation, parts.pool.staging, folder)
     content = to_onnx(learner)
     write_bytes_whole(folder / "policy.onnx", content)
@@ -52,16 +48,6 @@ def training_settings(config: Mapping[str, Any]) -> TrainingSettings:
     """Return the settings of a composed configuration; raise ConfigurationError."""
     shared = {key: config[key] for key in ("planner", "seed", "total_steps", "device")}
     return read_settings({**shared, **config["training"]}, TrainingSettings, "training")
-
-
-def evaluation_parts(config: Mapping[str, Any], settings: TrainingSettings) -> Parts:
-    """Return an environment of other worlds and problems, all of whose people are there, where the first collision ends an episode."""
-    if settings.evaluation.seed == config["environment"]["seed"]:
-        raise ConfigurationError(
-            f"training.evaluation.seed is {settings.evaluation.seed}; allowed: any other than environment.seed, which is for training"
-        )
-    environment = {**config["environment"], "seed": check_evaluation_seed(settings.evaluation.seed), "collisions_to_end": 1}
-    return build_parts({**config, "environment": environment, "randomization": {**config["randomization"], "people": None}})
 
 
 def _write_parts(policy: Path, encoder: ObservationEncoder) -> dict[str, str]:

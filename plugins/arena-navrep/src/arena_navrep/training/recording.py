@@ -10,7 +10,7 @@ import numpy as np
 
 from arena_core import ConfigurationError, generator
 from arena_gym.building import Parts, build_parts
-from arena_gym.seeds import check_evaluation_seed, training_seed
+from arena_gym.seeds import check_unseen_seed, training_seed
 from arena_gym.vector_environment import NavigationVectorEnv
 from arena_navrep.rollouts import Rollouts, file_of, write_rollouts
 from arena_navrep.training.settings import Recording
@@ -36,12 +36,8 @@ def record(config: Mapping[str, Any], settings: Recording, folder: Path) -> None
 def _environment(config: Mapping[str, Any], settings: Recording, kind: str) -> NavigationVectorEnv:
     """Return the worlds of a kind; those of tests are others."""
     own = config["environment"]
-    if settings.test_seed == own["seed"]:
-        raise ConfigurationError(
-            f"recording.test_seed is {settings.test_seed}; allowed: any other than environment.seed, which is for training"
-        )
-    seed = check_evaluation_seed(settings.test_seed) if kind == "test" else own["seed"]
-    parts = build_parts({**config, "environment": {**own, "seed": seed}})
+    unseen = check_unseen_seed(settings.test_seed, own["seed"], "recording.test_seed")
+    parts = build_parts({**config, "environment": {**own, "seed": unseen if kind == "test" else own["seed"]}})
     _check_scan(parts)
     return NavigationVectorEnv(settings.worlds, parts=parts)
 
