@@ -178,6 +178,19 @@ def test_card_that_lacks_a_key_is_refused(tmp_path, key):
     assert key in refused(path, testing.robot())
 
 
+@pytest.mark.parametrize("name", ["../vision", "", "a b", "vision/"])
+def test_card_with_a_part_that_names_no_parameter_is_refused(tmp_path, name):
+    path = write_policy(tmp_path, testing.robot(), parts={name: "0" * 64})
+    assert "which names no parameter" in refused(path, testing.robot())
+
+
+def test_card_with_a_part_that_its_encoder_does_not_run_is_refused(tmp_path):
+    network = tmp_path / "policy.sectors.onnx"
+    network.write_bytes(b"0")
+    path = write_policy(tmp_path, testing.robot(), parts={"sectors": sha256(b"0")})
+    assert "encoder" in refused(path, testing.robot())
+
+
 @pytest.mark.parametrize("text", ["", "{", "[]", "null", '{"format": "arena-policy", "version": 1, "layout": 3}'])
 def test_card_that_is_none_is_refused(tmp_path, text):
     path = write_policy(tmp_path, testing.robot())

@@ -6,10 +6,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from arena_core import ConfigurationError, InputFileError, ObservationBatch, ObservationEncoder, ObservationField, Robot, load_registry
+from arena_core import ConfigurationError, ObservationBatch, ObservationField, Robot
 from arena_navrep.motion import motion_columns
-from arena_navrep.world_model import CODE_MAX, Part, load_part
+from arena_navrep.world_model import CODE_MAX, Part, check_fit, load_part
 from arena_policies.encoding import BoundedEncoder, Numbers
+from arena_policies.policy import build_encoder, check_layout
 
 
 class NavrepEncoder(BoundedEncoder):
@@ -21,12 +22,15 @@ class NavrepEncoder(BoundedEncoder):
 
     def __init__(self, robot: Robot, vision: str | None, memory: str | None) -> None:
         if vision is None:
-            raise ConfigurationError("observation_encoder.vision is null; allowed: a file that `arena navrep vision robot=...` made")
+            raise ConfigurationError("observation_encoder.vision is null; allowed: a file that `arena navrep all robot=...` made")
         self._addresses = {"vision": vision} if memory is None else {"vision": vision, "memory": memory}
         self._vision = load_part(vision, "vision")
-        self._memory = None if memory is None else _fitting(load_part(memory, "memory"), self._vision)
-        self._scans: ObservationEncoder = load_registry().build("observation_encoder", self._vision.card.scan, robot=robot)
-        scan, *state = _checked(self._vision, self._scans.layout())
+        self._memory = None if memory is None else load_part(memory, "memory")
+        if self._memory is not None:
+            check_fit(self._memory, self._vision)
+        self._scans = build_encoder(f"{self._vision.path.with_suffix('.json')}: scan", self._vision.card.scan, robot)
+        check_layout(self._vision.path, self._vision.card.robot, self._vision.card.layout, self._scans.layout())
+        scan, *state = self._scans.layout()
         self._beams, self._code = scan.size, self._vision.card.code
         self._hidden = 0 if self._memory is None else self._memory.card.hidden
         self.recurrent = self._memory is not None
@@ -52,25 +56,6 @@ class NavrepEncoder(BoundedEncoder):
         code, hidden = before[:, : self._code], before[:, self._code : self._state]
         numbers = np.concatenate((code, before[:, self._measured], seen[:, self._commanded], hidden), axis=1)
         return memory.run(numbers)[:, : self._hidden]
-
-
-def _checked(vision: Part, made: tuple[ObservationField, ...]) -> tuple[ObservationField, ...]:
-    """Return the fields that the robot's sensors give; raise ConfigurationError where vision was trained on others."""
-    if tuple(vision.card.layout) != made:
-        differing = next((f"{a.name} ({a.meaning})" for a, b in zip(vision.card.layout, made, strict=False) if a != b), "number of fields")
-        raise ConfigurationError(
-            f"{vision.path}: was trained on {vision.card.robot}, whose {differing} this robot does not have; allowed: one trained for it"
-        )
-    return made
-
-
-def _fitting(memory: Part, vision: Part) -> Part:
-    if memory.card.vision != vision.card.sha256:
-        raise InputFileError(
-            f"{memory.path}: remembers codes of vision {memory.card.vision[:12]}…; allowed: a memory of {vision.path}, "
-            f"{vision.card.sha256[:12]}…"
-        )
-    return memory
 
 
 def _latent_fields(vision: Part, memory: Part | None) -> tuple[ObservationField, ...]:

@@ -61,7 +61,9 @@ def load_part(address: str, part: str) -> Part:
     """Load vision or memory; raise ConfigurationError or InputFileError where it is none."""
     path = local_path(address)
     if not path.exists():
-        raise ConfigurationError(f"observation_encoder.{part} is {path}, which is not there; `arena navrep {part} robot=...` makes one")
+        raise ConfigurationError(
+            f"observation_encoder.{part} is {path}, which is not there; `arena navrep all robot=... resume=true` makes it"
+        )
     content, card = network_content(path), read_part_card(path.with_suffix(".json"))
     if card.part != part:
         raise InputFileError(f"{path.with_suffix('.json')}: part is {card.part}; allowed: {part}")
@@ -69,14 +71,27 @@ def load_part(address: str, part: str) -> Part:
         raise InputFileError(
             f"{path}: sha256 is {sha256(content)[:12]}…, its card says {card.sha256[:12]}…; allowed: the file the card was made for"
         )
+    if card.writes != card.hidden + card.code or (part == "vision" and [card.reads] != [field.size for field in card.layout[:1]]):
+        raise InputFileError(
+            f"{path.with_suffix('.json')}: reads {card.reads} and writes {card.writes} numbers; allowed: those of layout, code and hidden"
+        )
     return Part(path, card, open_network(path, content, card.reads, card.writes))
 
 
+def check_fit(memory: Part, vision: Part) -> None:
+    """Raise InputFileError where a memory remembers other codes than a vision's."""
+    if (memory.card.vision, memory.card.code) != (vision.card.sha256, vision.card.code):
+        raise InputFileError(
+            f"{memory.path}: remembers codes of {memory.card.code} by vision {memory.card.vision[:12]}…; allowed: memory of {vision.path}: "
+            f"{vision.card.code} of {vision.card.sha256[:12]}…"
+        )
+
+
 def write_part(path: Path, content: bytes, card: PartCard) -> None:
-    """Write a network and its card, each whole or not at all."""
-    write_bytes_whole(path, content)
+    """Write a card and its network, each whole or not at all; where there is a network, its card is there."""
     text = json.dumps({"format": FORMAT, "version": VERSION, **asdict(card)}, indent=1, allow_nan=False)
     write_text_whole(path.with_suffix(".json"), text + "\n")
+    write_bytes_whole(path, content)
 
 
 def read_part_card(path: Path) -> PartCard:
@@ -86,10 +101,23 @@ def read_part_card(path: Path) -> PartCard:
         content = json.loads(path.read_text("utf-8"))
     except (OSError, ValueError) as error:
         raise InputFileError(f"{path}: is no card of a world model ({error}); {made_by}") from None
-    if not isinstance(content, dict) or (content.pop("format", None), content.pop("version", None)) != (FORMAT, VERSION):
+    if not isinstance(content, dict) or (content.get("format"), content.get("version")) != (FORMAT, VERSION):
         raise InputFileError(f"{path}: format and version are not {FORMAT} {VERSION}; {made_by}")
     try:
-        content["layout"] = tuple(ObservationField(**fields) for fields in content["layout"])
-        return PartCard(**content)
-    except (KeyError, TypeError) as error:
+        return PartCard(
+            part=str(content["part"]),
+            robot=str(content["robot"]),
+            scan=dict(content["scan"]),
+            layout=tuple(ObservationField(**fields) for fields in content["layout"]),
+            reads=int(content["reads"]),
+            writes=int(content["writes"]),
+            code=int(content["code"]),
+            hidden=int(content["hidden"]),
+            vision=str(content["vision"]),
+            sha256=str(content["sha256"]),
+            training=dict(content["training"]),
+        )
+    except KeyError as error:
+        raise InputFileError(f"{path}: {error.args[0]} is missing; {made_by}") from None
+    except (AttributeError, TypeError, ValueError) as error:
         raise InputFileError(f"{path}: is no card of a world model ({error}); {made_by}") from None

@@ -71,7 +71,7 @@ def read_card(path: Path) -> PolicyCard:
             sha256=str(content["sha256"]),
             training=dict(content["training"]),
             members={str(name): _member(member) for name, member in content.get("members", {}).items()},
-            parts={str(name): str(value) for name, value in content.get("parts", {}).items()},
+            parts={_part(name): str(value) for name, value in content.get("parts", {}).items()},
             every=int(content.get("every", 1)),
         )
     except KeyError as error:
@@ -82,6 +82,12 @@ def read_card(path: Path) -> PolicyCard:
 
 def _member(member: Mapping[str, Any]) -> dict[str, str]:
     return {key: str(member[key]) for key in ("sha256", "distribution", "version")}
+
+
+def _part(name: str) -> str:
+    if not name.isidentifier():
+        raise ValueError(f"parts has {name!r}, which names no parameter")
+    return name
 
 
 def sha256(content: bytes) -> str:

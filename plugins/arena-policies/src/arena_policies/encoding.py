@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,6 +37,13 @@ class BoundedEncoder(ObservationEncoder):
     @abstractmethod
     def write(self, observations: ObservationBatch, rows: Numbers) -> None:
         """Fill ``rows`` (N, D)."""
+
+
+def columns(layout: Sequence[ObservationField], name: str) -> slice:
+    """Return the columns that a field has in rows of this layout."""
+    place = [field.name for field in layout].index(name)
+    start = sum(field.size for field in layout[:place])
+    return slice(start, start + layout[place].size)
 
 
 def speed_scales(robot: Robot) -> Floats:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from arena_core import (
     Observation,
     ObservationBatch,
     ObservationEncoder,
+    ObservationField,
     Robot,
     ScanMemory,
     Twist,
@@ -47,12 +49,17 @@ class PolicyNetwork:
         if self._encoder.recurrent:
             self._encoded(seen)
 
+    def run(self, numbers: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return the network's answers (N, A) to numbers (N, D) as its encoder writes them."""
+        answers: NDArray[np.float32] = self._session.run(None, {self._input: numbers})[0]
+        return answers
+
     def answers(self, observation: Observation, last_command: Twist) -> NDArray[np.float32]:
         """Return the network's answers (1, A) to one more control step; raise NoValidCommand when something is not a number."""
         numbers = self._encoded(self._seen(observation, last_command))
         if not np.isfinite(numbers).all():
             raise NoValidCommand(f"{self.card.planner}: the observation has values that are not finite")
-        answers: NDArray[np.float32] = self._session.run(None, {self._input: numbers})[0]
+        answers = self.run(numbers)
         if not np.isfinite(answers).all():
             raise NoValidCommand(f"{self.card.planner}: the policy answered with values that are not finite")
         return answers
@@ -115,9 +122,11 @@ def _read(address: str, planner: str, robot: Robot) -> tuple[Path, bytes, Policy
     content = network_content(path)
     card = read_card(path.with_suffix(".json"))
     _check_card(path, card, content, planner, robot)
-    encoder = _encoder(path.with_suffix(".json"), {**card.encoder, **_parts(path, card)}, robot)
-    _check_layout(path.with_suffix(".json"), card, encoder)
-    return path, content, card, encoder, _scale(path.with_suffix(".json"), card, robot)
+    beside = path.with_suffix(".json")
+    encoder = build_encoder(f"{beside}: encoder", {**card.encoder, **_parts(path, card)}, robot)
+    _check_parts(beside, card, encoder)
+    check_layout(beside, card.robot, card.layout, encoder.layout())
+    return path, content, card, encoder, _scale(beside, card, robot)
 
 
 def _parts(path: Path, card: PolicyCard) -> dict[str, str]:
@@ -147,22 +156,29 @@ def _check_card(path: Path, card: PolicyCard, content: bytes, planner: str, robo
         )
 
 
-def _encoder(beside: Path, told: dict[str, Any], robot: Robot) -> ObservationEncoder:
-    """Build the encoder that the card tells of; raise ConfigurationError where what is installed has none like it."""
+def build_encoder(where: str, told: Mapping[str, Any], robot: Robot) -> ObservationEncoder:
+    """Build the encoder that a card tells of at ``where``; raise ConfigurationError where what is installed has none like it."""
     try:
         encoder: ObservationEncoder = load_registry().build("observation_encoder", told, robot=robot)
     except ConfigurationError as error:
-        raise ConfigurationError(f"{beside}: encoder: {error}") from error
+        raise ConfigurationError(f"{where}: {error}") from error
     return encoder
 
 
-def _check_layout(beside: Path, card: PolicyCard, encoder: ObservationEncoder) -> None:
-    """Refuse a robot whose sensors differ from those that the policy was trained with."""
-    made = encoder.layout()
-    if tuple(card.layout) != tuple(made):
-        differing = next((f"{a.name} ({a.meaning})" for a, b in zip(card.layout, made, strict=False) if a != b), "number of fields")
+def _check_parts(beside: Path, card: PolicyCard, encoder: ObservationEncoder) -> None:
+    """Refuse a policy whose encoder runs networks of elsewhere: it would not travel whole."""
+    if card.parts.keys() != encoder.parts().keys():
+        raise InputFileError(
+            f"{beside}: parts are {', '.join(card.parts) or 'none'}; allowed: what its encoder runs, {', '.join(encoder.parts()) or 'none'}"
+        )
+
+
+def check_layout(path: Path, robot: str, trained: Sequence[ObservationField], made: Sequence[ObservationField]) -> None:
+    """Refuse a robot whose sensors make other fields than those that a network was trained on, with ``robot``."""
+    if tuple(trained) != tuple(made):
+        differing = next((f"{a.name} ({a.meaning})" for a, b in zip(trained, made, strict=False) if a != b), "number of fields")
         raise ConfigurationError(
-            f"{beside}: the observation of {card.robot} differs from this robot's in {differing}; allowed: a policy trained for it"
+            f"{path}: the observation of {robot} differs from this robot's in {differing}; allowed: one trained for it"
         )
 
 

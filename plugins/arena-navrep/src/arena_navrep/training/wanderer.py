@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from arena_core import ObservationField
 from arena_policies.actions import ActionScale
+from arena_policies.encoding import columns
 
 Numbers = NDArray[np.float32]
 KEPT = 0.9  # share of its noise that a step keeps
@@ -26,8 +27,7 @@ class Wanderer:
     def __init__(
         self, layout: Sequence[ObservationField], scale: ActionScale, worlds: int, wander: float, random: np.random.Generator
     ) -> None:
-        ends = np.cumsum([field.size for field in layout])
-        self._columns = {field.name: end - field.size for field, end in zip(layout, ends.tolist(), strict=True)}
+        self._ways = [columns(layout, name) for name in ("waypoint_cos", "waypoint_sin")]
         self._beams = layout[0].size
         self._scale, self._wander, self._random = scale, wander, random
         self._noise = np.zeros((worlds, len(scale.names)))
@@ -49,7 +49,7 @@ class Wanderer:
 
     def _aims(self, rows: Numbers) -> NDArray[np.float64]:
         """Return shares (N, A) of the greatest speeds that head for the waypoints."""
-        cos, sin = (rows[:, self._columns[name]].astype(np.float64) for name in ("waypoint_cos", "waypoint_sin"))
+        cos, sin = (rows[:, way.start].astype(np.float64) for way in self._ways)
         room = np.clip(1.5 - rows[:, : self._beams].max(axis=1), 0.1, 1.0)
         turn = np.clip(TURNING * np.arctan2(sin, cos) / self._scale.high[-1], -1.0, 1.0)
         aims = {"vx": self._haste * room * np.maximum(cos, 0.0), "vy": 0.5 * self._haste * sin, "wz": turn, "steering": turn}
