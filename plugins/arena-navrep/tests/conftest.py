@@ -15,11 +15,12 @@ SCAN = {"name": "rosnav_sectors", "sectors": 30, "overlap": 4, "lookback": [], "
 RANGE = {"vx_min": 0.0, "vx_max": None, "vy_max": None, "wz_max": None, "steering_max": None}
 
 
-def linear_model(inputs, outputs):
-    """Return an ONNX model of one layer with fixed weights."""
+def linear_model(inputs, outputs, only=slice(None)):
+    """Return an ONNX model of one layer with fixed weights, which reads ``only`` some columns."""
     from onnx import TensorProto, helper, numpy_helper
 
-    weights = np.random.default_rng(0).normal(0.0, 0.1, (inputs, outputs)).astype(np.float32)
+    weights = np.zeros((inputs, outputs), np.float32)
+    weights[only] = np.random.default_rng(0).normal(0.0, 0.1, weights[only].shape)
     graph = helper.make_graph(
         [helper.make_node("MatMul", ["observation", "weights"], ["action"])],
         "linear",
@@ -97,6 +98,8 @@ def made(tmp_path_factory):
     v_only = write_policy(folders["v_only"], robot, folders["world"], memory=False)
     return SimpleNamespace(
         robot=robot,
+        linear_model=linear_model,
+        sha256=sha256,
         write_world_model=write_world_model,
         words=encoder_words,
         world=folders["world"],

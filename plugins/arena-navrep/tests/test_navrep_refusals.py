@@ -48,10 +48,16 @@ def test_missing_or_damaged_network_is_refused(made, policy, part):
 def test_memory_of_another_vision_is_refused(made):
     words = [*made.words(made.world)[:1], *made.words(made.other_world)[1:]]
     said = refused(lambda: testing.component("observation_encoder", "navrep", words, robot=made.robot))
-    assert "remembers codes of vision" in said
+    assert "remembers codes of 6 by vision" in said
 
 
-@pytest.mark.parametrize("spoil", [{"part": "memory"}, {"format": "other"}, {"code": None}, {"sha256": "0"}, {"layout": 3}, {"writes": 9}])
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        *({"part": "memory"}, {"format": "other"}, {"code": None}, {"sha256": "0"}, {"layout": 3}, {"writes": 9}, {"scan": 3}),
+        *({"scan": {}}, {"code": "x"}, {"hidden": "x"}, {"code": 3}, {"training": 3}, {"layout": []}, {"reads": 9}),
+    ],
+)
 def test_card_that_is_none_of_this_network_is_refused(made, tmp_path, spoil):
     for path in made.world.iterdir():
         shutil.copy(path, tmp_path)
@@ -61,12 +67,33 @@ def test_card_that_is_none_of_this_network_is_refused(made, tmp_path, spoil):
     (tmp_path / "vision.json").write_text(json.dumps(card))
     said = refused(lambda: testing.component("observation_encoder", "navrep", made.words(tmp_path), robot=made.robot))
     assert "vision" in said
+    assert "plugin" not in said
+
+
+def test_memory_of_codes_of_another_size_is_refused(made, tmp_path):
+    for path in made.world.iterdir():
+        shutil.copy(path, tmp_path)
+    card = json.loads((tmp_path / "memory.json").read_text())
+    (tmp_path / "memory.json").write_text(json.dumps(card | {"code": 5, "hidden": 9}))
+    said = refused(lambda: testing.component("observation_encoder", "navrep", made.words(tmp_path), robot=made.robot))
+    assert "remembers codes of 5" in said
+
+
+def test_policy_whose_networks_lie_elsewhere_is_refused(made, policy):
+    beside = policy.with_suffix(".json")
+    card = json.loads(beside.read_text())
+    elsewhere = {part: str(policy.with_name(f"policy.{part}.onnx")) for part in card["parts"]}
+    for left in ({}, {"vision": card["parts"]["vision"]}):
+        beside.write_text(json.dumps(card | {"parts": left, "encoder": {**card["encoder"], **elsewhere}}))
+        said = refused(lambda: load_policy(str(policy), "navrep", made.robot))
+        assert "policy.json: parts are" in said
+        assert "allowed: what its encoder runs, vision, memory" in said
 
 
 def test_robot_with_another_lidar_is_refused(made, policy):
     body = testing.component("robot", "turtlebot3")
     said = refused(lambda: testing.component("observation_encoder", "navrep", made.words(made.world), robot=body))
-    assert "was trained on jackal" in said
+    assert "the observation of jackal differs" in said
     assert "jackal" in refused(lambda: load_policy(str(policy), "navrep", body))
 
 
@@ -85,8 +112,14 @@ def test_policy_without_memory_is_no_policy_of_the_planner_with_one(made):
         (["record", "observation_encoder=rosnav"], "rosnav_sectors"),
         (["record", "device=abacus"], "device"),
         (["record", "resume=perhaps"], "resume"),
-        (["evidence"], "allowed: policy, out"),
+        (["all", "resume"], "resume"),
+        (["evidence"], "allowed: policy=, out="),
+        (["evidence", "policy"], "allowed: policy=, out="),
+        (["evidence", "policy="], "allowed: policy=, out="),
         (["evidence", "out=none", "episodes=many"], "episodes is many"),
+        (["evidence", "out=none", "episodes=0"], "episodes is 0; allowed: a whole number from 2 on"),
+        (["evidence", "out=none", "seed=-1"], "seed is -1"),
+        (["evidence", "policy=none.onnx"], "none.json: no such file"),
         (["evidence", "out=none"], "vision"),
     ],
 )
@@ -109,5 +142,8 @@ def test_training_without_a_world_model_says_how_to_make_one_and_leaves_nothing(
     pytest.importorskip("torch", reason="a controller is trained with the extra arena-navrep[train]")
     monkeypatch.chdir(tmp_path)
     assert main(["train", "planner=navrep", "robot=jackal"]) == 2
-    assert "trainings/world_model_jackal/vision.onnx, which is not there; `arena navrep vision" in capsys.readouterr().err
+    assert (
+        "trainings/world_model_jackal/vision.onnx, which is not there; `arena navrep all robot=... resume=true` makes it"
+        in capsys.readouterr().err
+    )
     assert not list(tmp_path.iterdir())

@@ -14,16 +14,11 @@ from arena_core.execution import _mission
 from arena_gym.environment import NavigationEnv
 from arena_gym.vector_environment import NavigationVectorEnv
 from arena_navrep.world_model import load_part
+from arena_policies.encoding import columns
 from arena_policies.policy import load_policy
 
 SMALL = ["world.width=12", "world.height=12", "task.pedestrians=3", "environment.worlds=2", "environment.problems_per_world=3"]
 BRAIN = ["localizer=ground_truth", "waypoints=spatial_horizon", "replan.on_request=false", "replan.blocked_for=null"]
-
-
-def columns(encoder, name):
-    ends = dict(zip((f.name for f in encoder.layout()), np.cumsum([f.size for f in encoder.layout()]).tolist(), strict=True))
-    size = next(f.size for f in encoder.layout() if f.name == name)
-    return slice(ends[name] - size, ends[name])
 
 
 @pytest.mark.parametrize("part", ["vision", "memory"])
@@ -72,7 +67,7 @@ def test_slot_of_many_worlds_recalls_what_it_recalls_alone(made):
 
 def test_episode_begins_without_memory_of_the_one_before(made):
     env = NavigationEnv(robot="jackal", observation="navrep", overrides=[*SMALL, *made.words(made.world)])
-    hidden = columns(env.batch.parts.encoder, "h")
+    hidden = columns(env.batch.parts.encoder.layout(), "h")
     first = env.reset(seed=0)[0][hidden].copy()
     for _ in range(5):
         later = env.step(np.array((0.5, 0.3), np.float32))[0][hidden].copy()
@@ -112,7 +107,7 @@ def test_memory_is_of_the_code_the_motion_and_the_command_before(made):
     encoder = testing.component("observation_encoder", "navrep", made.words(made.world), robot=made.robot)
     view = testing.observation(pose=Pose(0.3, 0.2), body=made.robot, twist=Twist(0.4, 0.0, 0.2))
     first = encoder.encode(ObservationBatch.of(view, Twist(0.0), recalled=encoder.blank(1)))
-    hidden = columns(encoder, "h")
+    hidden = columns(encoder.layout(), "h")
 
     def remembered(recalled, command):
         return encoder.encode(ObservationBatch.of(view, command, recalled=recalled))[0, hidden]
@@ -121,10 +116,10 @@ def test_memory_is_of_the_code_the_motion_and_the_command_before(made):
     assert (remembered(first, Twist(0.3)) != base).any(), "the command counts"
     for name in ("z", "h", "vx", "wz"):
         changed = first.copy()
-        changed[0, columns(encoder, name)] += 0.1
+        changed[0, columns(encoder.layout(), name)] += 0.1
         assert (remembered(changed, Twist(0.2)) != base).any(), name
     changed = first.copy()
-    changed[0, columns(encoder, "waypoint_distance")] += 0.1
+    changed[0, columns(encoder.layout(), "waypoint_distance")] += 0.1
     assert (remembered(changed, Twist(0.2)) == base).all(), "the way does not"
 
 
@@ -165,5 +160,5 @@ def test_planner_drives_without_torch(made, preset):
 
 
 def test_encoder_without_a_world_model_says_how_to_make_one():
-    with pytest.raises(ConfigurationError, match="arena navrep vision"):
+    with pytest.raises(ConfigurationError, match="arena navrep all"):
         testing.component("observation_encoder", "navrep", ["observation_encoder.vision=nothing.onnx"], robot=testing.robot())

@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ConfigurationError
-from arena_gym.building import build_parts
-from arena_gym.seeds import check_evaluation_seed
-from arena_gym.training.evaluation import Score, evaluate
+from arena_core import ConfigurationError, InputFileError, load_registry, local_path, read_settings
+from arena_gym.settings import EnvironmentSettings
+from arena_gym.training.evaluation import outcomes, unseen_worlds
 from arena_gym.vector_environment import NavigationVectorEnv
 from arena_navrep.prediction import prediction_errors, sequences_of
 from arena_navrep.rollouts import read_rollouts
-from arena_navrep.world_model import load_part
+from arena_navrep.training.settings import Recording
+from arena_navrep.world_model import check_fit, load_part
 from arena_policies.card import PolicyCard, part_path, read_card
-from arena_policies.network import network_content, open_network
+from arena_policies.encoding import columns
+from arena_policies.policy import load_policy
 
-WORLDS = 32  # driven in step
+WORLDS = ("environment", "global_planner", "pedestrians", "randomization", "reward", "robot", "simulator", "task", "waypoints", "world")
 
 Numbers = NDArray[np.float32]
 
@@ -27,8 +31,11 @@ Numbers = NDArray[np.float32]
 def foresight(folder: Path) -> str:
     """Return how well the networks of a world model's folder foresee the codes of its test roll-outs."""
     vision, memory = (load_part(str(folder / f"{part}.onnx"), part) for part in ("vision", "memory"))
-    recording = memory.card.training["config"]["recording"]
-    sequences = sequences_of(read_rollouts(folder, "test", recording["test_files"]), vision, vision.card.layout)
+    check_fit(memory, vision)
+    beside = memory.path.with_suffix(".json")
+    with _of_training(beside):
+        recording = read_settings(_sections(beside, memory.card.training, ("recording",))["recording"], Recording, "recording")
+    sequences = sequences_of(read_rollouts(folder, "test", recording.test_files), vision, vision.card.layout)
     errors = prediction_errors(sequences, memory.run, memory.card.hidden)
     share = (errors["prediction"] / errors["persistence"]) ** 2
     return (
@@ -37,50 +44,61 @@ def foresight(folder: Path) -> str:
     )
 
 
-def worth_of_memory(policy: Path, episodes: int, seed: int) -> str:
+def worth_of_memory(address: str, episodes: int, seed: int) -> str:
     """Return a controller's success in unseen problems as it is, and with a memory h that it sees as zeros."""
-    card = read_card(policy.with_suffix(".json"))
-    if "h" not in [field.name for field in card.layout]:
-        raise ConfigurationError(f"{policy}: sees no memory; allowed: a policy of planner navrep")
-    env = _unseen(policy, card, seed, min(WORLDS, episodes))
-    session = open_network(policy, network_content(policy), sum(f.size for f in card.layout), len(card.action))
-    name, hidden = session.get_inputs()[0].name, _columns(card, "h")
-
-    def act(seen: Numbers) -> Numbers:
-        return np.asarray(session.run(None, {name: seen})[0])
+    path = local_path(address)
+    beside = path.with_suffix(".json")
+    config = _sections(beside, read_card(beside).training, WORLDS)
+    with _of_training(beside):
+        robot = load_registry().build("robot", config["robot"])
+    policy = load_policy(address, "navrep", robot)
+    if "h" not in [field.name for field in policy.card.layout]:
+        raise ConfigurationError(f"{path}: sees no memory; allowed: a policy whose encoder has one")
+    hidden = columns(policy.card.layout, "h")
+    env = _unseen(path, policy.card, config, episodes, seed)
 
     def forgetful(seen: Numbers) -> Numbers:
         shown = seen.copy()
         shown[:, hidden] = 0.0
-        return act(shown)
+        return policy.run(shown)
 
-    return _compared(evaluate(env, act, episodes, seed), evaluate(env, forgetful, episodes, seed))
-
-
-def _unseen(policy: Path, card: PolicyCard, seed: int, worlds: int) -> NavigationVectorEnv:
-    """Return the controller's last level, with all its people, in worlds that no training met."""
-    config = dict(card.training["config"])
-    networks = {name: str(part_path(policy, name)) for name in card.parts}
-    config["observation_encoder"] = {**card.encoder, **networks}
-    config["environment"] = {**config["environment"], "seed": check_evaluation_seed(seed), "collisions_to_end": 1}
-    config["randomization"] = {**config["randomization"], "people": None}
-    env = NavigationVectorEnv(worlds, parts=build_parts(config))
-    staging = env.batch.parts.pool.staging
-    if staging is not None:
-        env.set_stage(staging.levels - 1)
-    return env
+    return _compared(*(outcomes(env, act, episodes, seed) for act in (policy.run, forgetful)))
 
 
-def _columns(card: PolicyCard, name: str) -> slice:
-    ends = np.cumsum([field.size for field in card.layout]).tolist()
-    place = [field.name for field in card.layout].index(name)
-    return slice(ends[place] - card.layout[place].size, ends[place])
+def _unseen(path: Path, card: PolicyCard, config: Mapping[str, Any], episodes: int, seed: int) -> NavigationVectorEnv:
+    """Return worlds that the training of a policy did not meet."""
+    networks = {name: str(part_path(path, name)) for name in card.parts}
+    own = {"observation_encoder": {**card.encoder, **networks}, "action": card.action_range}
+    with _of_training(path.with_suffix(".json")):
+        read_settings(config["environment"], EnvironmentSettings, "environment")
+        return unseen_worlds({**config, **own}, episodes, seed, "seed")
 
 
-def _compared(remembering: Score, forgetful: Score) -> str:
-    gain = remembering.success - forgetful.success
-    spread = sum(s.success * (1.0 - s.success) / s.episodes for s in (remembering, forgetful))
+def _sections(path: Path, training: Mapping[str, Any], names: Sequence[str]) -> dict[str, Any]:
+    """Return sections of the configuration that a card tells; raise InputFileError where one is missing."""
+    config = training.get("config")
+    missing = [name for name in names if not isinstance(config, Mapping) or not isinstance(config.get(name), Mapping)]
+    if missing:
+        raise InputFileError(f"{path}: training.config has no {missing[0]}; allowed: the configuration of a training, whole")
+    assert isinstance(config, Mapping)
+    return {name: config[name] for name in names}
+
+
+@contextmanager
+def _of_training(path: Path) -> Iterator[None]:
+    """Name the card whose training is told of in what is wrong with it."""
+    try:
+        yield
+    except ConfigurationError as error:
+        raise ConfigurationError(f"{path}: training.config: {error}") from error
+
+
+def _compared(remembering: Sequence[str], forgetful: Sequence[str]) -> str:
+    """Return successes and their difference in problems that both drove, with an interval of the pairs' mean."""
+    ended = np.array((remembering, forgetful)) == "goal_reached"
+    gains = ended[0].astype(np.float64) - ended[1]
+    gain, spread = gains.mean(), 1.96 * gains.std(ddof=1) / math.sqrt(len(gains))
     return (
-        f"{remembering.episodes} unseen episodes each: success {remembering.success:.3f}, with h seen as zeros {forgetful.success:.3f}; "
-        f"memory gains {gain:.3f} (95 %: {gain - 1.96 * math.sqrt(spread):.3f} .. {gain + 1.96 * math.sqrt(spread):.3f})"
+        f"{len(gains)} unseen episodes each: success {ended[0].mean():.3f}, with h seen as zeros {ended[1].mean():.3f}; "
+        f"memory gains {gain:.3f} (95 % of pairs: {gain - spread:.3f} .. {gain + spread:.3f})"
     )

@@ -16,7 +16,7 @@ USAGE = (
     "       arena navrep evidence policy=FILE [out=DIR] [episodes=200] [seed=1000]"
 )
 NEEDED = ("arena_gym", "torch", "stable_baselines3", "onnx", "onnxscript")
-OWN = ("out", "resume")
+OWN = ("out=", "resume=")
 
 
 class NavrepCommand(Command):
@@ -35,8 +35,8 @@ class NavrepCommand(Command):
         if stage not in (*STAGES, "all"):
             raise ConfigurationError(f"stage is {stage}; allowed: {', '.join(STAGES)}, all, evidence")
         _check_installed(NEEDED)
-        given = dict(word.split("=", 1) for word in words if word.startswith(tuple(f"{name}=" for name in OWN)))
-        config = plain(compose([word for word in words if word.split("=")[0] not in OWN], "world_model"))
+        given = dict(word.split("=", 1) for word in words if word.startswith(OWN))
+        config = plain(compose([word for word in words if not word.startswith(OWN)], "world_model"))
         folder = Path(given.get("out") or f"trainings/world_model_{config['robot']['name']}")
         for chosen in STAGES if stage == "all" else (stage,):
             _run_stage(chosen, config, folder, given.get("resume", "false"))
@@ -78,20 +78,22 @@ def _run_stage(stage: str, config: Mapping[str, Any], folder: Path, resume: str)
 
 def _show_evidence(words: Sequence[str]) -> int:
     given = dict(word.partition("=")[::2] for word in words)
-    unknown = given.keys() - {"policy", "out", "episodes", "seed"}
-    if unknown or not (given.get("policy") or given.get("out")):
-        raise ConfigurationError(
-            f"arena navrep evidence: {', '.join(sorted(unknown)) or 'nothing given'}; allowed: policy, out, episodes, seed"
-        )
-    numbers = {name: given.get(name, default) for name, default in (("episodes", "200"), ("seed", "1000"))}
-    wrong = next((name for name, value in numbers.items() if not value.isdecimal()), None)
-    if wrong is not None:
-        raise ConfigurationError(f"{wrong} is {numbers[wrong]}; allowed: a whole number")
+    wrong = [word for word in words if word.partition("=")[0] not in ("policy", "out", "episodes", "seed") or not word.partition("=")[2]]
+    if wrong or not given.keys() & {"policy", "out"}:
+        raise ConfigurationError(f"arena navrep evidence: {', '.join(wrong) or 'nothing given'}; allowed: policy=, out=, episodes=, seed=")
+    episodes, seed = _number(given, "episodes", "200", least=2), _number(given, "seed", "1000", least=0)
     _check_installed(("arena_gym",))
     from arena_navrep.evidence import foresight, worth_of_memory
 
     if "out" in given:
         print(foresight(Path(given["out"])))
     if "policy" in given:
-        print(worth_of_memory(Path(given["policy"]), int(numbers["episodes"]), int(numbers["seed"])))
+        print(worth_of_memory(given["policy"], episodes, seed))
     return 0
+
+
+def _number(given: Mapping[str, str], name: str, default: str, least: int) -> int:
+    value = given.get(name, default)
+    if not (value.isascii() and value.isdecimal() and int(value) >= least):
+        raise ConfigurationError(f"{name} is {value}; allowed: a whole number from {least} on")
+    return int(value)
