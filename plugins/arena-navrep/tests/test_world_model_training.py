@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import json
+import zipfile
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from arena_core.cli import main
 from arena_gym.building import compose_environment
 from arena_navrep.prediction import Sequences, prediction_errors
 from arena_navrep.rollouts import Rollouts, read_rollouts, write_rollouts
+from arena_navrep.world_model import load_part, write_part
 
 torch = pytest.importorskip("torch", reason="training needs the extra arena-navrep[train]")
 
@@ -166,6 +169,34 @@ def test_checkpoint_that_is_none_is_refused(tmp_path):
         fitted(torch.nn.Linear(1, 1), lambda random: iter(()), tmp_path)
 
 
+def test_checkpoint_of_a_gpu_goes_on_without_one(tmp_path):
+    network = torch.nn.Linear(2, 1)
+
+    def losses(random):
+        yield network(torch.ones(1, 2)).square().mean()
+
+    fitted(network, losses, tmp_path, epochs=1)
+    path, there = tmp_path / "checkpoint.pt", io.BytesIO()
+    with zipfile.ZipFile(path) as before, zipfile.ZipFile(there, "w") as after:
+        for item in before.namelist():  # the pickle says of each tensor where it lay
+            after.writestr(item, before.read(item).replace(b"X\x03\0\0\0cpu", b"X\x06\0\0\0cuda:0"))
+    assert b"cuda:0" in there.getvalue()
+    path.write_bytes(there.getvalue())
+    assert [row["epoch"] for row in fitted(network, losses, tmp_path, epochs=2)] == [1, 2]
+
+
+def test_network_is_there_only_with_its_card(made, tmp_path, monkeypatch):
+    part = load_part(str(made.world / "vision.onnx"), "vision")
+
+    def cut_off(*_):
+        raise CutOffError
+
+    monkeypatch.setattr("arena_navrep.world_model.write_text_whole", cut_off)
+    with pytest.raises(CutOffError):
+        write_part(tmp_path / "vision.onnx", part.path.read_bytes(), part.card)
+    assert not (tmp_path / "vision.onnx").exists()
+
+
 def test_rollouts_are_read_as_they_were_written(tmp_path):
     random = np.random.default_rng(0)
     written = [
@@ -201,6 +232,9 @@ def test_world_model_and_controller_are_trained_and_drive(tmp_path, monkeypatch,
     curve = json.loads((folder / "vision" / "curve.json").read_text())
     assert curve[-1]["error"] < curve[0]["error"]
     assert curve[-1]["error"] < 0.85 * curve[-1]["spread"]
+
+    assert "convolutions of 32, 64, 64 channels over 30 sectors" in json.loads((folder / "vision.json").read_text())["training"]["shrunk"]
+    assert "recurrent units of 16 in place" in json.loads((folder / "memory.json").read_text())["training"]["shrunk"]
 
     lost = folder / "rollouts" / "train_01.npz"
     before = lost.read_bytes()

@@ -64,7 +64,7 @@ def _resumed(path: Path, network: nn.Module, optimizer: torch.optim.Optimizer) -
     if not path.exists():
         return []
     try:
-        content: dict[str, Any] = torch.load(path, weights_only=True)
+        content: dict[str, Any] = torch.load(path, weights_only=True, map_location="cpu")
         network.load_state_dict(content["network"])
         optimizer.load_state_dict(content["optimizer"])
         return list(content["curve"])

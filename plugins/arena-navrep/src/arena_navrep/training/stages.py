@@ -59,8 +59,9 @@ def fit_vision(config: Mapping[str, Any], folder: Path) -> None:
 
     curve = fit(vision, losses, score, settings.epochs, settings.learning_rate, config["seed"], folder / "vision")
     content = network_to_onnx(vision, train.shape[1], "scan", "code")
-    reads = train.shape[1], settings.code
-    write_part(folder / "vision.onnx", content, _card("vision", config, content, reads, settings.code, 0, sha256(content), curve))
+    sizes, channels = (train.shape[1], settings.code), ", ".join(str(layer.channels) for layer in settings.convolutions)
+    shrunk = f"convolutions of {channels} channels over {train.shape[1]} sectors in place of 32 .. 256 over 1080 beams; structure kept"
+    write_part(folder / "vision.onnx", content, _card("vision", config, content, sizes, settings.code, 0, sha256(content), shrunk, curve))
 
 
 def fit_memory(config: Mapping[str, Any], folder: Path) -> None:
@@ -83,7 +84,8 @@ def fit_memory(config: Mapping[str, Any], folder: Path) -> None:
     reads = vision.card.code + train.motions.shape[2] + settings.hidden
     content = network_to_onnx(memory, reads, "recalled", "remembered")
     sizes = reads, settings.hidden + vision.card.code
-    card = _card("memory", config, content, sizes, vision.card.code, settings.hidden, vision.card.sha256, curve)
+    shrunk = f"gated recurrent units of {settings.hidden} in place of an LSTM of 512; structure kept"
+    card = _card("memory", config, content, sizes, vision.card.code, settings.hidden, vision.card.sha256, shrunk, curve)
     write_part(folder / "memory.onnx", content, card)
 
 
@@ -127,11 +129,19 @@ def _evaluated(network: nn.Module, numbers: np.ndarray[Any, np.dtype[np.float32]
 
 
 def _card(
-    part: str, config: Mapping[str, Any], content: bytes, sizes: tuple[int, int], code: int, hidden: int, vision: str, curve: Curve
+    part: str,
+    config: Mapping[str, Any],
+    content: bytes,
+    sizes: tuple[int, int],
+    code: int,
+    hidden: int,
+    vision: str,
+    shrunk: str,
+    curve: Curve,
 ) -> PartCard:
     training = {
         "seed": config["seed"],
-        "shrunk": "codes of 32 over sectors in place of 1080 beams, gated recurrent units in place of an LSTM of 512; structure kept",
+        "shrunk": shrunk,
         "curve": curve,
         "config": {key: value for key, value in config.items() if part == "memory" or key != "memory"},
         "versions": {name: version(name) for name in PACKAGES},
