@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arena_core import ConfigurationError, ObservationBatch, Pose, Twist, testing
+from arena_core import ConfigurationError, ObservationBatch, ObservationField, Pose, Twist, testing
 from arena_core.cli import main
 
 pytest.importorskip("torch", reason="training needs the extra arena-gym[train]")
@@ -216,3 +216,18 @@ def test_evaluation_ends_at_the_first_collision_whatever_training_does(here):
 
     config = compose_environment(["recipe=beginner", "robot=jackal", "environment.collisions_to_end=null"], primary="train")
     assert unseen_worlds(config, 1, 7, "seed").batch.parts.settings.collisions_to_end == 1
+
+
+def test_convolutions_read_scans_that_follow_one_another():
+    from arena_gym.training.learning import beams_of
+    from arena_gym.training.settings import Network
+
+    network = Network("scan", (), 8, (8,), -0.7, None, None)
+    layout = tuple(
+        ObservationField(name, size, "-", 0.0, 1.0, "")
+        for name, size in (("way", 2), ("scan", 6), ("scan_1", 6), ("goal", 2), ("scan_2", 6))
+    )
+    assert beams_of(network, layout) == (slice(2, 14), 2)
+    assert beams_of(network, layout[:3]) == (slice(2, 14), 2)
+    with pytest.raises(ConfigurationError, match=r"training\.network\.beams_field is scan; allowed: way"):
+        beams_of(network, layout[:1])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
@@ -72,8 +71,8 @@ def beams_of(network: Network, layout: tuple[ObservationField, ...]) -> tuple[sl
     start = 0
     for place, field in enumerate(layout):
         if field.name == network.beams_field:
-            in_a_row = takewhile(lambda f, of=field: f.name.startswith(of.name) and f.size == of.size, layout[place:])
-            scans = sum(1 for _ in in_a_row)
+            alike = [f.name.startswith(field.name) and f.size == field.size for f in layout[place:]]
+            scans = [*alike, False].index(False)
             return slice(start, start + scans * field.size), scans
         start += field.size
     names = ", ".join(field.name for field in layout)

@@ -8,7 +8,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from arena_core import ObservationEncoder, local_path, read_settings, write_bytes_whole
+from arena_core import ConfigurationError, ObservationEncoder, local_path, read_settings, write_bytes_whole
 from arena_gym.building import Parts, build_parts
 from arena_gym.training.evaluation import Score, unseen_worlds
 from arena_gym.training.export import to_onnx
