@@ -15,7 +15,11 @@ HERE = Path(__file__).resolve().parent
 def main(names: list[str]) -> int:
     """Run the named benchmarks (all without names) in turn in this process."""
     sys.path.insert(0, str(HERE))
-    chosen = names or sorted(path.stem.removeprefix("bench_") for path in HERE.glob("bench_*.py"))
+    there = sorted(path.stem.removeprefix("bench_") for path in HERE.glob("bench_*.py"))
+    if unknown := sorted(set(names) - set(there)):
+        print(f"benchmarks: no {', '.join(unknown)}; allowed: {', '.join(there)}", file=sys.stderr)
+        return 2
+    chosen = names or there
     rows: list[dict[str, Any]] = []
     for name in chosen:
         print(f"measuring {name} ...", file=sys.stderr)
