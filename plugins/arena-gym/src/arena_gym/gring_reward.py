@@ -14,8 +14,9 @@ class GringReward(Reward):
     """Waypoints approached and reached, less what walls, standing, and people cost that the robot has not stopped for; times ``scale``.
 
     After Guldenring et al. 2020, rule 2_1. Waypoints are approached along the path, where the release measured straight; one that is
-    left behind again is lost again. A person costs once, when it comes near: that ends no episode here; ``too_near`` makes it cost on, in
-    proportion to the clearance that is missing from ``too_near_distance``.
+    left behind again is lost again. With ``straight_to_goal`` the way left is no shorter than straight to the goal. A person costs once,
+    when it comes near: that ends no episode here; ``too_near`` makes it cost on, in proportion to the clearance that is missing from
+    ``too_near_distance``.
     """
 
     def __init__(
@@ -26,6 +27,7 @@ class GringReward(Reward):
         collision: NonNegative,
         nearer: NonNegative,
         farther: NonNegative,
+        straight_to_goal: bool,
         waypoint: NonNegative,
         spacing: Positive,
         wall_distance: NonNegative,
@@ -39,7 +41,7 @@ class GringReward(Reward):
         turning_from: NonNegative,
     ) -> None:
         self._scale, self._goal, self._collision = scale, goal, collision
-        self._nearer, self._farther = nearer, farther
+        self._nearer, self._farther, self._straight = nearer, farther, straight_to_goal
         self._waypoint, self._spacing = waypoint, spacing
         self._wall_distance = wall_distance
         self._people, self._people_gap, self._stopped_for = people, people_distance - robot.footprint.radius, stopped_for
@@ -55,10 +57,12 @@ class GringReward(Reward):
         return np.asarray(self._scale * (total + self._goal * transition.arrived))
 
     def _of_waypoints(self, transition: Transition) -> Floats:
-        """Reward the way along the path, and the waypoints passed on it; nothing so near a wall."""
+        """Reward the way to the goal, and the waypoints passed on the path; nothing so near a wall."""
         before, after = transition.before.path_lengths_left, transition.after.path_lengths_left
-        gain = before - after
         passed = np.floor(before / self._spacing) - np.floor(after / self._spacing)
+        if self._straight:
+            before, after = np.maximum(before, transition.before.goal_distances), np.maximum(after, transition.after.goal_distances)
+        gain = before - after
         near_wall = (transition.after.clearances < self._wall_distance) & (transition.after.clearances < transition.after.clearances_people)
         earned = np.where(gain > 0.0, self._nearer, self._farther) * gain + self._waypoint * passed
         return np.where(near_wall, 0.0, earned)
