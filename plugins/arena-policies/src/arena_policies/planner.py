@@ -55,6 +55,6 @@ def shipped_policy(name: str, robot: Robot, folder: str) -> str:
     if robot.name not in there:
         raise ConfigurationError(
             f"{name}: no policy for {robot.name} (`arena train planner={name} robot={robot.name}` trains one); "
-            f"allowed: {', '.join([*there, 'or planner.policy=FILE'])}"
+            f"allowed: {''.join(f'{each}, ' for each in there)}{'or ' * bool(there)}planner.policy=FILE"
         )
     return f"{folder}/{robot.name}.onnx"
