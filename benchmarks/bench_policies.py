@@ -1,4 +1,4 @@
-"""Time a call of each policy that comes with ROSNAV, encoding and scaling included, against the same network in PyTorch."""
+"""Time a call of each learned planner's policy, encoding and scaling included, against a network of ROSNAV's size in PyTorch."""
 
 from __future__ import annotations
 
@@ -17,12 +17,13 @@ from arena_policies.policy import load_policy
 
 CALLS, REPEATS, GOAL = 500, 9, 0.25  # [-], [-], ms
 ROBOTS = ("turtlebot3", "jackal", "robotino")
+PLANNERS = ("rosnav", "gring", "navrep")
 
 
-def calls(robot: str) -> Callable[[], None]:
-    """Return calls of a robot's policy."""
+def calls(planner: str, robot: str) -> Callable[[], None]:
+    """Return calls of a planner's policy for a robot."""
     body = testing.component("robot", robot)
-    policy = load_policy(str(resources.files("arena_rosnav") / "policies" / f"{robot}.onnx"), "rosnav", body)
+    policy = load_policy(str(resources.files(f"arena_{planner}") / "policies" / f"{robot}.onnx"), planner, body)
     view, last = testing.observation(body=body), Twist(0.1)
 
     def run() -> None:
@@ -50,17 +51,18 @@ def network() -> Callable[[], None]:
 
 
 def measure() -> list[dict[str, Any]]:
-    """Return a row for each robot; the goal is in ms."""
-    times = interleave({**{robot: calls(robot) for robot in ROBOTS}, "torch": network()}, REPEATS)
+    """Return a row for each planner and robot; the goal is in ms."""
+    runs = {f"{planner}, {robot}": calls(planner, robot) for planner in PLANNERS for robot in ROBOTS}
+    times = interleave({**runs, "torch": network()}, REPEATS)
     ms = {name: 1e3 * median(seconds) / CALLS for name, seconds in times.items()}
     return [
         {
-            "what": f"policy call, {robot} (goal {GOAL} ms)",
-            "ours_ms": ms[robot],
+            "what": f"policy call, {who} (goal {GOAL} ms)",
+            "ours_ms": ms[who],
             "peer": "network alone in PyTorch",
             "peer_ms": ms["torch"],
-            "ratio": ms[robot] / ms["torch"],
+            "ratio": ms[who] / ms["torch"],
             "goal": None,
         }
-        for robot in ROBOTS
+        for who in runs
     ]
