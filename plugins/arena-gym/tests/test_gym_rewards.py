@@ -115,10 +115,11 @@ def test_gring_earns_the_way_and_each_waypoint_on_it_once():
 
 
 def test_gring_may_count_the_way_straight_to_the_goal_where_it_is_longer():
+    straight = "gring", "differential", "reward.straight_to_goal=true"
     past = {"both_path_lengths_left": 0.0, "both_goal_distances": 2.0, "after_goal_distances": 1.5}
     assert earned("gring", **past) == 0.0
-    assert earned("gring", "differential", "reward.straight_to_goal=true", **past) == pytest.approx(0.1 * 4.5 * 0.5)
-    assert earned("gring", "differential", "reward.straight_to_goal=true", after_path_lengths_left=5.8) == earned("gring", after_path_lengths_left=5.8)
+    assert earned(*straight, **past) == pytest.approx(0.1 * 4.5 * 0.5)
+    assert earned(*straight, after_path_lengths_left=5.8) == earned("gring", after_path_lengths_left=5.8)
 
 
 def test_gring_earns_no_way_close_to_a_wall_but_among_people():
