@@ -66,7 +66,10 @@ VIEWS = {
 }
 
 
-@pytest.fixture(scope="module", params=load_registry().names("planner"))
+WITHOUT_POLICY = ("aio",)  # no policy comes with it; its own tests write one
+
+
+@pytest.fixture(scope="module", params=[name for name in load_registry().names("planner") if name not in WITHOUT_POLICY])
 def built(request):
     """Return a planner and its robot: the sample, or a Jackal where a policy knows real robots alone."""
     body = BODY
