@@ -25,7 +25,7 @@ def test_policy_is_small_and_its_card_has_what_its_recipe_composes(planner, robo
     training = card["training"]
     composed = json.loads(json.dumps(compose_environment([f"recipe={planner}", f"robot={robot}"], primary="train")))
     assert training["steps"] >= composed["total_steps"]
-    for key in ("action", "randomization", "reward", "total_steps", "training"):
+    for key in ("action", "observation_encoder", "randomization", "reward", "total_steps", "training"):
         assert training["config"][key] == composed[key], key
 
 

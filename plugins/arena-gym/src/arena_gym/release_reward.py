@@ -55,7 +55,7 @@ class ReleaseReward(Reward):
         total -= self._near * (transition.after.nearest_ranges < self._safe)
         total -= self._collision * transition.collided
         gain = transition.before.goal_distances - transition.after.goal_distances
-        return np.asarray(total + _either(gain, self._progress, self._regress))
+        return np.asarray(total + either_way(gain, self._progress, self._regress))
 
     def _of_driving(self, transition: Transition) -> Floats:
         commands, weights = transition.commands, self._consumption
@@ -66,7 +66,7 @@ class ReleaseReward(Reward):
         before, after = transition.before, transition.after
         on_path = after.path_distances <= self._following_within
         free = (before.nearest_ranges > self._smooth_beyond) & (after.nearest_ranges > self._smooth_beyond)
-        nearer = _either(before.path_distances - after.path_distances, self._nearer, self._farther)
+        nearer = either_way(before.path_distances - after.path_distances, self._nearer, self._farther)
         return np.asarray(self._following * on_path * transition.commands[:, 0] + free * nearer)
 
     def _of_smoothness(self, transition: Transition) -> Floats:
@@ -78,5 +78,6 @@ class ReleaseReward(Reward):
         return np.asarray(-1.0 * free * (jumps[:, 0] + jumps[:, 1] + jumps[:, 2] + self._reverse * (transition.commands[:, 0] < 0.0)))
 
 
-def _either(gain: Floats, if_positive: float, if_negative: float) -> Floats:
+def either_way(gain: Floats, if_positive: float, if_negative: float) -> Floats:
+    """Return ``gain`` times the one weight or the other."""
     return np.where(gain > 0.0, if_positive, if_negative) * gain

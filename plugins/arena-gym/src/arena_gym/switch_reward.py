@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import NonNegative, Positive, Reward, Robot, Transition
+from arena_gym.release_reward import either_way
 
 Floats = NDArray[np.float64]
 
@@ -39,10 +40,6 @@ class SwitchReward(Reward):
         after = transition.after
         among = after.clearances_people < self._people_gap
         gain = transition.before.goal_distances - after.goal_distances
-        total = np.where(among, _either(gain, *self._among_people), _either(gain, *self._elsewhere))
+        total = np.where(among, either_way(gain, *self._among_people), either_way(gain, *self._elsewhere))
         total -= np.where(among, self._near * (after.nearest_ranges < self._safe), self._standing * (after.standing_times > 0.0))
         return np.asarray(total + self._goal * transition.arrived - self._collision * transition.collided)
-
-
-def _either(gain: Floats, if_positive: float, if_negative: float) -> Floats:
-    return np.where(gain > 0.0, if_positive, if_negative) * gain

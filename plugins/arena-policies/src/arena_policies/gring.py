@@ -24,9 +24,9 @@ class GringEncoder(BoundedEncoder):
     """Ranges of some sectors and the positions of waypoints ahead on the path, in ``base_link`` (Guldenring et al. 2020).
 
     Earlier scans are shown as they were then, so that what stands moves as the robot did, or ``aligned``: as they would be seen from
-    where the robot is now, so that what stands coincides. With ``decay`` ranges come as closeness and
-    each waypoint over its way along the path; without, both come in metres. ``resolution`` rounds both, m. ``speeds`` adds the measured
-    ones, as the image variant of the release has them.
+    where the robot is now, so that what stands coincides. With ``decay`` ranges come as closeness and each waypoint over its way along
+    the path; without, both come in metres. ``resolution`` rounds both, m. ``speeds`` adds the measured ones, as the image variant of the
+    release has them.
     """
 
     def __init__(
