@@ -41,8 +41,6 @@ def test_everything_installed_holds_its_contract_or_needs_a_file(arena):
         "world=scenario_map",
         "task=barn",
         "task=scenario",
-        "planner=aio",
-        "planner=aio_random",
         "observation_encoder=navrep",
         "observation_encoder=navrep_v_only",
     }

@@ -66,10 +66,7 @@ VIEWS = {
 }
 
 
-WITHOUT_POLICY = ("aio",)  # no policy comes with it; its own tests write one
-
-
-@pytest.fixture(scope="module", params=[name for name in load_registry().names("planner") if name not in WITHOUT_POLICY])
+@pytest.fixture(scope="module", params=load_registry().names("planner"))
 def built(request):
     """Return a planner and its robot: the sample, or a Jackal where a policy knows real robots alone."""
     body = BODY

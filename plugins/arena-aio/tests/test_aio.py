@@ -1,10 +1,11 @@
-"""AIO drives by the member that its policy prefers, and refuses members that the policy was not trained with."""
+"""AIO drives by the member that its policy prefers, and refuses members that the policy was not trained with; its own are as trained."""
 
 from __future__ import annotations
 
 import json
 import re
 from dataclasses import replace
+from importlib import resources
 from pathlib import Path
 
 import numpy as np
@@ -15,10 +16,12 @@ from onnx import TensorProto, helper, numpy_helper
 from arena_aio.planner import Aio
 from arena_core import ConfigurationError, Planner, Twist, compose, load_registry, plain, testing
 from arena_core.cli import main
+from arena_gym.building import compose_environment
 from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.card import PolicyCard, sha256, write_card
 from arena_policies.members import Members, build_members, describe_members
 
+ROBOTS = "turtlebot3", "jackal", "robotino"
 ENCODER = plain(compose(["observation_encoder=aio"], "component"))["observation_encoder"]
 MEMBERS = {name: plain(compose([f"planner={name}", "robot=jackal"]))["planner"] for name in ("pure_pursuit", "dwa")}
 
@@ -45,8 +48,9 @@ def here(tmp_path, monkeypatch):
     """Work in a folder whose conf/ makes pure pursuit and DWA the members of planner ``mine`` and of ``switch=mine``."""
     defaults = "defaults:\n  - /planner@members.pure_pursuit: pure_pursuit\n  - /planner@members.dwa: dwa\n"
     for group, more in (("planner", ""), ("switch", "  - /local_map@local_map: rolling\n  - /tracker@tracker: kalman\n")):
+        held = "held: 1\n" if group == "switch" else ""
         (tmp_path / "conf" / group).mkdir(parents=True)
-        (tmp_path / "conf" / group / "mine.yaml").write_text(defaults + more + "  - _self_\nevery: 3\nmembers: {}\n")
+        (tmp_path / "conf" / group / "mine.yaml").write_text(defaults + more + f"  - _self_\nevery: 3\n{held}members: {{}}\n")
     mine = tmp_path / "conf" / "planner" / "mine.yaml"
     mine.write_text(mine.read_text() + "name: aio\npolicy: policy.onnx\nchoice: policy\n")
     monkeypatch.chdir(tmp_path)
@@ -283,3 +287,14 @@ def test_switch_is_trained_and_drives_with_the_members_of_its_card(here, capsys)
     assert "2 episodes" in said
     assert main(["choices", "planner=dwa"]) == 2
     assert "allowed: a switch" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_policy_is_small_and_its_card_has_what_its_recipe_composes(robot):
+    folder = resources.files("arena_aio") / "policies"
+    assert len((folder / f"{robot}.onnx").read_bytes()) <= 2 * 10**6
+    training = json.loads((folder / f"{robot}.json").read_text("utf-8"))["training"]
+    composed = json.loads(json.dumps(compose_environment(["recipe=aio", f"robot={robot}"], primary="train")))
+    assert training["steps"] >= composed["total_steps"]
+    for key in ("observation_encoder", "randomization", "reward", "switch", "total_steps", "training"):
+        assert training["config"][key] == composed[key], key

@@ -9,6 +9,7 @@ from arena_core import ConfigurationError
 from arena_gym.building import build_parts, compose_environment
 from arena_gym.environment import NavigationEnv
 from arena_gym.switched_batch import SwitchedBatch
+from arena_gym.training.evaluation import unseen_worlds
 from arena_gym.vector_environment import NavigationVectorEnv
 
 SWITCH = """
@@ -19,6 +20,7 @@ defaults:
   - /tracker@tracker: kalman
   - _self_
 every: 3
+held: 1
 members: {}
 """
 WORDS = (
@@ -52,6 +54,14 @@ def test_action_chooses_who_drives_for_three_control_steps(parts):
         assert batch.steps.tolist() == [36]
         ways.append(batch.seen.poses[0].copy())
     assert np.abs(ways[0] - ways[1]).max() > 1e-3, "two members drive two ways"
+
+
+def test_action_holds_for_some_decisions_but_not_in_an_evaluation(parts):
+    training = parts("switch.held=5")
+    for batch, steps in ((SwitchedBatch(training, 1), 15), (unseen_worlds(training.config, 1, 7, "seed").batch, 3)):
+        batch.reset([3])
+        batch.step(np.array([1]))
+        assert batch.steps.tolist() == [steps]
 
 
 def test_world_of_several_is_what_it_is_alone_bit_for_bit(parts):

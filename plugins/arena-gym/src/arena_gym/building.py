@@ -27,9 +27,13 @@ from arena_policies.members import Members, build_members, describe_members
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SwitchParts:
-    """Planners that an action chooses among, for ``every`` control steps: what a card says of them, and how one world's are made."""
+    """Planners that an action chooses among: what a card says of them, and how one world's are made.
+
+    A policy decides at every ``every``-th control step; an action holds for ``held`` such decisions.
+    """
 
     every: int
+    held: int
     members: Mapping[str, Mapping[str, str]]
     make_driver: Callable[[], Driver]
 
@@ -92,7 +96,7 @@ def _switch(config: Mapping[str, Any], registry: Registry, robot: Robot) -> Swit
         local_map = registry.build("local_map", settings.local_map, robot=robot)
         return Driver(robot, own, local_map, registry.build("tracker", settings.tracker, robot=robot))
 
-    return SwitchParts(settings.every, describe_members(settings.members, members, registry), make_driver)
+    return SwitchParts(settings.every, settings.held, describe_members(settings.members, members, registry), make_driver)
 
 
 def _pool(config: Mapping[str, Any], registry: Registry, robot: Robot, settings: EnvironmentSettings) -> ProblemPool:

@@ -59,9 +59,13 @@ class Randomization:
 
 @dataclass(frozen=True, slots=True)
 class SwitchSettings:
-    """Planners that an action chooses among for ``every`` control steps, with the local map and the tracker that they share."""
+    """Planners that an action chooses among, with the local map and the tracker that they share.
+
+    A policy decides at every ``every``-th control step; an action holds for ``held`` such decisions.
+    """
 
     every: PositiveInt
+    held: PositiveInt
     members: dict[str, dict[str, Any]]
     local_map: dict[str, Any]
     tracker: dict[str, Any]

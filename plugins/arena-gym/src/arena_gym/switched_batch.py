@@ -22,13 +22,13 @@ class SwitchedBatch(NavigationBatch):
     def __init__(self, parts: Parts, worlds: int) -> None:
         super().__init__(parts, worlds)
         assert parts.switch is not None
-        self._every = parts.switch.every
+        self._every = parts.switch.every * parts.switch.held
         self._members = len(parts.switch.members)
         self._drivers = [parts.switch.make_driver() for _ in range(worlds)]
         self._places: list[tuple[ObservationBatch, int] | None] = [None] * worlds
 
     def step(self, actions: NDArray[Any]) -> Step:
-        """Drive by the members ``actions`` (N,), for so many control steps as a decision lasts; rewards add up."""
+        """Drive by the members ``actions`` (N,), for so many control steps as an action holds; rewards add up."""
         chosen = np.asarray(actions).reshape(self.worlds)
         if not np.isin(chosen, np.arange(self._members)).all():
             raise ConfigurationError(f"an action is {chosen.tolist()}; allowed: 0 .. {self._members - 1} each, the places of members")

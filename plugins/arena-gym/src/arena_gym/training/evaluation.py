@@ -34,11 +34,16 @@ class Score:
 def unseen_worlds(config: Mapping[str, Any], episodes: int, seed: int, name: str) -> NavigationVectorEnv:
     """Return worlds and problems that no training meets, on the last level, with all people; the first collision ends an episode.
 
+    A switch decides as often as it will when it drives, however long its training holds a choice.
+
     Raises ConfigurationError where ``seed``, called ``name``, is the training's.
     """
     own = config["environment"]
     environment = {**own, "seed": check_unseen_seed(seed, own["seed"], name), "collisions_to_end": 1}
-    parts = build_parts({**config, "environment": environment, "randomization": {**config["randomization"], "people": None}})
+    changed = {"environment": environment, "randomization": {**config["randomization"], "people": None}}
+    if config.get("switch") is not None:
+        changed["switch"] = {**config["switch"], "held": 1}
+    parts = build_parts({**config, **changed})
     env = NavigationVectorEnv(min(WORLDS, episodes), parts=parts)
     if parts.pool.staging is not None:
         env.set_stage(parts.pool.staging.levels - 1)
