@@ -21,6 +21,7 @@ SWITCH = """defaults:
   - /tracker@tracker: kalman
   - _self_
 every: 3
+held: 1
 members: {}
 """
 
