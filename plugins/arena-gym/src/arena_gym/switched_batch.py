@@ -22,7 +22,7 @@ class SwitchedBatch(NavigationBatch):
     def __init__(self, parts: Parts, worlds: int) -> None:
         super().__init__(parts, worlds)
         assert parts.switch is not None
-        self._every = parts.switch.every * parts.switch.held
+        self._steps_of_action = parts.switch.every * parts.switch.held
         self._members = len(parts.switch.members)
         self._drivers = [parts.switch.make_driver() for _ in range(worlds)]
         self._places: list[tuple[ObservationBatch, int] | None] = [None] * worlds
@@ -33,7 +33,7 @@ class SwitchedBatch(NavigationBatch):
         if not np.isin(chosen, np.arange(self._members)).all():
             raise ConfigurationError(f"an action is {chosen.tolist()}; allowed: 0 .. {self._members - 1} each, the places of members")
         total = self._control(chosen, np.ones(self.worlds, bool))
-        for _ in range(self._every - 1):
+        for _ in range(self._steps_of_action - 1):
             goes_on = ~(total.terminated | total.truncated)
             if goes_on.any():
                 total = _joined(total, self._control(chosen, goes_on), goes_on)
