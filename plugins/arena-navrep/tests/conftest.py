@@ -45,7 +45,7 @@ def write_world_model(folder, robot, seed=0):
     torch.manual_seed(seed)
     layout = load_registry().build("observation_encoder", SCAN, robot=robot).layout()
     motion = 6 if robot.holonomic else 4
-    vision = network_to_onnx(Vision(layout[0].size, 6, [Convolution(4, 5, 2)], 0.1), layout[0].size, "scan", "code")
+    vision = network_to_onnx(Vision(layout[0].size, 6, [Convolution(4, 5, 2)], 0.1, 0.0), layout[0].size, "scan", "code")
     own = robot.name, SCAN, layout
     write_part(folder / "vision.onnx", vision, PartCard("vision", *own, layout[0].size, 6, 6, 0, sha256(vision), sha256(vision)))
     memory = network_to_onnx(Memory(6, motion, 8, 3), 6 + motion + 8, "recalled", "remembered")

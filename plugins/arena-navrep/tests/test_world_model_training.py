@@ -58,13 +58,32 @@ def test_vision_draws_again_what_it_coded(tmp_path):
     from arena_navrep.training.vision import Vision
 
     torch.manual_seed(0)
-    vision = Vision(40, 8, [Convolution(8, 5, 2), Convolution(16, 3, 2)], 0.1)
+    vision = Vision(40, 8, [Convolution(8, 5, 2), Convolution(16, 3, 2)], 0.1, 0.0)
     train, test = boxes(2000, np.random.default_rng(0)), boxes(200, np.random.default_rng(1))
     fitted(vision, lambda random: (vision.loss(part, random) for part in train.split(50)), tmp_path, epochs=8)
     with torch.no_grad():
         missed = (vision.decode(vision(test)) - test).square().mean()
     assert missed < 0.25 * (test - test.mean(dim=0)).square().mean()
     assert vision(test).abs().max() <= 6.0
+
+
+def test_vision_that_grants_less_noise_to_what_is_near_draws_that_better(tmp_path):
+    from arena_gym.training.settings import Convolution
+    from arena_navrep.training.vision import Vision
+
+    train, test = boxes(2000, np.random.default_rng(0)), boxes(200, np.random.default_rng(1))
+    missed = {}
+    for near in 0.0, 1.5:
+        torch.manual_seed(0)
+        vision = Vision(40, 3, [Convolution(8, 5, 2), Convolution(16, 3, 2)], 0.1, near)
+
+        def losses(random, vision=vision):
+            return (vision.loss(part, random) for part in train.split(50))
+
+        fitted(vision, losses, tmp_path / str(near), epochs=8)
+        with torch.no_grad():
+            missed[near] = (vision.decode(vision(test)) - test)[test > 0.5].square().mean()
+    assert missed[1.5] < 0.7 * missed[0.0]
 
 
 def spinning(robots, steps, random):

@@ -27,6 +27,7 @@ class VisionSettings:
     code: PositiveInt
     convolutions: tuple[Convolution, ...]
     noise: Positive
+    near: NonNegative
     epochs: PositiveInt
     minibatch: PositiveInt
     learning_rate: Positive

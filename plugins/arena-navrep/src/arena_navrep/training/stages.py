@@ -44,7 +44,7 @@ def fit_vision(config: Mapping[str, Any], folder: Path) -> None:
     settings = read_settings(config["vision"], VisionSettings, "vision")
     device = _prepared(config, settings.threads)
     train, test = (rollouts.scans.reshape(-1, rollouts.scans.shape[2]) for rollouts in _rollouts(config, folder))
-    vision = Vision(train.shape[1], settings.code, settings.convolutions, settings.noise).to(device)
+    vision = Vision(train.shape[1], settings.code, settings.convolutions, settings.noise, settings.near).to(device)
     scans = torch.from_numpy(train)
 
     def losses(random: torch.Generator) -> Iterator[torch.Tensor]:

@@ -14,11 +14,15 @@ from arena_navrep.world_model import CODE_MAX
 
 
 class Vision(nn.Module):
-    """Codes scans (N, S) by convolutions, and makes scans of codes (N, Z) by the same ones transposed."""
+    """Codes scans (N, S) by convolutions, and makes scans of codes (N, Z) by the same ones transposed.
 
-    def __init__(self, beams: int, code: int, convolutions: Sequence[Convolution], noise: float) -> None:
+    What it draws may miss a scan's closeness c by a standard deviation of ``noise`` exp(-``near`` c / 2): with ``near`` more of the code
+    goes to what is close to the robot.
+    """
+
+    def __init__(self, beams: int, code: int, convolutions: Sequence[Convolution], noise: float, near: float) -> None:
         super().__init__()
-        self._noise = noise
+        self._noise, self._near = noise, near
         channels = [1, *(layer.channels for layer in convolutions)]
         self._lengths = [beams]
         for layer in convolutions:
@@ -46,11 +50,12 @@ class Vision(nn.Module):
         return drawn.squeeze(1)
 
     def loss(self, scans: torch.Tensor, random: torch.Generator) -> torch.Tensor:
-        """Return the negative evidence lower bound of scans, on average."""
+        """Return the negative evidence lower bound of scans (N, S), on average, but for what does not depend on the network."""
         mean, log_variance = self._posterior(scans)
         noise = torch.randn(mean.shape, generator=random).to(mean.device)
         missed = self.decode(mean + (0.5 * log_variance).exp() * noise) - scans
-        surprise = 0.5 * (missed / self._noise).square().sum(dim=1)
+        granted = self._noise * (-0.5 * self._near * scans).exp()
+        surprise = 0.5 * (missed / granted).square().sum(dim=1)
         divergence = 0.5 * (mean.square() + log_variance.exp() - 1.0 - log_variance).sum(dim=1)
         return (surprise + divergence).mean()
 
