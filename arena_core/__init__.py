@@ -64,6 +64,7 @@ from arena_core.learning import (
     Situation,
     Transition,
 )
+from arena_core.navigator import NAVIGATOR_KEYS
 from arena_core.obstacles import with_obstacles
 from arena_core.parameters import Bounds, Fraction, NonNegative, NonNegativeInt, Positive, PositiveInt
 from arena_core.recording import find_runs, read_record, write_bytes_whole, write_text_whole
@@ -97,6 +98,7 @@ __all__ = [
     "FREE",
     "INSCRIBED",
     "LETHAL",
+    "NAVIGATOR_KEYS",
     "NO_TRACKS",
     "OCCUPIED",
     "OFF_PATH",

@@ -19,11 +19,25 @@ from arena_core.interfaces import Localizer, Metric, MetricPack, Simulator, Task
 from arena_core.navigator import Navigator, ReplanRules
 from arena_core.parameters import NonNegativeInt, PositiveInt
 from arena_core.recording import Recorder, write_grid
+from arena_core.recovery import RecoveryRules
 from arena_core.registry import Registry
 from arena_core.robot import Robot
 
 BRAIN = ("localizer", "global_planner", "waypoints", "local_map", "tracker")
-NEEDED = ("robot", "world", "task", "pedestrians", "simulator", *BRAIN, "planner", "executor", "replan", "timing", "recording")
+NEEDED = (
+    "robot",
+    "world",
+    "task",
+    "pedestrians",
+    "simulator",
+    *BRAIN,
+    "planner",
+    "executor",
+    "replan",
+    "recoveries",
+    "timing",
+    "recording",
+)
 NOT_PART_OF_A_CELL = ("seed", "episodes", "executor", "resume", "report", "metrics", "recording", "experiment", "choices")
 
 
@@ -87,11 +101,12 @@ def build_benchmark(config: Mapping[str, Any], registry: Registry) -> Benchmark:
     pedestrians = registry.build("pedestrians", config["pedestrians"])
     simulator = registry.build("simulator", config["simulator"], robot=robot, pedestrians=pedestrians)
     control_period = _control_period(config, robot, simulator)
-    replan = read_settings(config["replan"], ReplanRules, "replan")
     parts = {k: registry.build(k, config[k], robot=robot) for k in BRAIN}
     _check_map(config, parts["localizer"])
-    planner = registry.build("planner", {k: v for k, v in config["planner"].items() if k != "control_period"}, robot=robot)
-    navigator = Navigator(robot, **parts, planner=planner, replan=replan, control_period=control_period)
+    planner = registry.build("planner", config["planner"], robot=robot)
+    replan = read_settings(_with_planners_own(config, "replan"), ReplanRules, "replan")
+    recoveries = read_settings(_with_planners_own(config, "recoveries"), RecoveryRules, "recoveries")
+    navigator = Navigator(robot, **parts, planner=planner, replan=replan, recoveries=recoveries, control_period=control_period)
     timing = read_settings(config["timing"], Timing, "timing")
     recording = read_settings(config["recording"], RecordingSettings, "recording")
     metrics = build_metrics(config, registry)
@@ -144,6 +159,17 @@ def _check_map(config: Mapping[str, Any], localizer: Localizer) -> None:
     if localizer.needs_map and config["world"].get("known") is False:
         name = config["localizer"]["name"]
         raise ConfigurationError(f"world.known is false and localizer {name} needs a map; allowed: world.known=true, or another localizer")
+
+
+def _with_planners_own(config: Mapping[str, Any], key: str) -> dict[str, Any]:
+    """Return the run's rules with what the planner's configuration says otherwise in their place."""
+    own = config["planner"].get(key) or {}
+    if not isinstance(own, Mapping):
+        raise ConfigurationError(f"planner.{key} is {own!r}; allowed: a mapping with keys of {key}, or null")
+    for name in own:
+        if name not in config[key]:
+            raise ConfigurationError(f"planner.{key} has no parameter {name} (allowed: {', '.join(config[key])})")
+    return {**config[key], **own}
 
 
 def _control_period(config: Mapping[str, Any], robot: Robot, simulator: Simulator) -> float:

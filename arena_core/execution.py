@@ -13,21 +13,25 @@ from arena_core.geometry import Twist
 from arena_core.interfaces import Simulator
 from arena_core.interrupt import interrupts
 from arena_core.navigator import BRAKE, Decision, Mission, Navigator
-from arena_core.parameters import NonNegative
+from arena_core.parameters import NonNegative, Positive
 from arena_core.recording import Recorder
 from arena_core.success import ARRIVAL_SLACK
 
 
 @dataclass(frozen=True, slots=True)
 class Timing:
-    """How late commands act: ``ideal`` at once, ``latency`` a fixed time (s), ``measured`` the wall time that the step took."""
+    """How late commands act: ``ideal`` at once, ``latency`` a fixed time (s), ``measured`` the wall time that the step took.
+
+    ``measured`` counts the whole navigator, ``compute_factor`` times: a robot's computer is slower than the one at hand.
+    """
 
     mode: Literal["ideal", "latency", "measured"]
     latency: NonNegative
+    compute_factor: Positive
 
     def delay(self, decision: Decision) -> float:
         """Return the delay of a command, s."""
-        return {"ideal": 0.0, "latency": self.latency, "measured": decision.planner_seconds}[self.mode]
+        return {"ideal": 0.0, "latency": self.latency, "measured": self.compute_factor * decision.spent.navigator}[self.mode]
 
 
 class CommandQueue:

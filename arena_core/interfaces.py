@@ -116,11 +116,15 @@ class LocalMap(ABC):
         """Take in one scan seen from ``pose`` (base_link in ``map`` at the scan's stamp) and return the window."""
 
     @abstractmethod
-    def planning_grid(self, goal: Pose) -> OccupancyGrid:
+    def planning_grid(self, goal: Pose, all_marks: bool) -> OccupancyGrid:
         """Return the static map with the window's marks on it; without a map, all that scans have shown so far, unknown cells free.
 
-        A grid without a map beneath holds ``goal``.
+        Unless ``all_marks``, those that may be walls of the map seen from a pose that is a little off are left out. A grid without a map
+        beneath holds ``goal``.
         """
+
+    def clear(self, pose: Pose, beyond: float) -> None:  # noqa: B027 - a map without marks has nothing to clear
+        """Forget the marks of the window that are at least ``beyond`` m from ``pose``, as a recovery does; the map beneath stays."""
 
 
 class Tracker(ABC):

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
-from time import perf_counter
+from time import perf_counter, process_time
 
 import numpy as np
 
@@ -26,12 +26,14 @@ from arena_core.interfaces import (
     WaypointGenerator,
 )
 from arena_core.parameters import Fraction, NonNegative, Positive
+from arena_core.recovery import Begun, Recoveries, RecoveryRules
 from arena_core.robot import Robot
 from arena_core.sensing import Observation, PoseEstimate, Sensors
 from arena_core.streams import generator
 from arena_core.world import INSCRIBED, Costmap, OccupancyGrid, Path
 
 BRAKE = Twist(0.0, 0.0, 0.0)
+NAVIGATOR_KEYS = ("control_period", "replan", "recoveries")  # what a planner's configuration may say of its navigator
 _SLOT = np.zeros(1, np.int64)
 
 
@@ -64,12 +66,23 @@ class ReplanRules:
     gain: Fraction
 
 
+@dataclass(frozen=True, slots=True)
+class Spent:
+    """What one control step took, s, never part of a record: the planner's wall and CPU time, the whole navigator's wall time."""
+
+    planner: float
+    planner_cpu: float
+    navigator: float
+
+
+NO_TIME = Spent(0.0, 0.0, 0.0)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Decision:
     """One control step of the navigator.
 
     ``command`` is what to send; ``arrived`` is judged on the estimate. ``planned`` is the path if it is new, else None.
-    ``planner_seconds`` is wall time, never part of a record.
     """
 
     command: Twist
@@ -78,7 +91,7 @@ class Decision:
     planned: Path | None
     arrived: bool
     events: tuple[Event, ...]
-    planner_seconds: float
+    spent: Spent
 
 
 class Navigator:
@@ -94,6 +107,7 @@ class Navigator:
         tracker: Tracker,
         planner: Planner,
         replan: ReplanRules,
+        recoveries: RecoveryRules,
         control_period: float,
     ) -> None:
         self.robot = robot
@@ -104,6 +118,7 @@ class Navigator:
         self.tracker = tracker
         self.planner = planner
         self.replan = replan
+        self.recoveries = Recoveries(recoveries, robot)
         self.control_period = control_period
         self._rehearsed = not planner.compiles
 
@@ -121,6 +136,7 @@ class Navigator:
         self.waypoints.reset(_SLOT, 1)
         self.local_map.reset(mission.map)
         self.tracker.reset(mission.map)
+        self.recoveries.reset()
         self.planner.reset(EpisodeStart(mission.map, mission.goal, self.control_period, stream("planner")))
 
     def rehearse(self, sensors: Sensors) -> None:
@@ -137,17 +153,23 @@ class Navigator:
         return self.decide(sensors).command
 
     def decide(self, sensors: Sensors) -> Decision:
-        """Localise, plan where needed, choose a waypoint and ask the planner.
+        """Localise, recover if there is no progress, plan where needed, choose a waypoint and ask the planner.
 
         Raises NoPath when there is no first path, InvalidCommand when the planner returns no finite Twist.
         """
+        began = perf_counter()
+        decision = self._decide(sensors)
+        return replace(decision, spent=replace(decision.spent, navigator=perf_counter() - began))
+
+    def _decide(self, sensors: Sensors) -> Decision:
         estimate = self.localizer.update(sensors)
         if estimate.pose.distance(self.mission.goal) <= self.mission.goal_radius:
-            return Decision(BRAKE, estimate, self.mission.goal, None, True, (), 0.0)
+            return Decision(BRAKE, estimate, self.mission.goal, None, True, (), NO_TIME)
+        begun = self._begin_recovery(estimate.pose, sensors.stamp)
         scan_pose = _pose_at_scan(estimate.pose, sensors)
         local_map: Callable[[], Costmap] = cache(lambda: self.local_map.update(sensors.scan, scan_pose))
         before = self._path
-        path, waypoint, events = self._plan(estimate.pose, sensors.stamp, local_map)
+        path, waypoint, events = self._plan(estimate.pose, sensors.stamp, local_map, begun)
         observation = Observation(
             sensors.stamp,
             estimate.pose,
@@ -161,14 +183,25 @@ class Navigator:
             local_map,
             cache(lambda: self.tracker.update(sensors.scan, scan_pose, sensors.stamp)),
         )
-        command, refusals, seconds = self._ask_planner(observation)
+        recovering = self.recoveries.command(estimate.pose, sensors.stamp, local_map, waypoint)
+        command, refusals, spent = (recovering, (), NO_TIME) if recovering is not None else self._ask_planner(observation)
         planned = path if path is not before else None
-        return Decision(command, estimate, waypoint, planned, False, events + refusals, seconds)
+        return Decision(command, estimate, waypoint, planned, False, events + refusals, spent)
 
-    def _plan(self, pose: Pose, stamp: float, local_map: Callable[[], Costmap]) -> tuple[Path, Pose, tuple[Event, ...]]:
-        """Return path, waypoint and the replans that led there (at most two: a due one, and one that the waypoint asked for)."""
-        reason = self._due(pose, stamp, local_map)
-        events = self._replan(pose, stamp, reason, local_map) if reason else ()
+    def _begin_recovery(self, pose: Pose, stamp: float) -> Begun | None:
+        """Return the recovery behaviour that begins now; what it wipes off the local map is gone before the scan is taken in."""
+        begun = self.recoveries.begin(pose, stamp)
+        if begun is not None and begun.clear_beyond is not None:
+            self.local_map.clear(pose, begun.clear_beyond)
+        return begun
+
+    def _plan(
+        self, pose: Pose, stamp: float, local_map: Callable[[], Costmap], begun: Begun | None
+    ) -> tuple[Path, Pose, tuple[Event, ...]]:
+        """Return path, waypoint and the events that led there: a recovery, a due replan, and one that the waypoint asked for."""
+        reason = "recovery" if begun is not None else self._due(pose, stamp, local_map)
+        events = () if begun is None else (begun.event,)
+        events += self._replan(pose, stamp, reason, local_map) if reason else ()
         waypoint, status = self._next_waypoint(pose, stamp)
         if status != WAYPOINT_FOUND and self.replan.on_request and self._may_replan(stamp):
             events += self._replan(pose, stamp, REPLAN_REASONS[status], local_map)
@@ -197,9 +230,8 @@ class Navigator:
     def _replan(self, pose: Pose, stamp: float, reason: str, local_map: Callable[[], Costmap]) -> tuple[Event, ...]:
         """Plan anew and note it; keep the old path when there is no new one."""
         self._planned_at, self._blocked_since = stamp, None
-        grid = self._planning_grid(reason, local_map)
         try:
-            path = self.global_planner.plan(grid, pose, self.mission.goal)
+            grid, path = self._new_path(pose, reason, local_map)
         except NoPath:
             if self._path is None:
                 raise
@@ -210,33 +242,42 @@ class Navigator:
         self.waypoints.reset(_SLOT, 1)
         return (Event(stamp, "replan", reason),)
 
+    def _new_path(self, pose: Pose, reason: str, local_map: Callable[[], Costmap]) -> tuple[OccupancyGrid, Path]:
+        """Return a path and the grid that it was planned on: the static map first, later with what the scans have shown.
+
+        All marks count, as they do for what blocks the robot. Only where they leave no way, those that may be the map's own walls, seen
+        from a pose that is a little off, do not.
+        """
+        if self.mission.map is not None and reason == "start":
+            return self.mission.map, self.global_planner.plan(self.mission.map, pose, self.mission.goal)
+        local_map()
+        grid = self.local_map.planning_grid(self.mission.goal, True)
+        try:
+            return grid, self.global_planner.plan(grid, pose, self.mission.goal)
+        except NoPath:
+            grid = self.local_map.planning_grid(self.mission.goal, False)
+            return grid, self.global_planner.plan(grid, pose, self.mission.goal)
+
     def _is_as_good(self, grid: OccupancyGrid, pose: Pose, new: Path) -> bool:
         """Tell whether what is left of the old path costs little more than the new one."""
         assert self._path is not None
         old = self.global_planner.cost(grid, _rest(self._path, pose))
         return math.isfinite(old) and (1.0 - self.replan.gain) * old <= self.global_planner.cost(grid, new)
 
-    def _planning_grid(self, reason: str, local_map: Callable[[], Costmap]) -> OccupancyGrid:
-        """Return the static map for the first path; later, and where there is no map, what the scans have shown counts too."""
-        if self.mission.map is not None and reason == "start":
-            return self.mission.map
-        local_map()
-        return self.local_map.planning_grid(self.mission.goal)
-
     def _next_waypoint(self, pose: Pose, stamp: float) -> tuple[Pose, int]:
         assert self._path is not None
         found = self.waypoints.next(PathBatch.of([self._path]), pose.array()[None], np.array((stamp,)))
         return Pose.of(found.poses[0]), int(found.status[0])
 
-    def _ask_planner(self, observation: Observation) -> tuple[Twist, tuple[Event, ...], float]:
-        """Return the planner's command (the brake if it has none), the event of a refusal, and the wall time taken."""
-        began = perf_counter()
+    def _ask_planner(self, observation: Observation) -> tuple[Twist, tuple[Event, ...], Spent]:
+        """Return the planner's command (the brake if it has none), the event of a refusal, and what it took."""
+        began, cpu_began = perf_counter(), process_time()
         refusals: tuple[Event, ...] = ()
         try:
             command = checked(self.planner.compute_velocity(observation), self.planner)
         except NoValidCommand as refusal:
             command, refusals = BRAKE, (Event(observation.stamp, "no_valid_command", str(refusal)),)
-        return command, refusals, perf_counter() - began
+        return command, refusals, Spent(perf_counter() - began, process_time() - cpu_began, 0.0)
 
 
 def checked(command: object, planner: Planner) -> Twist:

@@ -60,7 +60,7 @@ class Recorder:
             arrays["scan_ranges"] = np.array(self._scans, dtype=np.float32)
         events = [_event(e) for d in self._decisions for e in d.events]
         meta = {**self._meta, "outcome": outcome, "error": error, "events": events}
-        return EpisodeRecord(arrays, meta, {"planner_seconds": np.array([d.planner_seconds for d in self._decisions])})
+        return EpisodeRecord(arrays, meta, _timing_arrays(self._decisions))
 
 
 def write_record(folder: Path, episode: int, record: EpisodeRecord) -> None:
@@ -204,6 +204,14 @@ def _path_arrays(decisions: list[Decision]) -> dict[str, NDArray[Any]]:
         "path_poses": np.concatenate([path.poses for _, path in planned]) if planned else np.empty((0, 3)),
         "path_offsets": np.cumsum([0, *lengths], dtype=np.int64),
         "path_stamps": np.array([stamp for stamp, _ in planned], dtype=np.float64),
+    }
+
+
+def _timing_arrays(decisions: list[Decision]) -> dict[str, NDArray[np.float64]]:
+    return {
+        "planner_seconds": np.array([d.spent.planner for d in decisions]),
+        "planner_cpu_seconds": np.array([d.spent.planner_cpu for d in decisions]),
+        "navigator_seconds": np.array([d.spent.navigator for d in decisions]),
     }
 
 

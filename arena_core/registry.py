@@ -14,6 +14,7 @@ from arena_core import interfaces, learning
 from arena_core.conversion import build
 from arena_core.errors import ArenaError, BrokenPlugin, ConfigurationError, DuplicateComponent, UnknownComponent
 from arena_core.hookspecs import Factory
+from arena_core.navigator import NAVIGATOR_KEYS
 from arena_core.plugins import broken, enabled_entry_points, load_plugins
 from arena_core.robot import Robot
 
@@ -105,7 +106,8 @@ class Registry:
     def build(self, kind: str, node: Mapping[str, Any], **context: Any) -> Any:
         """Build the component that ``node["name"]`` names from the node's other keys and the context that it asks for.
 
-        Raises ConfigurationError, naming the key and what is allowed, before anything runs.
+        What a planner's node says of its navigator is not the planner's. Raises ConfigurationError, naming the key and what is allowed,
+        before anything runs.
         """
         if "name" not in node:
             raise ConfigurationError(f"{kind} has no key name; choose one with {kind}=..., installed: {', '.join(self.names(kind))}")
@@ -113,8 +115,9 @@ class Registry:
 
     def _build(self, kind: str, node: Mapping[str, Any], key: str, context: Mapping[str, Any]) -> Any:
         component = self.component(kind, str(node["name"]))
+        own = {name: value for name, value in node.items() if kind != "planner" or name not in NAVIGATOR_KEYS}
         try:
-            return build(component.resolve(), node, key, context, self._nested)
+            return build(component.resolve(), own, key, context, self._nested)
         except (ArenaError, MemoryError):
             raise
         except Exception as error:

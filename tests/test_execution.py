@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from arena_core import Contact, Crowd, Pose, PoseEstimate, Simulator, Snapshot, Twist
 from arena_core.execution import CommandQueue, Timing, joined, judge, run_episode
-from arena_core.navigator import Decision
+from arena_core.navigator import NO_TIME, Decision, Spent
 from arena_core.recording import Recorder
 from arena_core.testing import robot, scan, scenario
 from arena_core.testing.samples import IDEAL
@@ -67,7 +67,7 @@ class Brain:
             raise self.error
         arrived = sensors.odometry.pose.distance(self.mission.goal) <= self.mission.goal_radius
         estimate = PoseEstimate(sensors.odometry.pose, np.zeros((3, 3)))
-        return Decision(self.command, estimate, self.mission.goal, None, arrived, (), self.seconds)
+        return Decision(self.command, estimate, self.mission.goal, None, arrived, (), Spent(0.5 * self.seconds, 0.0, self.seconds))
 
 
 def episode(brain=None, simulator=None, timing=IDEAL, problem=None, stop_on_collision=False):
@@ -97,7 +97,7 @@ def test_segments_are_never_empty_and_fill_the_interval(begin, length, at):
 
 
 def decision(arrived):
-    return Decision(Twist(0.0), PoseEstimate(Pose(0.0, 0.0), np.zeros((3, 3))), Pose(0.0, 0.0), None, arrived, (), 0.0)
+    return Decision(Twist(0.0), PoseEstimate(Pose(0.0, 0.0), np.zeros((3, 3))), Pose(0.0, 0.0), None, arrived, (), NO_TIME)
 
 
 @pytest.mark.parametrize(
@@ -165,25 +165,32 @@ def test_a_collision_ends_an_episode_only_when_asked_to():
 @pytest.mark.parametrize(("latency", "ticks"), [(0.0, 0), (0.02, 1), (0.03, 2), (0.1, 5), (0.25, 13)])
 def test_a_late_command_lets_the_robot_stand_meanwhile(latency, ticks):
     simulator = Glide()
-    episode(simulator=simulator, timing=Timing("latency", latency))
+    episode(simulator=simulator, timing=Timing("latency", latency, 1.0))
     assert simulator.commands[: ticks + 1] == [[0.0, 0.0, 0.0]] * ticks + [[1.0, 0.0, 0.0]]
 
 
 def test_measured_timing_is_late_by_the_time_really_taken():
     simulator = Glide()
-    episode(Brain(seconds=0.05), simulator, Timing("measured", 0.0))
+    episode(Brain(seconds=0.05), simulator, Timing("measured", 0.0, 1.0))
     assert simulator.commands[:4] == [[0.0, 0.0, 0.0]] * 3 + [[1.0, 0.0, 0.0]]
 
 
+def test_a_slower_computer_is_later_in_proportion():
+    simulator = Glide()
+    episode(Brain(seconds=0.01), simulator, Timing("measured", 0.0, 8.0))
+    assert simulator.commands[:5] == [[0.0, 0.0, 0.0]] * 4 + [[1.0, 0.0, 0.0]]
+
+
 def test_ideal_timing_ignores_the_time_taken():
-    assert Timing("ideal", 0.3).delay(replace(decision(False), planner_seconds=9.0)) == 0.0
+    assert Timing("ideal", 0.3, 1.0).delay(replace(decision(False), spent=Spent(9.0, 9.0, 9.0))) == 0.0
 
 
 def test_wall_time_is_no_part_of_the_record():
     fast, slow = episode(Brain(seconds=0.0)), episode(Brain(seconds=1.0))
     assert all(np.array_equal(fast[name], slow[name], equal_nan=True) for name in fast.arrays)
     assert fast.meta == slow.meta
-    assert slow.timing["planner_seconds"].tolist() == [1.0] * (len(slow["stamp"]) - 1)
+    assert slow.timing["navigator_seconds"].tolist() == [1.0] * (len(slow["stamp"]) - 1)
+    assert slow.timing["planner_seconds"].tolist() == [0.5] * (len(slow["stamp"]) - 1)
 
 
 def test_the_navigator_is_told_start_goal_and_map_of_the_scenario_unless_the_world_is_unknown():

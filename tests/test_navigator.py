@@ -26,10 +26,12 @@ from arena_core import (
     Waypoints,
 )
 from arena_core.navigator import BRAKE, Mission, Navigator, ReplanRules
+from arena_core.recovery import RecoveryRules
 from arena_core.testing import free_costmap, robot, room, sensors, straight_path
 
 GOAL = Pose(3.0, 0.0)
 WHEN_ASKED = ReplanRules(None, True, None, 0.0, 0.0)
+NO_RECOVERIES = RecoveryRules([], 0.5, 10.0, 3.0, 3.0, 5.0, 1.57, 1.0, 0.3, 0.15)
 
 
 class Odometer(Localizer):
@@ -88,7 +90,7 @@ class Window(LocalMap):
         self.poses.append(pose)
         return self.costmap
 
-    def planning_grid(self, goal):
+    def planning_grid(self, goal, all_marks):
         assert goal == GOAL
         return self.grid
 
@@ -121,8 +123,8 @@ class Says(Planner):
 def drive():
     """Make a navigator that stands ready in the walled room; keyword ``map`` None: an unknown world."""
 
-    def make(answer=Twist(0.5), rules=WHEN_ASKED, map=room()):  # noqa: B008 - both are frozen
-        navigator = Navigator(robot(), Odometer(), Straight(), Ahead(), Window(), Nobody(), Says(answer), rules, 0.1)
+    def make(answer=Twist(0.5), rules=WHEN_ASKED, map=room(), recoveries=NO_RECOVERIES):  # noqa: B008 - both are frozen
+        navigator = Navigator(robot(), Odometer(), Straight(), Ahead(), Window(), Nobody(), Says(answer), rules, recoveries, 0.1)
         navigator.reset(Mission(map, Pose(0.0, 0.0), GOAL, 0.3, 7, "sample/0"))
         return navigator
 
@@ -392,7 +394,9 @@ def test_what_goes_wrong_in_the_rehearsal_is_reported_in_the_episode():
     class Broken(Says):
         compiles = True
 
-    navigator = Navigator(robot(), Odometer(), Straight(), Ahead(), Window(), Nobody(), Broken(RuntimeError("lost")), WHEN_ASKED, 0.1)
+    navigator = Navigator(
+        robot(), Odometer(), Straight(), Ahead(), Window(), Nobody(), Broken(RuntimeError("lost")), WHEN_ASKED, NO_RECOVERIES, 0.1
+    )
     navigator.reset(Mission(room(), Pose(0.0, 0.0), GOAL, 0.3, 7, "sample/0"))
     navigator.rehearse(at(0.0))
     with pytest.raises(RuntimeError, match="lost"):

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
 from arena_core import ABSENT, EpisodeRecord, InputFileError, OccupancyGrid, Pose, RunFolderError, recording
+from arena_core.navigator import NO_TIME
 from arena_core.recording import (
     Recorder,
     find_runs,
@@ -80,7 +81,7 @@ def test_who_leaves_keeps_the_column_and_is_nowhere():
 
 
 def test_scans_are_kept_only_when_asked_for():
-    decision = recording.Decision(None, None, None, None, False, (), 0.0)
+    decision = recording.Decision(None, None, None, None, False, (), NO_TIME)
     view = sensors(Pose(0.0, 0.0), robot())
     for keep in (False, True):
         recorder = Recorder(scenario(), robot(), {}, keep_scans=keep)

@@ -166,7 +166,7 @@ def check_local_map(local_map: LocalMap, body: Robot) -> Facts:
             ),
         )
         goal = Pose(-4.0, 0.0)
-        planning = local_map.planning_grid(goal)
+        planning = local_map.planning_grid(goal, True)
         holds_goal = isinstance(planning, OccupancyGrid) and bool(planning.contains(planning.cells((goal.x, goal.y))))
         yield "a planning grid that holds the goal comes from it", holds_goal
 

@@ -14,7 +14,7 @@ from arena_core.episode import Contact, EpisodeRecord, EpisodeStart, Event, Scen
 from arena_core.execution import Timing
 from arena_core.geometry import FloatArray, Footprint, Pose, Twist
 from arena_core.interfaces import Planner
-from arena_core.navigator import Decision
+from arena_core.navigator import NO_TIME, Decision, Spent
 from arena_core.recording import Recorder
 from arena_core.registry import load_registry
 from arena_core.robot import Kinematics, Lidar, OdometryModel, Robot, VelocityLimits
@@ -22,7 +22,7 @@ from arena_core.sensing import NO_TRACKS, LaserScan, Observation, Odometry, Pose
 from arena_core.streams import generator
 from arena_core.world import ABSENT, LETHAL, Costmap, OccupancyGrid, Path, Pedestrians, PedestrianSpec, World
 
-IDEAL = Timing("ideal", 0.0)
+IDEAL = Timing("ideal", 0.0, 1.0)
 ROOM_SIDE = 10.0  # m
 
 
@@ -151,9 +151,9 @@ def record(steps: int = 31, contact: bool = False, leaves: bool = False) -> Epis
         estimate = PoseEstimate(state.pose, np.zeros((3, 3)))
         path = straight_path(problem.start, problem.goal) if k == 0 else None
         events = () if path is None else (Event(0.0, "replan", "start"),)
-        decision = Decision(Twist(1.0), estimate, problem.goal, path, False, events, 1e-3)
+        decision = Decision(Twist(1.0), estimate, problem.goal, path, False, events, Spent(1e-3, 1e-3, 2e-3))
         recorder.add(state, sensors(state.pose, body, state.stamp), decision)
-    final = Decision(Twist(0.0), PoseEstimate(states[-1].pose, np.zeros((3, 3))), problem.goal, None, True, (), 0.0)
+    final = Decision(Twist(0.0), PoseEstimate(states[-1].pose, np.zeros((3, 3))), problem.goal, None, True, (), NO_TIME)
     return recorder.finish(states[-1], "goal_reached", "", final)
 
 
@@ -162,7 +162,7 @@ def component(kind: str, preset: str, overrides: Sequence[str] = (), robot_prese
     chosen = [f"{kind}={preset}"] + ([f"robot={robot_preset}"] if robot_preset else [])
     node = plain(compose([*chosen, *overrides], config_name="component"))[kind]
     node = node.get(preset, node) if kind == "metrics" else node
-    return load_registry().build(kind, {k: v for k, v in node.items() if (kind, k) != ("planner", "control_period")}, **context)
+    return load_registry().build(kind, node, **context)
 
 
 def planner(preset: str, body: Robot, *overrides: str, robot_preset: str | None = None) -> Planner:

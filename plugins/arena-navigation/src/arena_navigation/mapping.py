@@ -61,16 +61,16 @@ def _grown(cells: NDArray[np.float32], shape: NDArray[np.int64], place: NDArray[
     return grown
 
 
-def with_marks(grid: OccupancyGrid, cells: NDArray[np.int64], resolution: float) -> OccupancyGrid:
+def with_marks(grid: OccupancyGrid, cells: NDArray[np.int64], resolution: float, all_marks: bool) -> OccupancyGrid:
     """Return ``grid`` with marked cells (K, 2) of column and row in the plane occupied; ``grid`` itself if all are on it already.
 
-    A mark beside an occupied cell is taken for that: a pose that is a little off must not narrow every door.
+    Unless ``all_marks``, a mark beside an occupied cell is taken for that: a pose that is a little off narrows every door.
     """
     samples = max(1, math.ceil(resolution / grid.resolution - 1e-6))
     offsets = (np.stack(np.divmod(np.arange(samples**2), samples), axis=1) + 0.5) / samples
     marked = grid.cells(((cells[:, None] + offsets) * resolution).reshape(-1, 2))
     marked = marked[grid.contains(marked)]
-    beside = 1.5 * max(resolution, grid.resolution)
+    beside = 0.0 if all_marks else 1.5 * max(resolution, grid.resolution)
     marked = marked[grid.derive(grid_distance)[marked[:, 0], marked[:, 1]] > beside]
     if not len(marked):
         return grid

@@ -67,13 +67,20 @@ class RollingMap(LocalMap):
         costs = inflate(distance, self._resolution, self._table)
         return Costmap(costs, distance, self._resolution, np.array(self._corner[::-1]) * self._resolution)
 
-    def planning_grid(self, goal: Pose) -> OccupancyGrid:
+    def clear(self, pose: Pose, beyond: float) -> None:
+        """Forget the window's marks that are at least ``beyond`` m from ``pose``."""
+        rows, columns = np.nonzero(self._hit_at > NEVER)
+        centres = (np.stack((columns, rows), axis=1) + self._corner[::-1] + 0.5) * self._resolution
+        far = np.hypot(*(centres - (pose.x, pose.y)).T) >= beyond
+        self._hit_at[rows[far], columns[far]] = NEVER
+
+    def planning_grid(self, goal: Pose, all_marks: bool) -> OccupancyGrid:
         """Return the map with the window's marks on it; without a map, all that scans have shown, grown to hold ``goal``."""
         if self._grid is None:
             assert self._seen is not None
             return self._seen.grid(goal)
         rows, columns = np.nonzero(self._hit_at > NEVER)
-        return with_marks(self._grid, np.stack((columns, rows), axis=1) + self._corner[::-1], self._resolution)
+        return with_marks(self._grid, np.stack((columns, rows), axis=1) + self._corner[::-1], self._resolution, all_marks)
 
     def _move_to(self, pose: Pose) -> None:
         """Centre the window on the robot's cell; cells that come into it take their static part from the map."""

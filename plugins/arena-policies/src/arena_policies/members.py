@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from arena_core import ConfigurationError, EpisodeStart, Observation, Planner, Registry, Robot, Twist, UnknownComponent
+from arena_core import NAVIGATOR_KEYS, ConfigurationError, EpisodeStart, Observation, Planner, Registry, Robot, Twist, UnknownComponent
 from arena_policies.card import sha256
 from arena_policies.planner import PolicyPlanner
 
@@ -80,7 +80,7 @@ def _floats(value: Any) -> Any:
 
 def _own(node: Node) -> dict[str, Any]:
     """Return a planner's configuration without what its navigator reads."""
-    return {key: value for key, value in node.items() if key != "control_period"}
+    return {key: value for key, value in node.items() if key not in NAVIGATOR_KEYS}
 
 
 def describe_members(nodes: Mapping[str, Node], planners: Mapping[str, Planner], registry: Registry) -> dict[str, dict[str, str]]:

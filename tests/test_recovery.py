@@ -1,0 +1,157 @@
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from arena_core import ConfigurationError, Pose, compose, plain
+from arena_core.benchmark import build_benchmark
+from arena_core.recovery import STAND, Recoveries, RecoveryRules, body, touched
+from arena_core.registry import load_registry
+from arena_core.testing import free_costmap, robot
+from arena_core.world import LETHAL
+
+RULES = RecoveryRules(["clear", "clear_far", "turn", "back_up", "wait"], 0.5, 10.0, 3.0, 3.0, 5.0, 1.5, 1.0, 0.3, 0.15)
+HERE, AHEAD = Pose(0.0, 0.0, 0.0), Pose(0.0, 2.0)  # the waypoint is to the left
+PERIOD = 0.1
+
+
+def only(*behaviours, body=None, **changes):
+    return Recoveries(replace(RULES, behaviours=list(behaviours), **changes), body or robot())
+
+
+def window(pose=HERE, blocked_xy=()):
+    """Return the local map around a pose, with cells at these places occupied."""
+    costmap = free_costmap(pose)
+    for position in blocked_xy:
+        column, row = np.floor((np.array(position) - costmap.origin_xy) / costmap.resolution).astype(int)
+        costmap.costs[row, column] = LETHAL
+    return costmap
+
+
+def stand(recoveries, seconds, pose=HERE):
+    """Let the robot stand and return what began: (stamp, behaviour)."""
+    begun = [(0.1 * k, recoveries.begin(pose, 0.1 * k)) for k in range(round(seconds / PERIOD) + 1)]
+    return [(round(stamp, 1), b.event.detail.split(":")[0], b.clear_beyond) for stamp, b in begun if b is not None]
+
+
+def drive(recoveries, costmap=None, begin=10.0):
+    """Do what the behaviour that is due commands, exactly, and return the poses."""
+    pose, poses = HERE, [HERE]
+    recoveries.begin(pose, 0.0)
+    assert recoveries.begin(pose, begin) is not None
+    for k in range(200):
+        command = recoveries.command(pose, begin + PERIOD * k, lambda: costmap or window(), AHEAD)
+        if command is None:
+            return poses
+        pose = pose.compose(Pose(command.vx * PERIOD, 0.0, command.wz * PERIOD))
+        poses.append(pose)
+    raise AssertionError("the behaviour never ended")
+
+
+def test_behaviours_are_tried_in_turn_while_the_robot_stays_where_it_is():
+    assert stand(only("clear", "clear_far"), 17.0) == [(10.0, "clear", 0.0), (13.0, "clear_far", 3.0), (16.0, "clear", 0.0)]
+
+
+def test_progress_begins_the_list_anew():
+    recoveries = only("clear", "clear_far")
+    assert [b[1] for b in stand(recoveries, 10.0)] == ["clear"]
+    assert recoveries.begin(Pose(0.6, 0.0), 10.5) is None
+    assert recoveries.begin(Pose(0.7, 0.0), 20.4) is None
+    assert recoveries.begin(Pose(0.7, 0.0), 20.5).event.detail == "clear: no progress for 10.0 s"
+
+
+def test_a_robot_that_drives_on_needs_none():
+    recoveries = only("clear")
+    assert all(recoveries.begin(Pose(0.06 * k, 0.0), 1.0 * k) is None for k in range(100))
+
+
+def test_no_behaviours_mean_no_recoveries():
+    assert stand(only(), 60.0) == []
+
+
+def test_wait_stands_for_its_time():
+    recoveries = only("wait")
+    poses = drive(recoveries)
+    assert len(poses) - 1 == pytest.approx(50)
+    assert all(pose == HERE for pose in poses)
+
+
+def test_turn_turns_to_the_waypoints_side_by_its_angle():
+    assert drive(only("turn"))[-1].theta == pytest.approx(1.5, abs=0.11)
+    recoveries = only("turn")
+    recoveries.begin(HERE, 0.0)
+    recoveries.begin(HERE, 10.0)
+    assert recoveries.command(HERE, 10.0, window, Pose(0.0, -2.0)).wz == -1.0
+
+
+def test_a_whole_turn_is_possible():
+    poses = drive(only("turn", turn_angle=2.0 * math.pi))
+    assert len(poses) - 1 == pytest.approx(2.0 * math.pi / PERIOD, abs=2)
+
+
+def test_back_up_goes_back_its_distance():
+    assert drive(only("back_up"))[-1].x == pytest.approx(-0.3, abs=0.016)
+
+
+def test_back_up_stops_before_what_stands_behind():
+    poses = drive(only("back_up"), window(blocked_xy=[(-0.33, 0.0)]))
+    assert -0.12 < poses[-1].x < -0.02
+
+
+def test_a_robot_that_touches_something_may_back_away_from_it():
+    poses = drive(only("back_up"), window(blocked_xy=[(0.18, 0.0)]))
+    assert poses[-1].x == pytest.approx(-0.3, abs=0.016)
+
+
+def test_cars_do_not_turn_on_the_spot():
+    assert [b[1] for b in stand(only("turn", "clear", body=robot("ackermann")), 10.0)] == ["clear"]
+
+
+def test_a_new_episode_begins_without_a_past():
+    recoveries = only("wait")
+    stand(recoveries, 10.0)
+    recoveries.reset()
+    assert recoveries.command(HERE, 0.0, window, AHEAD) is None
+    assert stand(recoveries, 9.9) == []
+
+
+def test_standing_is_braking():
+    assert STAND.array().tolist() == [0.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize("shape", ["circle", "polygon"])
+def test_the_body_is_tried_out_to_the_footprints_outline(shape):
+    footprint = robot().footprint if shape == "circle" else robot("ackermann").footprint
+    points = body(footprint)
+    assert np.hypot(*points.T).max() == pytest.approx(footprint.radius)
+    assert touched(window(), points, HERE) == 0
+
+
+def composed(*overrides):
+    return plain(compose(["planner=pure_pursuit", "world=empty", "pedestrians=none", "localizer=ground_truth", *overrides]))
+
+
+def test_a_planners_own_rules_take_the_place_of_the_runs_key_by_key():
+    config = composed(
+        "replan.gain=0.3", "+planner.replan={period: 1.0}", "+planner.recoveries={behaviours: []}", "+planner.control_period=0.05"
+    )
+    navigator = build_benchmark(config, load_registry()).navigator
+    assert (navigator.replan.period, navigator.replan.gain, navigator.control_period) == (1.0, 0.3, 0.05)
+    assert stand(navigator.recoveries, 30.0) == []
+
+
+@pytest.mark.parametrize(
+    ("override", "words"),
+    [
+        ("+planner.replan={perod: 1.0}", "planner.replan has no parameter perod"),
+        ("+planner.recoveries=3", "planner.recoveries is 3; allowed: a mapping"),
+        ("+planner.recoveries={behaviours: [dance]}", "recoveries.behaviours[0] is 'dance'; allowed: one of clear"),
+        ("recoveries.progress_time=0", "recoveries.progress_time is 0"),
+    ],
+)
+def test_wrong_rules_are_one_line(override, words):
+    with pytest.raises(ConfigurationError) as error:
+        build_benchmark(composed(override), load_registry())
+    assert words in str(error.value)
+    assert "\n" not in str(error.value)
