@@ -200,7 +200,7 @@ class Navigator:
     ) -> tuple[Path, Pose, tuple[Event, ...]]:
         """Return path, waypoint and the events that led there: a recovery, a due replan, and one that the waypoint asked for."""
         reason = "recovery" if begun is not None else self._due(pose, stamp, local_map)
-        events = () if begun is None else (begun.event,)
+        events: tuple[Event, ...] = () if begun is None else (begun.event,)
         events += self._replan(pose, stamp, reason, local_map) if reason else ()
         waypoint, status = self._next_waypoint(pose, stamp)
         if status != WAYPOINT_FOUND and self.replan.on_request and self._may_replan(stamp):

@@ -48,11 +48,11 @@ class Straight(GlobalPlanner):
     """Plans straight lines, unless there is no way; ``detour`` times its length is what the old path costs."""
 
     def __init__(self):
-        self.grids, self.no_way, self.paths, self.detour = [], False, [], 1.0
+        self.grids, self.no_way, self.closed, self.paths, self.detour = [], False, [], [], 1.0
 
     def plan(self, grid, start, goal):
         self.grids.append(grid)
-        if self.no_way:
+        if self.no_way or any(grid is closed for closed in self.closed):
             raise NoPath("walled in")
         self.paths.append(straight_path(start, goal))
         return self.paths[-1]
@@ -80,7 +80,7 @@ class Window(LocalMap):
 
     def __init__(self):
         self.costmap, self.asked, self.poses = free_costmap(Pose(0.0, 0.0)), 0, []
-        self.grid = room()
+        self.grid, self.lenient, self.cleared = room(), room(), []
 
     def reset(self, grid):
         pass
@@ -92,7 +92,10 @@ class Window(LocalMap):
 
     def planning_grid(self, goal, all_marks):
         assert goal == GOAL
-        return self.grid
+        return self.grid if all_marks else self.lenient
+
+    def clear(self, pose, beyond):
+        self.cleared.append((pose, beyond, self.asked))
 
 
 class Nobody(Tracker):
@@ -263,6 +266,31 @@ def test_replans_on_what_the_scans_show_when_blocked_for_long_enough(drive):
     assert replans == {0: [("replan", "start")], 4: [("replan", "blocked")]}
     assert navigator.global_planner.grids[-1] is navigator.local_map.grid
     assert navigator.global_planner.grids[0] is navigator.mission.map
+
+
+def test_marks_that_may_be_walls_are_left_out_only_where_there_is_no_other_way(drive):
+    navigator = drive(rules=ReplanRules(None, False, 0.3, 0.0, 0.0))
+    navigator.global_planner.closed = [navigator.local_map.grid]
+    block(navigator, 2.0)
+    decisions = [navigator.decide(at(0.0, 0.1 * k)) for k in range(7)]
+    assert reasons(decisions[4]) == [("replan", "blocked")]
+    assert [grid is navigator.local_map.lenient for grid in navigator.global_planner.grids] == [False, False, True]
+
+
+def test_without_progress_the_navigator_clears_plans_anew_and_then_turns_itself(drive):
+    rules = replace(NO_RECOVERIES, behaviours=["clear", "turn"])
+    navigator = drive(recoveries=rules, answer=NoValidCommand("boxed in"))
+    decisions = [navigator.decide(at(0.0, 0.1 * k)) for k in range(160)]
+    told = [(round(e.stamp, 1), e.kind, e.detail) for d in decisions for e in d.events if e.kind != "no_valid_command"]
+    assert told[:3] == [(0.0, "replan", "start"), (10.0, "recovery", "clear: no progress for 10.0 s"), (10.0, "replan", "recovery")]
+    assert told[3:] == [(13.0, "recovery", "turn: no progress for 13.0 s"), (13.0, "replan", "recovery")]
+    ((pose, beyond, asked_before),) = navigator.local_map.cleared
+    assert (pose, beyond) == (Pose(0.0, 0.0), 0.0)
+    assert navigator.local_map.asked > asked_before  # the scan of the same step is taken in after the marks are gone
+    turning = [k for k, d in enumerate(decisions) if d.command.wz]
+    assert turning == list(range(130, 160))
+    assert decisions[129].command == BRAKE
+    assert decisions[135].spent.planner == 0.0
 
 
 def test_what_blocks_the_path_behind_the_robot_does_not_count(drive):

@@ -183,6 +183,21 @@ def test_first_plan_is_no_replan_and_refusals_are_counted_apart(si, record_of, s
     record = record_of(straight_line(), meta={"events": events})
     assert si["replans"](record) == 2.0
     assert si["no_valid_command"](record) == 1.0
+    assert si["recoveries"](record) == 0.0
+
+
+def test_recoveries_are_counted(si, record_of, straight_line):
+    events = [{"stamp": float(i), "kind": kind, "detail": "turn"} for i, kind in enumerate(("recovery", "replan", "recovery"))]
+    assert si["recoveries"](record_of(straight_line(), meta={"events": events})) == 2.0
+
+
+def test_the_longest_stand_is_the_longest_time_in_one_place(si, record_of, straight_line):
+    driving = straight_line()
+    swinging = driving[-1] + np.array([0.1, 0.0, 0.5]) * np.where(np.arange(80) % 2, 1.0, -1.0)[:, None]
+    record = record_of(np.concatenate((driving, swinging)))
+    period = record["stamp"][1] - record["stamp"][0]
+    assert si["longest_stand"](record) == pytest.approx(80 * period, abs=0.3 / 0.5)
+    assert si["longest_stand"](record_of(driving)) < 1.0
 
 
 def test_planning_time_is_in_milliseconds_and_undefined_without_timing(si, record_of, straight_line):
@@ -190,6 +205,9 @@ def test_planning_time_is_in_milliseconds_and_undefined_without_timing(si, recor
     record.timing["planner_seconds"][:] = np.linspace(0.0, 0.1, len(record.timing["planner_seconds"]))
     assert si["planning_time_mean"](record) == pytest.approx(50.0)
     assert si["planning_time_p95"](record) == pytest.approx(95.0)
+    assert math.isnan(si["planning_cpu_p99"](record))
+    record.timing["planner_cpu_seconds"] = np.linspace(0.0, 0.1, 101)
+    assert si["planning_cpu_p99"](record) == pytest.approx(99.0)
     record.timing.clear()
     assert math.isnan(si["planning_time_mean"](record))
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_core import LaserScan, OccupancyGrid, Pose
+from arena_core import INSCRIBED, LaserScan, OccupancyGrid, Pose
 from arena_core.testing import component, robot, room, scan
 from arena_navigation.rolling import RollingMap
 
@@ -62,6 +62,53 @@ def test_a_mark_beside_a_wall_is_taken_for_the_wall() -> None:
     assert built.planning_grid(GOAL, False) is grid
     built.update(hit(0.82), Pose(4.0, 0.0))
     assert is_occupied(built.planning_grid(GOAL, False), 4.82, 0.0)
+
+
+def test_all_marks_count_where_asked_for() -> None:
+    grid = room()
+    built = local_map(grid)
+    built.update(hit(0.92), Pose(4.0, 0.0))
+    assert is_occupied(built.planning_grid(GOAL, True), 4.92, 0.0)
+
+
+def two_gaps() -> OccupancyGrid:
+    """Return a wall across a hall, with a gap of 0.5 m on the straight way and one of 1 m beside it."""
+    data = np.zeros((120, 120), np.int8)
+    data[:, 59] = 100
+    data[55:65, 59] = data[85:105, 59] = 0
+    return OccupancyGrid(data, 0.05, Pose(-3.0, -3.0))
+
+
+def test_a_gap_that_the_local_map_marks_as_blocked_is_not_planned_through() -> None:
+    """The two must agree: a robot that waits before a gap which its path insists on waits for ever."""
+    built = local_map(two_gaps())
+    planner = component("global_planner", "astar", robot=BODY)
+    start, goal = Pose(-1.0, 0.0), Pose(1.5, 0.0)
+    jambs = scan_of(start, [(-0.025, 0.225), (-0.025, -0.225)])  # a pose that is a little off, and noise, put them into the gap
+    window = built.update(jambs, start)
+    row, column = ((np.array((0.0, -0.025)) - window.origin_xy[::-1]) / window.resolution).astype(int)
+    assert window.costs[row, column] >= INSCRIBED
+    through = {marks: planner.plan(built.planning_grid(goal, marks), start, goal).poses for marks in (True, False)}
+    assert np.interp(-0.025, *through[False][:, :2].T) == pytest.approx(0.0, abs=0.25)
+    assert np.interp(-0.025, *through[True][:, :2].T) > 1.0
+
+
+def scan_of(pose: Pose, points: list[tuple[float, float]]) -> LaserScan:
+    """Return a scan that hits these points in ``map`` and nothing else."""
+    ranges = np.full(720, np.nan, np.float32)
+    for x, y in points:
+        beam = round((math.atan2(y - pose.y, x - pose.x) + math.pi) / (math.pi / 360.0))
+        ranges[beam] = math.hypot(x - pose.x, y - pose.y)
+    return LaserScan(0.0, -math.pi, math.pi / 360.0, 0.05, 30.0, ranges, Pose(0.0, 0.0))
+
+
+def test_clearing_forgets_the_marks_that_are_far_enough_away() -> None:
+    built = local_map(room())
+    built.update(hit(1.02), Pose(0.0, 0.0))
+    built.clear(Pose(0.0, 0.0), 1.5)
+    assert is_occupied(built.planning_grid(GOAL, True), 1.02, 0.0)
+    built.clear(Pose(0.0, 0.0), 0.5)
+    assert not is_occupied(built.planning_grid(GOAL, True), 1.02, 0.0)
 
 
 @pytest.mark.parametrize(("resolution", "theta"), [(0.02, 0.3), (0.2, -1.0)])

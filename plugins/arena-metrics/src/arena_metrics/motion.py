@@ -29,6 +29,17 @@ def velocity(record: EpisodeRecord) -> float:
     return path_length(record) / time if time > 0.0 else math.nan
 
 
+def longest_stand(record: EpisodeRecord, stand_radius: float) -> float:
+    """Return the longest time that the robot took to leave a circle about where it had left the one before, s."""
+    stamps, positions = record["stamp"], record["pose"][:, :2]
+    longest, begun = 0.0, 0
+    while begun < len(stamps) - 1:
+        outside = np.flatnonzero(np.hypot(*(positions[begun:] - positions[begun]).T) >= stand_radius)
+        left = begun + int(outside[0]) if len(outside) else len(stamps) - 1
+        longest, begun = max(longest, float(stamps[left] - stamps[begun])), left
+    return longest
+
+
 def acceleration(record: EpisodeRecord, derivative_period: float) -> float:
     """Return the mean magnitude of the acceleration vector, m/s^2."""
     return _mean_derivative(record, derivative_period, order=1)

@@ -84,6 +84,11 @@ def replans(record: EpisodeRecord) -> float:
     return float(sum(event["kind"] == "replan" and event["detail"] != "start" for event in record.meta["events"]))
 
 
+def recoveries(record: EpisodeRecord) -> float:
+    """Count the recovery behaviours that were tried."""
+    return float(sum(event["kind"] == "recovery" for event in record.meta["events"]))
+
+
 def planning_time_mean(record: EpisodeRecord) -> float:
     """Return the mean wall time of the local planner, ms; NaN without timing."""
     seconds = record.timing.get("planner_seconds", np.empty(0))
@@ -92,8 +97,17 @@ def planning_time_mean(record: EpisodeRecord) -> float:
 
 def planning_time_p95(record: EpisodeRecord) -> float:
     """Return the 95th percentile of the local planner's wall time, ms; NaN without timing."""
-    seconds = record.timing.get("planner_seconds", np.empty(0))
-    return 1e3 * float(np.percentile(seconds, 95)) if len(seconds) else math.nan
+    return _percentile(record, "planner_seconds", 95.0)
+
+
+def planning_cpu_p99(record: EpisodeRecord) -> float:
+    """Return the 99th percentile of the local planner's CPU time, ms; NaN without timing."""
+    return _percentile(record, "planner_cpu_seconds", 99.0)
+
+
+def _percentile(record: EpisodeRecord, name: str, percent: float) -> float:
+    seconds = record.timing.get(name, np.empty(0))
+    return 1e3 * float(np.percentile(seconds, percent)) if len(seconds) else math.nan
 
 
 def localization_error(record: EpisodeRecord) -> float:

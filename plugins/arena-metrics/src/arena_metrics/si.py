@@ -26,11 +26,13 @@ class SiMetrics(MetricPack):
         derivative_period: Positive,
         personal_space: Positive,
         encounter_distance: Positive,
+        stand_radius: Positive,
     ) -> None:
         self._path_step = path_step
         self._derivative_period = derivative_period
         self._personal_space = personal_space
         self._encounter_distance = encounter_distance
+        self._stand_radius = stand_radius
 
     def metrics(self) -> Sequence[Metric]:
         """Return outcome, motion, proximity and navigation metrics."""
@@ -78,10 +80,14 @@ class SiMetrics(MetricPack):
         ]
 
     def _navigation(self) -> list[Metric]:
+        stand = partial(motion.longest_stand, stand_radius=self._stand_radius)
         return [
             Metric("no_valid_command", "-", "lower", "control steps without a valid command", outcome.refusals),
             Metric("replans", "-", "lower", "global paths asked for after the first", outcome.replans),
+            Metric("recoveries", "-", "lower", "recovery behaviours tried", outcome.recoveries),
+            Metric("longest_stand", "s", "lower", "longest time in one place", stand),
             Metric("localization_error", "m", "lower", "mean distance between estimated and true position", outcome.localization_error),
             Metric("planning_time_mean", "ms", "lower", "mean wall time of the local planner", outcome.planning_time_mean),
             Metric("planning_time_p95", "ms", "lower", "95th percentile of the local planner's wall time", outcome.planning_time_p95),
+            Metric("planning_cpu_p99", "ms", "lower", "99th percentile of the local planner's CPU time", outcome.planning_cpu_p99),
         ]
