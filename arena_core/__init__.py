@@ -65,6 +65,7 @@ from arena_core.learning import (
     Transition,
 )
 from arena_core.navigator import NAVIGATOR_KEYS
+from arena_core.notices import tell
 from arena_core.obstacles import with_obstacles
 from arena_core.parameters import Bounds, Fraction, NonNegative, NonNegativeInt, Positive, PositiveInt
 from arena_core.recording import find_runs, read_record, write_bytes_whole, write_text_whole
@@ -198,6 +199,7 @@ __all__ = [
     "read_settings",
     "stream_key",
     "succeeded",
+    "tell",
     "with_obstacles",
     "wrap_angle",
     "write_bytes_whole",

@@ -44,7 +44,9 @@ class Behaviour:
 SHARED = tuple(field.name for field in fields(Behaviour) if field.name != "scenario_chances")
 OWN = ("wait_time", "trigger_zone_radius")  # nobody's but a person's; 0 when not given
 ZONE = ("trigger_zone_x", "trigger_zone_y")  # the middle of the zone in ``map``, m; where the person starts when not given
-TRAITS = (*SHARED, *OWN, *ZONE)  # the columns of a person's traits
+ZONES = 8  # trigger zones of one person, at most
+FURTHER = tuple(f"trigger_zone_{number}_{what}" for number in range(2, ZONES + 1) for what in ("radius", "x", "y"))  # nowhere when not given
+TRAITS = (*SHARED, *OWN, *ZONE, *FURTHER)  # the columns of a person's traits; each zone has radius, x and y beside each other
 CHANCES = tuple(name for name in TRAITS if name.endswith("_probability"))
 WAYS = {0: "in a loop", 1: "at random"}
 START_UPS = ("default", "wait_timer", "trigger_zone")
@@ -68,7 +70,8 @@ NAME: Check = (lambda value: _number(value) or isinstance(value, str), "a number
 
 KEYS: dict[str, Check] = {
     **{name: CHANCE if name in CHANCES else NOT_NEGATIVE for name in (*SHARED, *OWN)},
-    **dict.fromkeys(ZONE, (_number, "a coordinate in m")),
+    **{name: (_number, "a coordinate in m") for name in (*ZONE, *FURTHER) if not name.endswith("_radius")},
+    **{name: NOT_NEGATIVE for name in FURTHER if name.endswith("_radius")},
     **{f"force_factor_{name}": NOT_NEGATIVE for name in ("desired", "social", "obstacle", "robot")},
     **dict.fromkeys(("type", "reaction", "spawn_time", "respawn"), ELSEWHERE),
     "start_up_mode": _one_of(*START_UPS),
@@ -84,7 +87,8 @@ def check_behaviour(spec: PedestrianSpec) -> None:
     """Raise ConfigurationError for the first key that is not known, or whose value is not possible."""
     for key, value in spec.behaviour.items():
         if key not in KEYS:
-            raise ConfigurationError(f"person {spec.id}: behaviour has no {key}; allowed: {', '.join(sorted(KEYS))}")
+            known = ", ".join(sorted(KEYS.keys() - set(FURTHER)))
+            raise ConfigurationError(f"person {spec.id}: behaviour has no {key}; allowed: {known}, trigger_zone_2_x .. trigger_zone_{ZONES}_x")
         fits, allowed = KEYS[key]
         if not fits(value):
             raise ConfigurationError(f"person {spec.id}: {key} is {value!r}; allowed: {allowed}")

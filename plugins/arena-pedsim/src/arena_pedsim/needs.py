@@ -9,7 +9,7 @@ import numpy as np
 
 from arena_kernels.compiled import inner
 from arena_kernels.random import uniform
-from arena_pedsim.behaviour import TRAITS
+from arena_pedsim.behaviour import TRAITS, ZONES
 from arena_pedsim.minds import NOBODY, NOT_MET, ROBOT
 from arena_pedsim.people import NO_ERRAND, ON_ERRAND
 from arena_pedsim.scene import Scene, can_join, gap_between, is_in, robot_gap
@@ -23,7 +23,7 @@ SERVICE, ALONE, SERVER, GUIDE = (NEEDS.index(name) for name in ("service", "alon
 REQUEST, PARTNER_IN, PARTNER_NOT_IN, TRIGGER = (NEEDS.index(name) for name in ("request", "partner_in", "partner_not_in", "trigger"))
 GROUPED, UNGROUPED, QUEUE, ARRIVED = (NEEDS.index(name) for name in ("grouped", "ungrouped", "queue", "arrived"))
 TALKING_DISTANCE, SERVICING_RADIUS = (TRAITS.index(name) for name in ("max_talking_distance", "max_servicing_radius"))
-ZONE_X, ZONE_Y, ZONE_RADIUS = (TRAITS.index(f"trigger_zone_{name}") for name in ("x", "y", "radius"))
+FIRST_ZONE = TRAITS.index("trigger_zone_radius")  # the first column of the first zone: radius, x, y
 QUEUE_GOAL, BESIDE = GOALS.index("queue"), GOALS.index("beside")
 
 
@@ -80,9 +80,13 @@ def partner_for(scene: Scene, i: int, row: Any) -> int:
 
 @inner
 def _robot_in_zone(scene: Scene, mind: Any) -> bool:
-    """Tell whether the robot is in the zone that somebody waits for it to enter."""
-    dx, dy = scene.robot_x - mind.traits[ZONE_X], scene.robot_y - mind.traits[ZONE_Y]
-    return sqrt(dx * dx + dy * dy) < mind.traits[ZONE_RADIUS]  # type: ignore[no-any-return]
+    """Tell whether the robot is in one of the zones that somebody waits for it to enter; one that is not given has radius 0."""
+    for zone in range(ZONES):
+        column = FIRST_ZONE + 3 * zone
+        dx, dy = scene.robot_x - mind.traits[column + 1], scene.robot_y - mind.traits[column + 2]
+        if sqrt(dx * dx + dy * dy) < mind.traits[column]:
+            return True
+    return False
 
 
 @inner

@@ -11,7 +11,7 @@ import yaml
 from numpy.typing import NDArray
 
 from arena_core import Obstacle, PedestrianSpec, Scenario
-from arena_tasks.arena_tools import READ_ELSEWHERE
+from arena_tasks.pedsim_agent import READ_ELSEWHERE
 from arena_tasks.problem import Problem
 
 AGENT: dict[str, float | str] = {  # what a new agent of arena-tools has, where a person's behaviour does not say
@@ -49,7 +49,7 @@ def arena_tools_text(problem: Problem | Scenario, map_path: str, models: list[st
     content = {
         "pedsim_agents": [_agent(number, person) for number, person in enumerate(problem.pedestrians)],
         "static_obstacles": [
-            {"name": str(number + 1), "model_path": path, "pos": _anchor(obstacle).tolist(), "angle": 0.0}
+            {"name": str(number + 1), "model_path": path, "pos": anchor(obstacle).tolist(), "angle": 0.0}
             for number, (path, obstacle) in enumerate(zip(models, problem.obstacles, strict=True))
         ],
         "robot_position": [problem.start.x, problem.start.y],
@@ -77,11 +77,11 @@ def left_out(problem: Problem | Scenario) -> list[str]:
 
 def flatland_model_text(obstacle: Obstacle) -> str:
     """Return the YAML of a Flatland model with an obstacle's shape."""
-    anchor = _anchor(obstacle)
+    middle = anchor(obstacle)
     if obstacle.radius > 0.0:
         footprints = [{"type": "circle", "center": [0.0, 0.0], "radius": obstacle.radius}]
     else:
-        footprints = [{"type": "polygon", "points": (part - anchor).tolist()} for part in _convex_parts(obstacle.vertices_xy)]
+        footprints = [{"type": "polygon", "points": (part - middle).tolist()} for part in _convex_parts(obstacle.vertices_xy)]
     body = {"name": "base", "type": "static", "color": [0.8, 0.2, 0.0, 1.0]}
     shapes = [{**footprint, "density": 1.0, "layers": ["all"], "collision": True} for footprint in footprints]
     return yaml.safe_dump({"bodies": [{**body, "footprints": shapes}]}, sort_keys=False, default_flow_style=None)
@@ -106,7 +106,7 @@ def _agent(number: int, person: PedestrianSpec) -> dict[str, Any]:
     }
 
 
-def _anchor(obstacle: Obstacle) -> NDArray[np.float64]:
+def anchor(obstacle: Obstacle) -> NDArray[np.float64]:
     """Return where an obstacle stands: its disc's centre, or the middle of its corners in whole centimetres."""
     if obstacle.radius > 0.0:
         return np.asarray(obstacle.vertices_xy[0])

@@ -12,6 +12,8 @@ from arena_tasks.json_fields import Field
 from arena_tasks.problem import MOST_REPEATS, Keys, PersonDefaults, Problem
 
 TITLES = ("scenarios", "scenerios")  # the second is how arena-rosnav's own example was written
+MODES = ("yoyo", "loop", "once")
+MOST_WATCHERS = 8  # that a person may wait for; the number of zones that a person of arena-pedsim has
 BEHAVIOUR = {  # what a moving obstacle's keys are called in a person's behaviour
     "chatting_probability": "chatting_probability",
     "obstacle_force_factor": "force_factor_obstacle",
@@ -44,7 +46,8 @@ def read_flatland(root: Field, defaults: PersonDefaults) -> tuple[Problem, ...]:
 
 def _problem(scene: Field, name: str, repeats: int, defaults: PersonDefaults) -> Problem:
     robot = scene["robot"]
-    crowd = [(disc.key, person) for disc in _members(scene, "dynamic_obstacles") for person in _people(disc, scene, defaults)]
+    discs = _members(scene, "dynamic_obstacles")
+    crowd = [(disc.key, person) for disc in discs for person in _people(disc, scene, defaults)]
     return Problem(
         name=name,
         start=robot["start_pos"].pose(),
@@ -55,6 +58,7 @@ def _problem(scene: Field, name: str, repeats: int, defaults: PersonDefaults) ->
         time_limit=None,
         keys=Keys(robot["start_pos"].key, robot["goal_pos"].key, tuple(key for key, _ in crowd)),
         repeats=repeats,
+        notes=tuple(note for disc in discs for note in _notes(disc)),
     )
 
 
@@ -95,24 +99,41 @@ def _round(disc: Field, start: NDArray[np.float64]) -> NDArray[np.float64]:
     way = np.array([[waypoint.pose().x, waypoint.pose().y] for waypoint in disc["waypoints"].items()]).reshape(-1, 2)
     if not disc.has("is_waypoint_relative") or disc["is_waypoint_relative"].truth():
         way += start
-    mode = disc["mode"].value if disc.has("mode") else "yoyo"
-    if mode not in ("yoyo", "loop"):
-        raise disc["mode"].refused("yoyo or loop")
-    back = way[-2::-1] if mode == "yoyo" else way[:0]
+    mode = _mode(disc)
+    if mode == "once" and len(way) == 1:
+        return way  # who has one waypoint stands there on arrival
+    back = way[:0] if mode == "loop" else way[-2::-1]
     return np.vstack((way, back, start)) if len(way) else way
 
 
+def _mode(disc: Field) -> str:
+    if not disc.has("mode"):
+        return "yoyo"
+    if disc["mode"].value not in MODES:
+        raise disc["mode"].refused(", ".join(MODES))
+    return str(disc["mode"].value)
+
+
+def _notes(disc: Field) -> list[str]:
+    is_longer = _mode(disc) == "once" and len(disc["waypoints"].items()) > 1
+    return ["mode once goes to and fro here where it has several waypoints"] if is_longer else []
+
+
 def _trigger(disc: Field, scene: Field) -> dict[str, float | str]:
-    """Return what makes a person wait until the robot is near the watcher of its trigger."""
+    """Return what makes a person wait until the robot is near one of the watchers of its triggers: a zone for each."""
     triggers = disc["triggers"].items() if disc.has("triggers") else []
-    if not triggers:
-        return {}
-    if len(triggers) > 1:
-        raise disc["triggers"].refused("one watcher: a person has one trigger zone")
+    if len(triggers) > MOST_WATCHERS:
+        raise disc["triggers"].refused(f"at most {MOST_WATCHERS} watchers")
+    zones = [_zone(trigger, scene, number) for number, trigger in enumerate(triggers, 1)]
+    return {"start_up_mode": "trigger_zone", **{key: value for zone in zones for key, value in zone.items()}} if zones else {}
+
+
+def _zone(trigger: Field, scene: Field, number: int) -> dict[str, float]:
+    """Return the zone of a watcher; the keys of all but the first are numbered."""
     watchers = dict(scene["watchers"].entries()) if scene.has("watchers") else {}
-    watcher = watchers.get(triggers[0].text())
+    watcher = watchers.get(trigger.text())
     if watcher is None:
-        raise triggers[0].refused(", ".join(watchers) or "no trigger, for the scene has no watchers")
+        raise trigger.refused(", ".join(map(str, watchers)) or "no trigger, for the scene has no watchers")
     x, y = watcher["pos"].position().tolist()
-    zone = {"trigger_zone_x": x, "trigger_zone_y": y, "trigger_zone_radius": watcher["range"].number(low=0.0)}
-    return {"start_up_mode": "trigger_zone", **zone}
+    prefix = "trigger_zone" if number == 1 else f"trigger_zone_{number}"
+    return {f"{prefix}_x": x, f"{prefix}_y": y, f"{prefix}_radius": watcher["range"].number(low=0.0)}

@@ -1,10 +1,10 @@
-"""The shapes of a Flatland model, as arena-tools' static obstacles name it by its file."""
+"""The shapes of a Flatland model, as static obstacles of arena-tools and arena-rosnav name it by its file or its name."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
+from typing import NamedTuple
 
 import numpy as np
 import shapely
@@ -12,46 +12,103 @@ from numpy.typing import NDArray
 
 from arena_core import Obstacle, Pose
 from arena_tasks.json_fields import Field
+from arena_tasks.published_models import published_models
 from arena_tasks.yaml_fields import read_yaml
 
-FOLDERS = (".", "obstacles", "../obstacles")  # from the scenario's folder; the last is where arena-rosnav has them
+ENTITIES = "entities/obstacles/static"  # where arena-simulation-setup has them, seen from its own folder
+# from the scenario's folder; the later ones are where arena-tools, arena-rosnav and arena-simulation-setup have them
+FOLDERS = (".", "obstacles", "../obstacles", f"../../../{ENTITIES}", f"../../../../{ENTITIES}")
+NAMES = ("{0}.model.yaml", "{0}.yaml", "{0}/{0}.model.yaml", "{0}/{0}.yaml", "{0}/yaml/{0}.yaml", "{0}/yaml/{0}.model.yaml")
+SUFFIXES = (".model.yaml", ".yaml", ".yml")
+ROS2 = "/**", "ros__parameters"  # what newer files wrap everything in
+
+SOLID = "a shape with collision: false is solid here (in Flatland the lidar sees it and the robot drives through it)"
+SENSOR = "a shape with sensor: true is left out (in Flatland no lidar sees it and nothing collides with it)"
+NOWHERE = "a shape on no layer is left out (in Flatland nothing sees it or collides with it)"
 
 
-def placed_model(obstacle: Field) -> list[Obstacle]:
-    """Return the shapes of a static obstacle of arena-tools: ``model_path`` at ``pos``, turned by ``angle``.
+class Shapes(NamedTuple):
+    """What stands there, in ``map``, and in words what was not taken as it is written."""
 
-    Of the path the file's name counts: it is sought as it stands and then in FOLDERS. Raises InputFileError.
+    obstacles: tuple[Obstacle, ...]
+    notes: tuple[str, ...]
+
+
+def placed_model(stated: Field, place: Pose) -> Shapes:
+    """Return the shapes of the model that a file names, at ``place``; a model that is nowhere is left out and noted.
+
+    Of a path the file's name counts: it is sought as it stands, then by NAMES in FOLDERS, then among the published ones. Raises
+    InputFileError for a file that is no Flatland model.
     """
-    x, y = obstacle["pos"].position().tolist()
-    place = Pose(x, y, obstacle["angle"].number() if obstacle.has("angle") else 0.0)
-    model = read_yaml(_model_file(obstacle["model_path"]), "a Flatland model")
-    return [shape for body in model["bodies"].items() for shape in _shapes(body, place)]
+    name = stated.text().replace("\\", "/").replace("\0", "")
+    path = _model_file(stated.file.parent, name)
+    model = Field(stated.file, stated.key, published_models().get(_stem(name))) if path is None else read_yaml(path, "a Flatland model")
+    if model.value is None and path is None:
+        return Shapes((), (f"{_stem(name)} is left out, for no model of that name was found",))
+    return _joined([_shapes(body, place) for body in _unwrapped(model)["bodies"].items()])
 
 
-def _model_file(stated: Field) -> Path:
-    path = PurePosixPath(stated.text().replace("\\", "/").replace("\0", ""))
-    if Path(path).is_file():
-        return Path(path)
-    places = [stated.file.parent / folder / path.name for folder in FOLDERS]
-    for place in places:
-        if place.is_file():
-            return place
-    raise stated.refused(f"a Flatland model that is there (looked for {', '.join(map(str, places))})")
+def _model_file(folder: Path, name: str) -> Path | None:
+    stem = _stem(name)
+    own = [PurePosixPath(name).name] if name.endswith(SUFFIXES) else []
+    places = [Path(name)] if own else []
+    places += [folder / place / pattern.format(stem) for place in FOLDERS for pattern in (*own, *NAMES) if stem]
+    return next((place for place in places if _is_file(place)), None)
 
 
-def _shapes(body: Field, place: Pose) -> Iterator[Obstacle]:
-    """Yield the footprints of a body that can be hit, in ``map``."""
+def _stem(name: str) -> str:
+    """Return a model's name: a path's last part without its ending, and without what ``format`` would take for a place."""
+    last = PurePosixPath(name).name
+    ending = next((suffix for suffix in SUFFIXES if last.endswith(suffix)), "")
+    return last[: len(last) - len(ending)]
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # a name that is too long, or that no file can have
+        return False
+
+
+def _unwrapped(model: Field) -> Field:
+    for name in ROS2:
+        model = model[name] if model.has(name) else model
+    return model
+
+
+def _shapes(body: Field, place: Pose) -> Shapes:
+    """Return the footprints of a body that a lidar sees.
+
+    Flatland's rays end at every footprint of their layers that is no sensor, whether or not it collides (flatland_plugins, laser.cpp).
+    """
     at = place.compose(body["pose"].pose()) if body.has("pose") else place
-    for footprint in body["footprints"].items():
-        if footprint.has("collision") and footprint["collision"].value is False:
-            continue
-        if footprint["type"].value == "circle":
-            centre = footprint["center"].position() if footprint.has("center") else np.zeros(2)
-            yield Obstacle(_moved(centre[None], at), footprint["radius"].number(above=0.0))
-        elif footprint["type"].value == "polygon":
-            yield Obstacle(_moved(convex(footprint["points"]), at))
-        else:
-            raise footprint["type"].refused("circle or polygon")
+    return _joined([_footprint(footprint, at) for footprint in body["footprints"].items()])
+
+
+def _footprint(footprint: Field, at: Pose) -> Shapes:
+    if _says(footprint, "sensor", True):
+        return Shapes((), (SENSOR,))
+    if footprint.has("layers") and footprint["layers"].value == []:
+        return Shapes((), (NOWHERE,))
+    return Shapes((_obstacle(footprint, at),), (SOLID,) if _says(footprint, "collision", False) else ())
+
+
+def _says(footprint: Field, key: str, truth: bool) -> bool:
+    """Tell whether a key is there with this truth; some files write it as a text."""
+    return footprint.has(key) and str(footprint[key].value).lower() == str(truth).lower()
+
+
+def _obstacle(footprint: Field, at: Pose) -> Obstacle:
+    if footprint["type"].value == "circle":
+        centre = footprint["center"].position() if footprint.has("center") else np.zeros(2)
+        return Obstacle(_moved(centre[None], at), footprint["radius"].number(above=0.0))
+    if footprint["type"].value == "polygon":
+        return Obstacle(_moved(convex(footprint["points"]), at))
+    raise footprint["type"].refused("circle or polygon")
+
+
+def _joined(parts: list[Shapes]) -> Shapes:
+    return Shapes(tuple(shape for part in parts for shape in part.obstacles), tuple(note for part in parts for note in part.notes))
 
 
 def convex(points: Field) -> NDArray[np.float64]:

@@ -14,7 +14,7 @@ from arena_tasks.pack import FORMAT, PACK_FILE, Pack, hash_of, read_pack
 from arena_tasks.problem import PersonDefaults
 from arena_tasks.scenario_file import ScenarioFile, read_scenario_file
 
-PACKED = (".json", ".yaml", ".yml", ".png", ".pgm", ".bmp")
+PACKED = (".json", ".yaml", ".yml", ".png", ".pgm", ".bmp", ".jpg", ".jpeg")
 ANYBODY = PersonDefaults(speed=0.3, radius=0.3)  # what a task would fill in; a pack only asks whether its files can be read
 
 

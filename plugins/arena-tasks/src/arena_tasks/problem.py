@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from arena_core import Obstacle, PedestrianSpec, Pose
@@ -30,7 +32,7 @@ class Keys:
 class Problem:
     """Start, goal, people and obstacles in ``map``; ``goal_radius`` (m) or ``time_limit`` (s) is None where the task decides.
 
-    It comes ``repeats`` times before the next problem of its file.
+    It comes ``repeats`` times before the next problem of its file. ``notes`` say in words what of the file was not taken as written.
     """
 
     name: str
@@ -42,3 +44,10 @@ class Problem:
     time_limit: float | None
     keys: Keys
     repeats: int = 1
+    notes: tuple[str, ...] = ()
+
+
+def noted(problems: Iterable[Problem]) -> str:
+    """Return what of some problems was not taken as written, in one line; empty where all was."""
+    counts = Counter(note for problem in problems for note in problem.notes)
+    return "; ".join(note if count == 1 else f"{note}, {count} times" for note, count in counts.items())

@@ -9,6 +9,7 @@ from typing import ClassVar
 from arena_core import Command, UnknownComponent
 
 SUBCOMMANDS = {  # each a class of its own with ``help`` and ``run``, imported when it is used
+    "check": "arena_tasks.checking:CheckCommand",
     "convert": "arena_tasks.converting:ConvertCommand",
     "show": "arena_tasks.showing:ShowCommand",
     "pack": "arena_tasks.packing:PackCommand",

@@ -13,6 +13,7 @@ import numpy as np
 import shapely
 
 from arena_core import InputFileError, Obstacle, PedestrianSpec, Scenario, write_text_whole
+from arena_tasks.arena_rosnav import is_arena_rosnav, read_arena_rosnav
 from arena_tasks.arena_tools import is_arena_tools, read_arena_tools
 from arena_tasks.flatland import is_flatland, read_flatland
 from arena_tasks.json_fields import Field, read_json
@@ -20,6 +21,11 @@ from arena_tasks.problem import MOST_REPEATS, Keys, PersonDefaults, Problem
 
 FORMAT, VERSION = "arena-scenario", 2
 READABLE = (1, VERSION)
+FOREIGN = (  # formats of other programs: whether a file has it, and what reads its problems
+    (is_arena_tools, read_arena_tools),
+    (is_flatland, read_flatland),
+    (is_arena_rosnav, read_arena_rosnav),
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,11 +50,12 @@ def read_scenario_file(path: Path, defaults: PersonDefaults) -> ScenarioFile:
     root = read_json(path)
     if root.has("format") and root["format"].value == FORMAT:
         return _read_ours(root, defaults)
-    if is_arena_tools(root):
-        return ScenarioFile((read_arena_tools(root, defaults),))
-    if is_flatland(root):
-        return ScenarioFile(read_flatland(root, defaults))
-    raise InputFileError(f"{path}: has neither format: {FORMAT} nor pedsim_agents nor scenarios; allowed: a file as in docs/formats.md")
+    for is_it, read in FOREIGN:
+        if is_it(root):
+            return ScenarioFile(read(root, defaults))
+    raise InputFileError(
+        f"{path}: has neither format: {FORMAT} nor pedsim_agents, scenarios or robots; allowed: a file as in docs/formats.md"
+    )
 
 
 def save_scenarios(path: Path, scenarios: Sequence[Scenario | Problem], title: str = "", map_file: str = "") -> None:

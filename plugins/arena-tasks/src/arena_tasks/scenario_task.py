@@ -5,19 +5,22 @@ from __future__ import annotations
 from bisect import bisect_right
 from itertools import accumulate
 
-from arena_core import ConfigurationError, Positive, Robot, Scenario, TaskMode, WorldSource, local_path
+from pathlib import Path
+
+from arena_core import ConfigurationError, ImpossibleScenario, OccupancyGrid, Positive, Robot, Scenario, TaskMode, WorldSource, local_path, tell
 from arena_tasks.content import content_hash
 from arena_tasks.feasibility import Feasibility
 from arena_tasks.pack import checked_pack, hash_of
-from arena_tasks.problem import PersonDefaults
+from arena_tasks.problem import PersonDefaults, Problem, noted
 from arena_tasks.scenario_file import read_scenarios
 
 
 class ScenarioTask(TaskMode):
     """Each problem comes as often as it says in a row, then the next one; each repetition has random streams of its own.
 
-    ``path`` is a JSON file, our own or of arena-tools; the map is ``world``'s, whatever the file says. What the file leaves open is
-    ``pedestrian_speed`` m/s, ``pedestrian_radius`` m, ``goal_radius`` m and ``time_limit`` s. A file in a pack must be as it was packed.
+    ``path`` is a JSON file of any format of docs/formats.md; the map is ``world``'s, whatever the file says. What the file leaves open
+    is ``pedestrian_speed`` m/s, ``pedestrian_radius`` m, ``goal_radius`` m and ``time_limit`` s. A file in a pack must be as it was
+    packed. In a fixed world a problem that is impossible is left out and told; its file is refused only where none is possible.
     """
 
     def __init__(
@@ -36,21 +39,21 @@ class ScenarioTask(TaskMode):
         self._pack = checked_pack(file.parent)
         if self._pack:
             self._pack.check_lists(file)
-        self._problems = read_scenarios(file, PersonDefaults(pedestrian_speed, pedestrian_radius))
-        self._ends = list(accumulate(problem.repeats for problem in self._problems))
+        problems = _read(file, PersonDefaults(pedestrian_speed, pedestrian_radius))
+        checks = [Feasibility(file, problem, robot, problem.goal_radius or goal_radius) for problem in problems]
+        if world.world(0, 0).grid is world.world(1, 1).grid:  # a fixed world: say what is impossible before anything runs
+            checks = possible_ones(checks, world.world(0, 0).grid)
+        self._checks = checks
+        self._ends = list(accumulate(check.problem.repeats for check in checks))
         self._file_hash = hash_of(file)
-        self._checks = [Feasibility(file, problem, robot, problem.goal_radius or goal_radius) for problem in self._problems]
         self._world = world
         self._goal_radius = goal_radius
         self._time_limit = time_limit
-        if world.world(0, 0).grid is world.world(1, 1).grid:  # a fixed world: say what is impossible before anything runs
-            for check in self._checks:
-                world.world(0, 0).grid.derive(check)
 
     def scenario(self, seed: int, index: int) -> Scenario:
         """Return problem ``index``; raise ImpossibleScenario when it does not fit the world."""
         number, repetition = self._place(index)
-        problem, world = self._problems[number], self._world.world(seed, index)
+        problem, world = self._checks[number].problem, self._world.world(seed, index)
         world.grid.derive(self._checks[number])
         return Scenario(
             name=f"{problem.name}/{repetition:04d}",
@@ -69,5 +72,34 @@ class ScenarioTask(TaskMode):
         """Return which problem comes at ``index``, and how often it came before."""
         rounds, position = divmod(index, self._ends[-1])
         number = bisect_right(self._ends, position)
-        repeats = self._problems[number].repeats
+        repeats = self._checks[number].problem.repeats
         return number, rounds * repeats + position - (self._ends[number] - repeats)
+
+
+def _read(file: Path, defaults: PersonDefaults) -> tuple[Problem, ...]:
+    """Read the problems of a file and tell what of it was not taken as written."""
+    problems = read_scenarios(file, defaults)
+    if notes := noted(problems):
+        tell(f"{file}: {notes}")
+    return problems
+
+
+def possible_ones(checks: list[Feasibility], grid: OccupancyGrid) -> list[Feasibility]:
+    """Return those that hold in a world, in their order, and tell of each other; raise ImpossibleScenario where none holds."""
+    reasons = [reason_against(check, grid) for check in checks]
+    possible = [check for check, reason in zip(checks, reasons, strict=True) if reason is None]
+    if not possible:
+        raise next(reason for reason in reasons if reason is not None)
+    for check, reason in zip(checks, reasons, strict=True):
+        if reason is not None:
+            tell(f"{check.problem.name} is skipped, for it is impossible: {reason}")
+    return possible
+
+
+def reason_against(check: Feasibility, grid: OccupancyGrid) -> ImpossibleScenario | None:
+    """Return why a problem is impossible in a world, None where it is not."""
+    try:
+        grid.derive(check)
+    except ImpossibleScenario as error:
+        return error
+    return None

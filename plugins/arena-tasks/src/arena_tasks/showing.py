@@ -11,7 +11,7 @@ import numpy as np
 from arena_core import Command, ConfigurationError, PedestrianSpec
 from arena_tasks.aligned import aligned
 from arena_tasks.packing import ANYBODY
-from arena_tasks.problem import Problem
+from arena_tasks.problem import Problem, noted
 from arena_tasks.scenario_file import ScenarioFile, read_scenario_file
 
 PROBLEMS = ("problem", "repeats", "start", "goal", "straight", "people", "obstacles", "time limit")
@@ -41,7 +41,8 @@ def described(path: Path, file: ScenarioFile) -> list[str]:
     head = [f"{path}{': ' if file.title else ''}{file.title}", *([f"map: {file.map}"] if file.map else [])]
     people = [(problem.name, *_person(person)) for problem in file.problems for person in problem.pedestrians]
     tables = [[PROBLEMS, *map(_problem, file.problems)], *([[PEOPLE, *people]] if people else [])]
-    return head + [line for table in tables for line in ("", *aligned(table))]
+    notes = noted(file.problems)
+    return head + [line for table in tables for line in ("", *aligned(table))] + (["", f"read otherwise: {notes}"] if notes else [])
 
 
 def _problem(problem: Problem) -> tuple[str, ...]:

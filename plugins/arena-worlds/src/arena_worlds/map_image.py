@@ -13,7 +13,7 @@ from arena_core import InputFileError
 from arena_worlds.canvas import LARGEST
 from arena_worlds.map_yaml import MapFile
 
-FORMATS = ("PNG", "PPM", "BMP")  # of all that Pillow could open; PPM is its name for PGM as well
+FORMATS = ("PNG", "PPM", "BMP", "JPEG", "GIF", "TIFF", "WEBP")  # of all that Pillow could open; PPM is its name for PGM as well
 
 
 def occupancy(file: MapFile) -> NDArray[np.int8]:
@@ -65,7 +65,7 @@ def _read(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
     # Pillow raises these, and no common error of its own, for files that are cut off or are no images
     except (OSError, ValueError, SyntaxError, EOFError, Image.DecompressionBombError, Image.DecompressionBombWarning) as error:
         reason = " ".join(str(error).split())
-        raise InputFileError(f"{path}: is no image that can be read ({reason}); allowed: PGM, PNG or BMP") from None
+        raise InputFileError(f"{path}: is no image that can be read ({reason}); allowed: PGM, PNG, BMP, JPEG, GIF, TIFF or WebP") from None
 
 
 def _channels(image: Image.Image) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:

@@ -15,6 +15,7 @@ from arena_core import InputFileError
 
 Mode = Literal["trinary", "scale", "raw"]
 LARGEST_FILE = 1_000_000  # bytes
+ROS2 = "/**", "ros__parameters"  # what files for ROS 2 may wrap all keys in
 KEYS = "image, resolution, origin, negate, occupied_thresh, free_thresh, mode"
 
 
@@ -66,6 +67,8 @@ def read_mapping(path: Path, allowed: str) -> Mapping[str, Any]:
         raise InputFileError(f"{path}: is no YAML file ({_reason(error)})") from None
     if len(content) > LARGEST_FILE:
         raise InputFileError(f"{path}: is larger than {LARGEST_FILE} bytes; allowed: up to that")
+    for name in ROS2:
+        keys = keys[name] if isinstance(keys, Mapping) and name in keys else keys
     if not isinstance(keys, Mapping):
         raise InputFileError(f"{path}: holds no keys; allowed: {allowed}")
     return keys

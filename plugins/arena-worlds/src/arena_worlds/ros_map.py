@@ -6,9 +6,10 @@ from functools import lru_cache
 from pathlib import Path
 
 from arena_core import ConfigurationError, OccupancyGrid, Pose, World, WorldSource, local_path
-from arena_worlds.flatland_world import map_yaml_of
+from arena_worlds.flatland_world import map_yamls_of
 from arena_worlds.map_image import occupancy
 from arena_worlds.map_yaml import MapFile, read_map_yaml
+from arena_worlds.merged import merged
 
 
 class RosMap(WorldSource):
@@ -26,15 +27,19 @@ class RosMap(WorldSource):
 
 
 def load_map(path: Path) -> OccupancyGrid:
-    """Read a map, given by its YAML, a Flatland world or a folder; raise InputFileError.
+    """Read a map, given by its YAML, a Flatland world or a folder; raise InputFileError. The layers of a Flatland world are merged.
 
     The grid object is the same again for as long as its files stay as they are.
     """
-    file = read_map_yaml(map_yaml_of(path))
-    written = file.image.stat()
-    return _grid(file, written.st_mtime_ns, written.st_size)
+    maps = []
+    for yaml_path in map_yamls_of(path):
+        file = read_map_yaml(yaml_path)
+        written = file.image.stat()
+        maps.append((file, written.st_mtime_ns, written.st_size))
+    return _grid(tuple(maps), str(path))
 
 
 @lru_cache(maxsize=16)
-def _grid(file: MapFile, written_ns: int, size: int) -> OccupancyGrid:
-    return OccupancyGrid(occupancy(file), file.resolution, Pose(*file.origin))
+def _grid(maps: tuple[tuple[MapFile, int, int], ...], name: str) -> OccupancyGrid:
+    grids = [OccupancyGrid(occupancy(file), file.resolution, Pose(*file.origin)) for file, _, _ in maps]
+    return grids[0] if len(grids) == 1 else merged(grids, name)

@@ -14,7 +14,8 @@ from arena_worlds.sdf import read_sdf
 from arena_worlds.sdf_writer import sdf_text
 from arena_worlds.solids import Solids, grid_of, solids_of
 
-ROS, PICTURE, PICTURES_READ, GAZEBO, MUJOCO = (".yaml", ".yml"), (".png", ".pgm"), (".png", ".pgm", ".bmp"), (".sdf", ".world"), (".xml",)
+ROS, PICTURE, GAZEBO, MUJOCO = (".yaml", ".yml"), (".png", ".pgm"), (".sdf", ".world"), (".xml",)
+PICTURES_READ = (*PICTURE, ".bmp", ".jpg", ".jpeg", ".gif", ".tif", ".tiff", ".webp")
 
 
 def read_site(path: Path, resolution: float) -> OccupancyGrid | Solids:
