@@ -15,7 +15,7 @@ from arena_crowds.walkers import STANDING
 @pytest.fixture
 def replayed():
     path = "pkg://arena_crowds/recordings/crossing.txt"
-    return lambda kind=ReplayedCrowd: kind(path, "frames", 25.0, "cubic", [0.0, 0.0], 0.0, 1.0, 3.0, 1.0, 0.25)
+    return lambda kind=ReplayedCrowd: kind(path, "frames", None, None, "cubic", [0.0, 0.0], 0.0, 1.0, 3.0, 1.0, 0.25)
 
 
 class SwapsNumbers(ReplayedCrowd):

@@ -19,7 +19,7 @@ def two_walks(tmp_path):
     """Return a recording: person 4 is there from 0 to 2 s along x, person 9 from 1 to 3 s along a bend."""
     rows = [(25 * k, 4, 1.0 * k, 0.0) for k in range(3)] + [(25 * k, 9, 5.0, float(k * k)) for k in (1, 2, 3)]
     path = tmp_path / "walks.txt"
-    path.write_text("".join(" ".join(map(str, row)) + "\n" for row in rows))
+    path.write_text("# framerate: 25\n# frame id x/m y/m\n" + "".join(" ".join(map(str, row)) + "\n" for row in rows))
     return path
 
 
@@ -43,7 +43,7 @@ def test_people_are_where_they_were_recorded(stage, zara):
 
 @pytest.mark.parametrize("interpolation", ["cubic", "linear"])
 def test_walks_have_no_jumps_and_velocities_are_theirs(interpolation):
-    recording = read_recording(local_path("pkg://arena_crowds/recordings/crossing.txt"), "frames", 25.0)
+    recording = read_recording(local_path("pkg://arena_crowds/recordings/crossing.txt"), "frames")
     walk, cubic = 3, interpolation == "cubic"
     times = np.arange(recording.begins[walk] + 0.01, recording.ends[walk] - 0.01, 0.002)
     positions, velocities = recording.at(np.full(len(times), walk), times, cubic)
@@ -55,7 +55,7 @@ def test_walks_have_no_jumps_and_velocities_are_theirs(interpolation):
 
 
 def test_between_samples_the_cubic_follows_a_bend(two_walks):
-    recording = read_recording(two_walks, "frames", 25.0)
+    recording = read_recording(two_walks, "frames")
     positions, velocities = recording.at(np.array([1, 0, 0]), np.array([2.5, 0.5, 0.5]), True)
     assert positions[0] == pytest.approx((5.0, 6.375))
     assert positions[1] == pytest.approx((0.5, 0.0))

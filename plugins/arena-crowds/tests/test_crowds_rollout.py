@@ -27,7 +27,7 @@ def two_walks(tmp_path):
     rows = [(10 * k, 1, 0.4 * k, 0.0) for k in range(31)] + [(10 * k, 2, 0.4 * k, 3.0 + 0.02 * k * k) for k in range(16)]
     path = tmp_path / "walks.txt"
     path.write_text("".join(" ".join(map(str, row)) + "\n" for row in rows))
-    return read_recording(path, "frames", 25.0)
+    return read_recording(path, "frames", 25.0, "m")
 
 
 def test_moments_ask_for_those_who_were_seen_long_enough_and_stay(two_walks):
@@ -65,7 +65,7 @@ def test_others_are_led_as_recorded_while_they_are_there(two_walks):
 
 def test_constant_velocity_errs_on_zara_as_elsewhere(zara):
     """Widely reported for this recording: about 0.4 and 0.9 m."""
-    recording = read_recording(zara, "obsmat", 25.0)
+    recording = read_recording(zara, "obsmat")
     found = rollout.moments(recording)
     truth = np.concatenate([rollout._truth(recording, moment) for moment in found])
     errors = np.linalg.norm(rollout._straight(found, False) - truth, axis=-1)

@@ -17,7 +17,7 @@ def recorded():
     """Return binned density and speed of both recordings together."""
     if not JUELICH.is_dir():
         pytest.skip("the recorded trajectories are not beside the repository")
-    walks = [read_recording(path, "juelich", FRAME_RATE).sampled(FRAME_RATE) for path in sorted(JUELICH.glob("uo-*.txt*"))]
+    walks = [read_recording(path, "juelich").sampled(FRAME_RATE) for path in sorted(JUELICH.glob("uo-*.txt*"))]
     densities, speeds = zip(*(measure(walk, FRAME_RATE, RECORDED) for walk in walks), strict=True)
     return binned(np.concatenate(densities), np.concatenate(speeds), 0.25, 16)
 

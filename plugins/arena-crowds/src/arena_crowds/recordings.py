@@ -11,7 +11,8 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import InputFileError
+from arena_core import InputFileError, tell
+from arena_crowds.scale import Unit, measured_rate, scale_of
 from arena_kernels.compiled import compiled
 
 Floats = NDArray[np.float64]
@@ -21,21 +22,24 @@ SAME = 1e-6  # s, stamps nearer than this are one
 
 
 class Columns(NamedTuple):
-    """Where a format has what, how many there are, and how long its unit of length is in m."""
+    """Where a format has what: the columns of frame, person, x and y, and how many columns there are, ``least`` .. ``most``."""
 
     frame: int
     person: int
     x: int
     y: int
-    width: int
-    unit: float
+    least: int
+    most: int
 
 
 FORMATS: Mapping[str, Columns] = {
-    "frames": Columns(0, 1, 2, 3, 4, 1.0),
-    "obsmat": Columns(0, 1, 2, 4, 8, 1.0),
-    "juelich": Columns(1, 0, 2, 3, 5, 0.01),
+    "frames": Columns(0, 1, 2, 3, 4, 4),
+    "obsmat": Columns(0, 1, 2, 4, 8, 8),
+    "juelich": Columns(1, 0, 2, 3, 4, 20),  # after z, or after y, whatever an experiment has
 }
+VELOCITY = {"obsmat": (5, 7)}  # the columns of a velocity, m/s
+WALKING = (0.3, 2.5)  # m/s, between which people's median speed lies
+STRIDE = 0.4  # s, over which a speed is measured: shorter ones are those of heads that sway
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,6 +69,17 @@ class Recording:
         """Return when the last person vanishes, s."""
         return float(self.stamps.max())
 
+    def median_speed(self) -> float | None:
+        """Return how fast people walk, m/s: the median over all samples and the next STRIDE seconds; None where nobody stays so long."""
+        walks = np.repeat(np.arange(len(self.ids)), np.diff(self.first))
+        keys = self.stamps + walks * (self.duration + 2.0 * STRIDE)  # rise over all walks, so that one search serves them all
+        later = np.searchsorted(keys, keys + STRIDE - SAME)
+        there = later < np.append(self.first[1:], 0)[walks]
+        if not there.any():
+            return None
+        ways = np.hypot(*(self.positions[later[there]] - self.positions[there]).T)
+        return float(np.median(ways / (self.stamps[later[there]] - self.stamps[there])))
+
     def moved(self, offset_xy: Floats, rotation: float) -> Recording:
         """Return the recording turned about its origin, then shifted."""
         c, s = np.cos(rotation), np.sin(rotation)
@@ -85,17 +100,14 @@ class Recording:
         return positions, velocities
 
 
-def read_recording(path: Path, layout: Format, frame_rate: float) -> Recording:
-    """Read rows of numbers, plain or gzipped; raise InputFileError, with the file, for rows of another format."""
+def read_recording(path: Path, layout: Format, frame_rate: float | None = None, unit: Unit | None = None) -> Recording:
+    """Read rows of numbers, plain or gzipped; ``frame_rate`` (1/s) and ``unit`` count where the file does not tell.
+
+    Raises InputFileError, with the file, for rows of another format and where nobody tells unit or frame rate. Tells of people who walk
+    at no human pace.
+    """
     columns = FORMATS[layout]
-    try:
-        rows = _rows(path, columns.width)
-    except (OSError, ValueError, EOFError) as error:
-        raise InputFileError(f"{path}: {error}; allowed: rows of {columns.width} numbers for format {layout}") from error
-    if len(rows) == 0 or not np.isfinite(rows[:, : columns.y + 1]).all():
-        raise InputFileError(
-            f"{path}: {'no row' if len(rows) == 0 else 'a number is not finite'}; allowed: finite rows for format {layout}"
-        )
+    comments, rows = _content(path, layout)
     rows = rows[np.lexsort((rows[:, columns.frame], rows[:, columns.person]))]
     persons, frames = rows[:, columns.person], rows[:, columns.frame]
     twice = (np.diff(persons) == 0) & (np.diff(frames) == 0)
@@ -103,18 +115,50 @@ def read_recording(path: Path, layout: Format, frame_rate: float) -> Recording:
         row = rows[int(np.argmax(twice))]
         raise InputFileError(f"{path}: person {row[columns.person]:g} is twice in frame {row[columns.frame]:g}; allowed: once a frame")
     ids, first = np.unique(persons, return_index=True)
-    positions = rows[:, [columns.x, columns.y]] * columns.unit
-    return Recording(ids.astype(np.int32), np.append(first, len(rows)), (frames - frames.min()) / frame_rate, positions)
+    places = rows[:, [columns.x, columns.y]]
+    measured = measured_rate(persons, frames, places, rows[:, VELOCITY[layout]]) if layout in VELOCITY else None
+    scale = scale_of(path, layout, comments, measured, unit, frame_rate)
+    stamps = (frames - frames.min()) / scale.frame_rate
+    recording = Recording(ids.astype(np.int32), np.append(first, len(rows)), stamps, places * scale.metres)
+    _check_speed(path, recording)
+    return recording
 
 
-def _rows(path: Path, count: int) -> Floats:
+def _check_speed(path: Path, recording: Recording) -> None:
+    """Tell where people walk so slowly or so fast that unit or frame rate may be wrong."""
+    speed = recording.median_speed()
+    if speed is not None and not WALKING[0] <= speed <= WALKING[1]:
+        low, high = WALKING
+        tell(f"{path}: people walk at {speed:.2g} m/s (median), usual is {low:g} to {high:g}; is it the right unit and frame_rate?")
+
+
+def _content(path: Path, layout: Format) -> tuple[list[str], Floats]:
+    """Return a file's comments and its rows, of which what the layout needs is there and finite; raise InputFileError."""
+    columns = FORMATS[layout]
+    wanted = f"{columns.least}" if columns.least == columns.most else f"at least {columns.least}"
+    try:
+        comments, rows = _rows(path, columns)
+    except (OSError, ValueError, EOFError) as error:
+        raise InputFileError(f"{path}: {error}; allowed: rows of {wanted} numbers for format {layout}") from error
+    if len(rows) == 0 or not np.isfinite(rows).all():
+        raise InputFileError(
+            f"{path}: {'no row' if len(rows) == 0 else 'a number is not finite'}; allowed: finite rows for format {layout}"
+        )
+    return comments, rows
+
+
+def _rows(path: Path, columns: Columns) -> tuple[list[str], Floats]:
+    """Return the comments, and the rows as far as a format needs them."""
     opened: Any = gzip.open if path.suffix == ".gz" else open
-    with opened(path, "rt") as file:
-        lines = [line.split() for line in file if line.strip() and not line.startswith("#")]
-    odd = [number for number, line in enumerate(lines, 1) if len(line) != count]
+    with opened(path, "rt", encoding="utf-8-sig") as file:
+        lines = [line.strip() for line in file if line.strip()]
+    comments = [line for line in lines if line.startswith("#")]
+    rows = [line.split() for line in lines if not line.startswith("#")]
+    odd = [number for number, row in enumerate(rows, 1) if not columns.least <= len(row) <= columns.most]
     if odd:
-        raise ValueError(f"row {odd[0]} has {len(lines[odd[0] - 1])} numbers")
-    return np.array(lines, np.float64).reshape(-1, count)
+        raise ValueError(f"row {odd[0]} has {len(rows[odd[0] - 1])} numbers")
+    needed = max(columns.least, columns.y + 1)
+    return comments, np.array([row[:needed] for row in rows], np.float64).reshape(-1, needed)
 
 
 @compiled

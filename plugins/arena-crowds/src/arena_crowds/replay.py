@@ -23,6 +23,7 @@ from arena_core import (
     local_path,
 )
 from arena_crowds.recordings import Format, read_recording
+from arena_crowds.scale import Unit
 from arena_crowds.slots import grown, no_crowd, with_worlds
 
 STANDING, WALKING = 1, 2
@@ -38,7 +39,8 @@ class ReplayedCrowd(PedestrianModel):
         self,
         path: str,
         format: Format,
-        frame_rate: Positive,
+        unit: Unit | None,
+        frame_rate: Positive | None,
         interpolation: Literal["cubic", "linear"],
         offset_xy: Sequence[float],
         rotation: float,
@@ -47,7 +49,7 @@ class ReplayedCrowd(PedestrianModel):
         clear_start: NonNegative,
         radius: Positive,
     ) -> None:
-        recording = read_recording(local_path(path), format, frame_rate)
+        recording = read_recording(local_path(path), format, frame_rate, unit)
         self._recording = recording.moved(np.array(offset_xy, np.float64), rotation)
         if len(offset_xy) != 2:
             raise ConfigurationError(f"pedestrians.offset_xy has {len(offset_xy)} numbers; allowed: 2, x and y")

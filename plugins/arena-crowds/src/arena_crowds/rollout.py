@@ -20,7 +20,6 @@ Floats = NDArray[np.float64]
 
 INTERVAL = 0.4  # s between samples
 OBSERVED, PREDICTED = 8, 12  # samples, of which the last observed one is the start
-FRAME_RATE = 25.0  # 1/s
 RADIUS = 0.2  # m
 SLOWEST = 0.1  # m/s: nobody's own speed is below
 MARGIN = 20.0  # m of free floor round the recording, of which no walls are known
@@ -45,7 +44,7 @@ def run(models: Mapping[str, PedestrianModel], recordings: Path | None) -> Findi
     path = recordings / "ucy" / "zara01" / "obsmat.txt.gz" if recordings else None
     if path is None:
         raise InputFileError("rollout needs a recording; allowed: recordings=DIR with DIR/ucy/zara01/obsmat.txt.gz")
-    recording = read_recording(path, "obsmat", FRAME_RATE)
+    recording = read_recording(path, "obsmat")
     found = moments(recording)
     truth = np.concatenate([_truth(recording, moment) for moment in found])
     guesses = {"constant velocity": _straight(found, False), "straight to the goal": _straight(found, True)}

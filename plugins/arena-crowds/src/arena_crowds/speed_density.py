@@ -36,7 +36,7 @@ def run(models: Mapping[str, PedestrianModel], recordings: Path | None) -> Findi
 
 def recorded(path: Path) -> Curve:
     """Return binned density (1/m^2) and speed (m/s) of a recording."""
-    return binned(*measure(read_recording(path, "juelich", FRAME_RATE).sampled(FRAME_RATE), FRAME_RATE, RECORDED), BIN, LEAST)
+    return binned(*measure(read_recording(path, "juelich").sampled(FRAME_RATE), FRAME_RATE, RECORDED), BIN, LEAST)
 
 
 def simulated(model: PedestrianModel, numbers: tuple[int, ...] = NUMBERS) -> Curve:

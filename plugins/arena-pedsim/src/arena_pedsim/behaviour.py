@@ -45,7 +45,9 @@ SHARED = tuple(field.name for field in fields(Behaviour) if field.name != "scena
 OWN = ("wait_time", "trigger_zone_radius")  # nobody's but a person's; 0 when not given
 ZONE = ("trigger_zone_x", "trigger_zone_y")  # the middle of the zone in ``map``, m; where the person starts when not given
 ZONES = 8  # trigger zones of one person, at most
-FURTHER = tuple(f"trigger_zone_{number}_{what}" for number in range(2, ZONES + 1) for what in ("radius", "x", "y"))  # nowhere when not given
+FURTHER = tuple(
+    f"trigger_zone_{number}_{what}" for number in range(2, ZONES + 1) for what in ("radius", "x", "y")
+)  # nowhere when not given
 TRAITS = (*SHARED, *OWN, *ZONE, *FURTHER)  # the columns of a person's traits; each zone has radius, x and y beside each other
 CHANCES = tuple(name for name in TRAITS if name.endswith("_probability"))
 WAYS = {0: "in a loop", 1: "at random"}
@@ -88,7 +90,9 @@ def check_behaviour(spec: PedestrianSpec) -> None:
     for key, value in spec.behaviour.items():
         if key not in KEYS:
             known = ", ".join(sorted(KEYS.keys() - set(FURTHER)))
-            raise ConfigurationError(f"person {spec.id}: behaviour has no {key}; allowed: {known}, trigger_zone_2_x .. trigger_zone_{ZONES}_x")
+            raise ConfigurationError(
+                f"person {spec.id}: behaviour has no {key}; allowed: {known}, trigger_zone_2_x .. trigger_zone_{ZONES}_x"
+            )
         fits, allowed = KEYS[key]
         if not fits(value):
             raise ConfigurationError(f"person {spec.id}: {key} is {value!r}; allowed: {allowed}")

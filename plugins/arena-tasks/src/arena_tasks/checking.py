@@ -22,7 +22,9 @@ SOME_IMPOSSIBLE = 1  # exit status; 2 is that of an error
 class CheckCommand(Command):
     """Check each problem of a file in a world, for a robot and a model of people."""
 
-    help: ClassVar[str] = "which problems of a file can be run: arena scenario check FILE [world=... robot=... pedestrians=... task.KEY=...]"
+    help: ClassVar[str] = (
+        "which problems of a file can be run: arena scenario check FILE [world=... robot=... pedestrians=... task.KEY=...]"
+    )
 
     def run(self, arguments: Sequence[str]) -> int:
         """Print a line for each problem; return 0 where all are possible, 1 where some are not. Raise ArenaError for an unreadable file."""

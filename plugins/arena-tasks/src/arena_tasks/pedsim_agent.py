@@ -16,7 +16,7 @@ LOOP, AT_RANDOM = 0, 1  # waypoint_mode: in turn, or the next one drawn among th
 
 
 def people_of(agent: Field, defaults: PersonDefaults) -> list[PedestrianSpec]:
-    """Return the people of one agent: ``number_of_peds`` of them, the first at ``pos``, the others close around it. Raises InputFileError."""
+    """Return the ``number_of_peds`` people of one agent, the first at ``pos``, the others close around it; raise InputFileError."""
     person = PedestrianSpec(
         id=0,
         position_xy=place(agent["pos"]),

@@ -4,10 +4,20 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from itertools import accumulate
-
 from pathlib import Path
 
-from arena_core import ConfigurationError, ImpossibleScenario, OccupancyGrid, Positive, Robot, Scenario, TaskMode, WorldSource, local_path, tell
+from arena_core import (
+    ConfigurationError,
+    ImpossibleScenario,
+    OccupancyGrid,
+    Positive,
+    Robot,
+    Scenario,
+    TaskMode,
+    WorldSource,
+    local_path,
+    tell,
+)
 from arena_tasks.content import content_hash
 from arena_tasks.feasibility import Feasibility
 from arena_tasks.pack import checked_pack, hash_of
