@@ -131,9 +131,8 @@ def test_people_of_no_human_pace_are_told_of_once(tmp_path: Path, capsys, speed:
     path = written(tmp_path, rows(speed=speed))
     for _ in range(2):
         read_recording(path, "juelich", 10.0, "m")
-    assert capsys.readouterr().err == (
-        f"arena: {path}: people walk at {speed:.2g} m/s (median), usual is 0.3 to 2.5; is it the right unit and frame_rate?\n" if told else ""
-    )
+    line = f"arena: {path}: people walk at {speed:.2g} m/s (median), usual is 0.3 to 2.5; is it the right unit and frame_rate?\n"
+    assert capsys.readouterr().err == (line if told else "")
 
 
 def test_replay_hands_on_what_the_user_says(tmp_path: Path) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from arena_core import PedestrianSpec
+from arena_core import PedestrianSpec, Pose
 from arena_tasks.arena_tools import STANDS
 from arena_tasks.companions import numbered
 from arena_tasks.flatland import placed_shape
@@ -13,16 +13,18 @@ from arena_tasks.json_fields import Field
 from arena_tasks.pedsim_agent import people_of
 from arena_tasks.problem import MOST_REPEATS, Keys, PersonDefaults, Problem
 
+MODEL_KEYS = "model", "model_path", "yaml_path"
 PARTS = ("static", "dynamic", "interactive")
 ITSELF = ("name", "id", "model", "yaml_file", "yaml_path", "vmax", "number_of_peds")
 # what else of an agent is kept: pedsim's keys, which the task generator hands on, and our own of a person's behaviour
 BEHAVIOUR = ("type", "start_up_mode", "wait_time", "waypoint_mode", "group", "reaction", "spawn_time", "respawn")
+TYPES = ("adult", "child", "elder", "forklift", "vehicle", "service_robot", "servicerobot")  # human/adult is written as well
 BEGIN, END = ("trigger_zone_", "force_factor_", "queue"), ("_probability", "_base_time", "_talking_distance", "_servicing_radius")
 
 
 def is_arena_rosnav(root: Field) -> bool:
-    """Tell whether a file has this format: robots beside obstacles, or a list of robots with a start."""
-    robots = root["robots"].value if root.has("robots") else None
+    """Tell whether a file has this format: a list of robots beside obstacles, or of robots with a start, and no agents of arena-tools."""
+    robots = root["robots"].value if root.has("robots") and not root.has("pedsim_agents") else None
     return isinstance(robots, list) and (root.has("obstacles") or (robots != [] and isinstance(robots[0], dict) and "start" in robots[0]))
 
 
@@ -55,11 +57,20 @@ def _part(root: Field, name: str) -> list[Field]:
 
 
 def _people(agent: Field, defaults: PersonDefaults) -> list[PedestrianSpec]:
-    """Return the people of an agent, with what pedsim reads of it; a forklift is told by its model where its type is not said."""
-    known = {name: field.value for name, field in agent.entries() if name not in _unknown(agent)}
-    if "type" not in known and "forklift" in str(known.get("model", "")):
-        known["type"] = "forklift"
+    """Return the people of an agent, with what pedsim reads of it; one without a place begins at its first waypoint."""
+    unknown = _unknown(agent)
+    known = {name: field.value for name, field in agent.entries() if name not in unknown}
+    if "pos" not in known and agent.has("waypoints") and agent["waypoints"].items():
+        known["pos"] = agent["waypoints"].items()[0].value
+    if "type" in known or "forklift" in str(known.get("model", "")):
+        known["type"] = _type(agent) or "adult"
     return people_of(Field(agent.file, agent.key, known), defaults)
+
+
+def _type(agent: Field) -> str | None:
+    """Return an agent's type; a forklift's is told by its model where it is not said. None where nobody knows such a type."""
+    said = str(agent["type"].value) if agent.has("type") else "forklift"
+    return said if said.rsplit("/", 1)[-1] in TYPES else None
 
 
 def _unknown(agent: Field) -> list[str]:
@@ -76,16 +87,23 @@ def _is_known(name: str) -> bool:
 
 
 def _shapes(obstacle: Field) -> Shapes:
-    """Return a static obstacle: that of the model at ``pos``, [x, y] or [x, y, theta], or with a shape of its own."""
+    """Return a static obstacle: that of the model at ``pos``, [x, y, theta] or [x, y] with ``angle``, or with a shape of its own."""
     if obstacle.has("shape"):
         return Shapes((placed_shape(obstacle),), ())
-    keys = [key for key in ("model", "yaml_path", "model_path") if obstacle.has(key)]
-    return placed_model(obstacle[keys[0] if keys else "model"], obstacle["pos"].pose())
+    key = next((key for key in MODEL_KEYS if obstacle.has(key)), MODEL_KEYS[0])
+    at = obstacle["pos"].pose()
+    turn = obstacle["angle"].number() if obstacle.has("angle") else 0.0
+    return placed_model(obstacle[key], Pose(at.x, at.y, at.theta + turn))
 
 
 def _notes(robots: list[Field], dynamic: Iterable[Field]) -> list[str]:
-    unknown = sorted({name for agent in dynamic for name in _unknown(agent)})
+    agents = list(dynamic)
+    unknown = sorted({name for agent in agents for name in _unknown(agent)})
+    types = sorted({str(agent["type"].value) for agent in agents if agent.has("type") and _type(agent) is None})
+    without = sum(not agent.has("pos") for agent in agents)
     return [
-        *([f"{len(robots) - 1} further robots are left out, for here one robot drives"] if len(robots) > 1 else []),
+        *([f"robots after the first are left out ({len(robots) - 1}), for here one robot drives"] if len(robots) > 1 else []),
         *([f"people's {', '.join(unknown)} is not read"] if unknown else []),
+        *([f"people of type {', '.join(types)} are adults here"] if types else []),
+        *([f"people without pos begin at their first waypoint ({without})"] if without else []),
     ]

@@ -22,9 +22,9 @@ from arena_tasks.problem import MOST_REPEATS, Keys, PersonDefaults, Problem
 FORMAT, VERSION = "arena-scenario", 2
 READABLE = (1, VERSION)
 FOREIGN = (  # formats of other programs: whether a file has it, and what reads its problems
+    (is_arena_rosnav, read_arena_rosnav),  # ahead of arena-tools, whose name some of its files carry
     (is_arena_tools, read_arena_tools),
     (is_flatland, read_flatland),
-    (is_arena_rosnav, read_arena_rosnav),
 )
 
 
