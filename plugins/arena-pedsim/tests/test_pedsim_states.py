@@ -171,6 +171,21 @@ def test_who_waits_for_a_trigger_starts_when_the_robot_is_in_the_zone(stage, mak
         assert (NAMES[crowd.states[0, 0]] == "walking") == (x < 7.0)
 
 
+@pytest.mark.parametrize(("robot_y", "starts_below"), [(8.0, 3.0), (2.0, None), (5.0, 4.0), (9.5, 6.5)])
+def test_any_of_several_trigger_zones_starts_who_waits(stage, make_model, robot_y, starts_below):
+    model = make_model()
+    zones = ((2.0, 8.0, 1.0), (3.0, 5.0, 1.0), (5.0, 9.5, 1.5))
+    prefixes = ("trigger_zone", "trigger_zone_2", "trigger_zone_8")
+    said = {
+        f"{p}_{key}": value for p, zone in zip(prefixes, zones, strict=True) for key, value in zip(("x", "y", "radius"), zone, strict=True)
+    }
+    (scenario,) = alone(stage, 1, start_up_mode="trigger_zone", **said)
+    crowd = model.reset(np.zeros(1, int), [scenario], 1)
+    for tick, x in enumerate(np.linspace(7.0, 2.01, 200)):
+        crowd = model.step(crowd, stage.robots((x, robot_y, 0.0)), np.full(1, tick), STEP)
+        assert (NAMES[crowd.states[0, 0]] == "walking") == (starts_below is not None and x < starts_below)
+
+
 def test_the_trigger_zone_may_lie_elsewhere(stage, make_model):
     model = make_model()
     zone = {"trigger_zone_x": 2.0, "trigger_zone_y": 8.0, "trigger_zone_radius": 1.0}

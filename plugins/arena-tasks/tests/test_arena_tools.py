@@ -9,6 +9,8 @@ import pytest
 
 from arena_core import InputFileError, Pose, WorldSource
 from arena_core.testing import component
+from arena_tasks.arena_tools import STANDS
+from arena_tasks.flatland_model import NOWHERE, SENSOR, SOLID
 from arena_tasks.problem import PersonDefaults
 from arena_tasks.scenario_file import read_scenarios, save_scenarios
 from arena_tasks.scenario_task import ScenarioTask
@@ -68,7 +70,9 @@ bodies:
     footprints:
       - {type: polygon, points: [[-0.3, 0.9], [0.3, -0.9], [0.3, 0.9], [-0.3, -0.9]], density: 1}
       - {type: circle, radius: 0.5, center: [0.0, 2.0]}
-      - {type: circle, radius: 9.0, collision: false}
+      - {type: circle, radius: 0.7, center: [0.0, -2.0], collision: false}
+      - {type: circle, radius: 9.0, sensor: true}
+      - {type: circle, radius: 8.0, layers: []}
 """
 
 
@@ -80,11 +84,28 @@ def test_static_obstacles_have_the_shapes_of_their_flatland_model(tmp_path: Path
     shelf = {"name": "3", "model_path": "C:\\somewhere\\shelf.yaml", "pos": [10.0, 5.0], "angle": np.pi / 2}
     disc = {"shape": "circle", "x": 1.0, "y": 2.0, "radius": 0.4}
     (problem,) = read_scenarios(write(folder, {**GOOD, "static_obstacles": [shelf, disc]}), DEFAULTS)
-    polygon, circle, own = problem.obstacles
+    polygon, circle, passable, own = problem.obstacles
     assert sorted(polygon.vertices_xy.round(6).tolist()) == [[9.1, 5.7], [9.1, 6.3], [10.9, 5.7], [10.9, 6.3]]
     assert polygon.radius == 0.0
     assert (circle.vertices_xy.round(6).tolist(), circle.radius) == ([[8.0, 6.0]], 0.5)
+    assert (passable.vertices_xy.round(6).tolist(), passable.radius) == ([[12.0, 6.0]], 0.7)
     assert (own.vertices_xy.tolist(), own.radius) == ([[1.0, 2.0]], 0.4)
+    assert problem.notes == (SOLID, SENSOR, NOWHERE)
+
+
+def test_a_model_that_is_nowhere_is_a_published_one_or_left_out_and_noted(tmp_path: Path) -> None:
+    shelf, own = ({"model_path": f"/a/{name}.yaml", "pos": [1.0, 2.0]} for name in ("shelf", "our_bench"))
+    (problem,) = read_scenarios(write(tmp_path, {**GOOD, "static_obstacles": [shelf, own]}), DEFAULTS)
+    (obstacle,) = problem.obstacles
+    assert sorted(obstacle.vertices_xy.round(3).tolist()) == [[0.605, 1.56], [0.605, 2.44], [1.005, 1.56], [1.005, 2.44]]
+    assert problem.notes == (SOLID, "our_bench is left out, for no model of that name was found")
+
+
+def test_interactive_obstacles_stand_there(tmp_path: Path) -> None:
+    content = {**GOOD, "interactive_obstacles": [{"name": "s", "yaml_path": "/a/shelf.yaml", "pos": [1.0, 2.0], "angle": 0.0}]}
+    (problem,) = read_scenarios(write(tmp_path, content), DEFAULTS)
+    assert len(problem.obstacles) == 1
+    assert problem.notes == (SOLID, STANDS)
 
 
 @pytest.mark.parametrize(
@@ -129,12 +150,8 @@ def test_a_group_stands_close_together_without_touching(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        ({**GOOD, "interactive_obstacles": [{"name": "shelf"}]}, r"interactive_obstacles is .*; allowed: an empty list"),
+        ({**GOOD, "interactive_obstacles": [{"name": "shelf"}]}, r"interactive_obstacles\[0\]\.pos is missing"),
         ({**GOOD, "static_obstacles": [{"name": "shelf", "pos": [0, 0]}]}, r"static_obstacles\[0\]\.model_path is missing"),
-        (
-            {**GOOD, "static_obstacles": [{"model_path": "/a/shelf.yaml", "pos": [0, 0]}]},
-            r"static_obstacles\[0\]\.model_path is \"/a/shelf\.yaml\"; allowed: a Flatland model .*looked for .*obstacles/shelf\.yaml",
-        ),
         ({**GOOD, "static_obstacles": [{"shape": "box"}]}, r"static_obstacles\[0\]\.shape is \"box\"; allowed: circle or polygon"),
         ({**GOOD, "robot_goal": [1]}, r"robot_goal is \[1\]; allowed: \[x, y\]"),
         ({k: v for k, v in GOOD.items() if k != "robot_position"}, "robot_position is missing"),

@@ -73,6 +73,8 @@ def test_every_key_is_read(tmp_path: Path, title: str) -> None:
         ({"waypoints": [[0, -6, 0]]}, [[4, 3], [4, 9]]),
         ({"is_waypoint_relative": False}, [[0, -6], [1, -6], [0, -6], [4, 9]]),
         ({"waypoints": []}, []),
+        ({"mode": "once", "waypoints": [[0, -6, 0]]}, [[4, 3]]),
+        ({"mode": "once"}, [[4, 3], [5, 3], [4, 3], [4, 9]]),
         ({"linear_velocity": 0}, []),
     ],
 )
@@ -88,6 +90,20 @@ def test_without_a_trigger_a_person_starts_at_once(tmp_path: Path) -> None:
         content = {**{key: value for key, value in DISC.items() if key != "triggers"}, **triggers}
         (problem,) = read(tmp_path, {"scenarios": [scene(dynamic_obstacles=[content])]})
         assert problem.pedestrians[0].behaviour == {}
+
+
+def test_several_watchers_are_several_zones(tmp_path: Path) -> None:
+    (problem,) = read(tmp_path, {"scenarios": [disc(triggers=["watcher_1", "watcher_0"])]})
+    assert problem.pedestrians[0].behaviour == {
+        "start_up_mode": "trigger_zone",
+        **{"trigger_zone_x": 9, "trigger_zone_y": 9, "trigger_zone_radius": 1},
+        **{"trigger_zone_2_x": 2, "trigger_zone_2_y": 8.5, "trigger_zone_2_radius": 2},
+    }
+
+
+def test_what_goes_only_once_is_noted_where_it_goes_to_and_fro(tmp_path: Path) -> None:
+    notes = [read(tmp_path, {"scenarios": [disc(mode="once", waypoints=ways)]})[0].notes for ways in ([[0, -6, 0]], DISC["waypoints"])]
+    assert notes == [(), ("mode once goes to and fro here where it has several waypoints",)]
 
 
 def test_pedestrians_keys_are_renamed_and_their_amount_counts(tmp_path: Path) -> None:
@@ -135,12 +151,15 @@ def changed(*keys: str, value: object) -> Callable[[], dict[str, Any]]:
         (changed("static_obstacles", "static_obs_0", "shape", value="box"), r'static_obs_0\.shape is "box"; allowed: circle or polygon'),
         (changed("static_obstacles", "static_obs_0", "radius", value=0), r"static_obs_0\.radius is 0; allowed: a number > 0"),
         (changed("static_obstacles", "static_obs_1", "vertices", value=[[0, 0], [1, 1]]), r"vertices is .*; allowed: three or more"),
-        (changed("dynamic_obstacles", "dynamic_obs_0", "mode", value="once"), r'dynamic_obs_0\.mode is "once"; allowed: yoyo or loop'),
+        (changed("dynamic_obstacles", "dynamic_obs_0", "mode", value="back"), r'dynamic_obs_0\.mode is "back"; allowed: yoyo, loop, once'),
         (
             changed("dynamic_obstacles", "dynamic_obs_0", "triggers", value=["gone"]),
             r'triggers\[0\] is "gone"; allowed: watcher_0, watcher_1',
         ),
-        (changed("dynamic_obstacles", "dynamic_obs_0", "triggers", value=["watcher_0"] * 2), r"triggers is .*; allowed: one watcher"),
+        (
+            changed("dynamic_obstacles", "dynamic_obs_0", "triggers", value=["watcher_0"] * 9),
+            r"triggers is .*; allowed: at most 8 watchers",
+        ),
         (changed("dynamic_obstacles", "dynamic_obs_0", "is_waypoint_relative", value=1), r"is 1; allowed: true or false"),
         (changed("dynamic_obstacles", "dynamic_obs_0", "linear_velocity", value=-1), r"linear_velocity is -1; allowed: a number >= 0"),
         (changed("watchers", "watcher_0", "range", value=-1), r"watchers\.watcher_0\.range is -1; allowed: a number >= 0"),

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from arena_core import InputFileError, Obstacle, PedestrianSpec, Pose
 from arena_core.cli import main
+from arena_tasks.arena_rosnav_writer import arena_rosnav_text, world_name
 from arena_tasks.arena_tools_writer import AGENT, arena_tools_text, flatland_model_text, left_out
 from arena_tasks.problem import Keys, PersonDefaults, Problem
 from arena_tasks.scenario_file import read_scenario_file, read_scenarios, save_scenarios
@@ -91,6 +92,32 @@ def test_a_problem_survives_arena_tools(tmp_path_factory: pytest.TempPathFactory
     assert left_out(problem) == []
 
 
+@given(problem=problems())
+@settings(deadline=None, max_examples=60)
+def test_a_problem_survives_arena_rosnav(tmp_path_factory: pytest.TempPathFactory, problem: Problem) -> None:
+    folder = tmp_path_factory.getbasetemp()
+    names = [f"rosnav_{number}" for number in range(len(problem.obstacles))]
+    for name, obstacle in zip(names, problem.obstacles, strict=True):
+        (folder / f"{name}.model.yaml").write_text(flatland_model_text(obstacle))
+    (folder / "site.json").write_text(arena_rosnav_text(problem, "hall", names))
+    (found,) = read_scenarios(folder / "site.json", DEFAULTS)
+    assert (found.name, found.start, found.goal, found.repeats, found.notes) == ("site", problem.start, problem.goal, problem.repeats, ())
+    for given_person, person in zip(problem.pedestrians, found.pedestrians, strict=True):
+        assert person.position_xy.tolist() == given_person.position_xy.tolist()
+        assert person.waypoints_xy.tolist() == given_person.waypoints_xy.tolist()
+        assert person.max_speed == given_person.max_speed
+        assert person.behaviour == {"type": "adult", **given_person.behaviour}
+    assert shape(found.obstacles).symmetric_difference(shape(problem.obstacles)).area < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("path", "name"),
+    [("worlds/hall/map/map.yaml", "hall"), ("/a/hall/map.yaml", "hall"), ("hall.yaml", ""), ("", ""), ("C:\\hall\\m.yaml", "hall")],
+)
+def test_a_world_is_called_as_the_folder_of_its_map(path: str, name: str) -> None:
+    assert world_name(path) == name
+
+
 @needs_data
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
 def test_every_published_scenario_goes_to_our_format_and_back_key_for_key(tmp_path: Path, path: Path) -> None:
@@ -158,8 +185,8 @@ def test_one_of_several_problems_is_chosen_and_the_map_is_named_from_the_file(tm
     ("words", "said"),
     [
         (["ours.json"], "has 1 files; allowed: IN OUT"),
-        (["ours.json", "out.json", "format=yaml"], "format is yaml; allowed: arena-scenario or arena-tools"),
-        (["ours.json", "out.json", "maps=a"], "maps=a; allowed: format=arena-scenario|arena-tools problem=NAME map=MAP.yaml"),
+        (["ours.json", "out.json", "format=yaml"], "format is yaml; allowed: arena-scenario or arena-tools or arena-rosnav"),
+        (["ours.json", "out.json", "maps=a"], "maps=a; allowed: format=arena-scenario|arena-tools|arena-rosnav problem=NAME map=MAP.yaml"),
         (["ours.json", "out.json", "problem="], "problem=; allowed"),
         (["ours.json", "out.json", "problem=gone"], "problem is gone; allowed, in ours.json: hall, yard"),
         (["ours.json", "out.json", "format=arena-tools"], "ours.json holds 2 problems; allowed in format arena-tools: one"),
@@ -191,7 +218,7 @@ def test_show_tells_problems_and_people(tmp_path: Path, capsys: pytest.CaptureFi
     assert main(["scenario", "show"]) == 2
 
 
-@pytest.mark.parametrize("name", ["convert", "show"])
+@pytest.mark.parametrize("name", ["check", "convert", "show"])
 def test_a_subcommand_tells_how_it_is_used(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["scenario", name, "--help"]) == 0
     assert f"arena scenario {name}" in capsys.readouterr().out
@@ -217,6 +244,7 @@ SAMPLES: dict[str, Callable[[], dict[str, Any]]] = {
         ],
     },
     "arena-tools": lambda: json.loads(arena_tools_text(problem(), "a/b.yaml", ["model.yaml"])),
+    "arena-rosnav": lambda: json.loads(arena_rosnav_text(problem(), "hall", ["model"])),
     "flatland": lambda: {
         "scenerios": [
             {

@@ -129,6 +129,6 @@ def test_scale_values_lie_between_free_and_occupied(
 def test_unreadable_image_is_one_line_that_names_it(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "broken.pgm"
     path.write_bytes(content)
-    with pytest.raises(InputFileError, match=r"broken\.pgm: is no image .* allowed: PGM, PNG or BMP$") as caught:
+    with pytest.raises(InputFileError, match=r"broken\.pgm: is no image .* allowed: PGM, PNG, BMP, JPEG, GIF, TIFF or WebP$") as caught:
         values(path)
     assert "\n" not in str(caught.value)

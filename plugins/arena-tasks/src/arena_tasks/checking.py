@@ -96,4 +96,4 @@ def _composed(path: Path, overrides: Sequence[str]) -> dict[str, Any]:
     """Return the configuration of a run of the file, in the map that it names unless a world is given."""
     quoted = "'" + str(path).replace("\\", "\\\\").replace("'", "\\'") + "'"
     usual = [f"{kind}={name}" for kind, name in USUAL.items() if not any(word.startswith(f"{kind}=") for word in overrides)]
-    return plain(compose([*usual, "task=scenario", f"task.path={quoted}", *overrides], "component"))
+    return plain(compose(["planner=null", *usual, "task=scenario", f"task.path={quoted}", *overrides]))

@@ -16,8 +16,8 @@ ALLOWED = "layers, each with the map: of a map_server YAML"
 def map_yamls_of(path: Path) -> list[Path]:
     """Return the map_server YAMLs that ``path`` stands for: itself, those of a Flatland world's layers, or that of a folder.
 
-    A folder's map is that of its map.world.yaml, else its map.yaml, else its only \*.world.yaml. A file is a Flatland world by its
-    name, or when it has layers and no image. Raises InputFileError for a world without a map.
+    A folder's map is that of its map.world.yaml, else its map.yaml, else its only file that ends in .world.yaml. A file is a Flatland
+    world by its name, or when it has layers and no image. Raises InputFileError for a world without a map.
     """
     path = _in_folder(path) if path.is_dir() else path
     if not path.name.endswith(ENDING) and not _has_layers(path):
