@@ -8,7 +8,19 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from arena_core import ArenaError, Command, ConfigurationError, PedestrianModel, Robot, Scenario, World, compose, load_registry, plain
+from arena_core import (
+    ArenaError,
+    Command,
+    ConfigurationError,
+    PedestrianModel,
+    Robot,
+    Scenario,
+    World,
+    compose,
+    load_registry,
+    option_files,
+    plain,
+)
 from arena_tasks.aligned import aligned
 from arena_tasks.feasibility import Feasibility
 from arena_tasks.problem import PersonDefaults, Problem, noted
@@ -93,7 +105,11 @@ def _given(arguments: Sequence[str]) -> tuple[Path, list[str]]:
 
 
 def _composed(path: Path, overrides: Sequence[str]) -> dict[str, Any]:
-    """Return the configuration of a run of the file, in the map that it names unless a world is given."""
+    """Return the components of a run of the file, in the map that it names unless a world is given; raise ConfigurationError."""
     quoted = "'" + str(path).replace("\\", "\\\\").replace("'", "\\'") + "'"
     usual = [f"{kind}={name}" for kind, name in USUAL.items() if not any(word.startswith(f"{kind}=") for word in overrides)]
-    return plain(compose(["planner=null", *usual, "task=scenario", f"task.path={quoted}", *overrides]))
+    node = plain(compose([*usual, "task=scenario", f"task.path={quoted}", *overrides], "component"))
+    if "robot" not in node:  # which is optional in a configuration of single components
+        allowed = ", ".join(option_files("robot", load_registry().manager))
+        raise ConfigurationError(f"{next(word for word in overrides if word.startswith('robot='))}; allowed: {allowed}")
+    return node
