@@ -19,7 +19,7 @@ from arena_core import InputFileError
 Floats = NDArray[np.float64]
 Unit = Literal["m", "cm", "mm"]
 
-METRES: Mapping[Unit, float] = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+METRES: Mapping[str, float] = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 SAID_UNIT = re.compile(r"\bx\s*[/\[(]\s*(?:in\s+)?(mm|cm|m)\b|\bin\s+(mm|cm|m)\b|\bunits?\s*[:=]\s*(mm|cm|m)\b", re.IGNORECASE)
 SAID_RATE = re.compile(r"\b(?:frame\s*rate|fps)\s*[:=]?\s*([\d.]+)|([\d.]+)\s*(?:fps\b|frames\s+(?:a|per)\s+second)", re.IGNORECASE)
 SAME_RATE = 0.02  # relative difference of frame rates that are one, for velocities and headers are rounded

@@ -55,4 +55,4 @@ def _corners(grid: OccupancyGrid) -> NDArray[np.float64]:
 def _in_frame(points: NDArray[np.float64], frame: Pose) -> NDArray[np.float64]:
     """Return points (N, 2) of ``map`` as seen from a pose."""
     cos, sin = math.cos(frame.theta), math.sin(frame.theta)
-    return (points - (frame.x, frame.y)) @ np.array(((cos, -sin), (sin, cos)))
+    return np.asarray((points - (frame.x, frame.y)) @ np.array(((cos, -sin), (sin, cos))))
