@@ -139,7 +139,7 @@ def identification(config: Mapping[str, Any]) -> dict[str, Any]:
         "preset": choices.get("planner", config["planner"]["name"]),
         "robot": config["robot"]["name"],
         "simulator": config["simulator"]["name"],
-        "world": config["world"]["name"],
+        "world": choices.get("world", config["world"]["name"]),
         "task": config["task"]["name"],
         "pedestrian_model": config["pedestrians"]["name"],
         "reaction": config["pedestrians"].get("reaction", ""),

@@ -13,10 +13,11 @@ from scipy import ndimage
 from arena_core import FREE, ConfigurationError, OccupancyGrid, WorldSource
 from arena_worlds import config_package, register_worlds
 from arena_worlds.empty import EmptyRoom
+from arena_worlds.lab import Lab
 from arena_worlds.warehouse import Warehouse
 
 EXACT = settings(derandomize=True, deadline=None, max_examples=25)
-SOURCES: dict[str, type] = {"empty": EmptyRoom, "warehouse": Warehouse}
+SOURCES: dict[str, type] = {"empty": EmptyRoom, "warehouse": Warehouse, "lab": Lab}
 
 
 def figures(name: str) -> dict[str, Any]:
@@ -44,7 +45,8 @@ def is_closed(grid: OccupancyGrid) -> bool:
 def test_hooks_offer_every_yaml_file() -> None:
     registered: list[str] = []
     register_worlds(lambda name, factory: registered.append(name))
-    assert sorted(registered) == sorted(file.name[:-5] for file in (files(config_package()) / "world").iterdir())
+    named = {yaml.safe_load(file.read_text())["name"] for file in (files(config_package()) / "world").iterdir()}
+    assert sorted(registered) == sorted(named)
 
 
 @pytest.mark.parametrize("name", SOURCES)

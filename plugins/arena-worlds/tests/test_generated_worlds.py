@@ -15,6 +15,7 @@ from arena_core import FREE, ConfigurationError, OccupancyGrid, compose, load_re
 from arena_worlds.cellular import smoothed
 from arena_worlds.generated import Generated
 from arena_worlds.reachable import keep_reachable
+from arena_worlds.widths import widths_of
 
 KINDS = ("indoor", "outdoor", "rooms", "cellular")
 SEEDS = st.integers(0, 2**31)
@@ -199,3 +200,43 @@ def test_parameters_are_listed_with_units() -> None:
         node: dict[str, Any] = dict(compose([], f"world/{kind}").world)
         assert node["difficulty"] == 0.5
         assert node["regenerate"] is None
+
+
+@pytest.mark.parametrize(
+    ("preset", "released"),
+    [("indoor_as_released", (283.0, 2.8, 2.8, 4.4, 0.51)), ("outdoor_as_released", (477.0, 2.0, 2.6, 8.8, 0.34))],
+)
+def test_worlds_as_released_have_the_measures_of_the_released_maps(preset: str, released: tuple[float, ...]) -> None:
+    source = make(preset)
+    found = [widths_of(np.pad(source.world(seed, 0).grid.data == FREE, 1), 0.1) for seed in range(4)]
+    assert np.abs(np.array(found) / released - 1.0).max() <= 0.15
+    assert source.world(0, 0).grid.resolution == 0.1
+
+
+@pytest.mark.parametrize("kind", ["indoor", "outdoor"])
+def test_worlds_as_in_the_paper_are_fifteen_metres_wide(kind: str) -> None:
+    assert make(f"{kind}_as_paper").world(0, 0).grid.data.shape == (304, 304)
+
+
+def test_squares_keep_the_gaps_that_they_are_given() -> None:
+    source = make("outdoor", "resolution=0.1", "obstacles=5", "obstacle_size=2", "gaps={least: 1.0, most: 1.4}")
+    for seed in range(5):
+        free = source.world(seed, 0).grid.data == FREE
+        squares, count = ndimage.label(~free[2:-2, 2:-2])
+        assert count == 5
+        for number in range(1, 6):
+            others = np.pad(squares != number, 2) & np.pad(squares > 0, 2)
+            edge = np.pad(np.zeros(squares.shape, bool), 2, constant_values=True)
+            away = ndimage.distance_transform_edt(~(others | edge))[2:-2, 2:-2][squares == number].min() * 0.1
+            assert 0.9 <= away <= 1.6  # from cell to cell: up to a cell less or more, and one more between centres
+
+
+def test_worlds_that_are_like_none_drawn_are_refused() -> None:
+    like = "like={free: 200, width_p10: 9, width: 9, width_p90: 9, beside_walls: 0.5, within: 0.1}"
+    with pytest.raises(ConfigurationError, match=r"world outdoor: 10 draws, none like world\.like \(the last: .*width_p10 \d") as caught:
+        make("outdoor", "resolution=0.1", like)
+    assert "\n" not in str(caught.value)
+    with pytest.raises(ConfigurationError, match=r"world\.gaps\.most is 1; allowed: from world\.gaps\.least on, 2 m"):
+        make("outdoor", "gaps={least: 2, most: 1}")
+    with pytest.raises(ConfigurationError, match=r"no place for square \d+ within world\.gaps"):
+        make("outdoor", "resolution=0.1", "obstacles=60", "gaps={least: 1.9, most: 2.1}")

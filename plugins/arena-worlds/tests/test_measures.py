@@ -137,3 +137,16 @@ def test_climbing_ends_in_the_middle() -> None:
     rows, columns = np.mgrid[-4:5, -4:5]
     clearance = (5.0 - np.hypot(rows, columns)).astype(np.float32)
     assert set(climb(clearance, np.flatnonzero(np.maximum(abs(rows), abs(columns)) < 4)).tolist()) == {40}
+
+
+def test_widths_are_those_of_a_corridor_and_a_square() -> None:
+    data = np.full((64, 204), 100, np.int8)
+    data[20:44, 2:142] = 0
+    data[2:62, 142:202] = 0
+    found = measures_of(grid_of(data), 0.25)
+    assert found.free == pytest.approx(2.4 * 14.0 + 6.0 * 6.0)
+    assert found.width_p10 == found.width == pytest.approx(2.4)
+    assert 2.4 <= found.width_p90 <= 6.0
+    assert measures_of(grid_of(data), 0.9).width == found.width
+    corridor = hall(26, 204)
+    assert measures_of(grid_of(corridor), 0.25).beside_walls == pytest.approx(1.0 - (6 * 184) / (24 * 202))

@@ -11,6 +11,7 @@ def register_worlds(register: Register) -> None:
     register("scenario_map", "arena_worlds.scenario_map:ScenarioMap")
     register("barn", "arena_worlds.barn:BarnWorlds")
     register("empty", "arena_worlds.empty:EmptyRoom")
+    register("lab", "arena_worlds.lab:Lab")
     register("warehouse", "arena_worlds.warehouse:Warehouse")
     register("indoor", "arena_worlds.indoor:Indoor")
     register("outdoor", "arena_worlds.outdoor:Outdoor")

@@ -7,6 +7,7 @@ from functools import lru_cache
 from typing import Annotated, ClassVar, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from arena_core import (
     FREE,
@@ -24,7 +25,9 @@ from arena_core import (
     generator,
 )
 from arena_worlds.canvas import Canvas
+from arena_worlds.likeness import Likeness
 from arena_worlds.reachable import keep_reachable
+from arena_worlds.widths import widths_of
 
 Count = Annotated[int, Bounds(low=0, high=10_000)]  # of things in a world: a slip of the pen is an error, not an endless wait
 SomeCount = Annotated[int, Bounds(low=1, high=10_000)]
@@ -50,8 +53,8 @@ class Span:
 class Generated(WorldSource):
     """Draws worlds of ``width`` by ``height`` m: one for each seed, or a new one every ``regenerate`` scenarios.
 
-    All places of a robot of ``robot_radius`` m are connected, and at least ``least_share`` of the hall is free; a
-    world that fails this is drawn again, up to ``draws`` times.
+    All places of a robot of ``robot_radius`` m are connected, at least ``least_share`` of the hall is free, and the world is
+    ``like`` a given one where that is asked for; a world that fails this is drawn again, up to ``draws`` times.
     """
 
     width: Positive
@@ -61,6 +64,7 @@ class Generated(WorldSource):
     robot_radius: NonNegative
     least_share: Fraction
     draws: PositiveInt
+    like: Likeness | None
     regenerate: NonNegativeInt | None = field(compare=False)
     known: bool = field(compare=False)
 
@@ -123,5 +127,16 @@ def _grid(source: Generated, random: np.random.Generator) -> OccupancyGrid:
             f"world {source.kind}: no free space for the robot (robot_radius {source.robot_radius:g} m, difficulty {source.difficulty:g}: "
             f"{free.mean():.0%} of the hall); allowed: least_share, {source.least_share:.0%}, or more"
         )
+    if source.like is not None:
+        _check_likeness(source.like, free, source)
     canvas.inside = np.where(free, np.int8(FREE), np.int8(OCCUPIED))
     return canvas.grid()
+
+
+def _check_likeness(like: Likeness, free: NDArray[np.bool_], source: Generated) -> None:
+    """Raise Misdrawn where the free cells (H, W) are not like the map that ``like`` was measured on."""
+    unlike = like.differences(widths_of(np.pad(free, 1), source.resolution))
+    if unlike:
+        raise Misdrawn(
+            f"world {source.kind}: {source.draws} draws, none like world.like (the last: {unlike}); allowed: more draws, or a wider within"
+        )

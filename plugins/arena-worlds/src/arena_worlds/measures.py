@@ -11,13 +11,13 @@ from dataclasses import dataclass, field, fields
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from arena_core import FREE, OCCUPIED, ConfigurationError, OccupancyGrid, Pose
 from arena_kernels.distance import distance_field
 from arena_kernels.grids import stack_grids
 from arena_kernels.raycast import make_beams, scan_grids
 from arena_worlds.ways import DIAGONAL, STRAIGHT, UNREACHED, climb, join_levels, way_lengths
+from arena_worlds.widths import BESIDE_WALLS, largest_part, widths_of
 
 VIEWPOINTS, BEAMS, SIGHT = 500, 72, 10.0  # places that are looked from, in how many directions, m
 STARTS, AWAY = 12, 2.0  # places that ways are measured from, m to where they end at least
@@ -26,7 +26,10 @@ MARKS = 200  # places that are joined by their roomiest ways
 
 @dataclass(frozen=True, slots=True)
 class Measures:
-    """What makes a map difficult, over the places of a robot: all cells, one connected region, where its centre can be."""
+    """What makes a map difficult, over the places of a robot: all cells, one connected region, where its centre can be.
+
+    From ``free`` on over the largest free region, as robots of any size see it.
+    """
 
     room: float = field(metadata={"unit": "m2", "text": "area of the robot's places"})
     mean_clearance: float = field(metadata={"unit": "m", "text": "mean distance to the nearest obstacle"})
@@ -35,6 +38,12 @@ class Measures:
     tortuosity: float = field(metadata={"unit": "-", "text": "length of the way by the straight distance, mean over pairs of places"})
     visibility: float = field(metadata={"unit": "m", "text": f"mean free sight, at most {SIGHT:g} m"})
     characteristic_dimension: float = field(metadata={"unit": "m", "text": "free sight along the tightest axis, mean"})
+
+    free: float = field(metadata={"unit": "m2", "text": "area of the largest free region, whatever drives there"})
+    width_p10: float = field(metadata={"unit": "m", "text": "width of its ways: 10 % of the ridge of the distance field are narrower"})
+    width: float = field(metadata={"unit": "m", "text": "width of its ways: median"})
+    width_p90: float = field(metadata={"unit": "m", "text": "width of its ways: 10 % are wider"})
+    beside_walls: float = field(metadata={"unit": "-", "text": f"share of it nearer than {BESIDE_WALLS:g} m to an obstacle"})
 
     def rows(self) -> list[tuple[str, float, str, str]]:
         """Return name, value, unit and meaning of each figure."""
@@ -48,7 +57,7 @@ def measures_of(grid: OccupancyGrid, robot_radius: float) -> Measures:
     """
     free = np.pad((grid.data >= 0) & (grid.data < grid.occupied_from), 1)
     clearance = distance_field(~free, grid.resolution) - np.float32(0.5 * grid.resolution)
-    room = _largest_part(clearance >= robot_radius)
+    room = largest_part(clearance >= robot_radius)
     if not room.any():
         raise ConfigurationError(
             f"robot_radius is {robot_radius:g}: no free space for the robot; allowed: up to {max(clearance.max(), 0.0):g} m in this map"
@@ -56,6 +65,7 @@ def measures_of(grid: OccupancyGrid, robot_radius: float) -> Measures:
     cells = np.flatnonzero(room)
     narrowest, passage = _passages(clearance, room, cells)
     visibility, tightest = _sight(free, room, grid.resolution)
+    widths = widths_of(free, grid.resolution)
     return Measures(
         room=len(cells) * grid.resolution**2,
         mean_clearance=float(clearance[room].mean(dtype=np.float64)),
@@ -64,14 +74,12 @@ def measures_of(grid: OccupancyGrid, robot_radius: float) -> Measures:
         tortuosity=_tortuosity(room, cells, grid.resolution),
         visibility=visibility,
         characteristic_dimension=tightest,
+        free=widths.free,
+        width_p10=widths.low,
+        width=widths.middle,
+        width_p90=widths.high,
+        beside_walls=widths.tight,
     )
-
-
-def _largest_part(area: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    labels, _ = ndimage.label(area)
-    sizes = np.bincount(labels.ravel())
-    sizes[0] = 0
-    return np.asarray((labels == sizes.argmax()) & area)
 
 
 def _evenly(cells: NDArray[np.int64], count: int) -> NDArray[np.int64]:
