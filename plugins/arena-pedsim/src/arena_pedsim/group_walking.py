@@ -46,7 +46,7 @@ def walk_in_groups(scene: Scene) -> None:
 
 @inner
 def _lead(scene: Scene, leader: int, following: Ints) -> None:
-    """Let a group follow its leader's waypoints; the next comes when the first of them reaches one."""
+    """Let a group follow its leader's waypoints; the next comes when the first of them reaches one where nobody stays."""
     drop_errand(scene, leader)
     head = scene.people[leader]
     head.party = leader
@@ -55,11 +55,11 @@ def _lead(scene: Scene, leader: int, following: Ints) -> None:
         person = scene.people[member]
         if person.waypoints == head.waypoints and person.waypoint != head.waypoint:
             person.waypoint, person.kept = head.waypoint, 0
-        person.party = leader
+        person.party, person.stay = leader, head.stay
         send(scene, member, head.goal_x, head.goal_y)
         dx, dy = head.goal_x - scene.positions[member, 0], head.goal_y - scene.positions[member, 1]
         ends = head.respawn != NEVER and head.waypoint == head.waypoints - 1  # who leaves must get there
-        if head.waypoints > 1 and not ends and dx * dx + dy * dy < scene.parameters.wayfinding_waypoint_radius**2:
+        if head.waypoints > 1 and not ends and not head.stay > 0.0 and dx * dx + dy * dy < scene.parameters.wayfinding_waypoint_radius**2:
             head.wish = NEXT_WAYPOINT
         member = following[member]
 
