@@ -82,7 +82,13 @@ def _write_way(
 
 @compiled
 def _write_corners(
-    ground: Ground, rooms: Rooms, start: tuple[float, float], end: tuple[float, float], radius: float, nodes: NDArray[np.int32], corners: Floats
+    ground: Ground,
+    rooms: Rooms,
+    start: tuple[float, float],
+    end: tuple[float, float],
+    radius: float,
+    nodes: NDArray[np.int32],
+    corners: Floats,
 ) -> int:
     """Write the corners of a way that is not straight and return their number, -1 when there is no way."""
     _, _, first = nearest_room(ground, rooms, start[0], start[1], radius)

@@ -66,11 +66,13 @@ def draw_walkers(space: FreeSpace, trip: Trip, rules: WalkerRules, random: np.ra
 
 def _party_sizes(rules: WalkerRules, random: np.random.Generator) -> list[int]:
     """Return how many walk together, 1 for who walks alone, in the order in which they are drawn."""
-    together, sizes = round(rules.groups.share * rules.count), []
-    while together >= rules.groups.size_min:
-        size = min(int(random.integers(rules.groups.size_min, rules.groups.size_max + 1)), together)
-        sizes.append(size)
-        together -= size
+    together, sizes = round(rules.groups.share * rules.count), list[int]()
+    least = rules.groups.size_min
+    while together >= least:
+        possible = range(least, min(rules.groups.size_max, together) + 1)
+        leaving_none_alone = [size for size in possible if together - size == 0 or together - size >= least]
+        sizes.append(int(random.choice(leaving_none_alone or possible)))
+        together -= sizes[-1]
     return sizes + [1] * (rules.count - sum(sizes))
 
 
@@ -107,16 +109,16 @@ def _party(places: list[Points], waypoints: Points, number: int, first: int, rul
     return [PedestrianSpec(first + k, place, waypoints, rules.speed, rules.radius, together) for k, place in enumerate(places)]
 
 
-def _places(
-    start: Points, size: int, others: list[PedestrianSpec], space: FreeSpace, trip: Trip, rules: WalkerRules
-) -> list[Points]:
+def _places(start: Points, size: int, others: list[PedestrianSpec], space: FreeSpace, trip: Trip, rules: WalkerRules) -> list[Points]:
     """Return the start and, for who walks together, places around it; fewer than ``size`` where there is no room."""
     angles = 2.0 * np.pi * np.arange(SIDES) / SIDES
     around = start + BESIDE * np.stack((np.cos(angles), np.sin(angles)), axis=1)
     taken, places = [other.position_xy for other in others], list[Points]()
     for place in [start, *around]:
-        if len(places) < size and _has_place(place, [*taken, *places], space, trip, rules) and space.is_visible(start, place, rules.radius):
+        if _has_place(place, [*taken, *places], space, trip, rules) and space.is_visible(start, place, rules.radius):
             places.append(place)
+        if not places or len(places) == size:
+            break
     return places
 
 
