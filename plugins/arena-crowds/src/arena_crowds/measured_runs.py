@@ -38,8 +38,7 @@ def stood(benchmark: Benchmark, extent: Extent) -> list[Walked]:
     scenarios = [benchmark.task.scenario(seed, number) for number in range(extent.episodes)]
     ticks, still = round(SAMPLE / simulator.inner_step), np.zeros((len(scenarios), 3))
     moments = [simulator.reset(scenarios)]
-    for _ in range(round(extent.seconds / SAMPLE)):
-        moments.append(simulator.advance(still, ticks))
+    moments += [simulator.advance(still, ticks) for _ in range(round(extent.seconds / SAMPLE))]
     stamps, poses = np.array([moment.stamps for moment in moments]), np.array([moment.poses for moment in moments])
     positions, states = np.array([moment.crowd.positions for moment in moments]), np.array([moment.crowd.states for moment in moments])
     people = [len(scenario.pedestrians) for scenario in scenarios]
