@@ -149,6 +149,6 @@ def test_too_many_obstacles_say_what_to_lower() -> None:
 def test_radii_that_contradict_each_other_are_refused() -> None:
     with pytest.raises(
         ConfigurationError,
-        match=r"task\.obstacle_radius_min is 0\.5 and obstacle_radius_max 0\.3; allowed: obstacle_radius_min <= obstacle_radius_max",
+        match=r"task\.obstacle_radius_min is 0\.5 and obstacle_radius_max 0\.3; allowed",
     ):
         make(obstacle_radius_min=0.5)

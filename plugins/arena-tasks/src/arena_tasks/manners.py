@@ -14,8 +14,11 @@ FARTHEST = 2.5  # standard deviations from the mean that anybody's speed is, at 
 
 @dataclass(frozen=True, slots=True)
 class MannerRules:
-    """``children`` and ``elders`` are shares; ``speed_spread`` is a share of the mean speed; with ``respawn`` who ends the round comes again
-    elsewhere; at a waypoint people stay, with ``pause_probability``, for ``pause_time`` s on average."""
+    """``children`` and ``elders`` are shares of the people, ``speed_spread`` one of the mean speed.
+
+    With ``respawn`` who ends the round comes again elsewhere. At a waypoint people stay, with ``pause_probability``, for ``pause_time`` s
+    on average.
+    """
 
     children: float
     elders: float

@@ -23,7 +23,7 @@ SHRINKING = 0.5  # of the greatest distance there is, in a region too small for 
 
 @dataclass(frozen=True, slots=True)
 class RoundRules:
-    """What a round is like: waypoints ``leg_min`` .. ``leg_max`` m apart (straight), a share ``to_and_fro`` of rounds turns back at the end.
+    """What a round is like: waypoints ``leg_min`` .. ``leg_max`` m apart (straight); a share ``to_and_fro`` of them turns back at the end.
 
     With ``placement`` ``along_route`` a share ``meeting`` of the rounds comes to the robot's way: of these a share ``crossing`` goes from
     one side of it to the other, the others go along it.
@@ -68,6 +68,7 @@ class FloorOf:
     clearance: float
 
     def __call__(self, grid: OccupancyGrid) -> Floor:
+        """Return the places, thinned where there are many."""
         space = grid.derive(FreeSpace)
         cells = np.argwhere(space.clearance >= self.clearance)
         every = max(round(SPACING / grid.resolution), 1)
