@@ -22,7 +22,7 @@ SMOOTHED = 1.0  # s over which a speed is taken: sway is no walking
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Walked:
-    """One episode at T instants: ``stamps`` (T,) s, ``poses`` (T, 3) of the robot, ``positions`` (T, P, 2) m, ``states`` (T, P) of people."""
+    """One episode at T instants: ``stamps`` (T,) s, ``poses`` (T, 3) of the robot, ``positions`` (T, P, 2) m and ``states`` (T, P)."""
 
     scenario: Scenario
     stamps: Floats
