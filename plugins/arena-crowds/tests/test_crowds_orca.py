@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -136,3 +138,14 @@ def test_an_impossible_start_is_one_line(stage, orca, at, where):
 def test_an_impossible_number_is_refused():
     with pytest.raises(ConfigurationError, match=r"pedestrians.neighbours is 0; allowed: >= 1"):
         component("pedestrians", "orca", ["pedestrians.neighbours=0"])
+
+
+def test_who_pauses_stays_at_a_waypoint_for_a_drawn_time(stage, orca):
+    person = replace(
+        stage.person(0, (4.0, 3.0), (3.0, 3.0), (9.0, 3.0), speed=1.2), behaviour={"pause_probability": 1.0, "pause_time": 4.0}
+    )
+    states = np.array([crowd.states[0, 0] for crowd in stage.walk(orca, [stage.scenario(stage.hall(12, 6), [person])], 120.0)])
+    edges = np.flatnonzero(np.diff(np.r_[0, (states == 1).astype(int), 0])).reshape(-1, 2)
+    stays = 0.05 * np.diff(edges, axis=1)[:-1, 0]
+    assert len(stays) >= 8
+    assert 1.9 <= stays.min() < stays.max() <= 6.1

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from importlib.resources import files
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -13,9 +12,11 @@ from hypothesis import strategies as st
 
 from arena_core import ConfigurationError, Footprint, ImpossibleScenario, OccupancyGrid, Pose, Robot, Scenario, World, WorldSource, testing
 from arena_core.testing import check
+from arena_kernels.ways import Ways
 from arena_tasks import config_package, register_task_modes
 from arena_tasks.free_space import FreeSpace
 from arena_tasks.random_task import RandomTask
+from arena_tasks.route import find_route
 
 EXACT = settings(derandomize=True, deadline=None, max_examples=25)
 
@@ -90,33 +91,38 @@ def test_every_promise_is_kept(seed: int, index: int, placement: str, radius: fl
     assert [p.id for p in scenario.pedestrians] == list(range(6))
     for person in scenario.pedestrians:
         assert (person.max_speed, person.radius) == (0.3, 0.3)
-        assert 2 <= len(person.waypoints_xy) <= 5
-        around = np.vstack((person.waypoints_xy, person.waypoints_xy[:1], person.position_xy[None]))
-        assert space.has_room(around, 0.3).all()
-        assert all(space.is_visible(a, b, 0.3) for a, b in pairwise(around[:-1]))
-        assert np.hypot(*(around[:, None] - ends).transpose(2, 0, 1)).min() >= 0.3 + 4 * radius
+        assert 2 <= len(person.waypoints_xy) <= 6  # four places, and two of them on the way back
+        assert space.has_room(np.vstack((person.waypoints_xy, person.position_xy[None])), 0.35).all()
+        assert len(HALL.derive(Ways).round(person.waypoints_xy, 0.3)) == len(person.waypoints_xy)
+        stops = np.vstack((person.waypoints_xy, person.position_xy[None]))
+        assert np.hypot(*(stops[:, None] - ends).transpose(2, 0, 1)).min() >= 0.3 + 4 * radius
     positions = np.array([p.position_xy for p in scenario.pedestrians])
     apart = np.hypot(*(positions[:, None] - positions).transpose(2, 0, 1))
     assert apart[np.triu_indices(6, 1)].min() > 0.6
 
 
-def test_people_start_on_their_rounds() -> None:
+def test_people_start_on_the_way_to_their_first_waypoint() -> None:
     for person in make().scenario(1, 0).pedestrians:
-        legs = zip(person.waypoints_xy, np.roll(person.waypoints_xy, -1, axis=0), strict=True)
-        detours = [np.hypot(*(a - person.position_xy)) + np.hypot(*(b - person.position_xy)) - np.hypot(*(a - b)) for a, b in legs]
+        legs = HALL.derive(Ways).round(person.waypoints_xy, person.radius)
+        ends = zip(legs[0], legs[0][1:], strict=False)
+        detours = [np.hypot(*(a - person.position_xy)) + np.hypot(*(b - person.position_xy)) - np.hypot(*(a - b)) for a, b in ends]
         assert min(detours) == pytest.approx(0.0, abs=1e-9)
 
 
-def test_people_along_the_route_are_nearer_to_it_than_people_anywhere() -> None:
-    def nearest(placement: str) -> float:
+def test_rounds_along_the_route_come_to_it_and_rounds_anywhere_may_not() -> None:
+    def farthest(placement: str, **changes: object) -> float:
         found = []
         for index in range(10):
-            scenario = make(placement=placement, min_distance=14.0).scenario(2, index)
-            line = np.linspace((scenario.start.x, scenario.start.y), (scenario.goal.x, scenario.goal.y), 200)
-            found += [np.hypot(*(line - p.position_xy).T).min() for p in scenario.pedestrians]
-        return float(np.mean(found))
+            scenario = make(placement=placement, crossing=0.0, **changes).scenario(2, index)
+            way = find_route(HALL, 0.16, *(np.array((end.x, end.y)) for end in (scenario.start, scenario.goal)))
+            for person in scenario.pedestrians:
+                round_way = np.vstack(HALL.derive(Ways).round(person.waypoints_xy, 0.3))
+                found.append(np.hypot(*(round_way[:, None] - way).transpose(2, 0, 1)).min())
+        return float(np.max(found))
 
-    assert nearest("along_route") < 0.5 * nearest("anywhere")
+    assert farthest("along_route") < 1.0
+    assert farthest("anywhere") > 2.0
+    assert farthest("along_route", meeting=0.0) > 2.0
 
 
 @pytest.mark.parametrize(("crossing", "wide"), [(0.0, False), (1.0, True)])
@@ -124,7 +130,7 @@ def test_crossing_people_walk_across_the_way_and_others_along_it(crossing: float
     ratios = []
     for index in range(10):
         # a free hall: the route is a straight line, so along and across can be told apart
-        scenario = make(testing.room(20.0), crossing=crossing, waypoints_max=2).scenario(0, index)
+        scenario = make(testing.room(20.0), crossing=crossing, waypoints_max=2, leg_max=6.0).scenario(0, index)
         dx, dy = scenario.goal.x - scenario.start.x, scenario.goal.y - scenario.start.y
         for person in scenario.pedestrians:
             leg = person.waypoints_xy[1] - person.waypoints_xy[0]
@@ -184,7 +190,11 @@ def test_impossible_request_says_what_did_not_fit(grid: OccupancyGrid, changes: 
     ("changes", "message"),
     [
         ({"waypoints_min": 1}, r"task\.waypoints_min is 1"),
-        ({"waypoints_min": 6}, r"task\.waypoints_min is 6 and waypoints_max 5"),
+        ({"waypoints_min": 6}, r"task\.waypoints_min is 6 and waypoints_max 4; allowed: 2 <= waypoints_min <= waypoints_max"),
+        ({"leg_min": 11.0}, r"task\.leg_min is 11 and leg_max 10; allowed: leg_min <= leg_max"),
+        ({"group_min": 1}, r"task\.group_min is 1 and group_max 3"),
+        ({"obstacle_radius_min": 0.5}, r"task\.obstacle_radius_min is 0\.5 and obstacle_radius_max 0\.3"),
+        ({"pedestrian_speed_spread": 0.4}, r"task\.pedestrian_speed_spread is 0\.4; allowed: below 0\.4"),
         ({"min_distance": 30.0}, r"task\.min_distance is 30; allowed: up to max_distance, 20 m"),
     ],
 )

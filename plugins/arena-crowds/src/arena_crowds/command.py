@@ -1,16 +1,18 @@
-"""``arena crowd validate``: hold crowd models against recordings and the literature."""
+"""``arena crowd validate`` holds crowd models against recordings and the literature; ``arena crowd measure`` says how people walk."""
 
 from __future__ import annotations
 
 import csv
 import importlib
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, ClassVar
 
 from arena_core import Command, ConfigurationError, PedestrianModel, compose, load_registry, write_bytes_whole, write_text_whole
-from arena_crowds.findings import Findings
+from arena_crowds.findings import Findings, aligned
+from arena_crowds.measure import USAGE as MEASURE
+from arena_crowds.measure import measure
 
 EXPERIMENTS = {
     "speed_density": "walking speed over density in a corridor, against Weidmann and the Juelich recordings",
@@ -24,10 +26,12 @@ USAGE = "arena crowd validate [EXPERIMENT ...] [pedestrians=MODEL,...] [pedestri
 class CrowdCommand(Command):
     """Run experiments with crowd models; write a table and a picture for each."""
 
-    help: ClassVar[str] = f"validate crowd models: {USAGE}"
+    help: ClassVar[str] = "validate crowd models, and measure how people walk: arena crowd validate | measure"
 
     def run(self, arguments: Sequence[str]) -> int:
-        """Run the experiments (all that the recordings allow, without names) and print their tables."""
+        """Run the experiments (all that the recordings allow, without names) and print their tables, or measure."""
+        if arguments and arguments[0] == "measure" and not {"--help", "-h"} & set(arguments):
+            return measure(arguments[1:])
         if not arguments or arguments[0] != "validate" or "--help" in arguments or "-h" in arguments:
             print(_usage())
             return 0 if not arguments or {"--help", "-h"} & set(arguments) else 2
@@ -37,7 +41,7 @@ class CrowdCommand(Command):
         models = {preset: model(preset, overrides) for preset in chosen}
         for name in names or [name for name in EXPERIMENTS if name != "rollout" or recordings]:
             findings: Findings = importlib.import_module(f"arena_crowds.{name}").run(models, recordings)
-            print(f"\n{name}: {EXPERIMENTS[name]}\n{table(findings.rows)}")
+            print(f"\n{name}: {EXPERIMENTS[name]}\n{aligned(findings.rows)}")
             write(findings, Path(keys.get("out", "crowds")), name)
         return 0
 
@@ -64,13 +68,6 @@ def _parsed(words: Sequence[str]) -> tuple[list[str], dict[str, str], list[str]]
     return names, keys, overrides
 
 
-def table(rows: Sequence[Mapping[str, Any]]) -> str:
-    """Return rows as aligned text."""
-    cells = [list(rows[0]), *([value if isinstance(value, str) else f"{value:.4g}" for value in row.values()] for row in rows)]
-    widths = [max(len(row[i]) for row in cells) for i in range(len(cells[0]))]
-    return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in cells)
-
-
 def write(findings: Findings, folder: Path, name: str) -> None:
     """Write NAME.csv and NAME.png."""
     from matplotlib.figure import Figure
@@ -88,4 +85,4 @@ def write(findings: Findings, folder: Path, name: str) -> None:
 
 
 def _usage() -> str:
-    return "\n".join([f"usage: {USAGE}", "", *(f"  {name:14} {what}" for name, what in EXPERIMENTS.items())])
+    return "\n".join([f"usage: {USAGE}", f"       {MEASURE}", "", *(f"  {name:14} {what}" for name, what in EXPERIMENTS.items())])

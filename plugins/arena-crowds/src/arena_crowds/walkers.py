@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ImpossibleScenario, OccupancyGrid, Pedestrians, PedestrianSpec, Scenario
+from arena_core import ImpossibleScenario, OccupancyGrid, Pedestrians, PedestrianSpec, Scenario, stream_key
 from arena_crowds.slots import grown, no_crowd, with_worlds
 
 STANDING, WALKING = 1, 2  # states; ABSENT is 0
@@ -28,6 +28,11 @@ WALKER = np.dtype(
         ("corner", np.int64),  # index of the next corner of the route; ``corners`` of them, then comes the goal
         ("corners", np.int64),
         ("wish", np.int64),
+        ("stay_chance", np.float64),  # that the person stays at a waypoint, and for how long on average, s
+        ("stay_time", np.float64),
+        ("stay", np.float64),  # s at the present waypoint, once it is reached
+        ("legs", np.int64),  # number of waypoints walked to so far
+        ("key", np.uint64),  # of the draws of stays
     ],
     align=True,
 )
@@ -58,6 +63,7 @@ class Walkers:
         for slot, scenario in scenarios.items():
             for place, spec in enumerate(scenario.pedestrians):
                 self._remember(slot, place, spec)
+            self.memory["key"][slot] = stream_key(scenario.seed, scenario.name, "stays")
 
     def _remember(self, slot: int, place: int, spec: PedestrianSpec) -> None:
         count = len(spec.waypoints_xy)
@@ -66,6 +72,7 @@ class Walkers:
         walker["max_speed"], walker["waypoints"], walker["waypoint"] = spec.max_speed, count, -1
         walker["goal_x"], walker["goal_y"] = walker["anchor_x"], walker["anchor_y"] = spec.position_xy
         walker["wish"] = NEXT_WAYPOINT if count else NOTHING
+        walker["stay_chance"], walker["stay_time"] = (float(spec.behaviour.get(key, 0.0)) for key in ("pause_probability", "pause_time"))
         self.waypoints[slot, place, :count] = spec.waypoints_xy
 
 

@@ -12,6 +12,7 @@ from arena_crowds.parameters import WayRules
 from arena_crowds.walkers import NEW_ROUTE, NEXT_WAYPOINT, NOTHING, STANDING, WALKING
 from arena_kernels.compiled import compiled
 from arena_kernels.ground import Ground, clearance, ground_of
+from arena_kernels.random import uniform
 from arena_kernels.route_grid import Rooms, rooms_of
 from arena_kernels.routes import find_corners, nearest_room
 from arena_kernels.sliding import LOSING_SIGHT, SIGHT, is_visible
@@ -20,6 +21,7 @@ Floats = NDArray[np.float64]
 
 LEAVING = 2.0  # who stands at the only waypoint walks back when this many waypoint radii away
 BACK = 3.0  # m, who lost sight of the way goes back to a corner this near
+SPREAD = 0.5  # a stay lasts its mean x U(1 - SPREAD, 1 + SPREAD)
 AT_CORNER = 0.05  # m, a corner this near gives no direction
 
 
@@ -29,12 +31,19 @@ def follow(
 ) -> tuple[int, float, float, float]:
     """Return the state, the unit vector to walk along and how far that way leads (inf before a corner); note wishes."""
     to_goal = sqrt((walker.goal_x - x) ** 2 + (walker.goal_y - y) ** 2)
-    if state == STANDING:
+    if state == STANDING and walker.waypoints > 1:
+        walker.stay -= dt
+        if walker.stay > 0.0:
+            return STANDING, 0.0, 0.0, 0.0
+        walker.wish = NEXT_WAYPOINT
+    elif state == STANDING:
         if walker.waypoints == 0 or to_goal < LEAVING * rules.waypoint_radius:
             return STANDING, 0.0, 0.0, 0.0
         walker.wish, walker.corner, walker.corners = NEW_ROUTE, 0, 0
     if walker.corner >= walker.corners and to_goal < rules.waypoint_radius:
         if walker.waypoints == 1:
+            return STANDING, 0.0, 0.0, 0.0
+        if walker.stay > 0.0:
             return STANDING, 0.0, 0.0, 0.0
         walker.wish = NEXT_WAYPOINT
     _notice_stuck(walker, x, y, dt, rules)
@@ -112,10 +121,21 @@ def grant_wishes(
                 continue
             if walker.wish == NEXT_WAYPOINT:
                 walker.waypoint = (walker.waypoint + 1) % walker.waypoints
+                walker.legs += 1
+                walker.stay = _stay(walker, i)
                 walker.anchor_x, walker.anchor_y, walker.stuck_clock = x, y, 0.0
             walker.goal_x, walker.goal_y = waypoints[world, i, walker.waypoint, 0], waypoints[world, i, walker.waypoint, 1]
             walker.wish, walker.look_clock, walker.corner = NOTHING, 0.0, 0
             walker.corners = _route(walker, x, y, radii[world, i], corners[world, i], ground, world_rooms, nodes)
+
+
+@compiled
+def _stay(walker: Any, i: int) -> float:
+    """Return how long somebody will stay at the waypoint just chosen, s."""
+    if walker.waypoints == 1 or not uniform(walker.key, walker.legs, 2 * i) < walker.stay_chance:
+        return 0.0
+    spread: float = SPREAD * (2.0 * uniform(walker.key, walker.legs, 2 * i + 1) - 1.0)
+    return walker.stay_time + walker.stay_time * spread  # type: ignore[no-any-return]
 
 
 @compiled

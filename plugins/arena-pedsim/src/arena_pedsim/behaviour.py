@@ -78,6 +78,8 @@ KEYS: dict[str, Check] = {
     **dict.fromkeys(("type", "reaction", "spawn_time", "respawn"), ELSEWHERE),
     "start_up_mode": _one_of(*START_UPS),
     "waypoint_mode": _one_of(*WAYS),
+    "pause_probability": CHANCE,
+    "pause_time": NOT_NEGATIVE,
     "group": NAME,
     "queue": NAME,
     "queue_waypoint": INDEX,

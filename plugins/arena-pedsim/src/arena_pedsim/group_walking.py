@@ -9,10 +9,14 @@ from __future__ import annotations
 from math import acos, sqrt
 
 from arena_kernels.compiled import inner
+from arena_kernels.ground import clearance
+from arena_kernels.sliding import is_visible
 from arena_pedsim.errands import GROUP, WAYPOINT, drop_errand, send
 from arena_pedsim.minds import NOBODY
 from arena_pedsim.people import NEVER, NEXT_WAYPOINT
-from arena_pedsim.scene import Ints, Scene, gap_between
+from arena_pedsim.scene import SIGHT_LINE, Ints, Scene, gap_between
+
+FILE = 2.0  # from the centre of a file, in the half width of a line abreast, to its ends, and some air
 
 
 @inner
@@ -46,7 +50,7 @@ def walk_in_groups(scene: Scene) -> None:
 
 @inner
 def _lead(scene: Scene, leader: int, following: Ints) -> None:
-    """Let a group follow its leader's waypoints; the next comes when the first of them reaches one."""
+    """Let a group follow its leader's waypoints; the next comes when the first of them reaches one where nobody stays."""
     drop_errand(scene, leader)
     head = scene.people[leader]
     head.party = leader
@@ -55,11 +59,11 @@ def _lead(scene: Scene, leader: int, following: Ints) -> None:
         person = scene.people[member]
         if person.waypoints == head.waypoints and person.waypoint != head.waypoint:
             person.waypoint, person.kept = head.waypoint, 0
-        person.party = leader
+        person.party, person.stay = leader, head.stay
         send(scene, member, head.goal_x, head.goal_y)
         dx, dy = head.goal_x - scene.positions[member, 0], head.goal_y - scene.positions[member, 1]
         ends = head.respawn != NEVER and head.waypoint == head.waypoints - 1  # who leaves must get there
-        if head.waypoints > 1 and not ends and dx * dx + dy * dy < scene.parameters.wayfinding_waypoint_radius**2:
+        if head.waypoints > 1 and not ends and not head.stay > 0.0 and dx * dx + dy * dy < scene.parameters.wayfinding_waypoint_radius**2:
             head.wish = NEXT_WAYPOINT
         member = following[member]
 
@@ -75,7 +79,7 @@ def _keep_shape(scene: Scene, leader: int, following: Ints) -> None:
     member = leader
     while member != NOBODY:
         person = scene.people[member]
-        gaze_x, gaze_y = _gaze(scene, member, x / number, y / number)
+        gaze_x, gaze_y = _gaze(scene, member, x / number, y / number, number)
         near_x, near_y = _coherence(scene, member, x / number, y / number, number)
         off_x, off_y = _repulsion(scene, member, leader, following)
         person.push_x, person.push_y, person.pushing = gaze_x + near_x + off_x, gaze_y + near_y + off_y, 1
@@ -83,9 +87,12 @@ def _keep_shape(scene: Scene, leader: int, following: Ints) -> None:
 
 
 @inner
-def _gaze(scene: Scene, i: int, x: float, y: float) -> tuple[float, float]:
-    """Return the braking of who must turn the head to see the group's centre: -beta_1 alpha V."""
+def _gaze(scene: Scene, i: int, x: float, y: float, number: int) -> tuple[float, float]:
+    """Return the braking of who must turn the head to see the group's centre: -beta_1 alpha V; none in a file where nobody falls behind."""
     dx, dy = x - scene.positions[i, 0], y - scene.positions[i, 1]
+    abreast = 0.5 * scene.parameters.groups_distance * (number - 1)
+    if dx * dx + dy * dy < (FILE * abreast) ** 2 and clearance(scene.ground, x, y) < abreast + scene.radii[i]:
+        return 0.0, 0.0
     vx, vy = scene.velocities[i, 0], scene.velocities[i, 1]
     lengths = sqrt((dx * dx + dy * dy) * (vx * vx + vy * vy))
     if lengths == 0.0:
@@ -97,10 +104,10 @@ def _gaze(scene: Scene, i: int, x: float, y: float) -> tuple[float, float]:
 
 @inner
 def _coherence(scene: Scene, i: int, x: float, y: float, number: int) -> tuple[float, float]:
-    """Return the pull towards a centre that is farther than (N - 1) / 2 m: beta_2 U."""
+    """Return the pull towards a centre that is in sight and farther than (N - 1) / 2 m: beta_2 U."""
     dx, dy = x - scene.positions[i, 0], y - scene.positions[i, 1]
     distance = sqrt(dx * dx + dy * dy)
-    if distance <= 0.5 * (number - 1):
+    if distance <= 0.5 * (number - 1) or not is_visible(scene.ground, scene.positions[i, 0], scene.positions[i, 1], x, y, SIGHT_LINE):
         return 0.0, 0.0
     pull = scene.people[i].share * scene.parameters.groups_coherence / distance
     return pull * dx, pull * dy

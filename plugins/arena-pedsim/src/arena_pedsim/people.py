@@ -62,7 +62,10 @@ PERSON = np.dtype(
         ("absence", np.float64),  # s until the person may come
         ("respawn", np.int32),  # whether and where who has ended the round comes back
         ("draws", np.int32),  # places drawn so far
-        ("key", np.uint64),  # of these draws, and of those of waypoints
+        ("stay_chance", np.float64),  # that the person stays at a waypoint, and for how long on average, s
+        ("stay_time", np.float64),
+        ("stay", np.float64),  # s at the present waypoint, once it is reached
+        ("key", np.uint64),  # of these draws, and of those of waypoints and stays
     ],
     align=True,
 )
@@ -82,6 +85,7 @@ def remember(spec: PedestrianSpec, factors: ForceFactors) -> np.void:
     person["waypoints"] = len(spec.waypoints_xy)
     person["waypoint"], person["share"] = -1, share
     person["waypoint_mode"] = spec.behaviour.get("waypoint_mode", 0)
+    person["stay_chance"], person["stay_time"] = spec.behaviour.get("pause_probability", 0.0), spec.behaviour.get("pause_time", 0.0)
     person["wish"] = NEXT_WAYPOINT if len(spec.waypoints_xy) else NOTHING
     return person
 

@@ -18,6 +18,8 @@ from arena_pedsim.people import NEW_ROUTE, NEXT_WAYPOINT, NO_ERRAND, NOTHING, ON
 Floats = NDArray[np.float64]
 
 WAYPOINTS = 1 << 32  # first of the random numbers of a stream that waypoints are drawn by
+STAYS, LENGTHS = 2 << 32, 3 << 32  # of those that say whether and how long people stay at them
+SPREAD = 0.5  # a stay lasts its mean x U(1 - SPREAD, 1 + SPREAD), as a state does
 
 
 @compiled
@@ -53,6 +55,7 @@ def grant_wishes(
             x, y, radius, next_leg = positions[world, i, 0], positions[world, i, 1], radii[world, i], person.wish == NEXT_WAYPOINT
             if next_leg:
                 person.waypoint = _next_waypoint(person, i)
+                person.stay = _stay(person, i)
                 person.anchor_x, person.anchor_y, person.stuck_clock = x, y, 0.0
             person.wish, person.look_clock = NOTHING, 0.0
             if person.errand == ON_ERRAND:
@@ -93,6 +96,15 @@ def _next_waypoint(person: Any, i: int) -> int:
     others = person.waypoints - (person.waypoint >= 0)
     ahead = 1 + int(uniform(person.key, legs, WAYPOINTS + i) * others)
     return (person.waypoint + ahead) % person.waypoints  # type: ignore[no-any-return]
+
+
+@compiled
+def _stay(person: Any, i: int) -> float:
+    """Return how long somebody will stay at the waypoint just chosen, s."""
+    if person.waypoints == 1 or not uniform(person.key, person.legs, STAYS + i) < person.stay_chance:
+        return 0.0
+    spread: float = SPREAD * (2.0 * uniform(person.key, person.legs, LENGTHS + i) - 1.0)
+    return person.stay_time + person.stay_time * spread  # type: ignore[no-any-return]
 
 
 @compiled

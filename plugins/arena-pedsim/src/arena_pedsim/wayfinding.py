@@ -25,7 +25,7 @@ def follow_way(
 ) -> tuple[int, float, float, float]:
     """Return the state, the unit vector to walk along and the distance to the goal (inf when a corner comes first); note wishes."""
     if not goes_somewhere(state, parameters):
-        return _called_back(person, state, x, y, parameters), 0.0, 0.0, 0.0
+        return _called_back(person, state, x, y, dt, parameters), 0.0, 0.0, 0.0
     if person.errand == ON_ERRAND:  # the place may move
         person.goal_x, person.goal_y = person.errand_x, person.errand_y
     to_goal = sqrt((person.goal_x - x) ** 2 + (person.goal_y - y) ** 2)
@@ -35,6 +35,9 @@ def follow_way(
                 person.wish = LEAVE
                 return state, 0.0, 0.0, 0.0
             if person.waypoints == 1:
+                return (state if state == SHYING_FROM_ROBOT else STANDING), 0.0, 0.0, 0.0
+            if person.stay > 0.0:
+                person.stay -= dt
                 return (state if state == SHYING_FROM_ROBOT else STANDING), 0.0, 0.0, 0.0
             person.wish = NEXT_WAYPOINT
         _notice_stuck(person, state, x, y, dt, parameters)
@@ -55,10 +58,16 @@ def follow_way(
 
 
 @compiled
-def _called_back(person: Any, state: int, x: float, y: float, parameters: Any) -> int:
-    """Return WALKING for somebody who was pushed away from the only waypoint, else the state."""
+def _called_back(person: Any, state: int, x: float, y: float, dt: float, parameters: Any) -> int:
+    """Return WALKING for who has stayed long enough, or was pushed away from the only waypoint, else the state."""
     if state != STANDING or person.waypoints == 0:
         return state
+    if person.waypoints > 1:
+        person.stay -= dt
+        if person.stay > 0.0:
+            return state
+        person.wish = NEXT_WAYPOINT
+        return WALKING
     away = sqrt((person.goal_x - x) ** 2 + (person.goal_y - y) ** 2)
     if away < LEAVING * parameters.wayfinding_waypoint_radius:
         return state

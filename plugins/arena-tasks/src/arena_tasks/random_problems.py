@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 from arena_core import ImpossibleScenario, Obstacle, PedestrianSpec, Scenario, World, WorldSource, generator, with_obstacles
 from arena_tasks.free_space import FreeSpace
+from arena_tasks.manners import with_manners
 from arena_tasks.obstacles import ObstacleRules, draw_obstacles
 from arena_tasks.trip import Trip, TripRules, draw_trip
-from arena_tasks.walkers import WalkerRules, draw_walkers, with_manners
+from arena_tasks.walkers import WalkerRules, draw_walkers
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,7 +39,7 @@ class RandomProblems:
                 obstacles, onward = draw_obstacles(space, trip, self.obstacles, aside)
                 among = with_obstacles(world.grid, obstacles).derive(FreeSpace)
                 people = draw_walkers(among, onward, self.walkers, random)
-                return trip, obstacles, with_manners(people, self.walkers, generator(seed, name, "manners"))
+                return trip, obstacles, with_manners(people, self.walkers.manners, generator(seed, name, "manners"))
             except ImpossibleScenario as error:
                 if left == 0:
                     raise ImpossibleScenario(f"{name} in world {world.name}: {error}") from None

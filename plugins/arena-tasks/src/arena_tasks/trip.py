@@ -46,6 +46,11 @@ class Trip:
         ahead /= np.maximum(np.hypot(*ahead.T), 1e-9)[:, None]
         return self.at(along) + across[:, None] * np.stack((-ahead[:, 1], ahead[:, 0]), axis=1)
 
+    def direction(self, length: float) -> NDArray[np.float64]:
+        """Return the unit vector (2,) along the route there."""
+        ahead = self.at(np.array(length + AHEAD)) - self.at(np.array(length - AHEAD))
+        return np.asarray(ahead / max(float(np.hypot(*ahead)), 1e-9))
+
     def rerouted(self, grid: OccupancyGrid, passage: float) -> Trip | None:
         """Return the same trip on another grid, None where no way joins its ends."""
         route = find_route(grid, passage, np.array((self.start.x, self.start.y)), np.array((self.goal.x, self.goal.y)))
