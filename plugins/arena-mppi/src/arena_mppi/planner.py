@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -136,7 +137,9 @@ class MppiPlanner(Planner):
         window = standing_window(observation, self._moving.speed_min)
         dt, steps = float(self._sampling.dt), self._sampling.time_steps
         reach = float(max(self._chassis.vx_max, self._chassis.vy_max)) * dt * steps + self._path.follow_ahead + self._path.angle_ahead
-        return scene_of(observation, window, self._body, self._moving, self._progress, dt, steps, reach)
+        patience = self._patience.left(observation.pose, observation.stamp)
+        moving = replace(self._moving, growth=patience * self._moving.growth)  # an uncertain prediction may close a gap that is there
+        return scene_of(observation, window, self._body, moving, self._progress, dt, steps, reach)
 
     def _critics(self, observation: Observation) -> Critics:
         distance = observation.pose.distance(observation.goal)
