@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -23,6 +22,7 @@ from arena_core import (
 )
 from arena_kernels.window import clearance
 from arena_mppi.chassis import MotionModel, chassis_of, motion_model_of
+from arena_mppi.guide import guide
 from arena_mppi.optimizer import control_step
 from arena_mppi.parameters import Critics, Floats, Scene
 from arena_mppi.patience import Patience
@@ -117,13 +117,28 @@ class MppiPlanner(Planner):
                 break
             self._work.mean[:] = 0.0
             steps = self._improve(observation, scene, now)
+        if self._patience.left(observation.pose, observation.stamp) < 1.0:
+            return self._guided(observation, scene, now, steps)
+        return steps
+
+    def _guided(self, observation: Observation, scene: Scene, now: Floats, steps: int) -> int:
+        """Improve the guide as well, and keep the cheaper sequence; return for how many steps it is free."""
+        work, sampling = self._work, self._sampling
+        mean, least = work.mean.copy(), work.costs[: sampling.batch_size].min()
+        theta, radius = observation.pose.theta, self._body.outline.inscribed_radius
+        state = np.array((math.cos(theta), math.sin(theta), *now), np.float32)
+        work.mean[:] = guide(scene, radius, self._chassis, state, float(sampling.dt), sampling.time_steps)
+        guided = self._improve(observation, scene, now)
+        if work.costs[: sampling.batch_size].min() < least:
+            return guided
+        work.mean[:] = mean
         return steps
 
     def _improve(self, observation: Observation, scene: Scene, now: Floats) -> int:
         """Run one control step and return for how many steps its sequence is free."""
         pose = observation.pose
         c, s = math.cos(pose.theta), math.sin(pose.theta)
-        wanted = self._static.collision_gap
+        wanted = self._static.collision_gap * self._patience.left(pose, observation.stamp)  # marks make a gap narrower than it is
         gap = clearance(scene.window, self._body.outline, pose.x, pose.y, c, s, wanted)
         least = min(wanted, gap - CREEP) if math.isfinite(gap) else wanted
         state = np.array((c, s, *now), np.float32)
@@ -137,9 +152,7 @@ class MppiPlanner(Planner):
         window = standing_window(observation, self._moving.speed_min)
         dt, steps = float(self._sampling.dt), self._sampling.time_steps
         reach = float(max(self._chassis.vx_max, self._chassis.vy_max)) * dt * steps + self._path.follow_ahead + self._path.angle_ahead
-        patience = self._patience.left(observation.pose, observation.stamp)
-        moving = replace(self._moving, growth=patience * self._moving.growth)  # an uncertain prediction may close a gap that is there
-        return scene_of(observation, window, self._body, moving, self._progress, dt, steps, reach)
+        return scene_of(observation, window, self._body, self._moving, self._progress, dt, steps, reach)
 
     def _critics(self, observation: Observation) -> Critics:
         distance = observation.pose.distance(observation.goal)
