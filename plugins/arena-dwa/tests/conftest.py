@@ -17,6 +17,7 @@ from arena_core.testing import component, view
 from arena_dwa.planner import DwaPlanner
 from arena_kernels.distance import distance_field
 
+NAVIGATOR_KEYS = ("control_period", "replan", "recoveries")  # not the planner's
 ROBOTS: dict[str, Robot] = {name: component("robot", name) for name in ("turtlebot3", "jackal", "robotino", "jackal_ackermann")}
 ROBOTS["stranger"] = replace(
     ROBOTS["jackal"], name="stranger", footprint=Footprint.circle(0.3), limits=VelocityLimits(-0.2, 0.8, 0.0, 1.5, 0.8, 0.0, 2.0)
@@ -31,7 +32,7 @@ def preset_values(preset: str, robot: str) -> dict[str, Any]:
     tuning = folder / tunings / f"{robot}.yaml"
     if tuning.is_file():
         values |= yaml.safe_load(tuning.read_text())
-    return {key: value for key, value in values.items() if key not in ("defaults", "name")}
+    return {key: value for key, value in values.items() if key not in ("defaults", "name", *NAVIGATOR_KEYS)}
 
 
 @pytest.fixture(scope="session")

@@ -16,12 +16,20 @@ def test_wish_for_room_falls_while_the_robot_stands():
     assert patience.left(HERE, 1000.0) == LEAST
 
 
-def test_a_robot_that_has_moved_is_patient_again():
-    patience = Patience(5.0)
+def test_a_robot_that_drives_on_is_patient_again():
+    patience, stamp = Patience(5.0), 20.0
     patience.left(HERE, 0.0)
-    assert patience.left(HERE, 20.0) < 0.1
-    assert patience.left(Pose(1.4, 2.0), 20.1) == 1.0
-    assert patience.left(Pose(1.4, 2.0), 24.0) == 1.0
+    assert patience.left(HERE, stamp) < 0.1
+    for k in range(1, 6):
+        left = patience.left(Pose(1.0 + 0.31 * k, 2.0), stamp + 0.5 * k)
+    assert left == 1.0
+
+
+def test_a_robot_that_shuffles_to_and_fro_goes_on_losing_patience():
+    patience = Patience(5.0)
+    for k in range(8):
+        left = patience.left(Pose(1.0 + 0.31 * (k % 2), 2.0), 6.0 * k)
+    assert left < 0.4
 
 
 def test_patience_can_last_for_ever():

@@ -22,13 +22,18 @@ from arena_core import (
     Twist,
 )
 from arena_dwa.approach import ClosingSpeeds
+from arena_dwa.arrival import Arrival, Tolerances
 from arena_dwa.map_grid import map_grids
+from arena_dwa.obstacles import REJECTED, obstacle_cost
 from arena_dwa.oscillation import OscillationFlags
 from arena_dwa.parameters import Approach, Body, FieldArray, FloatArray, Limits, RollOut, Scales, Settings
 from arena_dwa.search import cheapest_sample
+from arena_dwa.standing import Standing
+from arena_dwa.trajectory import stand_at
 from arena_dwa.turning import TurnInPlace
+from arena_dwa.way_out import WayOut
 from arena_dwa.window import dynamic_window
-from arena_kernels.window import Window, outline_of
+from arena_kernels.window import Window, clearance, outline_of
 
 OUTLINE_SPACING = 0.05  # m, the side of a usual costmap cell: no cell slips between two points
 
@@ -51,6 +56,7 @@ class DwaPlanner(Planner):
         ax_max: Positive | None,
         ay_max: NonNegative | None,
         alpha_max: Positive | None,
+        sim_period: Positive | None,
         sim_time: Positive,
         sim_granularity: Positive,
         angular_sim_granularity: Positive,
@@ -78,9 +84,14 @@ class DwaPlanner(Planner):
         oscillation_reset_dist: NonNegative,
         oscillation_reset_angle: NonNegative,
         oscillation_reset_time: Positive | None,
+        xy_goal_tolerance: Positive | None,
+        yaw_goal_tolerance: Positive,
+        latch_xy_goal_tolerance: bool,
         turn_in_place_from: Positive | None,
         turn_in_place_until: NonNegative,
         turn_in_place_ahead: NonNegative,
+        patience: Positive | None,
+        way_out_reach: Positive,
     ) -> None:
         own = robot.limits
         limits = Limits(
@@ -115,7 +126,11 @@ class DwaPlanner(Planner):
         self._oscillation = OscillationFlags(oscillation_reset_dist, oscillation_reset_angle, oscillation_reset_time, trans_min)
         turns = turn_in_place_from if robot.kinematics == "differential" else None
         self._turn = TurnInPlace(turns, turn_in_place_until, turn_in_place_ahead, limits.alpha_max)
+        self._standing = Standing(None if robot.kinematics == "ackermann" else patience)  # which cannot turn on the spot
+        self._way_out = WayOut(way_out_reach, limits, robot.holonomic)
+        self._arrival = Arrival(Tolerances(xy_goal_tolerance, yaw_goal_tolerance, latch_xy_goal_tolerance), limits)
         self._period = robot.control_period
+        self._sim_period = sim_period
 
     def reset(self, episode: EpisodeStart) -> None:
         """Forget the directions driven before."""
@@ -123,25 +138,52 @@ class DwaPlanner(Planner):
         self._oscillation.clear()
         self._closing.clear()
         self._turn.clear()
+        self._arrival.clear()
+        self._standing.clear()
+        self._way_out.clear()
 
     def compute_velocity(self, observation: Observation) -> Twist:
         """Return the cheapest admissible velocity of the window; raise NoValidCommand when every one is rejected."""
         window, state, path = _window(observation), _state(observation), observation.path.poses
         if len(path) == 0:
             raise NoValidCommand("dwa: the path is empty")
+        lapse = _or(self._sim_period, self._period)
+        at_goal = self._arrival.velocity(observation.pose, state[3:], path, observation.goal.theta, lapse)
+        if at_goal is not None:
+            if not self._is_free(window, state, at_goal):
+                raise NoValidCommand("dwa: stopping or turning at the goal would collide")
+            return Twist(*at_goal.tolist())
         settings = self._settings
         grids = map_grids(window, settings.body, path, state[0], state[1], settings.scales.forward_point_distance)
         speeds = self._closing.update(observation.stamp, observation.local_map)
-        reachable = dynamic_window(state[3:], settings.limits, self._period)
+        reachable = dynamic_window(state[3:], settings.limits, lapse)
+        too_long = self._standing.too_long(observation.pose, observation.stamp)
+        if too_long and not self._way_out.begun:
+            self._way_out.begin(observation.stamp, observation.pose, window, settings.body, grids.goal)
+        out = self._way_out.velocity(observation.stamp, observation.pose, reachable, settings.roll_out.sim_time)
+        if out is not None and self._is_free(window, state, out):
+            return self._driven(observation, out)
+        self._way_out.clear()
         turn = None if _approached(speeds) else self._turn.narrowed(reachable, observation.pose, observation.twist.wz, path)
         for velocities in (reachable,) if turn is None else (turn, reachable):
             best = cheapest_sample(window, grids, speeds, path, state, velocities, self._period, settings, self._oscillation.only)
-            vx, vy, wz, cost = best.tolist()
-            if math.isfinite(cost):
-                command = Twist(vx, vy, wz)
-                self._oscillation.note(observation.stamp, observation.pose, command)
-                return command
+            if math.isfinite(best[3]):
+                return self._driven(observation, best[:3])
         raise NoValidCommand("dwa: every velocity of the window collides, oscillates or is too slow")
+
+    def _driven(self, observation: Observation, velocity: FloatArray) -> Twist:
+        """Return a velocity (3,) as a command, and remember its direction."""
+        command = Twist(*velocity.tolist())
+        self._oscillation.note(observation.stamp, observation.pose, command)
+        return command
+
+    def _is_free(self, window: Window, state: FloatArray, velocity: FloatArray) -> bool:
+        """Tell whether a velocity (3,) collides with nothing for as long as samples are followed."""
+        limits, roll_out, body, scales, _ = self._settings
+        start, (vx, vy, wz) = stand_at(state[0], state[1], state[2]), velocity.tolist()
+        gap = clearance(window, body.outline, *start, body.padding)
+        cost = obstacle_cost(window, body, limits, roll_out, self._period, start, (vx, vy, wz), gap, scales.occdist_mean)
+        return bool(cost != REJECTED)
 
 
 def _approached(speeds: FieldArray) -> bool:

@@ -17,19 +17,21 @@ SETTLED = np.float32(1e-3)  # m
 
 @borrowing
 def slownesses(gaps: Floats, radius: float, comfort_gap: float, comfort_cost: float, blocked_cost: float, slow: Floats) -> None:
-    """Fill ``slow`` (h, w): what a metre costs, 1 in the open, more within ``comfort_gap`` of walls, ``blocked_cost`` where none fits."""
+    """Fill ``slow`` (h, w): what a metre costs, 1 in the open, more within ``comfort_gap`` of walls, ``blocked_cost`` where none fits.
+
+    The robot fits where it fits in one cell of the window: a gap hardly wider than the robot lies across the field's larger ones.
+    """
     rows, columns = gaps.shape
     for row in range(slow.shape[0]):
         for column in range(slow.shape[1]):
-            gap, cells = 0.0, 0
+            gap, widest, cells = 0.0, 0.0, 0
             for i in range(STEP * row, min(STEP * row + STEP, rows)):
                 for j in range(STEP * column, min(STEP * column + STEP, columns)):
-                    gap, cells = gap + float(gaps[i, j]), cells + 1
-            room = gap / cells - radius
-            if room < 0.0:
+                    gap, widest, cells = gap + float(gaps[i, j]), max(widest, float(gaps[i, j])), cells + 1
+            if widest < radius:
                 slow[row, column] = np.float32(blocked_cost)
             else:
-                lack = max(0.0, 1.0 - room / comfort_gap)
+                lack = min(max(0.0, 1.0 - (gap / cells - radius) / comfort_gap), 1.0)
                 slow[row, column] = np.float32(1.0 + comfort_cost * lack**2)
 
 

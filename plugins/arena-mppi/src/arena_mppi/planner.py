@@ -22,6 +22,7 @@ from arena_core import (
 )
 from arena_kernels.window import clearance
 from arena_mppi.chassis import MotionModel, chassis_of, motion_model_of
+from arena_mppi.guide import guide
 from arena_mppi.optimizer import control_step
 from arena_mppi.parameters import Critics, Floats, Scene
 from arena_mppi.patience import Patience
@@ -116,13 +117,28 @@ class MppiPlanner(Planner):
                 break
             self._work.mean[:] = 0.0
             steps = self._improve(observation, scene, now)
+        if self._patience.left(observation.pose, observation.stamp) < 1.0:
+            return self._guided(observation, scene, now, steps)
+        return steps
+
+    def _guided(self, observation: Observation, scene: Scene, now: Floats, steps: int) -> int:
+        """Improve the guide as well, and keep the cheaper sequence; return for how many steps it is free."""
+        work, sampling = self._work, self._sampling
+        mean, least = work.mean.copy(), work.costs[: sampling.batch_size].min()
+        theta, radius = observation.pose.theta, self._body.outline.inscribed_radius
+        state = np.array((math.cos(theta), math.sin(theta), *now), np.float32)
+        work.mean[:] = guide(scene, radius, self._chassis, state, float(sampling.dt), sampling.time_steps)
+        guided = self._improve(observation, scene, now)
+        if work.costs[: sampling.batch_size].min() < least:
+            return guided
+        work.mean[:] = mean
         return steps
 
     def _improve(self, observation: Observation, scene: Scene, now: Floats) -> int:
         """Run one control step and return for how many steps its sequence is free."""
         pose = observation.pose
         c, s = math.cos(pose.theta), math.sin(pose.theta)
-        wanted = self._static.collision_gap
+        wanted = self._static.collision_gap * self._patience.left(pose, observation.stamp)  # marks make a gap narrower than it is
         gap = clearance(scene.window, self._body.outline, pose.x, pose.y, c, s, wanted)
         least = min(wanted, gap - CREEP) if math.isfinite(gap) else wanted
         state = np.array((c, s, *now), np.float32)

@@ -1,0 +1,76 @@
+"""Turning to the goal's heading where the path ends, as ROS's latched stop-and-rotate controller does."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core import Pose, wrap_angle
+from arena_dwa.parameters import FloatArray, Limits
+
+STOPPED = 0.1  # m/s and rad/s; slower counts as standing (ROS: trans_stopped_vel, theta_stopped_vel)
+
+
+class Tolerances(NamedTuple):
+    """How near the path's end (m) the robot stops and turns, None: never; until it faces the goal's heading within ``yaw`` (rad).
+
+    ``latched``: once so near it stays with the turn, though it may slip away again, until there is a new path.
+    """
+
+    xy: float | None
+    yaw: float
+    latched: bool
+
+
+class Arrival:
+    """Brakes near the path's end and turns on the spot to the goal's heading."""
+
+    def __init__(self, tolerances: Tolerances, limits: Limits) -> None:
+        self._tolerances = tolerances
+        self._limits = limits
+        self.clear()
+
+    def clear(self) -> None:
+        """Begin away from any goal."""
+        self._path: FloatArray | None = None
+        self._there = self._turning = False
+
+    def velocity(self, pose: Pose, twist: NDArray[np.float64], path: FloatArray, heading: float, lapse: float) -> FloatArray | None:
+        """Return the velocity (3,) that stops or turns, None while the path (M, 3) is still to be driven.
+
+        ``twist`` (3,) is the measured velocity, ``heading`` (rad) the goal's, ``lapse`` (s) the time in which speeds can change.
+        """
+        if not self._arrived(pose, path):
+            self._turning = False
+            return None
+        left = float(wrap_angle(heading - pose.theta))
+        if abs(left) <= self._tolerances.yaw:
+            return np.zeros(3)
+        still = math.hypot(twist[0], twist[1]) <= STOPPED and abs(twist[2]) <= STOPPED
+        self._turning = self._turning or still
+        return self._turned(left, float(twist[2]), lapse) if self._turning else self._braked(twist, lapse)
+
+    def _arrived(self, pose: Pose, path: FloatArray) -> bool:
+        if self._tolerances.xy is None:
+            return False
+        if path is not self._path:  # a new plan ends the latch, as move_base's do
+            self._path, self._there = path, False
+        end = Pose(float(path[-1, 0]), float(path[-1, 1]))
+        self._there = (self._there and self._tolerances.latched) or pose.distance(end) <= self._tolerances.xy
+        return self._there
+
+    def _braked(self, twist: NDArray[np.float64], lapse: float) -> FloatArray:
+        limits = self._limits
+        slower = np.array((limits.ax_max, limits.ay_max, limits.alpha_max)) * lapse
+        return np.copysign(np.maximum(np.abs(twist) - slower, 0.0), twist)
+
+    def _turned(self, left: float, wz: float, lapse: float) -> FloatArray:
+        """Return a turn by ``left`` (rad): no faster than it could be braked, no slower than ``theta_min``."""
+        limits = self._limits
+        reached = min(max(abs(left), abs(wz) - limits.alpha_max * lapse), abs(wz) + limits.alpha_max * lapse)
+        stoppable = min(reached, math.sqrt(2.0 * limits.alpha_max * abs(left)))
+        speed = min(max(stoppable, limits.theta_min), limits.wz_max)
+        return np.array((0.0, 0.0, math.copysign(speed, left)))

@@ -1,0 +1,69 @@
+"""Places where robots have been seen to stand for ever though there is a way: each planner gets through in the time that it needs."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from arena_core import read_record
+
+LONGEST = 20.0  # s that a robot may stay within a circle
+CIRCLE = 0.3  # m
+
+
+RESOLUTION = 0.05  # m
+WIDTH, HEIGHT = 8.0, 6.0  # m
+
+Box = tuple[float, float, float, float]  # x_min, x_max, y_min, y_max, m
+
+FENCE = [{"center": [4.0, 2.0 + 0.3 * k], "radius": 0.1} for k in range(10)]  # posts on no map, gaps of 0.1 m; its ends are open
+DOOR: list[Box] = [(4.0, 4.2, 0.0, 2.8), (4.0, 4.2, 3.2, 6.0)]  # a gap of 0.40 m
+CORNER: list[Box] = [(3.0, 3.1, 2.0, 3.05), (3.1, 6.0, 2.95, 3.05)]  # the start is beside its end: first turn away, then pass
+PERSON = {"position": [2.6, 3.0], "waypoints": [[2.6, 3.0]], "max_speed": 0.3}
+
+SCENES: dict[str, tuple[list[Box], dict[str, Any]]] = {
+    "posts before the waypoint": ([], {"start": [3.5, 3.3, 0.0], "goal": [5.2, 3.3], "obstacles": FENCE}),
+    "a narrow gap": (DOOR, {"start": [2.5, 3.6, 0.0], "goal": [6.0, 3.0]}),
+    "a narrow gap behind a person who stands": (DOOR, {"start": [1.0, 3.0, 0.0], "goal": [6.0, 3.0], "pedestrians": [PERSON]}),
+    "the end of a wall beside the robot": (CORNER, {"start": [2.85, 2.5, 1.3], "goal": [5.0, 4.5]}),
+}
+
+
+def draw_map(walls: list[Box]) -> None:
+    """Write hall.yaml and its image: a room with walls about it and in it."""
+    columns, rows = round(WIDTH / RESOLUTION), round(HEIGHT / RESOLUTION)
+    cells = np.full((rows, columns), 254, np.uint8)
+    cells[[0, -1]] = cells[:, [0, -1]] = 0
+    for x_min, x_max, y_min, y_max in walls:
+        cells[round(y_min / RESOLUTION) : round(y_max / RESOLUTION), round(x_min / RESOLUTION) : round(x_max / RESOLUTION)] = 0
+    Path("hall.pgm").write_bytes(f"P5\n{columns} {rows}\n255\n".encode() + cells[::-1].tobytes())
+    site = {"image": "hall.pgm", "resolution": RESOLUTION, "origin": [0.0, 0.0, 0.0], "negate": 0, "occupied_thresh": 0.65, "free_thresh": 0.196}
+    Path("hall.yaml").write_text(json.dumps(site))
+
+
+def longest_stand(stamps: np.ndarray, positions: np.ndarray) -> float:
+    """Return the longest time that a robot stays within CIRCLE of where it was, s."""
+    longest = 0.0
+    for i in range(len(stamps)):
+        left = np.flatnonzero(np.hypot(*(positions[i:] - positions[i]).T) > CIRCLE)
+        longest = max(longest, float(stamps[i + left[0] if len(left) else -1] - stamps[i]))
+    return longest
+
+
+@pytest.mark.parametrize("name", list(SCENES))
+@pytest.mark.parametrize("planner", ["dwa", "mppi"])
+def test_robot_gets_through(planner, name, arena):
+    walls, task = SCENES[name]
+    draw_map(walls)
+    problem = {"name": "scene", "time_limit": 90.0, **task}
+    Path("scene.json").write_text(json.dumps({"format": "arena-scenario", "version": 2, "scenarios": [problem]}))
+    world = ("world=ros_map", "world.path=hall.yaml", "task=scenario", "task.path=scene.json", "episodes=1")
+    quick = ("robot=turtlebot3", "localizer=ground_truth", "executor=serial", "report=false", "hydra.run.dir=run")
+    answer = arena("run", f"planner={planner}", *quick, *world)
+    assert (answer.status, answer.errors) == (0, [])
+    record = read_record(Path("run/records/0000.npz"))
+    assert record.meta["outcome"] == "goal_reached"
+    assert longest_stand(record["stamp"], record["pose"][:, :2]) < LONGEST
+    assert not record["contact_caused"].any()
