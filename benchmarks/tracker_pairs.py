@@ -76,13 +76,12 @@ def main() -> None:
     parser.add_argument("overrides", nargs="*", help="what `arena run` takes, for both: planner=teb ...")
     parser.add_argument("--world", action="append", help="may be given again")
     parser.add_argument("--robot", action="append", help="may be given again")
-    parser.add_argument("--tracker", action="append", help="those compared with the last one, which is none if but one is given")
+    parser.add_argument("--tracker", action="append", help="each is compared with the last one; default: kalman, none")
     parser.add_argument("--first", type=int, default=0, help="the first episode's number")
     parser.add_argument("--episodes", type=int, default=100)
     parser.add_argument("--each", action="store_true", help="print every episode, too")
     given = parser.parse_args()
     trackers = given.tracker or ["kalman", "none"]
-    trackers = trackers if len(trackers) > 1 else [*trackers, "none"]
     print(f"| world | robot | tracker | {' | '.join(COLUMNS)} |\n|{' --- |' * 9}")
     for world in given.world or ["warehouse", "indoor", "outdoor"]:
         for robot in given.robot or ["turtlebot3", "jackal", "robotino"]:
