@@ -22,16 +22,15 @@ FloatArray = NDArray[np.float64]
 
 
 def figures(record: EpisodeRecord, success: float, collisions: float) -> tuple[float, ...]:
-    """Return a row of COLUMNS: a failed episode's time is its limit; way over straight distance; share of way in reverse; s stood."""
+    """Return a row of COLUMNS: time until the goal or the limit; way over straight distance; share of it in reverse; longest stand, s."""
     stamp, pose = record["stamp"].astype(float), record["pose"].astype(float)
     steps, middle = np.diff(pose[:, :2], axis=0), 0.5 * (pose[1:, 2] + pose[:-1, 2])
     ways = np.hypot(*steps.T)
     along = (steps * np.column_stack((np.cos(middle), np.sin(middle)))).sum(axis=1)
-    limit = float(record.meta["scenario"]["time_limit"])
     goal = record.meta["scenario"]["goal"]
     straight = float(np.hypot(*(pose[0, :2] - goal[:2])))
     back = float(ways[along < -0.5 * ways].sum() / max(ways.sum(), 1e-9))
-    return success, collisions, float(stamp[-1]) if success else limit, float(ways.sum()) / straight, back, longest_stand(stamp, pose)
+    return success, collisions, float(stamp[-1]), float(ways.sum()) / straight, back, longest_stand(stamp, pose)
 
 
 def longest_stand(stamp: FloatArray, pose: FloatArray) -> float:

@@ -45,11 +45,14 @@ def surroundings(band: FloatArray, scene: Scene, vicinity: Vicinity) -> Surround
     moving = np.empty((count, tracks, 2))
     time = 0.0
     for k in range(count):
-        caps[k] = speed_cap(distance_at(scene.window, band[k, 0], band[k, 1]), vicinity)
+        free = distance_at(scene.window, band[k, 0], band[k, 1])
+        free = math.inf if free == -math.inf else free  # nothing is known beyond the window
         ahead = min(time, scene.horizon)
         for j in range(tracks):
             moving[k, j, 0] = scene.positions[j, 0] + ahead * scene.velocities[j, 0]
             moving[k, j, 1] = scene.positions[j, 1] + ahead * scene.velocities[j, 1]
+            free = min(free, math.hypot(moving[k, j, 0] - band[k, 0], moving[k, j, 1] - band[k, 1]) - scene.radii[j])
+        caps[k] = speed_cap(free, vicinity)
         time += band[k, 3]
     poses = np.empty(len(scene.vias), np.int64)
     for j in range(len(scene.vias)):
@@ -59,7 +62,7 @@ def surroundings(band: FloatArray, scene: Scene, vicinity: Vicinity) -> Surround
 
 @inner
 def speed_cap(distance: float, vicinity: Vicinity) -> float:
-    """Return the share of the speed limit that is allowed at a distance from static obstacles."""
+    """Return the share of the speed limit that is allowed at a distance from the nearest obstacle."""
     if distance >= vicinity.free_from or vicinity.slowest >= 1.0:
         return 1.0
     share = max(distance - vicinity.slow_from, 0.0) / (vicinity.free_from - vicinity.slow_from)
