@@ -13,7 +13,9 @@ from timing import interleave
 
 from arena_kernels.distance import distance_field
 from arena_kernels.window import Window
+from arena_teb.association import Reach
 from arena_teb.optimisation import Effort, Model, optimised
+from arena_teb.polygons import NO_HULLS
 from arena_teb.problem import REACH, Ends, Penalties, Shape, Surroundings
 from arena_teb.resize import Sampling, resized
 from arena_teb.solver import solve
@@ -47,8 +49,10 @@ PENALTIES = Penalties(
     inflated=0.4,
     dynamic_near=0.3,
     dynamic_inflated=0.6,
+    exponent=1.0,
+    unit=0.15,
 )
-MODEL = Model(PENALTIES, SHAPE, Sampling(0.3, 0.1, 3, 80, math.inf), Vicinity(0.6, 1.0, 0.2, 0.5), EFFORT)
+MODEL = Model(PENALTIES, SHAPE, Sampling(0.3, 0.1, 3, 80, math.inf), Vicinity(Reach(0.6, 0.0), 1.0, 0.2, 0.5), EFFORT)
 
 
 def scene() -> tuple[np.ndarray, Scene]:
@@ -60,7 +64,7 @@ def scene() -> tuple[np.ndarray, Scene]:
     positions, velocities = random.uniform((0.5, -1.5), (3.5, 1.5), (10, 2)), random.uniform(-0.3, 0.3, (10, 2))
     band = np.zeros((40, 4))
     band[:, 0], band[:, 3] = np.linspace(0.0, 3.5, 40), 0.3
-    return band, Scene(window, positions, velocities, np.full(10, 0.25), np.empty((0, 2)))
+    return band, Scene(window, NO_HULLS, positions, velocities, np.full(10, 0.25), math.inf, np.empty((0, 2)))
 
 
 def whole(band: np.ndarray, around: Scene) -> None:
@@ -79,7 +83,7 @@ def ours(band: np.ndarray, around: Surroundings) -> float:
 
 def scipys(band: np.ndarray, around: Surroundings, cost: float) -> float:
     """Solve it by scipy's trust region with the same sparse Jacobian, up to the same cost; return the cost."""
-    rows = make_rows(len(band), len(around.radii), 0)
+    rows = make_rows(around)
     free = np.ones(band.shape, np.bool_)
     free[0, :3] = free[-1, [0, 1, 3]] = False
     lowest = np.tile((-np.inf, -np.inf, -np.inf, 1e-4), (len(band), 1))

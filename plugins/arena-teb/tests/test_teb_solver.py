@@ -18,7 +18,7 @@ DISC = Shape(np.zeros((1, 2)), 0.15, 0.15)
 ENDS = Ends(np.array((0.1, 0.0, 0.2)), np.zeros(3), 1.0, 1.0, 0.0)
 
 
-def penalties(holonomic=False, turn_radius=0.0):
+def penalties(holonomic=False, turn_radius=0.0, exponent=1.0):
     return Penalties(
         speed_min=np.array((-0.2, -0.3 * holonomic, -1.0)),
         speed_max=np.array((0.5, 0.3 * holonomic, 1.0)),
@@ -41,6 +41,8 @@ def penalties(holonomic=False, turn_radius=0.0):
         inflated=0.5,
         dynamic_near=0.2,
         dynamic_inflated=0.5,
+        exponent=exponent,
+        unit=0.2,
     )
 
 
@@ -65,10 +67,6 @@ def drawn(seed, count=40, tracks=10, noise=0.02):
     return band, Surroundings(points, 0.025, np.ones(count), moving, np.full(tracks, 0.25), vias, poses)
 
 
-def room_for(band, around):
-    return make_rows(len(band), len(around.radii), len(around.via_poses))
-
-
 def sparse(rows, variables):
     row, column = np.nonzero(np.arange(REACH) < rows.width[:, None])
     return csr_matrix((rows.jacobian[row, column], (row, rows.first[row] + column)), shape=(len(rows.width), variables))
@@ -76,7 +74,7 @@ def sparse(rows, variables):
 
 def polished(band, settings, shape, ends, around, evaluations=60):
     """Return the cost at which scipy's trust region ends that begins at ``band``."""
-    rows = room_for(band, around)
+    rows = make_rows(around)
     free = np.ones(band.shape, np.bool_)
     free[0, :3] = free[-1] = False
     free[-1, 2] = ends.heading_free > 0.0
@@ -100,12 +98,19 @@ def polished(band, settings, shape, ends, around, evaluations=60):
 
 
 @settings(derandomize=True, deadline=None, max_examples=40)
-@given(st.integers(0, 10**6), st.booleans(), st.booleans(), st.sampled_from([0.0, 0.6]), st.sampled_from([-1.0, 0.0, 1.0]))
-def test_derivatives_are_those_of_finite_differences(seed, box, holonomic, turn_radius, rotation):
+@given(
+    st.integers(0, 10**6),
+    st.booleans(),
+    st.booleans(),
+    st.sampled_from([0.0, 0.6]),
+    st.sampled_from([-1.0, 0.0, 1.0]),
+    st.sampled_from([1.0, 4.0]),
+)
+def test_derivatives_are_those_of_finite_differences(seed, box, holonomic, turn_radius, rotation, exponent):
     band, around = drawn(seed, 6, 4, 0.2)
-    shape, weighed = BOX if box else DISC, penalties(holonomic, turn_radius)
+    shape, weighed = BOX if box else DISC, penalties(holonomic, turn_radius, exponent)
     ends = ENDS._replace(rotation=rotation)
-    rows, size = room_for(band, around), 1e-6
+    rows, size = make_rows(around), 1e-6
     evaluate(band, weighed, shape, ends, around, rows)
     exact, numeric = sparse(rows, band.size).toarray(), np.zeros((len(rows.width), band.size))
     active = rows.width > 0
@@ -124,10 +129,10 @@ def test_cost_never_rises_and_ends_stay(holonomic):
     for seed in range(10):
         band, around = drawn(seed)
         before, settings = band.copy(), penalties(holonomic)
-        start = evaluate(band, settings, DISC, ENDS, around, room_for(band, around))
+        start = evaluate(band, settings, DISC, ENDS, around, make_rows(around))
         cost, _ = solve(band, settings, DISC, ENDS, around, 20, 1e-4)
         assert cost < start
-        assert cost == pytest.approx(evaluate(band, settings, DISC, ENDS, around, room_for(band, around)))
+        assert cost == pytest.approx(evaluate(band, settings, DISC, ENDS, around, make_rows(around)))
         assert (band[0, :3] == before[0, :3]).all()
         assert (band[-1, :2] == before[-1, :2]).all()
         assert (band[:-1, 3] > 0.0).all()

@@ -7,9 +7,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arena_kernels.window import outline_of
+from arena_teb.association import Reach
 from arena_teb.band import band_along, carried_over
 from arena_teb.clusters import cluster_points
 from arena_teb.feasibility import free_poses
+from arena_teb.polygons import NO_HULLS
 from arena_teb.resize import Sampling, resized
 from arena_teb.roadmap import Roadmap, new_ways, samples
 from arena_teb.signature import same_class, signature
@@ -20,8 +22,8 @@ START, GOAL = np.array((-2.0, 0.0, 0.0)), np.array((2.0, 0.0, 0.0))
 ROADMAP = Roadmap(0.15, 0.3, 0.5, 0.3)
 
 
-def scene(window, positions=NOBODY, velocities=NOBODY):
-    return Scene(window, np.array(positions, float), np.array(velocities, float), np.full(len(positions), 0.3), NOBODY)
+def scene(window, positions=NOBODY, velocities=NOBODY, horizon=math.inf):
+    return Scene(window, NO_HULLS, np.array(positions, float), np.array(velocities, float), np.full(len(positions), 0.3), horizon, NOBODY)
 
 
 def over(*positions, speed=0.5):
@@ -64,7 +66,7 @@ def test_only_the_nearest_clusters_count(window):
 @given(st.floats(-1.5, 1.5), st.floats(0.2, 1.0), st.floats(0.2, 1.0))
 def test_ways_left_and_right_of_an_obstacle_differ_and_ways_on_one_side_do_not(x, left, far):
     obstacle = np.array([(x, 0.0)])
-    angles = [signature(over((x, y)), obstacle, NOBODY, NOBODY) for y in (left, left + far, -left)]
+    angles = [signature(over((x, y)), obstacle, NOBODY, NOBODY, math.inf) for y in (left, left + far, -left)]
     assert same_class(angles[0], angles[1])
     assert not same_class(angles[0], angles[2])
 
@@ -72,14 +74,14 @@ def test_ways_left_and_right_of_an_obstacle_differ_and_ways_on_one_side_do_not(x
 def test_passing_before_and_behind_a_crossing_person_differ():
     person, walks = np.array([(0.0, -1.0)]), np.array([(0.0, 0.5)])
     before, behind = over(speed=2.0), over(speed=0.5)
-    angles = [signature(band, NOBODY, person, walks) for band in (before, behind)]
+    angles = [signature(band, NOBODY, person, walks, math.inf) for band in (before, behind)]
     assert not same_class(*angles)
 
 
 def test_roadmap_finds_the_other_side(window):
     here = scene(window((-0.2, 0.2, -0.4, 0.4)))
     points = cluster_points(here.window, 0.15, -2.0, 0.0, 40)
-    known = signature(over((0.0, 0.8)), points, NOBODY, NOBODY)[None]
+    known = signature(over((0.0, 0.8)), points, NOBODY, NOBODY, math.inf)[None]
     drawn = samples(np.random.default_rng(0), 40, START, GOAL, 4.0)
     lines, angles = new_ways(START, GOAL, drawn, here, points, known, 3, ROADMAP)
     assert len(lines) == 1
@@ -90,7 +92,7 @@ def test_roadmap_finds_the_other_side(window):
 def test_roadmap_passes_no_wall(window):
     here = scene(window((-0.2, 0.2, -3.1, 3.1)))
     points = cluster_points(here.window, 0.15, -2.0, 0.0, 40)
-    known = signature(over(), points, NOBODY, NOBODY)[None] + 100.0
+    known = signature(over(), points, NOBODY, NOBODY, math.inf)[None] + 100.0
     drawn = samples(np.random.default_rng(0), 40, START, GOAL, 4.0)
     assert len(new_ways(START, GOAL, drawn, here, points, known, 3, ROADMAP)[0]) == 0
 
@@ -98,7 +100,7 @@ def test_roadmap_passes_no_wall(window):
 def test_poses_are_paired_with_the_nearest_points_left_and_right_and_with_people_of_their_time(window):
     here = scene(window((-3.0, 3.0, 0.5, 0.6), (-3.0, 3.0, -0.7, -0.6)), [(1.0, 2.0)], [(0.0, -0.5)])
     band = over()
-    around = surroundings(band, here, Vicinity(1.0, 1.0, 0.1, 0.5))
+    around = surroundings(band, here, Vicinity(Reach(1.0, 0.0), 1.0, 0.1, 0.5))
     np.testing.assert_allclose(around.points[5, 0, 1], 0.5, atol=0.03)
     np.testing.assert_allclose(around.points[5, 1, 1], -0.6, atol=0.03)
     np.testing.assert_allclose(around.moving[-1, 0], (1.0, 2.0 - 0.5 * band[:-1, 3].sum()))
@@ -106,7 +108,7 @@ def test_poses_are_paired_with_the_nearest_points_left_and_right_and_with_people
 
 def test_speed_is_cut_between_walls(window):
     here = scene(window((-3.0, 3.0, 0.3, 0.4), (-3.0, 3.0, -0.4, -0.3)))
-    assert surroundings(over(), here, Vicinity(1.0, 0.5, 0.35, 0.5)).caps.max() < 0.55
+    assert surroundings(over(), here, Vicinity(Reach(1.0, 0.0), 0.5, 0.35, 0.5)).caps.max() < 0.55
 
 
 def test_band_into_a_wall_is_free_up_to_it_alone(window):

@@ -74,7 +74,7 @@ class Topologies:
         renewed: list[Topology] = []
         for topology in self._kept:
             band = carried_over(topology.band, start, goal, self._trajectory.min_samples)
-            angles = signature(band, points, scene.positions, scene.velocities)
+            angles = signature(band, points, scene.positions, scene.velocities, scene.horizon)
             if not any(same_class(angles, other.angles) for other in renewed):
                 renewed.append(replace(topology, band=band, angles=angles, initial=False))
         return renewed
@@ -89,7 +89,7 @@ class Topologies:
     ) -> list[Topology]:
         """Return the known bands, the global path's if its class is new, and new ones from the roadmap."""
         initial = self._along(plan[:-1, :2], start, goal)
-        angles = signature(initial, points, scene.positions, scene.velocities)
+        angles = signature(initial, points, scene.positions, scene.velocities, scene.horizon)
         same = [same_class(angles, topology.angles) for topology in known]
         found = [replace(topology, initial=like) for topology, like in zip(known, same, strict=True)]
         most = self._homotopy.max_number_classes

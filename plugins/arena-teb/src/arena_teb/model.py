@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from arena_core import ConfigurationError, Robot
+from arena_teb.association import Reach
 from arena_teb.optimisation import Effort, Model
 from arena_teb.parameters import Limits, Obstacles, Optimisation, Trajectory, Weights
 from arena_teb.problem import FloatArray, Penalties, Shape
@@ -53,20 +54,37 @@ def make_model(
         )
     spacing = math.inf if trajectory.max_spacing is None else trajectory.max_spacing
     sampling = Sampling(trajectory.dt_ref, trajectory.dt_hysteresis, trajectory.min_samples, trajectory.max_samples, spacing)
-    footprint = robot.footprint
-    corners = np.zeros((1, 2)) if footprint.is_circle else np.ascontiguousarray(footprint.vertices_xy)
-    shape = Shape(corners, footprint.radius if footprint.is_circle else 0.0, footprint.radius)
-    inscribed = footprint.inscribed_radius
-    reach = footprint.radius + max(obstacles.min_obstacle_dist + optimisation.penalty_epsilon, obstacles.inflation_dist)
+    shape = _shape(robot, obstacles)
+    inscribed = robot.footprint.inscribed_radius if obstacles.footprint_model == "body" else 0.0
     slow = obstacles.proximity_lower_bound + inscribed, obstacles.proximity_upper_bound + inscribed
-    vicinity = Vicinity(reach, obstacles.proximity_ratio_max_vel, *slow)
+    vicinity = Vicinity(_reach(shape, obstacles, optimisation.penalty_epsilon), obstacles.proximity_ratio_max_vel, *slow)
     effort = Effort(
         optimisation.no_inner_iterations, optimisation.no_outer_iterations, optimisation.tolerance, optimisation.weight_adapt_factor
     )
-    return Model(_penalties(robot, limits, obstacles, optimisation.penalty_epsilon, weights), shape, sampling, vicinity, effort)
+    return Model(_penalties(robot, limits, obstacles, optimisation, weights), shape, sampling, vicinity, effort)
 
 
-def _penalties(robot: Robot, limits: Limits, obstacles: Obstacles, epsilon: float, weights: Weights) -> Penalties:
+def _shape(robot: Robot, obstacles: Obstacles) -> Shape:
+    """Return what gaps are measured from: the robot's body, or its middle."""
+    footprint = robot.footprint
+    if obstacles.footprint_model == "point":
+        return Shape(np.zeros((1, 2)), 0.0, 0.0)
+    if footprint.is_circle:
+        return Shape(np.zeros((1, 2)), footprint.radius, footprint.radius)
+    return Shape(np.ascontiguousarray(footprint.vertices_xy), 0.0, footprint.radius)
+
+
+def _reach(shape: Shape, obstacles: Obstacles, epsilon: float) -> Reach:
+    """Return how far from the origin static points count (teb_local_planner: obstacle_association_...)."""
+    least = obstacles.min_obstacle_dist
+    penalised = max(least + epsilon, obstacles.inflation_dist)
+    most = shape.radius + min(penalised, least * obstacles.obstacle_association_cutoff_factor)
+    factor = obstacles.obstacle_association_force_inclusion_factor
+    return Reach(most, min(most, shape.radius + least * factor) if factor > 0.0 else 0.0)
+
+
+def _penalties(robot: Robot, limits: Limits, obstacles: Obstacles, optimisation: Optimisation, weights: Weights) -> Penalties:
+    epsilon = optimisation.penalty_epsilon
     least, most, acceleration = speed_limits(robot, limits)
     radius = turning_radius(robot, limits)
     holonomic = robot.holonomic
@@ -92,6 +110,8 @@ def _penalties(robot: Robot, limits: Limits, obstacles: Obstacles, epsilon: floa
         inflated=obstacles.inflation_dist,
         dynamic_near=obstacles.dynamic_min_obstacle_dist + epsilon,
         dynamic_inflated=obstacles.dynamic_obstacle_inflation_dist,
+        exponent=optimisation.obstacle_cost_exponent if obstacles.min_obstacle_dist > 0.0 else 1.0,
+        unit=obstacles.min_obstacle_dist,
     )
 
 

@@ -72,6 +72,8 @@ def weighed(penalties: Penalties, factor: float) -> Penalties:
         p.inflated,
         p.dynamic_near,
         p.dynamic_inflated,
+        p.exponent,
+        p.unit,
     )
 
 
@@ -79,5 +81,5 @@ def weighed(penalties: Penalties, factor: float) -> Penalties:
 def band_cost(band: FloatArray, scene: Scene, penalties: Penalties, model: Model, ends: Ends) -> float:
     """Return the cost of a band by which topologies are compared."""
     around = surroundings(band, scene, model.vicinity)
-    rows = make_rows(len(band), len(around.radii), len(around.via_poses))
+    rows = make_rows(around)
     return evaluate(band, penalties, model.shape, ends, around, rows)

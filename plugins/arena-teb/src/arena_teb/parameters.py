@@ -49,12 +49,28 @@ class Obstacles:
     inflation_dist: NonNegative
     dynamic_min_obstacle_dist: NonNegative
     dynamic_obstacle_inflation_dist: NonNegative
+    footprint_model: Literal["body", "point"]
+    obstacle_association_force_inclusion_factor: NonNegative
+    obstacle_association_cutoff_factor: Positive
+    costmap_converter: Literal["polygons"] | None
     include_dynamic_obstacles: bool
+    static_below: NonNegative
+    prediction_time: NonNegative | None
     track_margin: NonNegative
     max_tracks: NonNegativeInt
     proximity_ratio_max_vel: Fraction
     proximity_lower_bound: NonNegative
     proximity_upper_bound: Positive
+
+
+@dataclass(frozen=True, slots=True)
+class Polygons:
+    """How cells become polygons, where ``obstacles.costmap_converter`` is polygons."""
+
+    cluster_max_distance: Positive
+    cluster_min_pts: PositiveInt
+    cluster_max_pts: PositiveInt
+    min_pt_separation: NonNegative
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +81,7 @@ class Optimisation:
     no_outer_iterations: PositiveInt
     tolerance: Positive
     penalty_epsilon: NonNegative
+    obstacle_cost_exponent: Positive
     weight_adapt_factor: Positive
 
 

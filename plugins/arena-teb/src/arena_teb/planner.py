@@ -16,7 +16,8 @@ from arena_teb.local_plan import heading_of_end, local_plan
 from arena_teb.model import make_model, speed_limits, turning_radius
 from arena_teb.motion import escape_commands, first_velocity, saturated
 from arena_teb.oscillation import OscillationDetector
-from arena_teb.parameters import Homotopy, Limits, Obstacles, Optimisation, Recovery, Trajectory, Weights
+from arena_teb.parameters import Homotopy, Limits, Obstacles, Optimisation, Polygons, Recovery, Trajectory, Weights
+from arena_teb.polygons import NO_HULLS, hulls_of
 from arena_teb.problem import Ends, FloatArray
 from arena_teb.surroundings import Scene
 
@@ -35,6 +36,7 @@ class TebPlanner(Planner):
         limits: Limits,
         trajectory: Trajectory,
         obstacles: Obstacles,
+        polygons: Polygons,
         optimisation: Optimisation,
         weights: Weights,
         homotopy: Homotopy,
@@ -43,7 +45,8 @@ class TebPlanner(Planner):
         self._least, self._most, _ = speed_limits(robot, limits)
         self._turn_radius = turning_radius(robot, limits)
         self._holonomic = robot.holonomic
-        self._trajectory, self._obstacles, self._recovery = trajectory, obstacles, recovery
+        self._trajectory, self._obstacles, self._polygons, self._recovery = trajectory, obstacles, polygons, recovery
+        self._horizon = math.inf if obstacles.prediction_time is None else obstacles.prediction_time
         body = robot.footprint
         self._outline = outline_of(None if body.is_circle else body.vertices_xy, body.radius, body.inscribed_radius, OUTLINE_SPACING)
         self._topologies = Topologies(
@@ -69,12 +72,16 @@ class TebPlanner(Planner):
         window = without_discs(_window(observation), tracks.positions, tracks.radii, self._obstacles.track_margin)
         plan, complete = local_plan(observation.path.poses, pose, window, self._lookahead(stamp), self._outline.inscribed_radius)
         goal = self._local_goal(plan, pose, observation.goal, complete)
-        scene = Scene(window, tracks.positions, tracks.velocities, tracks.radii, self._via_points(plan))
+        scene = self._scene(window, tracks, plan)
         topologies = self._topologies.plan(plan, pose.array(), goal, scene, self._ends(observation.twist, complete, stamp), stamp)
         band = self._feasible(topologies, window)
         command = self._escape(pose, scene, stamp) if band is None else self._drive(band)
         self._oscillation.note(command)
         return command
+
+    def _scene(self, window: Window, tracks: Tracks, plan: FloatArray) -> Scene:
+        hulls = NO_HULLS if self._obstacles.costmap_converter is None else hulls_of(window, self._polygons)
+        return Scene(window, hulls, tracks.positions, tracks.velocities, tracks.radii, self._horizon, self._via_points(plan))
 
     def _lookahead(self, stamp: float) -> float:
         """Return how far ahead the band reaches, m: half as far for some time after nothing was feasible."""
@@ -126,10 +133,11 @@ class TebPlanner(Planner):
 
 
 def nearest_tracks(tracks: Tracks, pose: Pose, obstacles: Obstacles) -> Tracks:
-    """Return the tracks that count, the nearest ones."""
+    """Return the tracks that count, the nearest ones that are not so slow that they stay obstacles that stand."""
     if not obstacles.include_dynamic_obstacles:
         return _chosen(tracks, np.empty(0, np.int64))
     finite = np.isfinite(tracks.positions).all(axis=1) & np.isfinite(tracks.velocities).all(axis=1)
+    finite &= np.hypot(*tracks.velocities.T) >= obstacles.static_below
     away = np.where(finite, np.hypot(*(tracks.positions - (pose.x, pose.y)).T), np.inf)
     order = np.argsort(away, kind="stable")[: min(obstacles.max_tracks, int(finite.sum()))]
     return _chosen(tracks, order)

@@ -29,7 +29,8 @@ class Penalties(NamedTuple):
     """Where penalties begin, and the square roots of their weights; axes are (forward, left, turn), weight 0 means no term.
 
     ``speed_min``, ``speed_max``, ``acceleration`` and both ``root_`` arrays (3,), m and rad. A point nearer than ``near`` m costs
-    ``root_obstacle``, nearer than ``inflated`` m ``root_inflation``; ``dynamic_`` is the same for moving obstacles. ``turn_radius`` m.
+    ``root_obstacle``, nearer than ``inflated`` m ``root_inflation``; ``dynamic_`` is the same for moving obstacles. ``turn_radius`` m. What
+    a point comes short of ``near`` by is counted in ``unit`` m and raised to ``exponent``.
     """
 
     speed_min: FloatArray
@@ -53,6 +54,8 @@ class Penalties(NamedTuple):
     inflated: float
     dynamic_near: float
     dynamic_inflated: float
+    exponent: float
+    unit: float
 
 
 class Ends(NamedTuple):
@@ -72,7 +75,8 @@ class Ends(NamedTuple):
 class Surroundings(NamedTuple):
     """What is around each of N poses.
 
-    ``points`` (N, 2, 2) are the nearest static points to the left and right, inf where there is none, each with ``point_radius`` m;
+    ``points`` (N, P, 2) are static points: the nearest to the left and right, then those that are forced to count, inf where there is
+    none, each with ``point_radius`` m;
     ``caps`` (N,) the share of the speed limits that is allowed there; ``moving`` (N, K, 2) where moving discs of ``radii`` (K,) m
     will be when the robot is at the pose; ``vias`` (V, 2) points to pass, the pose ``via_poses`` (V,) each.
     """
@@ -104,5 +108,5 @@ class Rows(NamedTuple):
 
 INTERVAL_ROWS = 9  # three speeds, three of kinematics, time, path, rotation
 JOINT_ROWS = 3  # three accelerations
-POSE_ROWS = 4  # left and right, near and inflated
+POINT_ROWS = 2  # near and inflated
 REACH = 11  # variables that one term may join: three poses and two times

@@ -72,7 +72,8 @@ def new_ways(
                 tries += 1
                 if many == wanted or tries > TRIES:
                     return found[:many].copy(), classes[len(known) : len(known) + many].copy()
-                angles = signature(timed(start, vertices[i], vertices[j], goal, roadmap.speed), points, scene.positions, scene.velocities)
+                way = timed(start, vertices[i], vertices[j], goal, roadmap.speed)
+                angles = signature(way, points, scene.positions, scene.velocities, scene.horizon)
                 new = True
                 for k in range(len(known) + many):
                     new = new and not same_class(angles, classes[k])
@@ -106,7 +107,7 @@ def key_points(start: FloatArray, goal: FloatArray, scene: Scene, roadmap: Roadm
     keys = np.empty((2 * len(nearest), 2))
     for i in range(len(nearest)):
         j = nearest[i]
-        x, y = meeting(scene.positions[j], scene.velocities[j], start, roadmap.speed)
+        x, y = meeting(scene.positions[j], scene.velocities[j], scene.horizon, start, roadmap.speed)
         gap = scene.radii[j] + roadmap.inscribed_radius + roadmap.gap
         keys[2 * i, 0], keys[2 * i, 1] = x - gap * dy / length, y + gap * dx / length
         keys[2 * i + 1, 0], keys[2 * i + 1, 1] = x + gap * dy / length, y - gap * dx / length
@@ -114,11 +115,11 @@ def key_points(start: FloatArray, goal: FloatArray, scene: Scene, roadmap: Roadm
 
 
 @compiled
-def meeting(position: FloatArray, velocity: FloatArray, start: FloatArray, speed: float) -> tuple[float, float]:
+def meeting(position: FloatArray, velocity: FloatArray, horizon: float, start: FloatArray, speed: float) -> tuple[float, float]:
     """Return where a moving disc is when the robot could have driven to it."""
     x, y = position[0], position[1]
     for _ in range(3):
-        time = math.hypot(x - start[0], y - start[1]) / (speed + math.hypot(velocity[0], velocity[1]))
+        time = min(horizon, math.hypot(x - start[0], y - start[1]) / (speed + math.hypot(velocity[0], velocity[1])))
         x, y = position[0] + time * velocity[0], position[1] + time * velocity[1]
     return x, y
 

@@ -17,20 +17,24 @@ from arena_teb.problem import FloatArray
 
 
 @compiled
-def signature(band: FloatArray, points: FloatArray, positions: FloatArray, velocities: FloatArray) -> FloatArray:
-    """Return the angle, rad, by which a band (N, 4) goes round each of ``points`` (C, 2) and of K moving discs, (C + K,)."""
+def signature(band: FloatArray, points: FloatArray, positions: FloatArray, velocities: FloatArray, horizon: float) -> FloatArray:
+    """Return the angle, rad, by which a band (N, 4) goes round each of ``points`` (C, 2) and of K moving discs, (C + K,).
+
+    Discs move for ``horizon`` s and then stand.
+    """
     count, static = len(band), len(points)
     angles = np.zeros(static + len(positions))
     time = 0.0
     for k in range(count - 1):
         later = time + band[k, 3]
+        now, then = min(time, horizon), min(later, horizon)
         for j in range(len(angles)):
             if j < static:
                 ax, ay, bx, by = points[j, 0], points[j, 1], points[j, 0], points[j, 1]
             else:
                 i = j - static
-                ax, ay = positions[i, 0] + time * velocities[i, 0], positions[i, 1] + time * velocities[i, 1]
-                bx, by = positions[i, 0] + later * velocities[i, 0], positions[i, 1] + later * velocities[i, 1]
+                ax, ay = positions[i, 0] + now * velocities[i, 0], positions[i, 1] + now * velocities[i, 1]
+                bx, by = positions[i, 0] + then * velocities[i, 0], positions[i, 1] + then * velocities[i, 1]
             ax, ay, bx, by = band[k, 0] - ax, band[k, 1] - ay, band[k + 1, 0] - bx, band[k + 1, 1] - by
             angles[j] += math.atan2(ax * by - ay * bx, ax * bx + ay * by)
         time = later

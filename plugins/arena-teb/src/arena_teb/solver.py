@@ -34,7 +34,7 @@ def solve(
     last one too but for a free heading.
     """
     count = len(band)
-    rows = make_rows(count, len(around.radii), len(around.via_poses))
+    rows = make_rows(around)
     normal, gradient = np.zeros((4 * count, REACH)), np.zeros(4 * count)
     factor, step, scale = np.zeros((4 * count, REACH)), np.zeros(4 * count), np.ones(4 * count)
     scale[3::4] = TIME_STIFFNESS

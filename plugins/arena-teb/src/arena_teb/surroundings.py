@@ -1,4 +1,4 @@
-"""What each pose of a band is paired with: the nearest static points to its left and right, moving discs at its time, via points."""
+"""What each pose of a band is paired with: static points, moving discs at its time, via points."""
 
 from __future__ import annotations
 
@@ -7,27 +7,31 @@ from typing import NamedTuple
 
 import numpy as np
 
-from arena_kernels.compiled import borrowing, compiled, inner
-from arena_kernels.window import LETHAL, Window, distance_at
+from arena_kernels.compiled import compiled, inner
+from arena_kernels.window import Window, distance_at
+from arena_teb.association import Reach, associated
+from arena_teb.polygons import Hulls
 from arena_teb.problem import FloatArray, Surroundings
 
 
 class Scene(NamedTuple):
-    """What a control step sees, in ``map``: the window without what moves, discs ``positions`` (K, 2) with ``velocities`` and
-    ``radii``, points ``vias`` (V, 2) to pass."""
+    """What a control step sees, in ``map``: the window without what moves, its polygons, if cells are turned into such, discs
+    ``positions`` (K, 2) with ``velocities`` and ``radii``, which move on for ``horizon`` s and then stand, points ``vias`` (V, 2)."""
 
     window: Window
+    hulls: Hulls
     positions: FloatArray
     velocities: FloatArray
     radii: FloatArray
+    horizon: float
     vias: FloatArray
 
 
 class Vicinity(NamedTuple):
-    """How near counts: static points within ``reach`` m of the origin; speed is cut to ``slowest`` (share) where the origin is
+    """How near counts: static points within ``reach`` of the origin; speed is cut to ``slowest`` (share) where the origin is
     ``slow_from`` m or less from the nearest one, and free from ``free_from`` m on."""
 
-    reach: float
+    reach: Reach
     slowest: float
     slow_from: float
     free_from: float
@@ -35,19 +39,20 @@ class Vicinity(NamedTuple):
 
 @compiled
 def surroundings(band: FloatArray, scene: Scene, vicinity: Vicinity) -> Surroundings:
-    """Pair the poses of a band (N, 4) with what is around them, moving discs at constant velocity (IV of RAS 2017)."""
+    """Pair the poses of a band (N, 4) with what is around them, moving discs at constant velocity up to a horizon (IV of RAS 2017)."""
     count, tracks = len(band), len(scene.radii)
-    points, caps = np.full((count, 2, 2), np.inf), np.ones(count)
+    points, caps = associated(band, scene.window, scene.hulls, vicinity.reach), np.ones(count)
     moving = np.empty((count, tracks, 2))
     time = 0.0
     for k in range(count):
-        distance = distance_at(scene.window, band[k, 0], band[k, 1])
-        caps[k] = speed_cap(distance, vicinity)
-        if -math.inf < distance < vicinity.reach:
-            nearest_points(scene.window, band[k, 0], band[k, 1], band[k, 2], vicinity.reach, points[k])
+        free = distance_at(scene.window, band[k, 0], band[k, 1])
+        free = math.inf if free == -math.inf else free  # nothing is known beyond the window
+        ahead = min(time, scene.horizon)
         for j in range(tracks):
-            moving[k, j, 0] = scene.positions[j, 0] + time * scene.velocities[j, 0]
-            moving[k, j, 1] = scene.positions[j, 1] + time * scene.velocities[j, 1]
+            moving[k, j, 0] = scene.positions[j, 0] + ahead * scene.velocities[j, 0]
+            moving[k, j, 1] = scene.positions[j, 1] + ahead * scene.velocities[j, 1]
+            free = min(free, math.hypot(moving[k, j, 0] - band[k, 0], moving[k, j, 1] - band[k, 1]) - scene.radii[j])
+        caps[k] = speed_cap(free, vicinity)
         time += band[k, 3]
     poses = np.empty(len(scene.vias), np.int64)
     for j in range(len(scene.vias)):
@@ -57,35 +62,11 @@ def surroundings(band: FloatArray, scene: Scene, vicinity: Vicinity) -> Surround
 
 @inner
 def speed_cap(distance: float, vicinity: Vicinity) -> float:
-    """Return the share of the speed limit that is allowed at a distance from static obstacles."""
+    """Return the share of the speed limit that is allowed at a distance from the nearest obstacle."""
     if distance >= vicinity.free_from or vicinity.slowest >= 1.0:
         return 1.0
     share = max(distance - vicinity.slow_from, 0.0) / (vicinity.free_from - vicinity.slow_from)
     return vicinity.slowest + (1.0 - vicinity.slowest) * share
-
-
-@borrowing
-def nearest_points(window: Window, x: float, y: float, heading: float, reach: float, found: FloatArray) -> None:
-    """Write the centres of the nearest lethal cells to the left and to the right of a pose into ``found`` (2, 2)."""
-    rows, columns = window.costs.shape
-    u, v = (x - window.origin_x) / window.resolution - 0.5, (y - window.origin_y) / window.resolution - 0.5
-    cells = reach / window.resolution
-    c, s = math.cos(heading), math.sin(heading)
-    left, right = cells * cells, cells * cells
-    for row in range(max(0, math.ceil(v - cells)), min(rows - 1, math.floor(v + cells)) + 1):
-        dy = row - v
-        for column in range(max(0, math.ceil(u - cells)), min(columns - 1, math.floor(u + cells)) + 1):
-            if window.costs[row, column] < LETHAL:
-                continue
-            dx = column - u
-            squared = dx * dx + dy * dy
-            if c * dy - s * dx >= 0.0:
-                if squared < left:
-                    left = squared
-                    found[0, 0], found[0, 1] = x + dx * window.resolution, y + dy * window.resolution
-            elif squared < right:
-                right = squared
-                found[1, 0], found[1, 1] = x + dx * window.resolution, y + dy * window.resolution
 
 
 @inner

@@ -13,15 +13,16 @@ import numpy as np
 
 from arena_kernels.compiled import borrowing, compiled, inlined, inner
 from arena_kernels.footprint import point_gap
-from arena_teb.problem import INTERVAL_ROWS, JOINT_ROWS, POSE_ROWS, REACH, Ends, FloatArray, Penalties, Rows, Shape, Surroundings
+from arena_teb.problem import INTERVAL_ROWS, JOINT_ROWS, POINT_ROWS, REACH, Ends, FloatArray, Penalties, Rows, Shape, Surroundings
 
 ROTATION_INTERVALS = 3  # how many intervals a preferred direction of turning holds for (teb_local_planner)
 
 
 @compiled
-def make_rows(count: int, tracks: int, vias: int) -> Rows:
-    """Return room for the terms of a band of ``count`` poses."""
-    total = (count - 1) * INTERVAL_ROWS + count * JOINT_ROWS + (count - 2) * (POSE_ROWS + 2 * tracks) + vias
+def make_rows(around: Surroundings) -> Rows:
+    """Return room for the terms of a band in its surroundings."""
+    count, near = len(around.points), around.points.shape[1] + len(around.radii)
+    total = (count - 1) * INTERVAL_ROWS + count * JOINT_ROWS + (count - 2) * POINT_ROWS * near + len(around.via_poses)
     return Rows(
         np.zeros(total),
         np.zeros((total, REACH)),
@@ -221,20 +222,22 @@ def obstacle_rows(band: FloatArray, penalties: Penalties, shape: Shape, around: 
     dynamic_reach = max(penalties.dynamic_near, penalties.dynamic_inflated)
     for k in range(1, len(band) - 1):
         c, s = math.cos(band[k, 2]), math.sin(band[k, 2])
-        for side in range(2):
-            x, y = around.points[k, side, 0] - band[k, 0], around.points[k, side, 1] - band[k, 1]
+        for i in range(around.points.shape[1]):
+            x, y = around.points[k, i, 0] - band[k, 0], around.points[k, i, 1] - band[k, 1]
             enough = static_reach + around.point_radius
             roots = penalties.root_obstacle, penalties.root_inflation
             bounds = penalties.near, penalties.inflated
             distance_rows(k, x, y, c, s, around.point_radius, enough, bounds, roots, shape, rows, at)
-            at += 2
+            if penalties.exponent != 1.0 and rows.width[at] > 0:
+                raise_row(at, roots[0], penalties, rows)
+            at += POINT_ROWS
         for j in range(len(around.radii)):
             x, y = around.moving[k, j, 0] - band[k, 0], around.moving[k, j, 1] - band[k, 1]
             enough = dynamic_reach + around.radii[j]
             roots = penalties.root_dynamic, penalties.root_dynamic_inflation
             bounds = penalties.dynamic_near, penalties.dynamic_inflated
             distance_rows(k, x, y, c, s, around.radii[j], enough, bounds, roots, shape, rows, at)
-            at += 2
+            at += POINT_ROWS
     return at
 
 
@@ -271,6 +274,16 @@ def distance_rows(
             rows.jacobian[row, 0] = root * (c * nx - s * ny)
             rows.jacobian[row, 1] = root * (s * nx + c * ny)
             rows.jacobian[row, 2] = root * (ny * bx - nx * by)
+
+
+@inner
+def raise_row(at: int, root: float, penalties: Penalties, rows: Rows) -> None:
+    """Raise the lack of a gap, in its unit, to the exponent (teb_local_planner: obstacle_cost_exponent)."""
+    share = rows.residual[at] / (root * penalties.unit)
+    power = share ** (penalties.exponent - 1.0)
+    rows.residual[at] *= power
+    for i in range(3):
+        rows.jacobian[at, i] *= penalties.exponent * power
 
 
 @inlined

@@ -1,0 +1,120 @@
+"""Which static points a pose is paired with: the nearest to its left and right, and all that are so near that they are forced to count."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from arena_kernels.compiled import borrowing, compiled, inner
+from arena_kernels.footprint import point_gap
+from arena_kernels.window import LETHAL, Window, distance_at
+from arena_teb.polygons import Hulls
+from arena_teb.problem import FloatArray
+
+BEHIND = 1e-3  # m by which a point lies behind a pose that is inside a polygon: it then pushes the pose to the nearest side
+FORCED_FROM = 2  # the first places are those of the nearest points to the left and right
+
+
+class Reach(NamedTuple):
+    """How far from a pose's origin static points count, m: at all, and in any case."""
+
+    most: float
+    forced: float
+
+
+@compiled
+def associated(band: FloatArray, window: Window, hulls: Hulls, reach: Reach) -> FloatArray:
+    """Return the static points (N, P, 2) of the poses of a band, inf where there is none; those of polygons, if there are polygons."""
+    count, places = len(band), FORCED_FROM
+    points = np.full((count, places, 2), np.inf)
+    for k in range(count):
+        if not -math.inf < distance_at(window, band[k, 0], band[k, 1]) < reach.most:
+            continue
+        places = max(places, pair(window, hulls, band[k], reach, points[k]))
+    if places == FORCED_FROM:
+        return points
+    points = np.full((count, places, 2), np.inf)
+    for k in range(count):
+        if -math.inf < distance_at(window, band[k, 0], band[k, 1]) < reach.most:
+            pair(window, hulls, band[k], reach, points[k])
+    return points
+
+
+@inner
+def pair(window: Window, hulls: Hulls, pose: FloatArray, reach: Reach, found: FloatArray) -> int:
+    """Write what counts for a pose into ``found`` (P, 2), as far as there is room; return how many places would do."""
+    if len(hulls.starts) > 0:
+        return pair_hulls(hulls, pose, reach, found)
+    return pair_cells(window, pose, reach, found)
+
+
+@borrowing
+def pair_cells(window: Window, pose: FloatArray, reach: Reach, found: FloatArray) -> int:
+    """Pair a pose with the centres of lethal cells; of those forced to count only cells with a free neighbour do."""
+    rows, columns = window.costs.shape
+    x, y = pose[0], pose[1]
+    u, v = (x - window.origin_x) / window.resolution - 0.5, (y - window.origin_y) / window.resolution - 0.5
+    cells = reach.most / window.resolution
+    forced = (reach.forced / window.resolution) ** 2
+    c, s = math.cos(pose[2]), math.sin(pose[2])
+    left, right, places = cells * cells, cells * cells, FORCED_FROM
+    for row in range(max(0, math.ceil(v - cells)), min(rows - 1, math.floor(v + cells)) + 1):
+        dy = row - v
+        for column in range(max(0, math.ceil(u - cells)), min(columns - 1, math.floor(u + cells)) + 1):
+            if window.costs[row, column] < LETHAL:
+                continue
+            dx = column - u
+            squared = dx * dx + dy * dy
+            if squared < forced:
+                if on_surface(window, row, column):
+                    place(found, places, x + dx * window.resolution, y + dy * window.resolution)
+                    places += 1
+            elif c * dy - s * dx >= 0.0:
+                if squared < left:
+                    left = squared
+                    place(found, 0, x + dx * window.resolution, y + dy * window.resolution)
+            elif squared < right:
+                right = squared
+                place(found, 1, x + dx * window.resolution, y + dy * window.resolution)
+    return places
+
+
+@inner
+def on_surface(window: Window, row: int, column: int) -> bool:
+    """Tell whether one of a cell's four neighbours is not lethal, or outside the window."""
+    rows, columns = window.costs.shape
+    if row == 0 or column == 0 or row == rows - 1 or column == columns - 1:
+        return True
+    across = min(window.costs[row, column - 1], window.costs[row, column + 1])
+    return bool(min(across, window.costs[row - 1, column], window.costs[row + 1, column]) < LETHAL)
+
+
+@borrowing
+def pair_hulls(hulls: Hulls, pose: FloatArray, reach: Reach, found: FloatArray) -> int:
+    """Pair a pose with the nearest points of polygons; inside one, with a point that pushes it out by the nearest side."""
+    c, s = math.cos(pose[2]), math.sin(pose[2])
+    left, right, places = reach.most, reach.most, FORCED_FROM
+    for i in range(len(hulls.starts) - 1):
+        gap, nx, ny = point_gap(hulls.corners[hulls.starts[i] : hulls.starts[i + 1]], pose[0], pose[1])
+        gap = max(gap, BEHIND)
+        x, y = pose[0] - gap * nx, pose[1] - gap * ny
+        if gap < reach.forced:
+            place(found, places, x, y)
+            places += 1
+        elif c * (y - pose[1]) - s * (x - pose[0]) >= 0.0:
+            if gap < left:
+                left = gap
+                place(found, 0, x, y)
+        elif gap < right:
+            right = gap
+            place(found, 1, x, y)
+    return places
+
+
+@inner
+def place(found: FloatArray, at: int, x: float, y: float) -> None:
+    """Write a point, if there is room."""
+    if at < len(found):
+        found[at, 0], found[at, 1] = x, y
