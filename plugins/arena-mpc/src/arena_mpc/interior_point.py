@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 from typing import Any
 
@@ -36,8 +37,8 @@ class CompiledProblem:
         values, rows, done = found["x"].full().ravel(), found["g"].full().ravel(), int(self._solve.stats()["iter_count"])
         violation = np.maximum(lower - rows, rows - upper)
         if not np.isfinite(values).all() or float(violation.max()) > FEASIBLE:
-            return Solution(None, done)
-        return Solution(self._unpacked(values, guess.step), done)
+            return Solution(None, math.inf, done)
+        return Solution(self._unpacked(values, guess.step), float(found["f"]), done)
 
     def _rows(self, stages_and_end: int, filled: float) -> FloatArray:
         """Return rows of state, controls and, where constraints are soft, slack, one for each stage."""

@@ -38,7 +38,9 @@ def move(model: int, wheelbase: float, state: FloatArray, control: FloatArray, f
 
 
 @inner
-def differentiate(model: int, wheelbase: float, state: FloatArray, control: FloatArray, by_state: FloatArray, by_control: FloatArray) -> None:
+def differentiate(
+    model: int, wheelbase: float, state: FloatArray, control: FloatArray, by_state: FloatArray, by_control: FloatArray
+) -> None:
     """Write the derivatives of ``move`` to ``by_state`` (S, S) and ``by_control`` (S, U)."""
     vx, vy, omega = body_speeds(model, wheelbase, control)
     h, last = state[-1], len(state) - 1

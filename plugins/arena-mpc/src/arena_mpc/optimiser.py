@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -47,7 +48,7 @@ class Optimiser:
         self._weights = np.array([getattr(weights, name) for name in WEIGHTS])
         turn = drive.wz_max if model == "bicycle" else 1.0
         self._room = Room(*velocity_bounds(model, drive), control_bounds(model, drive)[1], grid.step_min, grid.step_max, turn)
-        self._solvers: tuple[Solver, ...] = solvers_of(solver, self._shape)
+        self._solvers: tuple[Solver, ...] = solvers_of(solver, _constrained(obstacles, fixed_end), self._shape)
 
     def prepare(self) -> None:
         """Build the problems that resizing may ask for, unless they are many, so that no later control step waits for them."""
@@ -60,18 +61,18 @@ class Optimiser:
         """Return the optimal plan from ``state`` near ``guess``, None when no solver finds one within ``left`` iterations."""
         used = 0
         for solver in self._solvers:
-            plan: Plan | None = None
+            best = Solution(None, math.inf, 0)
             for _ in range(self._grid.outer_iterations):
-                beginning = guess if plan is None else plan
+                beginning = guess if best.plan is None else best.plan
                 found = solver.solve(self._terms(scene, reference, beginning), state, beginning, self._room, left - used)
                 if found is None:
                     break
-                plan, used = found.plan, used + found.iterations
-                if plan is None:
+                best, used = found, used + found.iterations
+                if found.plan is None:
                     break
-            if plan is not None:
-                return Solution(plan, used)
-        return Solution(None, used)
+            if best.plan is not None:
+                return best._replace(iterations=used)
+        return Solution(None, math.inf, used)
 
     def _shape(self, stages: int) -> Shape:
         from arena_mpc.problem import Shape
@@ -124,3 +125,10 @@ def _turned_to(goal: FloatArray, heading: float) -> FloatArray:
     turned = goal.copy()
     turned[2] += 2.0 * np.pi * round((heading - goal[2]) / (2.0 * np.pi))
     return turned
+
+
+def _constrained(obstacles: Obstacles, fixed_end: bool) -> str:
+    """Return which settings only an interior-point method can hold, as an error names them; empty when there are none."""
+    asked = {"obstacles.hard=true": obstacles.hard, "obstacles.association=cells": obstacles.association == "cells"}
+    asked["final_state_fixed=true"] = fixed_end
+    return ", ".join(name for name, wanted in asked.items() if wanted)

@@ -32,7 +32,8 @@ class Room(NamedTuple):
 
 
 class Solution(NamedTuple):
-    """What a solver found, None when that is nothing to drive, and the iterations it took."""
+    """What a solver found, None when that is nothing to drive, what it costs, and the iterations it took."""
 
     plan: Plan | None
+    cost: float
     iterations: int

@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from arena_core import EpisodeStart, NonNegativeInt, NoValidCommand, Observation, Planner, Positive, Robot, Twist
+from arena_core import EpisodeStart, Fraction, NonNegativeInt, NoValidCommand, Observation, Planner, Positive, Robot, Twist
 from arena_kernels.window import clearance
 from arena_mpc.arrays import FloatArray
 from arena_mpc.footprint import covering_discs, exact_outline, free_until
@@ -48,6 +48,7 @@ class MpcPlanner(Planner):
         discs: NonNegativeInt | None,
         look_ahead: Positive,
         reinit_distance: Positive,
+        rivalry: Fraction | None,
         via_separation: Positive | None,
         final_state_fixed: bool,
         limits: Limits,
@@ -63,7 +64,7 @@ class MpcPlanner(Planner):
         self._turn_radius = robot.wheelbase / math.tan(robot.steering_max) if self._model == "bicycle" else 0.0
         covering = covering_discs(robot.footprint, discs)
         self._optimiser = Optimiser(self._model, form, self._drive, covering, final_state_fixed, grid, weights, obstacles, solver)
-        self._via_separation, self._iterations = via_separation, solver.max_iterations
+        self._rivalry, self._via_separation, self._iterations = rivalry, via_separation, solver.max_iterations
         self._period = robot.control_period
         self._progress = PathProgress()
         self._prepared = False
@@ -89,7 +90,7 @@ class MpcPlanner(Planner):
         reference = self._reference(observation, scene)
         state = state_of(self._model, self._drive, observation.pose, observation.twist, self._steering)
         last = self._last_plan(reference, state, observation.stamp)
-        plan = self._freest_plan(scene, reference, state, last)
+        plan = self._best_plan(scene, reference, state, last)
         if plan is not None:
             self.counts.optimised += 1
             return self._driven(plan, observation.stamp)
@@ -160,18 +161,21 @@ class MpcPlanner(Planner):
         states[0] = state
         return Plan(states, step, np.zeros(len(states)))
 
-    def _freest_plan(self, scene: Scene, reference: Reference, state: FloatArray, last: Plan | None) -> Plan | None:
-        """Return the first plan that is free to its end, else the one that is free longest, None when none is safe."""
-        best, longest, left = None, 0.0, self._iterations
+    def _best_plan(self, scene: Scene, reference: Reference, state: FloatArray, last: Plan | None) -> Plan | None:
+        """Return the cheapest plan that is free to its end, else the one that is free longest, None when none is safe."""
+        chosen, least = None, math.inf
+        freest, longest, left = None, 0.0, self._iterations
         for aim, guess in self._beginnings(scene, reference, state, last):
-            plan, used = self._optimiser.optimise(scene, aim, state, guess, left)
+            if chosen is not None and (self._rivalry is None or aim is not reference):
+                break
+            plan, cost, used = self._optimiser.optimise(scene, aim, state, guess, left)
             left -= used
             share = 0.0 if plan is None else self._free_for(plan, scene) / plan.duration
-            if plan is not None and share >= 1.0 - 1e-9:
-                return plan
+            if plan is not None and share >= 1.0 - 1e-9 and cost < least:
+                chosen, least = plan, cost * (1.0 - (self._rivalry or 0.0))
             if plan is not None and share > longest and self._safe(plan, scene):
-                best, longest = plan, share
-        return best
+                freest, longest = plan, share
+        return freest if chosen is None else chosen
 
     def _safe(self, plan: Plan, scene: Scene) -> bool:
         """Tell whether the robot touches nothing that stands on this plan, until it could have stopped."""

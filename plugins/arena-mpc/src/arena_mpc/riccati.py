@@ -124,9 +124,7 @@ def _expand(slopes: Slopes, found: Pass) -> None:
 
 
 @inner
-def _choose(
-    room: Room, state: FloatArray, control: FloatArray, damping: float, offset: FloatArray, gain: FloatArray, found: Pass
-) -> None:
+def _choose(room: Room, state: FloatArray, control: FloatArray, damping: float, offset: FloatArray, gain: FloatArray, found: Pass) -> None:
     """Write the best change of the velocities within their limits to ``offset`` (U,), and how it follows the state to ``gain`` (U, S)."""
     limits(room, state, found.low, found.high)
     q, count = found.q_control_control, len(control)

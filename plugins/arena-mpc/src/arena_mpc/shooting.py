@@ -115,7 +115,7 @@ def solve(terms: Terms, state: FloatArray, guess: Plan, room: Room, iterations: 
     states[0, :-1], states[0, -1] = state, min(max(guess.step, room.step_low), room.step_high)
     controls = guess.states[1:, 3:].copy()
     slopes, found = make_slopes(terms, len(state) + 1, velocities), make_pass(stages, len(state) + 1, velocities)
-    _, done = shoot(terms, room, states, controls, states.copy(), controls.copy(), slopes, found, iterations, tolerance)
+    cost, done = shoot(terms, room, states, controls, states.copy(), controls.copy(), slopes, found, iterations, tolerance)
     if not np.isfinite(states).all():
-        return Solution(None, done)
-    return Solution(Plan(states[:, :-1].copy(), float(states[0, -1]), np.zeros(stages + 1)), done)
+        return Solution(None, math.inf, done)
+    return Solution(Plan(states[:, :-1].copy(), float(states[0, -1]), np.zeros(stages + 1)), cost, done)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Protocol
 
+from arena_core import ConfigurationError
 from arena_mpc.arrays import FloatArray
 from arena_mpc.parameters import SolverSettings
 from arena_mpc.plan import Plan, Room, Solution
@@ -64,8 +65,13 @@ class InteriorPoint:
         return found._replace(iterations=min(found.iterations, self._settings.solution_iterations))
 
 
-def solvers_of(wanted: SolverSettings, shape_of: Callable[[int], Shape]) -> tuple[Solver, ...]:
-    """Return the solvers to try in turn; behind fatrop stands ipopt, which takes its place where casadi lacks it."""
+def solvers_of(wanted: SolverSettings, constrained: str, shape_of: Callable[[int], Shape]) -> tuple[Solver, ...]:
+    """Return the solvers to try in turn; behind fatrop stands ipopt, which takes its place where casadi lacks it.
+
+    Raises ConfigurationError where shooting, which prices everything, is asked to hold constraints.
+    """
+    if wanted.name == "shooting" and constrained:
+        raise ConfigurationError(f"mpc: solver.name is shooting; allowed with {constrained}: fatrop, ipopt")
     if wanted.name == "shooting":
         return (Shooting(wanted),)
     from arena_mpc.interior_point import available

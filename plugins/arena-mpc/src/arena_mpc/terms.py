@@ -251,4 +251,3 @@ def _add_slack(slopes: Slopes, weight: float, weight_squared: float) -> None:
         slopes.state[a] -= price * mean[a]
         for b in range(len(mean)):
             slopes.state_state[a, b] += (bend - price / ROUNDING) * mean[a] * mean[b]
-
