@@ -26,7 +26,7 @@ def preset_values(preset: str, robot: str) -> dict[str, Any]:
     tuning = folder / ("mpc_as_released_tuning" if preset == "mpc_as_released" else "mpc_tuning") / f"{robot}.yaml"
     if tuning.is_file():
         values = merged(values, yaml.safe_load(tuning.read_text()))
-    return {key: value for key, value in values.items() if key not in ("defaults", "name", "control_period")}
+    return {key: value for key, value in values.items() if key not in ("defaults", "name", "control_period", "replan", "recoveries")}
 
 
 def merged(values: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:
@@ -77,3 +77,10 @@ def people() -> Callable[..., Tracks]:
 def observe() -> Callable[..., Observation]:
     """Give a function that makes an observation of a costmap, pose, path rows (x, y), twist, stamp and tracks."""
     return view
+
+
+@pytest.fixture(scope="session")
+def released() -> dict[str, Any]:
+    """Give the released preset as its file has it, and what of it the planner is told."""
+    whole = yaml.safe_load((files("arena_mpc.conf") / "planner" / "mpc_as_released.yaml").read_text())
+    return {**whole, "planner": preset_values("mpc_as_released", "jackal")}

@@ -13,11 +13,12 @@ from arena_mpc.corridor import FREE, boundary_cells, half_planes
 from arena_mpc.footprint import exact_outline, free_until
 from arena_mpc.guess import drive_along, shifted
 from arena_mpc.moving import FAR, first_hit, relevant_movers
+from arena_mpc.interior_point import available, compiled_problem
 from arena_mpc.parameters import Grid, SolverSettings
+from arena_mpc.plan import Plan
 from arena_mpc.problem import Shape, formulate
 from arena_mpc.reference import PathProgress, ahead, beside, free_poses
 from arena_mpc.resizing import reachable_sizes, resized
-from arena_mpc.solver import Plan, available, compiled_problem
 
 GRID = Grid(20, 10, 30, 5, 0.2, 0.02, 0.5, 0.1, 1)
 STRAIGHT = np.column_stack((np.linspace(0.0, 2.0, 41), np.zeros(41), np.zeros(41)))
@@ -120,11 +121,11 @@ def test_path_that_comes_near_itself_is_not_cut_short():
 def test_local_goal_lies_ahead_and_inside_the_window():
     path = np.column_stack((np.linspace(0.0, 9.0, 181), np.zeros(181), np.zeros(181)))
     window = _window(np.zeros((120, 120), np.bool_))
-    assert ahead(path, 1.5, window).goal[0] == pytest.approx(1.5, abs=0.06)
-    assert ahead(path, 8.0, window).goal[0] == pytest.approx(2.7, abs=0.06)
-    assert not ahead(path, 8.0, window).final
-    assert ahead(path[:10], 8.0, window).final
-    assert ahead(np.add(path, (50.0, 0.0, 0.0)), 8.0, window).path.shape == (1, 3)
+    assert ahead(path, 1.5, None, window).goal[0] == pytest.approx(1.5, abs=0.06)
+    assert ahead(path, 8.0, None, window).goal[0] == pytest.approx(2.7, abs=0.06)
+    assert not ahead(path, 8.0, None, window).final
+    assert ahead(path[:10], 8.0, None, window).final
+    assert ahead(np.add(path, (50.0, 0.0, 0.0)), 8.0, None, window).path.shape == (1, 3)
 
 
 def test_path_is_free_up_to_what_blocks_it():
@@ -175,8 +176,9 @@ def test_number_of_intervals_stays_within_bounds():
 
 @pytest.mark.parametrize("model", ["unicycle", "bicycle", "omnidirectional"])
 @pytest.mark.parametrize("form", ["minimum_time", "quadratic"])
-def test_every_constraint_row_has_its_kind(model, form):
-    problem = formulate(Shape(model, form, 4, 2, 3, 2))
+@pytest.mark.parametrize("hard", [False, True])
+def test_every_constraint_row_has_its_kind(model, form, hard):
+    problem = formulate(Shape(model, form, 4, 2, 3, 2, False, hard, hard))
     rows = problem.nlp["g"].numel()
     assert len(problem.equality) == len(problem.lower) == len(problem.upper) == rows
     assert (problem.lower[problem.equality] == 0.0).all()
@@ -184,7 +186,7 @@ def test_every_constraint_row_has_its_kind(model, form):
 
 
 def test_problem_is_compiled_once_per_shape():
-    shape, solver = Shape("unicycle", "quadratic", 3, 1, 1, 1), SolverSettings("ipopt", 10, 1e-3)
+    shape, solver = Shape("unicycle", "quadratic", 3, 1, 1, 1, False, False, False), SolverSettings("ipopt", 10, 10, 1e-3)
     assert compiled_problem(shape, solver) is compiled_problem(dataclasses.replace(shape), solver)
     assert available("ipopt")
     assert not available("no_such_solver")

@@ -5,8 +5,10 @@ import numpy as np
 import pytest
 
 from arena_core import ConfigurationError, Footprint, NoValidCommand, Pose, Tracks, Twist, VelocityLimits
+from arena_mpc.interior_point import compiled_problem
+from arena_mpc.plan import Solution
 from arena_mpc.planner import MpcPlanner
-from arena_mpc.solver import CompiledProblem, compiled_problem
+from arena_mpc.shooting import solve
 
 AHEAD = [(0.05 * k, 0.0) for k in range(50)]
 ALL = ["turtlebot3", "jackal", "robotino", "jackal_ackermann"]
@@ -106,7 +108,7 @@ def test_enclosed_robot_brakes(build, costmap, observe):
         command = build().compute_velocity(observe(ring, Pose(0.0, 0.0), AHEAD, Twist(0.0)))
     except NoValidCommand:
         return
-    assert abs(command.vx) < 0.05
+    assert abs(command.vx) < 0.25 * 0.22
 
 
 def test_robot_turns_toward_a_path_behind_it(build, costmap, view):
@@ -145,19 +147,22 @@ def test_commands_repeat_bit_for_bit(build, costmap, view, people):
     assert drive(build()) == drive(build())
 
 
+FATROP = {"name": "fatrop"}
+
+
 def test_second_planner_of_a_process_compiles_nothing(build, costmap, observe):
-    build().compute_velocity(observe(costmap(), Pose(0.0, 0.0), AHEAD))
+    build(solver=FATROP).compute_velocity(observe(costmap(), Pose(0.0, 0.0), AHEAD))
     before = compiled_problem.cache_info().misses
-    build().compute_velocity(observe(costmap(), Pose(0.0, 0.0), AHEAD))
+    build(solver=FATROP).compute_velocity(observe(costmap(), Pose(0.0, 0.0), AHEAD))
     assert compiled_problem.cache_info().misses == before
 
 
 def test_resizing_never_waits_for_a_compiler(build, costmap, observe):
-    planner = build()
+    planner = build(solver=FATROP)
     planner.compute_velocity(observe(costmap(), Pose(0.0, 0.0), AHEAD))
     before = compiled_problem.cache_info().misses
     for stages in (10, 15, 25, 30):
-        compiled_problem(planner._optimiser._shape(stages), planner._optimiser._solvers[0])
+        planner._optimiser._solvers[0].prepare(stages)
     assert compiled_problem.cache_info().misses == before
 
 
@@ -165,7 +170,7 @@ def test_failed_solver_is_answered_with_the_last_plan_then_with_the_brake(build,
     planner = build()
     planner.compute_velocity(observe(costmap(), Pose(0.0, 0.0), AHEAD, Twist(0.2)))
     expected = planner._plan.states[2, 3:]
-    monkeypatch.setattr(CompiledProblem, "solve", lambda *_: None)
+    monkeypatch.setattr("arena_mpc.solvers.solve", lambda *_: Solution(None, math.inf, 1))
     command = planner.compute_velocity(observe(costmap(), Pose(0.02, 0.0), AHEAD, Twist(0.2), stamp=0.2))
     assert (command.vx, command.wz) == pytest.approx(expected.tolist(), abs=0.02)
     with pytest.raises(NoValidCommand, match="mpc"):
@@ -173,13 +178,109 @@ def test_failed_solver_is_answered_with_the_last_plan_then_with_the_brake(build,
     assert (planner.counts.optimised, planner.counts.shifted, planner.counts.refused) == (1, 1, 1)
 
 
-def test_ipopt_answers_where_fatrop_is_missing(build, costmap, observe, monkeypatch):
-    fatrop = build().compute_velocity(observe(costmap(), Pose(0.0, 0.0), AHEAD, Twist(0.2)))
-    monkeypatch.setattr("arena_mpc.optimiser.available", lambda name: False)
-    planner = build()
-    assert [settings.name for settings in planner._optimiser._solvers] == ["ipopt"]
-    ipopt = planner.compute_velocity(observe(costmap(), Pose(0.0, 0.0), AHEAD, Twist(0.2)))
+def test_all_solvers_drive_alike_where_the_way_is_clear(build, costmap, observe, monkeypatch):
+    seen = observe(costmap(), Pose(0.0, 0.1), AHEAD, Twist(0.2))
+    fatrop = build(solver=FATROP).compute_velocity(seen)
+    shooting = build().compute_velocity(seen)
+    monkeypatch.setattr("arena_mpc.interior_point.available", lambda name: False)
+    planner = build(solver=FATROP)
+    assert [solver._settings.name for solver in planner._optimiser._solvers] == ["ipopt"]
+    ipopt = planner.compute_velocity(seen)
     assert (ipopt.vx, ipopt.wz) == pytest.approx((fatrop.vx, fatrop.wz), abs=0.01)
+    assert (ipopt.vx, ipopt.wz) == pytest.approx((shooting.vx, shooting.wz), abs=0.05)
+
+
+@pytest.mark.parametrize("most", [1, 7, 150])
+@pytest.mark.parametrize("preset", ["mpc", "mpc_quadratic"])
+def test_step_takes_no_more_iterations_than_allowed(preset, most, build, costmap, view, people, monkeypatch):
+    taken = []
+
+    def counted(*arguments):
+        found = solve(*arguments)
+        taken.append(found.iterations)
+        return found
+
+    monkeypatch.setattr("arena_mpc.solvers.solve", counted)
+    planner = build("jackal", preset, solver={"max_iterations": most, "solution_iterations": min(most, 60)})
+    window, pose = costmap((0.8, 1.0, -0.4, 0.1), cells=120), Pose(0.0, 0.0)
+    for k in range(15):
+        taken.clear()
+        tracks = people((1.6 - 0.03 * k, 0.4, -0.3, -0.2), (1.2, -0.8 + 0.05 * k, 0.0, 0.5))
+        _drive(planner, view, AHEAD, pose, 1, window, Twist(0.5), lambda _, seen=tracks: seen)
+        pose = Pose(0.03 * k, 0.0)
+        assert 0 < sum(taken) <= most
+
+
+def test_interior_point_step_takes_no_more_iterations_than_allowed(build, costmap, observe):
+    planner = build("turtlebot3", "mpc_as_released", solver={"max_iterations": 100})
+    seen = observe(costmap((0.5, 0.6, -0.1, 0.1)), Pose(0.0, 0.0), AHEAD, Twist(0.1))
+    state, optimiser = np.zeros(5), planner._optimiser
+    scene, reference = _scene(planner, seen)
+    assert optimiser.optimise(scene, reference, state, planner._plan_along(reference, state), 100).iterations <= 100
+    assert optimiser.optimise(scene, reference, state, planner._plan_along(reference, state), 99).plan is None
+
+
+def _scene(planner, seen):
+    from arena_mpc.scene import scene_of
+
+    scene = scene_of(seen, False, 0.0)
+    return scene, planner._reference(seen, scene)
+
+
+def test_every_plan_keeps_to_speeds_and_accelerations(build, costmap, observe):
+    for robot, slow in (("jackal", (4.0, 8.0)), ("robotino", (2.5, 2.5, 3.2))):
+        for iterations in (1, 3, 60):
+            planner = build(robot, solver={"max_iterations": 150, "solution_iterations": iterations})
+            planner.compute_velocity(observe(costmap((0.8, 1.0, -0.4, 0.1), cells=120), Pose(0.0, 0.0), AHEAD, Twist(0.5)))
+            velocities = planner._plan.states[:, 3:]
+            assert (np.abs(np.diff(velocities, axis=0)) <= planner._plan.step * np.array(slow) + 1e-9).all()
+            assert velocities[:, 0].max() <= 2.0 + 1e-9
+
+
+def test_carried_on_plan_needs_fewer_iterations_than_a_new_one(build, costmap, observe):
+    planner, state = build("jackal", rivalry=None), np.array((0.0, 0.0, 0.0, 0.5, 0.0))
+    seen = observe(costmap((0.8, 1.0, -0.4, 0.1), cells=120), Pose(0.0, 0.0), AHEAD, Twist(0.5))
+    planner.compute_velocity(seen)
+    scene, reference = _scene(planner, seen)
+    anew = planner._optimiser.optimise(scene, reference, state, planner._plan_along(reference, state), 150)
+    again = planner._optimiser.optimise(scene, reference, state, planner._plan, 150)
+    assert again.iterations < anew.iterations
+    assert again.cost <= anew.cost + 0.01
+
+
+def test_hard_distances_are_kept_by_every_stage(build, costmap, observe):
+    box = (0.8, 0.9, 0.05, 0.3)
+    planner = build("turtlebot3", "mpc_as_released")
+    planner.compute_velocity(observe(costmap(box), Pose(0.0, 0.0), AHEAD, Twist(0.1)))
+    gaps = [_gap(Pose(*stage[:3]), (box[0] + 0.025, box[1] - 0.025, box[2] + 0.025, box[3] - 0.025)) for stage in planner._plan.states]
+    assert min(gaps) >= 0.2 - 2e-3
+    goal = planner._plan.states[-1, :3]
+    assert goal == pytest.approx((1.5, 0.0, 0.0), abs=0.06)
+
+
+def test_released_set_holds_the_released_values(released):
+    planner = released["planner"]
+    assert released["control_period"] == 0.2
+    assert released["replan"]["period"] == 1.0
+    assert released["recoveries"]["behaviours"] == ["clear_far", "turn", "clear", "turn"]
+    assert planner["solver"] == {"name": "ipopt", "max_iterations": 500, "solution_iterations": 100, "tolerance": 1e-4}
+    limits = {name: planner["limits"][name] for name in ("vx_min", "vx_max", "wz_max", "ax_max", "alpha_max")}
+    assert limits == {"vx_min": -0.2, "vx_max": 0.4, "wz_max": 0.3, "ax_max": 0.2, "alpha_max": 0.2}
+    obstacles = {
+        name: planner["obstacles"][name] for name in ("hard", "association", "min_distance", "cutoff", "forced_inclusion", "moving")
+    }
+    assert obstacles == {
+        "hard": True, "association": "cells", "min_distance": 0.2, "cutoff": 2.5, "forced_inclusion": 0.5, "moving": 0,
+    }  # fmt: skip
+    assert (planner["look_ahead"], planner["final_state_fixed"], planner["weights"]["via_points"]) == (1.5, True, 10.5)
+    grid = {name: planner["grid"][name] for name in ("stages", "stages_min", "stages_max", "step", "outer_iterations")}
+    assert grid == {"stages": 20, "stages_min": 2, "stages_max": 50, "step": 0.3, "outer_iterations": 5}
+
+
+@pytest.mark.parametrize("change", [{"obstacles": {"hard": True}}, {"obstacles": {"association": "cells"}}, {"final_state_fixed": True}])
+def test_shooting_refuses_what_needs_an_interior_point(change, build):
+    with pytest.raises(ConfigurationError, match=r"solver\.name is shooting; allowed with .*: fatrop, ipopt"):
+        build(**change)
 
 
 @pytest.mark.parametrize("rows", [0, 1])

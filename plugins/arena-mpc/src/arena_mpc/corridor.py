@@ -84,3 +84,40 @@ def half_planes(window: Window, cells: FloatArray, centres: FloatArray, radius: 
                     kept += 1
             left = kept
     return planes
+
+
+@compiled
+def nearest_cells(
+    cells: FloatArray, centres: FloatArray, headings: FloatArray, radius: float, forced: float, cutoff: float, count: int
+) -> FloatArray:
+    """Return (Q, ``count``, 3) rows x, y, ``radius``: the ``cells`` that ``centres`` (Q, 2) have to keep ``radius`` m from.
+
+    Those within ``forced`` m, the nearest first, and within ``cutoff`` m the nearest to the left and to the right of ``headings`` (Q,)
+    (after Rösmann et al. 2021 and mpc_local_planner). Rows without a cell stand far away.
+    """
+    rows = np.zeros((len(centres), count, 3))
+    rows[:, :, :2] = -FREE
+    near = np.empty(len(cells))
+    for q in range(len(centres)):
+        nearest = np.full(2, -1)
+        ahead_x, ahead_y = math.cos(headings[q]), math.sin(headings[q])
+        for i in range(len(cells)):
+            dx, dy = cells[i, 0] - centres[q, 0], cells[i, 1] - centres[q, 1]
+            near[i] = dx * dx + dy * dy
+            side = 0 if ahead_x * dy - ahead_y * dx > 0.0 else 1
+            if near[i] < cutoff * cutoff and (nearest[side] < 0 or near[i] < near[nearest[side]]):
+                nearest[side] = i
+        filled = 0
+        for i in nearest:
+            if i >= 0 and filled < count:
+                rows[q, filled, 0], rows[q, filled, 1], rows[q, filled, 2] = cells[i, 0], cells[i, 1], radius
+                near[i] = math.inf
+                filled += 1
+        while filled < count and len(cells) > 0:
+            i = int(np.argmin(near))
+            if near[i] >= forced * forced:
+                break
+            rows[q, filled, 0], rows[q, filled, 1], rows[q, filled, 2] = cells[i, 0], cells[i, 1], radius
+            near[i] = math.inf
+            filled += 1
+    return rows

@@ -6,8 +6,8 @@ import numpy as np
 
 from arena_core import Tracks
 from arena_mpc.arrays import FloatArray
-from arena_mpc.problem import MOVER
-from arena_mpc.solver import Plan
+from arena_mpc.plan import Plan
+from arena_mpc.terms import MOVER
 
 FAR = 1e3  # m, where the obstacles stand that fill a problem up
 

@@ -18,6 +18,7 @@ from arena_core import (
 )
 
 Form = Literal["minimum_time", "quadratic"]
+Association = Literal["half_planes", "cells"]
 ModelName = Literal["unicycle", "bicycle", "omnidirectional"]
 MODELS_OF: dict[str, tuple[ModelName, ...]] = {  # the robot's own model first
     "differential": ("unicycle",),
@@ -75,6 +76,7 @@ class Weights:
     goal_heading: NonNegative
     path: NonNegative
     path_heading: NonNegative
+    via_points: NonNegative
     acceleration_linear: NonNegative
     acceleration_angular: NonNegative
     slack: NonNegative
@@ -85,8 +87,11 @@ class Weights:
 class Obstacles:
     """What plans keep away from, and how far."""
 
+    hard: bool
+    association: Association
     min_distance: NonNegative
     cutoff: Positive
+    forced_inclusion: NonNegative
     speed_distance: NonNegative
     planes: PositiveInt
     moving: NonNegativeInt
@@ -97,11 +102,17 @@ class Obstacles:
 
 @dataclass(frozen=True, slots=True)
 class SolverSettings:
-    """How the nonlinear program is solved."""
+    """How the nonlinear program is solved: in one solution, and in all those of a control step together."""
 
-    name: Literal["fatrop", "ipopt"]
+    name: Literal["shooting", "fatrop", "ipopt"]
     max_iterations: PositiveInt
+    solution_iterations: PositiveInt
     tolerance: Positive
+
+    def __post_init__(self) -> None:
+        if self.solution_iterations > self.max_iterations:
+            allowed = f"at most max_iterations {self.max_iterations}"
+            raise ConfigurationError(f"mpc: solver.solution_iterations is {self.solution_iterations}; allowed: {allowed}")
 
 
 def model_of(robot: Robot, model: ModelName | None) -> ModelName:

@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from arena_core import EpisodeStart, NonNegativeInt, NoValidCommand, Observation, Planner, Positive, Robot, Twist
+from arena_core import EpisodeStart, Fraction, NonNegativeInt, NoValidCommand, Observation, Planner, Positive, Robot, Twist
 from arena_kernels.window import clearance
 from arena_mpc.arrays import FloatArray
 from arena_mpc.footprint import covering_discs, exact_outline, free_until
@@ -21,7 +21,7 @@ from arena_mpc.parameters import Form, Grid, Limits, ModelName, Obstacles, Solve
 from arena_mpc.reference import PathProgress, Reference, ahead, cut_where_blocked
 from arena_mpc.resizing import resized
 from arena_mpc.scene import Scene, scene_of
-from arena_mpc.solver import Plan
+from arena_mpc.plan import Plan
 
 DEEPER = 0.02  # m, by which a robot that already touches may come nearer: half a cell hides that much
 
@@ -48,6 +48,9 @@ class MpcPlanner(Planner):
         discs: NonNegativeInt | None,
         look_ahead: Positive,
         reinit_distance: Positive,
+        rivalry: Fraction | None,
+        via_separation: Positive | None,
+        final_state_fixed: bool,
         limits: Limits,
         grid: Grid,
         weights: Weights,
@@ -60,7 +63,8 @@ class MpcPlanner(Planner):
         self._outline = exact_outline(robot.footprint)
         self._turn_radius = robot.wheelbase / math.tan(robot.steering_max) if self._model == "bicycle" else 0.0
         covering = covering_discs(robot.footprint, discs)
-        self._optimiser = Optimiser(self._model, form, self._drive, covering, grid, weights, obstacles, solver)
+        self._optimiser = Optimiser(self._model, form, self._drive, covering, final_state_fixed, grid, weights, obstacles, solver)
+        self._rivalry, self._via_separation, self._iterations = rivalry, via_separation, solver.max_iterations
         self._period = robot.control_period
         self._progress = PathProgress()
         self._prepared = False
@@ -86,7 +90,7 @@ class MpcPlanner(Planner):
         reference = self._reference(observation, scene)
         state = state_of(self._model, self._drive, observation.pose, observation.twist, self._steering)
         last = self._last_plan(reference, state, observation.stamp)
-        plan = self._freest_plan(scene, reference, state, last)
+        plan = self._best_plan(scene, reference, state, last)
         if plan is not None:
             self.counts.optimised += 1
             return self._driven(plan, observation.stamp)
@@ -122,7 +126,7 @@ class MpcPlanner(Planner):
     def _reference(self, observation: Observation, scene: Scene) -> Reference:
         pose = observation.pose
         rest = self._progress.pruned(observation.path.poses, np.array((pose.x, pose.y)))
-        return ahead(rest, self._look_ahead, scene.window)
+        return ahead(rest, self._look_ahead, self._via_separation, scene.window)
 
     def _last_plan(self, reference: Reference, state: FloatArray, stamp: float) -> Plan | None:
         """Return the last plan as it looks now, resized; None when there is none or the local goal has jumped."""
@@ -157,17 +161,21 @@ class MpcPlanner(Planner):
         states[0] = state
         return Plan(states, step, np.zeros(len(states)))
 
-    def _freest_plan(self, scene: Scene, reference: Reference, state: FloatArray, last: Plan | None) -> Plan | None:
-        """Return the first plan that is free to its end, else the one that is free longest, None when none is safe."""
-        best, longest = None, 0.0
+    def _best_plan(self, scene: Scene, reference: Reference, state: FloatArray, last: Plan | None) -> Plan | None:
+        """Return the cheapest plan that is free to its end, else the one that is free longest, None when none is safe."""
+        chosen, least = None, math.inf
+        freest, longest, left = None, 0.0, self._iterations
         for aim, guess in self._beginnings(scene, reference, state, last):
-            plan = self._optimiser.optimise(scene, aim, state, guess)
+            if chosen is not None and (self._rivalry is None or aim is not reference):
+                break
+            plan, cost, used = self._optimiser.optimise(scene, aim, state, guess, left)
+            left -= used
             share = 0.0 if plan is None else self._free_for(plan, scene) / plan.duration
-            if plan is not None and share >= 1.0 - 1e-9:
-                return plan
+            if plan is not None and share >= 1.0 - 1e-9 and cost < least:
+                chosen, least = plan, cost * (1.0 - (self._rivalry or 0.0))
             if plan is not None and share > longest and self._safe(plan, scene):
-                best, longest = plan, share
-        return best
+                freest, longest = plan, share
+        return freest if chosen is None else chosen
 
     def _safe(self, plan: Plan, scene: Scene) -> bool:
         """Tell whether the robot touches nothing that stands on this plan, until it could have stopped."""

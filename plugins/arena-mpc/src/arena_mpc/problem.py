@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
 
 from arena_mpc.arrays import FloatArray
-from arena_mpc.models import DYNAMICS, VELOCITIES, Symbol
-from arena_mpc.parameters import Form, ModelName, Weights
-
-WEIGHTS = tuple(field.name for field in fields(Weights))
-STAGE_HEAD = 6  # reference x, y, normal x, y, heading, whether the heading counts
-PLANE = 3  # normal x, y, offset
-MOVER = 5  # x, y, vx, vy, radius
-SMOOTH = 1e-6  # m^2, rounds the cone of a distance off at its tip
+from arena_mpc.models import VELOCITIES
+from arena_mpc.parameters import Form, ModelName
+from arena_mpc.symbols import DYNAMICS, Symbol
+from arena_mpc.terms import MOVER, PLANE, SMOOTH, STAGE_HEAD, WEIGHTS
 
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """What a problem is built for: N intervals, C discs of the footprint, K half-planes a disc and stage, M moving obstacles."""
+    """What a problem is built for: N intervals, C discs of the footprint, K obstacles a disc and stage, M moving obstacles.
+
+    ``cells``: the obstacles of a stage are cells, else half-planes; ``hard``: without slack; ``fixed_end``: it ends at the goal.
+    """
 
     model: ModelName
     form: Form
@@ -29,6 +28,14 @@ class Shape:
     circles: int
     planes: int
     movers: int
+    cells: bool
+    hard: bool
+    fixed_end: bool
+
+    @property
+    def slacks(self) -> int:
+        """Return how many slacks a stage has."""
+        return 0 if self.hard else 1
 
     @property
     def velocities(self) -> int:
@@ -85,21 +92,24 @@ def formulate(shape: Shape) -> Problem:
     state, objective = ca.SX.sym("x0", shape.states), ca.SX(0)
     for k in range(shape.stages + 1):
         last = k == shape.stages
-        control = ca.SX.sym(f"u{k}", 1 if last else shape.velocities + 1)
+        control = ca.SX.sym(f"u{k}", shape.slacks + (0 if last else shape.velocities))
+        slack = ca.SX(0) if shape.hard else control[-1]
         variables += [state, control]
         step = state[-1] if shape.form == "minimum_time" else head.step
         if not last:
             following = ca.SX.sym(f"x{k + 1}", shape.states)
             constraints.equal(following - _followed(shape, state, control, step, head))
             objective += _interval_cost(shape, state, control, step, head)
-        objective += _weight(head, "slack") * control[-1] + _weight(head, "slack_squared") * control[-1] ** 2
+        objective += _weight(head, "slack") * slack + _weight(head, "slack_squared") * slack**2
         if k == 0:
             constraints.equal(state[: shape.pose_and_velocities] - head.initial)
         else:
-            constraints.at_least_zero(_distances(shape, state, rows[k], head, k * step) + control[-1])
+            constraints.at_least_zero(_distances(shape, state, rows[k], head, k * step) + slack)
             objective += _stage_cost(shape, state, rows[k], head)
         if shape.model == "bicycle" and k > 0:
             constraints.within_one(state[3] * ca.tan(state[4]) / head.wheelbase)
+        if last and shape.fixed_end:
+            constraints.equal(state[:3] - head.goal)
         if not last:
             state = following
     objective += _terminal_cost(state, head)
@@ -172,6 +182,7 @@ def _stage_cost(shape: Shape, state: Symbol, row: Symbol, head: Head) -> Symbol:
     aside = (state[0] - row[0]) * row[2] + (state[1] - row[1]) * row[3]
     turned = row[5] * angle_error(state[2], row[4])
     cost = head.step * (_weight(head, "path") * aside**2 + _weight(head, "path_heading") * turned)
+    cost += row[8] * _weight(head, "via_points") * ca.sumsqr(state[:2] - row[6:8])
     if shape.form == "minimum_time":
         return cost
     away = ca.sumsqr(state[:2] - head.goal[:2])
@@ -206,9 +217,16 @@ def _distances(shape: Shape, state: Symbol, row: Symbol, head: Head, time: Symbo
         ahead, left = head.circles_xy[2 * i], head.circles_xy[2 * i + 1]
         x, y = state[0] + c * ahead - s * left, state[1] + s * ahead + c * left
         own = range(i * shape.planes, (i + 1) * shape.planes)
-        distances += [planes[0, j] * x + planes[1, j] * y - planes[2, j] for j in own]
+        distances += [_distance(shape, planes[:, j], x, y) for j in own]
         for m in range(shape.movers):
             dx, dy = x - movers[0, m] - time * movers[2, m], y - movers[1, m] - time * movers[3, m]
             distances.append(ca.sqrt(dx**2 + dy**2 + SMOOTH) - movers[4, m] - time * head.growth)
     speed = ca.sqrt(ca.sumsqr(state[3 : 2 + shape.velocities]) + SMOOTH)
     return ca.vertcat(*distances) - head.speed_distance * speed
+
+
+def _distance(shape: Shape, obstacle: Symbol, x: Symbol, y: Symbol) -> Symbol:
+    """Return how far (x, y) is inside a half-plane, or from a cell beyond the distance to keep from it."""
+    if shape.cells:
+        return ca.sqrt((x - obstacle[0]) ** 2 + (y - obstacle[1]) ** 2 + SMOOTH) - obstacle[2]
+    return obstacle[0] * x + obstacle[1] * y - obstacle[2]

@@ -17,10 +17,14 @@ SEARCH = 3.0  # m, how far along its path the robot may have come since it was l
 
 
 class Reference(NamedTuple):
-    """The part of the path ahead: ``path`` (M, 3) from beside the robot to the local goal; ``final`` when that is the path's end."""
+    """The part of the path ahead: ``path`` (M, 3) from beside the robot to the local goal; ``final`` when that is the path's end.
+
+    ``via_points`` (V, 2): points of it that plans are drawn to.
+    """
 
     path: FloatArray
     final: bool
+    via_points: FloatArray
 
     @property
     def goal(self) -> FloatArray:
@@ -51,8 +55,11 @@ class PathProgress:
         return path[self._place :]
 
 
-def ahead(rest: FloatArray, look_ahead: float, window: Window) -> Reference:
-    """Cut the rest of a path (M, 3) at ``look_ahead`` m or where it leaves the window; headings become those of its pieces."""
+def ahead(rest: FloatArray, look_ahead: float, via_separation: float | None, window: Window) -> Reference:
+    """Cut the rest of a path (M, 3) at ``look_ahead`` m or where it leaves the window; headings become those of its pieces.
+
+    Every ``via_separation`` m of it is a via point; None: there are none.
+    """
     steps = np.hypot(*np.diff(rest[:, :2], axis=0).T)
     along = np.concatenate(((0.0,), np.cumsum(steps)))
     count = int(np.searchsorted(along, look_ahead + 1e-9))
@@ -65,13 +72,21 @@ def ahead(rest: FloatArray, look_ahead: float, window: Window) -> Reference:
         pieces = np.diff(path[:, :2], axis=0)
         headings = np.arctan2(pieces[:, 1], pieces[:, 0])
         path[:, 2] = np.append(headings, headings[-1])
-    return Reference(path, count == len(rest))
+    return Reference(path, count == len(rest), _via_points(path, along[:count], via_separation))
+
+
+def _via_points(path: FloatArray, along: FloatArray, separation: float | None) -> FloatArray:
+    """Return the poses that come next after each ``separation`` m of the path, (V, 2), its ends left out."""
+    if separation is None:
+        return np.empty((0, 2))
+    places = np.searchsorted(along, np.arange(separation, along[-1], separation))
+    return path[places[places < len(path) - 1], :2]
 
 
 def cut_where_blocked(reference: Reference, window: Window, radius: float) -> Reference:
     """Cut a reference before the first pose at which a disc of ``radius`` m would touch something."""
     count = free_poses(window, reference.path, radius)
-    return reference if count == len(reference.path) else Reference(reference.path[: max(count, 1)], False)
+    return reference if count == len(reference.path) else reference._replace(path=reference.path[: max(count, 1)], final=False)
 
 
 @borrowing
@@ -113,3 +128,18 @@ def beside(path: FloatArray, positions: FloatArray) -> FloatArray:
                 found[k, 4] = math.atan2(dy, dx)
                 found[k, 2], found[k, 3] = -math.sin(found[k, 4]), math.cos(found[k, 4])
     return found
+
+
+@compiled
+def nearest_stages(via_points: FloatArray, positions: FloatArray) -> FloatArray:
+    """Return (N + 1, 3) x, y and 1 for each stage that is the nearest to a via point, zeros for all others; the first one is the robot."""
+    rows = np.zeros((len(positions), 3))
+    for v in range(len(via_points)):
+        best, nearest = math.inf, 0
+        for k in range(1, len(positions)):
+            away = (positions[k, 0] - via_points[v, 0]) ** 2 + (positions[k, 1] - via_points[v, 1]) ** 2
+            if away < best:
+                best, nearest = away, k
+        if nearest > 0:
+            rows[nearest, 0], rows[nearest, 1], rows[nearest, 2] = via_points[v, 0], via_points[v, 1], 1.0
+    return rows

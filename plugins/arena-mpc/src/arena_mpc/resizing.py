@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from arena_mpc.parameters import Grid
-from arena_mpc.solver import Plan
+from arena_mpc.plan import Plan
 
 
 def resized(plan: Plan, grid: Grid) -> tuple[int, float]:

@@ -1,0 +1,202 @@
+"""The backward pass: a linear-quadratic problem along the plan, solved stage by stage with the velocities' limits held exactly.
+
+After Tassa, Mansard and Todorov, Control-limited differential dynamic programming, 2014; the limits depend on the state before.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from arena_kernels.compiled import borrowing, inner
+from arena_mpc.arrays import FloatArray
+from arena_mpc.motion import differentiate
+from arena_mpc.plan import Room
+from arena_mpc.terms import Slopes, Terms, differentiate_interval, differentiate_stage
+
+SWEEPS = 12  # of coordinate descent over two or three velocities, to find which are at a limit
+
+
+class Pass(NamedTuple):
+    """What a backward pass finds: ``offsets`` (N, U) and ``gains`` (N, U, S) of the velocities; and its scratch."""
+
+    offsets: FloatArray
+    gains: FloatArray
+    by_state: FloatArray
+    by_control: FloatArray
+    value: FloatArray
+    curvature: FloatArray
+    product: FloatArray
+    q_state: FloatArray
+    q_control: FloatArray
+    q_state_state: FloatArray
+    q_control_control: FloatArray
+    q_control_state: FloatArray
+    low: FloatArray
+    high: FloatArray
+    held: FloatArray
+
+
+def make_pass(stages: int, states: int, controls: int) -> Pass:
+    """Return room for a backward pass."""
+    s, u = states, controls
+    sizes = ((stages, u), (stages, u, s), (s, s), (s, u), s, (s, s), (s, s), s, u, (s, s), (u, u), (u, s), u, u, u)
+    return Pass(*(np.zeros(size) for size in sizes))
+
+
+@inner
+def limits(room: Room, state: FloatArray, low: FloatArray, high: FloatArray) -> None:
+    """Write the least and greatest velocities that can be had one interval after ``state`` to ``low`` and ``high`` (U,)."""
+    h = state[-1]
+    for i in range(len(low)):
+        low[i] = max(room.low[i], state[3 + i] - h * room.most[i])
+        high[i] = max(min(room.high[i], state[3 + i] + h * room.most[i]), low[i])
+
+
+@borrowing
+def backward(terms: Terms, room: Room, states: FloatArray, controls: FloatArray, damping: float, slopes: Slopes, found: Pass) -> float:
+    """Fill ``found`` for the plan of ``states`` (N + 1, S) and ``controls`` (N, U); return the change of the intervals' length, s."""
+    found.value[:] = 0.0
+    found.curvature[:] = 0.0
+    for k in range(len(controls) - 1, -1, -1):
+        _clear(slopes)
+        differentiate_stage(terms, k + 1, states[k + 1], slopes)
+        for i in range(len(found.value)):
+            found.value[i] += slopes.state[i]
+            for j in range(len(found.value)):
+                found.curvature[i, j] += slopes.state_state[i, j]
+        _clear(slopes)
+        differentiate_interval(terms, states[k], controls[k], slopes)
+        differentiate(terms.model, terms.wheelbase, states[k], controls[k], found.by_state, found.by_control)
+        _expand(slopes, found)
+        _choose(room, states[k], controls[k], damping, found.offsets[k], found.gains[k], found)
+        _pass_on(found.offsets[k], found.gains[k], found)
+    if not terms.timed:
+        return 0.0
+    h, last = states[0, -1], len(found.value) - 1
+    change = -found.value[last] / (found.curvature[last, last] + damping + 1e-9)
+    return min(max(change, room.step_low - h), room.step_high - h)
+
+
+@inner
+def _clear(slopes: Slopes) -> None:
+    slopes.state[:] = 0.0
+    slopes.control[:] = 0.0
+    slopes.state_state[:] = 0.0
+    slopes.control_control[:] = 0.0
+    slopes.control_state[:] = 0.0
+
+
+@inner
+def _expand(slopes: Slopes, found: Pass) -> None:
+    """Write the quadratic model of an interval's cost and of all that follows, by state and control."""
+    states, controls = len(found.value), len(found.q_control)
+    a, b = found.by_state, found.by_control
+    for i in range(states):
+        found.q_state[i] = slopes.state[i]
+        for j in range(states):
+            found.q_state[i] += a[j, i] * found.value[j]
+            found.product[i, j] = 0.0
+            for m in range(states):
+                found.product[i, j] += found.curvature[i, m] * a[m, j]
+    for i in range(states):
+        for j in range(states):
+            total = slopes.state_state[i, j]
+            for m in range(states):
+                total += a[m, i] * found.product[m, j]
+            found.q_state_state[i, j] = total
+    for i in range(controls):
+        found.q_control[i] = slopes.control[i]
+        for m in range(states):
+            found.q_control[i] += b[m, i] * found.value[m]
+        for j in range(states):
+            total = slopes.control_state[i, j]
+            for m in range(states):
+                total += b[m, i] * found.product[m, j]
+            found.q_control_state[i, j] = total
+        for j in range(controls):
+            total = slopes.control_control[i, j]
+            for m in range(states):
+                for n in range(states):
+                    total += b[m, i] * found.curvature[m, n] * b[n, j]
+            found.q_control_control[i, j] = total
+
+
+@inner
+def _choose(room: Room, state: FloatArray, control: FloatArray, damping: float, offset: FloatArray, gain: FloatArray, found: Pass) -> None:
+    """Write the best change of the velocities within their limits to ``offset`` (U,), and how it follows the state to ``gain`` (U, S)."""
+    limits(room, state, found.low, found.high)
+    q, count = found.q_control_control, len(control)
+    for i in range(count):
+        q[i, i] += damping
+        offset[i] = 0.0
+    for _ in range(SWEEPS):
+        for i in range(count):
+            slope = found.q_control[i]
+            for j in range(count):
+                if j != i:
+                    slope += q[i, j] * offset[j]
+            offset[i] = min(max(-slope / q[i, i], found.low[i] - control[i]), found.high[i] - control[i])
+    for i in range(count):
+        slope = found.q_control[i]
+        for j in range(count):
+            slope += q[i, j] * offset[j]
+        at_low = offset[i] <= found.low[i] - control[i] and slope > 0.0
+        at_high = offset[i] >= found.high[i] - control[i] and slope < 0.0
+        found.held[i] = -1.0 if at_low else 1.0 if at_high else 0.0
+    _follow_limits(room, found, gain)
+    _follow_freely(found, gain)
+    for i in range(count):
+        q[i, i] -= damping
+
+
+@inner
+def _follow_limits(room: Room, found: Pass, gain: FloatArray) -> None:
+    """Write the gains of velocities at a limit: none at the greatest speed, the limit's own where acceleration is what limits."""
+    gain[:] = 0.0
+    for i in range(len(gain)):
+        if found.held[i] < 0.0 and found.low[i] > room.low[i]:
+            gain[i, 3 + i], gain[i, -1] = 1.0, -room.most[i]
+        if found.held[i] > 0.0 and found.high[i] < room.high[i]:
+            gain[i, 3 + i], gain[i, -1] = 1.0, room.most[i]
+
+
+@inner
+def _follow_freely(found: Pass, gain: FloatArray) -> None:
+    """Write the gains of the velocities that are at no limit, by Gauss-Seidel sweeps over at most three of them."""
+    q, count = found.q_control_control, len(gain)
+    for column in range(gain.shape[1]):
+        for _ in range(SWEEPS):
+            for i in range(count):
+                if found.held[i] != 0.0:
+                    continue
+                total = found.q_control_state[i, column]
+                for j in range(count):
+                    if j != i:
+                        total += q[i, j] * gain[j, column]
+                gain[i, column] = -total / q[i, i]
+
+
+@inner
+def _pass_on(offset: FloatArray, gain: FloatArray, found: Pass) -> None:
+    """Write value and curvature of what follows the stage's beginning, with the velocities as chosen."""
+    states, controls = len(found.value), len(offset)
+    for i in range(states):
+        total = found.q_state[i]
+        for c in range(controls):
+            inside = found.q_control[c]
+            for d in range(controls):
+                inside += found.q_control_control[c, d] * offset[d]
+            total += gain[c, i] * inside + found.q_control_state[c, i] * offset[c]
+        found.value[i] = total
+    for i in range(states):
+        for j in range(i + 1):
+            total = found.q_state_state[i, j]
+            for c in range(controls):
+                inside = found.q_control_state[c, j]
+                for d in range(controls):
+                    inside += found.q_control_control[c, d] * gain[d, j]
+                total += gain[c, i] * inside + found.q_control_state[c, i] * gain[c, j]
+            found.curvature[i, j] = total
+            found.curvature[j, i] = total

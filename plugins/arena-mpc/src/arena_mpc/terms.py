@@ -1,0 +1,253 @@
+"""The terms of the objective in numbers, with gradients and Gauss-Newton curvatures: what an interval costs, and what a stage does.
+
+The slack of a stage is eliminated: it is the greatest shortfall of any distance, rounded off so that it has a derivative.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import fields
+from typing import NamedTuple
+
+import numpy as np
+
+from arena_kernels.compiled import inner
+from arena_mpc.arrays import FloatArray
+from arena_mpc.parameters import Weights
+
+WEIGHTS = tuple(field.name for field in fields(Weights))
+STAGE_HEAD = 9  # reference x, y, normal x, y, heading, whether the heading counts, via point x, y, whether there is one
+PLANE = 3  # normal x, y, offset, or a cell's x, y and the distance to keep from it
+MOVER = 5  # x, y, vx, vy, radius
+SMOOTH = 1e-6  # m^2, rounds the cone of a distance off at its tip
+ROUNDING = 0.02  # m, within which the greatest shortfall is rounded off: less than half a usual cell
+FAR_OFF = 12.0  # shortfalls below -FAR_OFF * ROUNDING weigh nothing
+TIME, STATE_POSITION, STATE_HEADING = WEIGHTS.index("time"), WEIGHTS.index("state_position"), WEIGHTS.index("state_heading")
+CONTROL_LINEAR, CONTROL_ANGULAR = WEIGHTS.index("control_linear"), WEIGHTS.index("control_angular")
+GOAL_POSITION, GOAL_HEADING = WEIGHTS.index("goal_position"), WEIGHTS.index("goal_heading")
+PATH, PATH_HEADING, VIA_POINTS = WEIGHTS.index("path"), WEIGHTS.index("path_heading"), WEIGHTS.index("via_points")
+LINEAR, ANGULAR = WEIGHTS.index("acceleration_linear"), WEIGHTS.index("acceleration_angular")
+SLACK, SLACK_SQUARED = WEIGHTS.index("slack"), WEIGHTS.index("slack_squared")
+
+
+class Terms(NamedTuple):
+    """The numbers of one problem: N intervals, C discs of the footprint, M moving obstacles.
+
+    ``goal`` (3,) counts with its heading if ``goal_heading`` is 1; ``weights`` in the order of WEIGHTS; ``discs_xy`` (C, 2) m;
+    ``movers`` (M, MOVER); ``rows`` (N + 1, STAGE_HEAD + PLANE for each disc and half-plane); ``step`` is the wanted one, s.
+    """
+
+    model: int
+    timed: bool
+    wheelbase: float
+    step: float
+    growth: float
+    speed_distance: float
+    goal_heading: float
+    goal: FloatArray
+    weights: FloatArray
+    discs_xy: FloatArray
+    movers: FloatArray
+    rows: FloatArray
+
+
+class Slopes(NamedTuple):
+    """Where a stage's derivatives are gathered: of the cost by state and control, and of every distance (D,) by state (D, S)."""
+
+    state: FloatArray
+    control: FloatArray
+    state_state: FloatArray
+    control_control: FloatArray
+    control_state: FloatArray
+    gaps: FloatArray
+    gap_state: FloatArray
+    mean: FloatArray
+
+
+def make_slopes(terms: Terms, states: int, controls: int) -> Slopes:
+    """Return room for the derivatives of one stage."""
+    planes = (terms.rows.shape[1] - STAGE_HEAD) // PLANE
+    distances = planes + len(terms.discs_xy) * len(terms.movers)
+    sizes = (states, controls, (states, states), (controls, controls), (controls, states), distances, (distances, states), states)
+    return Slopes(*(np.zeros(size) for size in sizes))
+
+
+@inner
+def interval_cost(terms: Terms, state: FloatArray, control: FloatArray) -> float:
+    """Return what the interval that begins at ``state`` (S,) costs with velocities ``control`` (U,): its time, and the accelerations."""
+    h, last = state[-1], len(control) - 1
+    linear = 0.0
+    for i in range(last):
+        linear += ((control[i] - state[3 + i]) / h) ** 2
+    angular = ((control[last] - state[3 + last]) / h) ** 2
+    cost = terms.step * (terms.weights[LINEAR] * linear + terms.weights[ANGULAR] * angular)
+    return cost + terms.weights[TIME] * h if terms.timed else cost
+
+
+@inner
+def differentiate_interval(terms: Terms, state: FloatArray, control: FloatArray, slopes: Slopes) -> None:
+    """Add the derivatives of an interval's cost."""
+    h, count, end = state[-1], len(control), len(state) - 1
+    if terms.timed:
+        slopes.state[end] += terms.weights[TIME]
+    for i in range(count):
+        weight = 2.0 * terms.step * terms.weights[ANGULAR if i == count - 1 else LINEAR]
+        acceleration = (control[i] - state[3 + i]) / h
+        by_v, by_w, by_h = -1.0 / h, 1.0 / h, -acceleration / h
+        slopes.control[i] += weight * acceleration * by_w
+        slopes.state[3 + i] += weight * acceleration * by_v
+        slopes.state[end] += weight * acceleration * by_h
+        slopes.control_control[i, i] += weight * by_w * by_w
+        slopes.control_state[i, 3 + i] += weight * by_w * by_v
+        slopes.control_state[i, end] += weight * by_w * by_h
+        slopes.state_state[3 + i, 3 + i] += weight * by_v * by_v
+        slopes.state_state[3 + i, end] += weight * by_v * by_h
+        slopes.state_state[end, 3 + i] += weight * by_v * by_h
+        slopes.state_state[end, end] += weight * by_h * by_h
+
+
+@inner
+def stage_cost(terms: Terms, k: int, state: FloatArray, slopes: Slopes) -> float:
+    """Return what it costs to be at ``state`` (S,) at stage ``k`` > 0; the last stage is the plan's end."""
+    weights, row, goal = terms.weights, terms.rows[k], terms.goal
+    aside = (state[0] - row[0]) * row[2] + (state[1] - row[1]) * row[3]
+    cost = terms.step * (weights[PATH] * aside * aside + weights[PATH_HEADING] * row[5] * _chord(state[2] - row[4]))
+    cost += row[8] * weights[VIA_POINTS] * ((state[0] - row[6]) ** 2 + (state[1] - row[7]) ** 2)
+    away, turned = (state[0] - goal[0]) ** 2 + (state[1] - goal[1]) ** 2, terms.goal_heading * _chord(state[2] - goal[2])
+    if not terms.timed:
+        cost += weights[STATE_POSITION] * away + weights[STATE_HEADING] * turned
+        for i in range(3, len(state) - 1):
+            cost += weights[CONTROL_ANGULAR if i == len(state) - 2 else CONTROL_LINEAR] * state[i] * state[i]
+    if k == len(terms.rows) - 1:
+        cost += weights[GOAL_POSITION] * away + weights[GOAL_HEADING] * turned
+    distances(terms, k, state, slopes, False)
+    slack = _shortfall(slopes.gaps)
+    return cost + weights[SLACK] * slack + weights[SLACK_SQUARED] * slack * slack
+
+
+@inner
+def differentiate_stage(terms: Terms, k: int, state: FloatArray, slopes: Slopes) -> None:
+    """Add the derivatives of a stage's cost."""
+    weights, row, goal = terms.weights, terms.rows[k], terms.goal
+    _add_square(slopes, row[2], row[3], (state[0] - row[0]) * row[2] + (state[1] - row[1]) * row[3], terms.step * weights[PATH])
+    _add_square(slopes, 1.0, 0.0, state[0] - row[6], row[8] * weights[VIA_POINTS])
+    _add_square(slopes, 0.0, 1.0, state[1] - row[7], row[8] * weights[VIA_POINTS])
+    _add_chord(slopes, state[2] - row[4], terms.step * weights[PATH_HEADING] * row[5])
+    position, heading = 0.0, 0.0
+    if not terms.timed:
+        position, heading = weights[STATE_POSITION], weights[STATE_HEADING]
+        for i in range(3, len(state) - 1):
+            weight = 2.0 * weights[CONTROL_ANGULAR if i == len(state) - 2 else CONTROL_LINEAR]
+            slopes.state[i] += weight * state[i]
+            slopes.state_state[i, i] += weight
+    if k == len(terms.rows) - 1:
+        position, heading = position + weights[GOAL_POSITION], heading + weights[GOAL_HEADING]
+    _add_square(slopes, 1.0, 0.0, state[0] - goal[0], position)
+    _add_square(slopes, 0.0, 1.0, state[1] - goal[1], position)
+    _add_chord(slopes, state[2] - goal[2], terms.goal_heading * heading)
+    distances(terms, k, state, slopes, True)
+    _add_slack(slopes, weights[SLACK], weights[SLACK_SQUARED])
+
+
+@inner
+def _chord(angle: float) -> float:
+    return 2.0 * (1.0 - math.cos(angle))
+
+
+@inner
+def _add_chord(slopes: Slopes, angle: float, weight: float) -> None:
+    slopes.state[2] += 2.0 * weight * math.sin(angle)
+    slopes.state_state[2, 2] += 2.0 * weight * max(math.cos(angle), 0.0)
+
+
+@inner
+def _add_square(slopes: Slopes, nx: float, ny: float, residual: float, weight: float) -> None:
+    slopes.state[0] += 2.0 * weight * residual * nx
+    slopes.state[1] += 2.0 * weight * residual * ny
+    slopes.state_state[0, 0] += 2.0 * weight * nx * nx
+    slopes.state_state[0, 1] += 2.0 * weight * nx * ny
+    slopes.state_state[1, 0] += 2.0 * weight * nx * ny
+    slopes.state_state[1, 1] += 2.0 * weight * ny * ny
+
+
+@inner
+def distances(terms: Terms, k: int, state: FloatArray, slopes: Slopes, derived: bool) -> None:
+    """Write how far each disc is from its half-planes and from each moving obstacle, less what speed asks for; if asked, derived."""
+    c, s, time = math.cos(state[2]), math.sin(state[2]), k * state[-1]
+    planes = (terms.rows.shape[1] - STAGE_HEAD) // (PLANE * len(terms.discs_xy))
+    speed_squared = SMOOTH
+    for i in range(3, len(state) - 2):
+        speed_squared += state[i] * state[i]
+    speed = math.sqrt(speed_squared)
+    found = 0
+    for d in range(len(terms.discs_xy)):
+        ox, oy = c * terms.discs_xy[d, 0] - s * terms.discs_xy[d, 1], s * terms.discs_xy[d, 0] + c * terms.discs_xy[d, 1]
+        x, y = state[0] + ox, state[1] + oy
+        for j in range(planes):
+            at = STAGE_HEAD + PLANE * (d * planes + j)
+            nx, ny = terms.rows[k, at], terms.rows[k, at + 1]
+            slopes.gaps[found] = nx * x + ny * y - terms.rows[k, at + 2] - terms.speed_distance * speed
+            if derived:
+                _derive_gap(slopes, found, terms.speed_distance / speed, state, nx, ny, ox, oy, 0.0)
+            found += 1
+        for m in range(len(terms.movers)):
+            mx, my, vx, vy, radius = terms.movers[m, 0], terms.movers[m, 1], terms.movers[m, 2], terms.movers[m, 3], terms.movers[m, 4]
+            dx, dy = x - mx - time * vx, y - my - time * vy
+            away = math.sqrt(dx * dx + dy * dy + SMOOTH)
+            slopes.gaps[found] = away - radius - time * terms.growth - terms.speed_distance * speed
+            if derived:
+                by_step = -k * ((dx * vx + dy * vy) / away + terms.growth)
+                _derive_gap(slopes, found, terms.speed_distance / speed, state, dx / away, dy / away, ox, oy, by_step)
+            found += 1
+
+
+@inner
+def _derive_gap(
+    slopes: Slopes, i: int, share: float, state: FloatArray, nx: float, ny: float, ox: float, oy: float, by_step: float
+) -> None:
+    """Write the derivative of distance ``i`` along (nx, ny) of a disc at (ox, oy) from the robot."""
+    row = slopes.gap_state[i]
+    row[0], row[1], row[2] = nx, ny, ny * ox - nx * oy
+    row[3:-1] = 0.0
+    for j in range(3, len(state) - 2):
+        row[j] = -share * state[j]
+    row[-1] = by_step
+
+
+@inner
+def _shortfall(gaps: FloatArray) -> float:
+    """Return the greatest shortfall of any distance, or none, rounded off: the logarithm of a sum of exponentials."""
+    worst = -FAR_OFF
+    for i in range(len(gaps)):
+        worst = max(worst, -gaps[i] / ROUNDING)
+    if worst <= -FAR_OFF:
+        return 0.0
+    top = max(worst, 0.0)
+    total = math.exp(-top)
+    for i in range(len(gaps)):
+        total += math.exp(-gaps[i] / ROUNDING - top)
+    return ROUNDING * (top + math.log(total))
+
+
+@inner
+def _add_slack(slopes: Slopes, weight: float, weight_squared: float) -> None:
+    """Add the derivatives of the price of the slack; its curvature is that of a convex function of the distances, taken as linear."""
+    gaps, rows, mean = slopes.gaps, slopes.gap_state, slopes.mean
+    slack = _shortfall(gaps)
+    if slack == 0.0:
+        return
+    price, bend = weight + 2.0 * weight_squared * slack, 2.0 * weight_squared
+    mean[:] = 0.0
+    for i in range(len(gaps)):
+        share = math.exp((-gaps[i] - slack) / ROUNDING)
+        if share < 1e-6:
+            continue
+        for a in range(len(mean)):
+            mean[a] += share * rows[i, a]
+            scaled = price * share / ROUNDING * rows[i, a]
+            for b in range(len(mean)):
+                slopes.state_state[a, b] += scaled * rows[i, b]
+    for a in range(len(mean)):
+        slopes.state[a] -= price * mean[a]
+        for b in range(len(mean)):
+            slopes.state_state[a, b] += (bend - price / ROUNDING) * mean[a] * mean[b]
