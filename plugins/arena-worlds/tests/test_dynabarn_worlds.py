@@ -94,7 +94,8 @@ def test_published_world_is_read_with_its_walls_and_the_motions_of_its_plugins(p
     assert world.name == "dynabarn/world_7"
     assert not world.known
     assert mover.radius == 0.5
-    assert mover.stamps is not None and mover.stamps.tolist() == [0.0, 4.5, 9.25]
+    assert mover.stamps is not None
+    assert mover.stamps.tolist() == [0.0, 4.5, 9.25]
     assert mover.waypoints_xy.tolist() == [[-10.0, 3.0], [-7.78, 2.1], [10.0, -4.0]]
     walls = world.grid.cells([(-10.0, 0.0), (-9.8, 9.0), (0.0, 10.0), (9.9, 9.8), (-0.225, 0.075), (10.0, 0.0), (-9.7, 0.0)])
     assert world.grid.occupied[walls[:, 0], walls[:, 1]].tolist() == [True, True, True, True, False, False, False]
@@ -163,7 +164,8 @@ def test_thirty_worlds_are_drawn_whatever_the_seed_and_another_set_differs(drawn
 
 
 def _alike(one: PedestrianSpec, other: PedestrianSpec) -> bool:
-    assert one.stamps is not None and other.stamps is not None
+    assert one.stamps is not None
+    assert other.stamps is not None
     return one.id == other.id and np.array_equal(one.stamps, other.stamps) and np.array_equal(one.waypoints_xy, other.waypoints_xy)
 
 
@@ -175,7 +177,8 @@ def test_number_and_speed_of_obstacles_are_those_of_their_level(drawn: list[Worl
             assert mover.stamps is not None
             pieces = np.hypot(*np.diff(mover.waypoints_xy, axis=0).T)
             speeds = pieces / np.diff(mover.stamps)
-            assert level["speed_min"] - 0.03 <= speeds.min() and speeds.max() <= level["speed_max"] + 0.03  # stamps are rounded
+            assert level["speed_min"] - 0.03 <= speeds.min()
+            assert speeds.max() <= level["speed_max"] + 0.03
             assert speeds.std() <= 2.5 * level["std_max"]
 
 
