@@ -10,7 +10,7 @@ import pytest
 from arena_core import ABSENT, PedestrianSpec
 from arena_core.testing import component
 
-KEYS = np.array(((0.0, 0.0), (2.0, 0.0), (3.0, 3.0)))
+KEYS = np.array(((5.0, 5.0), (7.0, 5.0), (8.0, 8.0)))
 STAMPS = np.array((0.0, 2.0, 3.0))
 
 
@@ -43,8 +43,8 @@ def test_key_places_are_reached_at_their_stamps(stage):
 def test_between_key_places_it_follows_gazebos_spline(stage):
     positions, _ = walked(crowd("start_time=0.0"), [stage.scenario(stage.hall(20, 20), [mover()])], stage, 2.5)
     # tangents: half the way to the neighbour at an end, (1, 0), half that from neighbour to neighbour between, (1.5, 1.5)
-    assert positions[20, 0, 0] == pytest.approx((1.0 + (1.0 - 1.5) / 8.0, 0.0 - 1.5 / 8.0))
-    assert positions[50, 0, 0] == pytest.approx((2.5 + (1.5 - 0.5) / 8.0, 1.5 + (1.5 - 1.5) / 8.0))
+    assert positions[20, 0, 0] == pytest.approx((6.0 + (1.0 - 1.5) / 8.0, 5.0 - 1.5 / 8.0))
+    assert positions[50, 0, 0] == pytest.approx((7.5 + (1.5 - 0.5) / 8.0, 6.5))
 
 
 def test_it_is_absent_for_a_step_before_it_begins_anew(stage):
@@ -56,7 +56,7 @@ def test_it_is_absent_for_a_step_before_it_begins_anew(stage):
 
 
 def test_round_that_ends_where_it_began_has_no_gap(stage):
-    keys = np.array(((0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 0.0)))
+    keys = np.array(((5.0, 5.0), (7.0, 5.0), (7.0, 7.0), (5.0, 5.0)))
     walk = mover(keys=keys, stamps=np.array((0.0, 1.0, 2.0, 3.5)))
     positions, states = walked(crowd("start_time=0.0"), [stage.scenario(stage.hall(20, 20), [walk])], stage, 8.0)
     assert (states != ABSENT).all()
@@ -82,9 +82,19 @@ def test_world_among_others_is_what_it_is_alone(stage):
 
 
 def test_who_has_no_timetable_walks_its_waypoints_straight_at_its_speed(stage):
-    person = PedestrianSpec(0, np.array((0.0, 0.0)), np.array(((3.0, 0.0), (3.0, 4.0))), 1.0, 0.3)
+    person = PedestrianSpec(0, np.array((5.0, 5.0)), np.array(((8.0, 5.0), (8.0, 9.0))), 1.0, 0.3)
     positions, states = walked(crowd(), [stage.scenario(stage.hall(20, 20), [person])], stage, 12.5)
-    assert positions[20, 0, 0] == pytest.approx((1.0, 0.0))
-    assert positions[100, 0, 0] == pytest.approx((3.0, 2.0))
-    assert positions[250, 0, 0] == pytest.approx((0.5, 0.0), abs=0.01)
+    assert positions[20, 0, 0] == pytest.approx((6.0, 5.0))
+    assert positions[100, 0, 0] == pytest.approx((8.0, 7.0))
+    assert positions[250, 0, 0] == pytest.approx((5.5, 5.0), abs=0.01)
     assert (states != ABSENT).all()
+
+
+def test_body_comes_out_of_a_wall_and_goes_into_the_other(stage):
+    keys = np.array(((0.0, 5.0), (10.0, 5.0), (20.0, 5.0)))
+    walk = mover(keys=keys, stamps=np.array((0.0, 10.0, 20.0)))
+    positions, states = walked(crowd("start_time=0.0"), [stage.scenario(stage.hall(20, 20), [walk])], stage, 19.9)
+    there = np.flatnonzero(states[:, 0, 0] != ABSENT)
+    assert states[0, 0, 0] == ABSENT
+    assert (np.diff(there) == 1).all()
+    assert positions[there[[0, -1]], 0, 0, 0] == pytest.approx((0.55, 19.45), abs=0.08)  # half a metre of its own, a cell of the wall

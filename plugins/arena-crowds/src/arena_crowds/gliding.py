@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import PedestrianSpec
+from arena_core import OccupancyGrid, PedestrianSpec
 from arena_kernels.compiled import compiled
+from arena_kernels.distance import grid_distance
+from arena_kernels.ground import Ground, clearance
 
 Floats = NDArray[np.float64]
 
@@ -56,6 +59,24 @@ def glide(tables: Timetables, elapsed: float, dt: float) -> tuple[Floats, Floats
     positions, velocities = np.empty((people, 2)), np.empty((people, 2))
     _glide(*tables, elapsed, dt, positions, velocities)
     return positions, velocities
+
+
+def hide(ground: Ground, radii: Floats, positions: Floats, velocities: Floats) -> None:
+    """Set positions and velocities (P, 2) to NaN where bodies of ``radii`` (P,) m would reach into walls: they come out of them."""
+    _hide(ground, radii, positions, velocities)
+
+
+def ground_under(grid: OccupancyGrid) -> Ground:
+    """Return a map's distance field with its place; meant for ``grid.derive(ground_under)``."""
+    origin = grid.origin
+    return Ground(grid.derive(grid_distance), origin.x, origin.y, math.cos(origin.theta), math.sin(origin.theta), grid.resolution)
+
+
+@compiled
+def _hide(ground: Ground, radii: Floats, positions: Floats, velocities: Floats) -> None:
+    for k in range(len(radii)):
+        if clearance(ground, positions[k, 0], positions[k, 1]) < radii[k]:
+            positions[k], velocities[k] = np.nan, np.nan
 
 
 @compiled
