@@ -55,7 +55,8 @@ def draw_animation(random: np.random.Generator, level: Level, square: Square) ->
     pieces = np.hypot(*np.diff(way, axis=0).T)
     mean, std = random.uniform(level.speed_min, level.speed_max), random.uniform(level.std_min, level.std_max)
     speeds = np.clip(random.normal(mean, std, len(pieces)), level.speed_min, level.speed_max)
-    return Animation(np.round(np.concatenate(((0.0,), np.cumsum(pieces / speeds))), 2), way)
+    stamps = np.asarray(np.concatenate(((0.0,), np.cumsum(pieces / speeds))), np.float64)
+    return Animation(np.round(stamps, 2), way)
 
 
 def draw_way(random: np.random.Generator, order: int, square: Square) -> Floats:
@@ -63,7 +64,7 @@ def draw_way(random: np.random.Generator, order: int, square: Square) -> Floats:
     while True:
         xs = random.choice(np.arange(-square.half, square.half + 1.0), order + 1, replace=False)
         ys = random.integers(int(-square.half), int(square.half) + 1, order + 1).astype(np.float64)
-        factors = np.linalg.solve(np.vander(xs), ys)
+        factors = np.asarray(np.linalg.solve(np.vander(xs), ys), np.float64)
         if abs(factors[0]) < LEAST:
             continue
         way = _longest_within(factors, square.half)
@@ -75,7 +76,7 @@ def draw_way(random: np.random.Generator, order: int, square: Square) -> Floats:
 def _longest_within(factors: Floats, half: float) -> Floats:
     """Return the longest piece (M, 2) of a polynomial within the square, from border to border."""
     xs = np.linspace(-half, half, round(2.0 * half / FINE) + 1)
-    ys = np.polyval(factors, xs)
+    ys = np.asarray(np.polyval(factors, xs), np.float64)
     inside = np.abs(ys) <= half
     ends = np.flatnonzero(np.diff(np.concatenate(((False,), inside, (False,))).astype(np.int8)))
     pieces = [_to_border(xs, ys, first, last, half) for first, last in ends.reshape(-1, 2).tolist()]
