@@ -22,10 +22,12 @@ class Planner(ABC):
     """A local planner: turns an observation into a velocity command.
 
     The constructor receives ``robot: Robot`` and, by keyword, exactly the keys of its YAML. A planner whose first command waits for
-    a compiler says so by ``compiles``: it then decides once for nothing before its first episode, and is reset.
+    a compiler says so by ``compiles``: it then decides once for nothing before its first episode, and is reset. ``untuned`` are lines,
+    told and kept with the run, on what of it was made for another robot.
     """
 
     compiles: ClassVar[bool] = False
+    untuned: tuple[str, ...] = ()
 
     def reset(self, episode: EpisodeStart) -> None:  # noqa: B027 - a planner without memory has nothing to reset
         """Forget the episode before; nothing but compiled solvers may survive."""

@@ -122,7 +122,7 @@ def _prepare(request: RunRequest, registry: Registry) -> Run:
     run = Run(config, folder, benchmark.metrics, benchmark.task.staging())
     if (folder / "provenance.json").exists():
         _continue(run)
-    facts = provenance(config)
+    facts = provenance(config, benchmark.navigator.planner.untuned)
     for note in facts["untuned"]:
         print(note, file=sys.stderr)
     write_text_whole(folder / "provenance.json", json.dumps(facts, indent=2, sort_keys=True) + "\n")
@@ -143,8 +143,8 @@ def _continue(run: Run) -> None:
         run.rows[int(path.stem)], run.successes[int(path.stem)] = evaluate(record, run.packs), succeeded(record)
 
 
-def provenance(config: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what a reader needs to repeat a run: versions, seed, commit and machine."""
+def provenance(config: Mapping[str, Any], notes: Sequence[str]) -> dict[str, Any]:
+    """Return what a reader needs to repeat a run: versions, seed, commit, machine, and what is untuned, with the planner's ``notes``."""
     versions = {d.metadata["Name"]: d.version for d in distributions() if d.metadata["Name"]}
     return {
         "config_hash": config_hash(config),
@@ -155,7 +155,7 @@ def provenance(config: Mapping[str, Any]) -> dict[str, Any]:
         "python": platform.python_version(),
         "commit": _commit(),
         "machine": {"system": platform.platform(), "processor": platform.machine()},
-        "untuned": untuned(config.get("choices", {})),
+        "untuned": [*untuned(config.get("choices", {})), *notes],
     }
 
 

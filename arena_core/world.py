@@ -96,12 +96,14 @@ class World:
     """A static environment: its map, and whether the robot is given that map (``known``).
 
     ``reference_xy`` (M, 2), m, is the way through that comes with the world, None where there is none; only metrics see it.
+    ``movers`` are those who belong to the world and move in it by a timetable; tasks take them over where they say so.
     """
 
     name: str
     grid: OccupancyGrid
     known: bool = True
     reference_xy: FloatArray | None = None
+    movers: tuple[PedestrianSpec, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -109,7 +111,8 @@ class PedestrianSpec:
     """How one person starts and where it goes: the input of a pedestrian model.
 
     ``waypoints_xy`` has shape (K, 2), m, walked in a loop; none means standing. ``max_speed`` in m/s, ``radius`` in m.
-    ``behaviour`` carries what a model may use beyond that (factors of forces, chances of social states).
+    ``behaviour`` carries what a model may use beyond that (factors of forces, chances of social states). ``stamps`` (K,), s, rising
+    from 0, is when it is at each waypoint, anew every ``stamps[-1]`` s; None where the model decides that.
     """
 
     id: int
@@ -118,6 +121,7 @@ class PedestrianSpec:
     max_speed: float
     radius: float
     behaviour: dict[str, float | str] = field(default_factory=dict)
+    stamps: FloatArray | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,7 +11,7 @@ import onnx
 import pytest
 from onnx import TensorProto, helper, numpy_helper
 
-from arena_core import ArenaError, NoValidCommand, Pose, Twist, testing
+from arena_core import ArenaError, Footprint, NoValidCommand, ObservationBatch, Pose, Twist, testing
 from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.card import PolicyCard, read_card, sha256, write_card
 from arena_policies.planner import PolicyPlanner
@@ -233,3 +233,35 @@ def test_policy_that_answers_no_number_gives_no_command(tmp_path):
     path = write_policy(tmp_path, robot, linear_model(size, 2, scale=np.inf))
     with pytest.raises(NoValidCommand):
         load_policy(str(path), "rosnav", robot).command(testing.observation(body=robot), Twist(0.0))
+
+
+def test_policy_drives_a_larger_body_and_gaps_count_from_it(tmp_path):
+    robot = testing.robot()
+    larger = dataclasses.replace(robot, footprint=Footprint.circle(0.5))
+    path = str(write_policy(tmp_path, robot))
+    seen = testing.observation(body=robot)
+    own, other = (load_policy(path, "rosnav", body).command(seen, Twist(0.0)) for body in (robot, larger))
+    assert own != other
+    close = [built_encoder(body).encode(ObservationBatch.of(seen, Twist(0.0))) for body in (robot, larger)]
+    assert (close[1][:, :12] > close[0][:, :12]).all()
+
+
+def test_policy_trained_in_another_body_says_so_and_one_that_tells_of_none_does_not(tmp_path):
+    robot = testing.robot()
+    told = {"footprint": {"radius": 0.2, "vertices_xy": None}, "lidar": {"mount": {"x": 0.1, "y": 0.0, "theta": 0.0}}}
+    path = str(write_policy(tmp_path, robot, training={"config": {"robot": told}}))
+    (note,) = PolicyPlanner("rosnav", robot, path, "").untuned
+    assert note.startswith("rosnav: trained with a footprint of radius 0.200 m and the lidar at (0.1, 0), drives with")
+    assert "\n" not in note
+    same = {"radius": robot.footprint.radius, "vertices_xy": None}
+    if not robot.footprint.is_circle:
+        same = {"radius": None, "vertices_xy": robot.footprint.vertices_xy.tolist()}
+    mount = {"x": robot.lidar.mount.x, "y": robot.lidar.mount.y, "theta": 0.0}
+    path = str(write_policy(tmp_path, robot, training={"config": {"robot": {"footprint": same, "lidar": {"mount": mount}}}}))
+    assert PolicyPlanner("rosnav", robot, path, "").untuned == ()
+
+
+@pytest.mark.parametrize("training", [{}, {"config": None}, {"config": {"robot": {"footprint": {"radius": "wide"}}}}])
+def test_card_whose_training_tells_of_no_body_is_taken_without_a_word(tmp_path, training):
+    robot = testing.robot()
+    assert PolicyPlanner("rosnav", robot, str(write_policy(tmp_path, robot, training=training)), "").untuned == ()

@@ -8,6 +8,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from arena_core import ConfigurationError, EpisodeStart, Observation, Planner, PositiveInt, Robot, Twist, generator, load_registry
+from arena_policies.body import trained_otherwise
 from arena_policies.members import Members, build_members, member_hash
 from arena_policies.planner import shipped_policy
 from arena_policies.policy import Switch, load_switch
@@ -38,6 +39,7 @@ class Aio(Planner):
         if every != self._switch.card.every:
             raise ConfigurationError(f"planner.every is {every}; allowed: {self._switch.card.every}, as the policy was trained")
         self._members = fitting_members(self._switch, members, robot)
+        self.untuned = trained_otherwise("aio", self._switch.card.training, robot) + self._members.untuned
         self._every, self._at_random = every, choice == "random"
         self._random = generator(0, "aio", "switch")
         self._begin()

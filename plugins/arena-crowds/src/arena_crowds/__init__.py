@@ -5,10 +5,11 @@ from arena_core import Register, hookimpl
 
 @hookimpl
 def register_pedestrian_models(register: Register) -> None:
-    """Offer nobody, people as ORCA agents, and recorded people."""
+    """Offer nobody, people as ORCA agents, recorded people, and what moves by a timetable."""
     register("none", "arena_crowds.nobody:Nobody")
     register("orca", "arena_crowds.orca:OrcaCrowd")
     register("replay", "arena_crowds.replay:ReplayedCrowd")
+    register("timetable", "arena_crowds.timetable:TimetableCrowd")
 
 
 @hookimpl

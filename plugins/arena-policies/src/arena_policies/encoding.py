@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+import re
 from abc import abstractmethod
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +16,8 @@ from arena_kernels.compiled import borrowing, compiled
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.float32]
+
+BODY = re.compile(r"less \d+\.\d{3} m")  # in the meaning of a field that counts from the circle about the body
 
 
 class BoundedEncoder(ObservationEncoder):
@@ -61,6 +65,13 @@ def closeness_field(name: str, size: int, range_max: float, robot: Robot, decay:
     high = 2.0 * math.exp(radius / decay) + radius / range_max
     meaning = f"2 exp(-gap / {decay:g} m) - gap / {range_max:g} m; gap: least range of a sector less {radius:.3f} m"
     return ObservationField(name, size, "-", low, high, meaning + when)
+
+
+def on_any_body(field: ObservationField) -> ObservationField:
+    """Return what a field says whatever the body: a gap means the same on a larger one, only its bounds go with the radius."""
+    if not BODY.search(field.meaning):
+        return field
+    return replace(field, low=0.0, high=0.0, meaning=BODY.sub("less the body's radius", field.meaning))
 
 
 def sectors_shown(sectors: int, overlap: int, lidar: Lidar) -> NDArray[np.int64]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from arena_core import ConfigurationError, EpisodeStart, Observation, Planner, Robot, Twist, local_path
+from arena_policies.body import trained_otherwise
 from arena_policies.card import PolicyCard
 from arena_policies.policy import load_policy
 
@@ -20,6 +21,7 @@ class PolicyPlanner(Planner):
     def __init__(self, name: str, robot: Robot, policy: str | None, shipped: str) -> None:
         self._name = name
         self._policy = load_policy(policy or shipped_policy(name, robot, shipped), name, robot)
+        self.untuned = trained_otherwise(name, self._policy.card.training, robot)
         self._last = Twist(0.0)
 
     def reset(self, episode: EpisodeStart) -> None:

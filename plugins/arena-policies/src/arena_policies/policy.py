@@ -26,6 +26,7 @@ from arena_core import (
 )
 from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.card import PolicyCard, part_path, read_card, sha256
+from arena_policies.encoding import on_any_body
 from arena_policies.network import network_content, open_network
 
 
@@ -174,9 +175,10 @@ def _check_parts(beside: Path, card: PolicyCard, encoder: ObservationEncoder) ->
 
 
 def check_layout(path: Path, robot: str, trained: Sequence[ObservationField], made: Sequence[ObservationField]) -> None:
-    """Refuse a robot whose sensors make other fields than those that a network was trained on, with ``robot``."""
-    if tuple(trained) != tuple(made):
-        differing = next((f"{a.name} ({a.meaning})" for a, b in zip(trained, made, strict=False) if a != b), "number of fields")
+    """Refuse a robot whose sensors make other fields than those that a network was trained on, with ``robot``; its body may be another."""
+    pairs = [(on_any_body(a), on_any_body(b)) for a, b in zip(trained, made, strict=False)]
+    if len(trained) != len(made) or any(a != b for a, b in pairs):
+        differing = next((f"{a.name} ({a.meaning})" for a, b in pairs if a != b), "number of fields")
         raise ConfigurationError(
             f"{path}: the observation of {robot} differs from this robot's in {differing}; allowed: one trained for it"
         )

@@ -5,11 +5,12 @@ from arena_core import Register, hookimpl
 
 @hookimpl
 def register_task_modes(register: Register) -> None:
-    """Offer random problems, those of a curriculum, problems from a file, and BARN's."""
+    """Offer random problems, those of a curriculum, problems from a file, and those of BARN and DynaBARN."""
     register("random", "arena_tasks.random_task:RandomTask")
     register("staged", "arena_tasks.staged_task:StagedTask")
     register("scenario", "arena_tasks.scenario_task:ScenarioTask")
     register("barn", "arena_tasks.barn_task:BarnTask")
+    register("dynabarn", "arena_tasks.barn_task:BarnTask")
 
 
 @hookimpl

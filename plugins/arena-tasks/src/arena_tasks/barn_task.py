@@ -1,4 +1,4 @@
-"""The task of the BARN challenge: one start, one goal, in every world."""
+"""The task of the BARN challenge and of DynaBARN: one start, one goal, in every world."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from arena_core import ConfigurationError, ImpossibleScenario, Pose, Positive, R
 
 
 class BarnTask(TaskMode):
-    """Scenario ``index`` goes from ``start`` to ``goal`` in world ``index``; ``goal_radius`` m, ``time_limit`` s."""
+    """Scenario ``index`` goes from ``start`` to ``goal`` in world ``index``, among its movers; ``goal_radius`` m, ``time_limit`` s."""
 
     def __init__(self, robot: Robot, world: WorldSource, start: Pose, goal: Pose, goal_radius: Positive, time_limit: Positive) -> None:
         if start.distance(goal) <= goal_radius:
@@ -36,7 +36,7 @@ class BarnTask(TaskMode):
             world=world,
             start=self._start,
             goal=self._goal,
-            pedestrians=(),
+            pedestrians=world.movers,
             obstacles=(),
             goal_radius=self._goal_radius,
             time_limit=self._time_limit,

@@ -10,6 +10,7 @@ def register_worlds(register: Register) -> None:
     register("file", "arena_worlds.file_world:FileWorld")
     register("scenario_map", "arena_worlds.scenario_map:ScenarioMap")
     register("barn", "arena_worlds.barn:BarnWorlds")
+    register("dynabarn", "arena_worlds.dynabarn:DynabarnWorlds")
     register("empty", "arena_worlds.empty:EmptyRoom")
     register("lab", "arena_worlds.lab:Lab")
     register("warehouse", "arena_worlds.warehouse:Warehouse")

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any, ClassVar
 
 from omegaconf import OmegaConf
 
 from arena_core import Command, WorldSource, compose, load_registry, write_text_whole
+from arena_worlds.dynabarn import DynabarnWorlds
+from arena_worlds.dynabarn_writer import write_set
 from arena_worlds.map_writer import write_map
 from arena_worlds.measure import ROBOT_RADIUS, table
 from arena_worlds.measures import Measures, measures_of
@@ -27,6 +30,8 @@ class GenerateCommand(Command):
     def run(self, arguments: Sequence[str]) -> int:
         """Write the first world of a seed as FILE.yaml, FILE.pgm, FILE.png and FILE_measures.json, and print its measures."""
         words = key_values(arguments)
+        if words.get("kind") == "dynabarn":
+            return _write_dynabarn(words)
         kind, path = required(words, "kind", "indoor, ... (arena list world)"), map_path(required(words, "out", "DIR or FILE.yaml"))
         seed = whole_number(words, "seed", 0)
         node = parameters(KINDS.get(kind, kind), words)
@@ -38,6 +43,15 @@ class GenerateCommand(Command):
         write_text_whole(files[3], _report(node, seed, measures))
         print("\n".join([*(f"written: {file}" for file in files), table(measures)]))
         return 0
+
+
+def _write_dynabarn(words: Mapping[str, str]) -> int:
+    """Write a set of worlds whose obstacles move: no map could hold them."""
+    folder = Path(required(words, "out", "DIR"))
+    node = {**parameters("dynabarn", words), "draw": whole_number(words, "seed", 0)}
+    source: DynabarnWorlds = load_registry().build("world", node)
+    print("\n".join(f"written: {path}" for path in write_set(folder, source)))
+    return 0
 
 
 def parameters(kind: str, words: Mapping[str, str]) -> dict[str, Any]:

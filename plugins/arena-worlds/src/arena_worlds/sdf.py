@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -22,7 +22,11 @@ def read_sdf(path: Path) -> Solids:
     Models have to stand still; any other collision shape is refused but for planes, the ground. Heights are not read, nor are
     poses under ``state``.
     """
-    root = read_xml(path, ALLOWED)
+    return solids_of_models(path, models_of(path, read_xml(path, ALLOWED)))
+
+
+def models_of(path: Path, root: ElementTree.Element) -> list[ElementTree.Element]:
+    """Return the models of a file's one world; raise InputFileError where it has another number of them, or includes what could be hit."""
     worlds = root.findall("world") if root.tag == "sdf" else []
     if len(worlds) != 1:
         raise InputFileError(f"{path}: holds {len(worlds)} elements sdf/world; allowed: a Gazebo world file, with exactly one")
@@ -30,7 +34,12 @@ def read_sdf(path: Path) -> Solids:
         uri = (include.findtext("uri") or "").strip()
         if uri not in HARMLESS:
             raise InputFileError(f"{path}: world/include is {shown(uri)}; allowed: models written out in the file")
-    shapes = [shape for model in worlds[0].findall("model") for shape in _shapes(path, model, Pose(0.0, 0.0), False)]
+    return worlds[0].findall("model")
+
+
+def solids_of_models(path: Path, models: Sequence[ElementTree.Element]) -> Solids:
+    """Return what of models can be hit; raise InputFileError as ``read_sdf`` does."""
+    shapes = [shape for model in models for shape in _shapes(path, model, Pose(0.0, 0.0), False)]
     if not shapes:
         raise InputFileError(f"{path}: holds no cylinder and no box; allowed: a world with at least one, and static")
     return solids_from(shapes)
@@ -59,17 +68,18 @@ def _shape(path: Path, name: str, collision: ElementTree.Element, place: Pose) -
     kinds = [shape.tag for shape in collision.findall("geometry/*")]
     match kinds:
         case ["cylinder"]:
-            return Shape("cylinder", place, tuple(_measures(path, name, collision, "cylinder/radius", 1)))
+            return Shape("cylinder", place, tuple(measures(path, name, collision, "cylinder/radius", 1)))
         case ["box"]:
-            return Shape("box", place, tuple(_measures(path, name, collision, "box/size", 3)[:2]))
+            return Shape("box", place, tuple(measures(path, name, collision, "box/size", 3)[:2]))
         case ["plane"]:
-            return Shape("ground", place, tuple(_measures(path, name, collision, "plane/size", 2))) if name == GROUND else None
+            return Shape("ground", place, tuple(measures(path, name, collision, "plane/size", 2))) if name == GROUND else None
     raise InputFileError(
         f"{path}: model {name!r}: geometry is {', '.join(kinds) or 'missing'}; allowed: box, cylinder (and plane, the ground)"
     )
 
 
-def _measures(path: Path, name: str, collision: ElementTree.Element, key: str, count: int) -> list[float]:
+def measures(path: Path, name: str, collision: ElementTree.Element, key: str, count: int) -> list[float]:
+    """Return so many lengths of a model's collision shape, m; raise InputFileError where there are others."""
     text = collision.findtext(f"geometry/{key}") or ""
     found = numbers(text)
     if found is None or len(found) != count or min(found) <= 0.0:

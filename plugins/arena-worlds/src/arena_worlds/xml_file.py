@@ -18,10 +18,11 @@ FARTHEST = 1e4  # m
 
 def read_xml(path: Path, allowed: str) -> ElementTree.Element:
     """Read an XML file, unpacked if its name ends in .gz; raise InputFileError, which names ``allowed`` as what may be there."""
-    return parse_xml(path, _unpacked(path, allowed), allowed)
+    return parse_xml(path, unpacked(path, allowed), allowed)
 
 
-def _unpacked(path: Path, allowed: str) -> bytes:
+def unpacked(path: Path, allowed: str) -> bytes:
+    """Return a file's content, unpacked if its name ends in .gz; raise InputFileError."""
     try:
         with gzip.open(path) if path.suffix == ".gz" else path.open("rb") as file:
             content = file.read(LARGEST_FILE + 1)
