@@ -15,7 +15,8 @@ from arena_kernels.distance import grid_distance
 from arena_kernels.grids import stack_grids
 from arena_kernels.raycast import make_beams, scan_grids
 from arena_navigation.amcl import free_space
-from arena_navigation.amcl_filter import Recovery, begin, cloud, filter_update
+from arena_navigation.amcl_filter import Recovery, Resampling, begin, cloud, filter_update
+from arena_navigation.amcl_laser import KEEP_ALL
 from arena_navigation.amcl_motion import Alphas, Motion, motion
 from arena_navigation.amcl_resampling import Limits
 from arena_navigation.amcl_sensor import LikelihoodField
@@ -54,13 +55,13 @@ def ours(grid: OccupancyGrid, start: Floats, step: Motion, scans: list[NDArray[n
     """Return CALLS filter updates as arena-navigation makes them: motion, weights, clusters, KLD bound, resampling."""
     particles = cloud(PARTICLES, BEAMS)
     key = np.uint64(5)
-    field, free = grid.derive(LikelihoodField("likelihood_field_prob", 0.8, 0.2, 0.05, 2.0, True, 0.3, 30.0)), free_space(grid)
-    limits, recovery = Limits(PARTICLES, PARTICLES, 0.05, 0.99), Recovery(0.0, 0.0)
+    field, free = grid.derive(LikelihoodField(True, 0.8, 0.2, 0.05, 2.0, True, 0.3, 30.0)), free_space(grid)
+    resampling = Resampling(True, False, Limits(PARTICLES, PARTICLES, 0.05, 0.99, False), free, Recovery(0.0, 0.0))
 
     def run() -> None:
         begin(particles, start, 0.2 * np.eye(3), key)
         for tick, beams in enumerate(scans, 1):
-            filter_update(particles, step, beams, 1.0, field, free, limits, recovery, True, key, tick)
+            filter_update(particles, step, beams, 1.0, field, KEEP_ALL, resampling, key, tick)
 
     return run
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Localizer, OccupancyGrid, Pose, PoseEstimate, Robot, Sensors, generator
+from arena_core import Localizer, OccupancyGrid, Pose, PoseEstimate, Robot, Sensors, generator, wrap_angle
 from arena_core.benchmark import build_benchmark
 from arena_core.configuration import compose, plain
 from arena_core.registry import Registry, load_registry
@@ -22,10 +22,11 @@ EXACT = Pose(0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Drive:
-    """One episode: the distance travelled, m, and the distance (m) of each localiser's estimate from the truth at every step, (T,)."""
+    """One episode: the distance travelled, m, and how far each localiser's estimate is from the truth at every step, (T,), m and rad."""
 
     travelled: float
     errors: dict[str, NDArray[np.float64]]
+    turns: dict[str, NDArray[np.float64]]
 
 
 @dataclass(slots=True, eq=False)
@@ -59,7 +60,11 @@ class Watched(Localizer):
             name: np.array([pose.distance(true) for pose, true in zip(poses, self.truth, strict=True)])
             for name, poses in self.estimates.items()
         }
-        return Drive(sum(a.distance(b) for a, b in steps), errors)
+        turns = {
+            name: np.array([abs(wrap_angle(pose.theta - true.theta)) for pose, true in zip(poses, self.truth, strict=True)])
+            for name, poses in self.estimates.items()
+        }
+        return Drive(sum(a.distance(b) for a, b in steps), errors, turns)
 
 
 def drives(overrides: Sequence[str], localizers: Sequence[str], episodes: int, wrong_by: Pose = EXACT) -> list[Drive]:
@@ -77,33 +82,41 @@ def drives(overrides: Sequence[str], localizers: Sequence[str], episodes: int, w
 
 
 def build(preset: str, robot: Robot, registry: Registry) -> Localizer:
-    """Build a localiser from its preset; ROS's own defaults get the motion model that a ROS user would set for the robot."""
-    node = dict(plain(compose([f"localizer={preset}"]))["localizer"])
-    if preset == "amcl_as_ros" and robot.holonomic:
+    """Build a localiser from its preset, with overrides after blanks; ROS's own values get the motion model that a ROS user would set."""
+    name, *changes = preset.split()
+    node = dict(plain(compose([f"localizer={name}", *(f"localizer.{change}" for change in changes)]))["localizer"])
+    if node.get("odom_model_type") == "diff" and robot.holonomic:
         node["odom_model_type"] = "omni"
     localizer: Localizer = registry.build("localizer", node, robot=robot)
     return localizer
 
 
+def cell(found: Sequence[Drive], name: str) -> str:
+    """Return one localiser's columns: the drives' mean errors, averaged; the worst drive's; the 95th percentile of all steps; likewise turns."""
+    means = [float(drive.errors[name].mean()) for drive in found]
+    steps, turns = (np.concatenate([errors[name] for errors in kind]) for kind in ([d.errors for d in found], [d.turns for d in found]))
+    place = f"{np.mean(means):.3f} ({max(means):.3f}) / {np.quantile(steps, 0.95):.3f}"
+    return f"{place} | {np.degrees(turns.mean()):.1f} / {np.degrees(np.quantile(turns, 0.95)):.1f} |"
+
+
 def main() -> None:
-    """Print a Markdown table: mean error over each drive's steps, then mean and worst over the drives."""
+    """Print a Markdown table: mean error over each drive's steps, then mean and worst over the drives, and the 95th percentile of all steps."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--world", action="append", help="overrides of one world, separated by blanks; may be given again")
     parser.add_argument("--robot", action="append", help="may be given again")
-    parser.add_argument("--localizer", action="append", help="may be given again")
+    parser.add_argument("--localizer", action="append", help="a preset, with overrides (KEY=VALUE) of it after blanks; may be given again")
     parser.add_argument("--episodes", type=int, default=5)
     parser.add_argument("--people", type=int, default=5)
     parser.add_argument("--wrong", type=float, nargs=3, default=(0.0, 0.0, 0.0), metavar=("X", "Y", "THETA"), help="error of the start")
     given = parser.parse_args()
     localizers = given.localizer or ["amcl", "amcl_as_ros", "odometry"]
-    print("| world | robot | drives | metres |", *(f"{name}: mean (worst) m |" for name in localizers))
-    print("| --- | --- | --- | --- |", *("--- |" for _ in localizers))
+    print("| world | robot | drives | metres |", *(f"{name}: mean (worst) / p95, m | mean / p95, deg |" for name in localizers))
+    print("| --- | --- | --- | --- |", *("--- | --- |" for _ in localizers))
     for world in given.world or ["world=warehouse"]:
         for robot in given.robot or ["turtlebot3", "jackal", "robotino"]:
             overrides = [*world.split(), f"robot={robot}", f"task.pedestrians={given.people}"]
             found = drives(overrides, localizers, given.episodes, Pose(*given.wrong))
-            means = {name: [float(drive.errors[name].mean()) for drive in found] for name in localizers}
-            cells = (f"{np.mean(means[name]):.3f} ({max(means[name]):.3f}) |" for name in localizers)
+            cells = (cell(found, name) for name in localizers)
             print(f"| {world.removeprefix('world=')} | {robot} | {len(found)} | {sum(drive.travelled for drive in found):.0f} |", *cells)
 
 

@@ -19,7 +19,7 @@ from arena_navigation.amcl_resampling import (
 )
 
 KEY = np.uint64(5)
-WIDE = Limits(1, 100_000, 0.05, 0.99)
+WIDE = Limits(1, 100_000, 0.05, 0.99, False)
 NOWHERE = FreeSpace(np.zeros(1, np.int64), 1, 0.05)
 weight_lists = st.lists(st.floats(1e-6, 1.0), min_size=1, max_size=60).map(lambda w: np.array(w) / np.sum(w))
 
@@ -69,7 +69,7 @@ def test_kld_bound_is_the_chi_square_quantile_of_fox(bins, quantile):
 
 
 def test_kld_bound_grows_with_the_bins_within_the_limits():
-    limits = Limits(100, 5000, 0.01, 0.99)
+    limits = Limits(100, 5000, 0.01, 0.99, False)
     bounds = [kld_bound(bins, limits) for bins in range(200)]
     assert bounds == sorted(bounds)
     assert (bounds[0], bounds[1], bounds[-1]) == (100, 100, 5000)
@@ -79,13 +79,13 @@ def test_a_wider_cloud_needs_more_particles():
     random = np.random.default_rng(1)
     weights = np.full(2000, 1 / 2000)
     clouds = [random.normal(0.0, width, (2000, 3)) * (1, 1, 0.1) for width in (0.05, 1.0, 3.0)]
-    counts = [drawn_count(poses, weights, Limits(100, 5000, 0.05, 0.99)) for poses in clouds]
+    counts = [drawn_count(poses, weights, Limits(100, 5000, 0.05, 0.99, False)) for poses in clouds]
     assert counts[0] < counts[1] < counts[2]
 
 
 def test_count_is_the_bound_of_the_bins_that_were_drawn():
     poses = np.stack((np.arange(30) * 0.5 + 0.25, np.zeros(30), np.zeros(30)), axis=1)
-    limits = Limits(10, 5000, 0.05, 0.99)
+    limits = Limits(10, 5000, 0.05, 0.99, False)
     assert drawn_count(poses, np.full(30, 1 / 30), limits) == kld_bound(30, limits)
 
 
@@ -93,7 +93,7 @@ def test_particles_without_weight_do_not_ask_for_company():
     poses = np.stack((np.arange(30) * 0.5, np.zeros(30), np.zeros(30)), axis=1)
     weights = np.zeros(30)
     weights[3:5] = 0.5
-    assert drawn_count(poses, weights, Limits(10, 5000, 0.05, 0.99)) == max(10, kld_bound(2, Limits(10, 5000, 0.05, 0.99)))
+    assert drawn_count(poses, weights, Limits(10, 5000, 0.05, 0.99, False)) == max(10, kld_bound(2, Limits(10, 5000, 0.05, 0.99, False)))
 
 
 @settings(derandomize=True, deadline=None, max_examples=30)
@@ -102,7 +102,7 @@ def test_counting_without_drawing_gives_the_same(spread, seed):
     poses = np.random.default_rng(seed).normal(0.0, spread, (300, 3)) * (1, 1, 0.1)
     weights = np.full(300, 1 / 300)
     occupied = len({int(bin_key(*pose)) for pose in poses})
-    limits = Limits(200, 5000, 0.05, 0.99)
+    limits = Limits(200, 5000, 0.05, 0.99, False)
     assert drawn_count(poses, weights, limits, occupied) == drawn_count(poses, weights, limits)
 
 
@@ -133,5 +133,5 @@ def test_scattered_particles_stand_on_free_cells_all_over_them():
 def test_scattered_particles_count_as_bins_of_their_own():
     free = FreeSpace(np.arange(400 * 400), 400, 0.05)
     poses, weights = np.full((100, 3), 5.0), np.full(100, 0.01)
-    limits = Limits(50, 5000, 0.05, 0.99)
+    limits = Limits(50, 5000, 0.05, 0.99, False)
     assert drawn_count(poses, weights, limits, injection=0.5, free=free) > 10 * drawn_count(poses, weights, limits)

@@ -11,8 +11,8 @@ from arena_kernels.grids import stack_grids
 from arena_navigation.amcl_beams import beam_ends, predicted, thinned
 from arena_navigation.amcl_sensor import LikelihoodField, match, reweigh, surface_distance
 
-PROB = LikelihoodField("likelihood_field_prob", 0.8, 0.2, 0.1, 2.0, True, 0.5, 10.0)
-ADDED = LikelihoodField("likelihood_field", 0.95, 0.05, 0.2, 2.0, False, 0.5, 10.0)
+PROB = LikelihoodField(True, 0.8, 0.2, 0.1, 2.0, True, 0.5, 10.0)
+ADDED = LikelihoodField(False, 0.95, 0.05, 0.2, 2.0, False, 0.5, 10.0)
 
 
 @pytest.fixture(scope="module")
@@ -32,7 +32,7 @@ def scores(grid, model, poses, ends):
     field = grid.derive(model)
     poses, ends = np.array(poses, float).T.copy(), np.array(ends, np.float32).reshape(2, -1)
     found, directions = np.empty(poses.shape[1]), np.stack((np.cos(poses[2]), np.sin(poses[2])))
-    match(poses, directions, poses.shape[1], ends, field, np.empty(ends.shape[1], np.int32), found)
+    match(poses, directions, poses.shape[1], ends, ends.shape[1], field, np.empty(ends.shape[1], np.int32), found)
     return found
 
 

@@ -25,11 +25,12 @@ from arena_core import (
     wrap_angle,
 )
 from arena_kernels.grids import stack_grids
-from arena_navigation.amcl_beams import beam_ends, predicted, thinned
-from arena_navigation.amcl_filter import Recovery, begin, cloud, filter_update
+from arena_navigation.amcl_beams import predicted, thinned
+from arena_navigation.amcl_filter import Recovery, Resampling, begin, cloud
+from arena_navigation.amcl_laser import BeamSkipping, LaserModel, LaserModelType
 from arena_navigation.amcl_motion import Alphas, OdometryModelType, motion
+from arena_navigation.amcl_ranges import Mixture
 from arena_navigation.amcl_resampling import FreeSpace, Limits
-from arena_navigation.amcl_sensor import LaserModelType, LikelihoodField
 from arena_navigation.odometry_history import OdometryHistory
 
 NOWHERE = FreeSpace(np.zeros(1, np.int64), 1, 1.0)
@@ -51,6 +52,8 @@ class AmclLocalizer(Localizer):
         update_min_d: NonNegative,
         update_min_a: NonNegative,
         resample_interval: PositiveInt,
+        resample_independently: bool,
+        estimate_after_resampling: bool,
         recovery_alpha_slow: Fraction,
         recovery_alpha_fast: Fraction,
         initial_cov_xx: NonNegative,
@@ -61,12 +64,19 @@ class AmclLocalizer(Localizer):
         laser_max_range: RangeLimit,
         laser_max_beams: PositiveInt,
         laser_z_hit: Fraction,
+        laser_z_short: Fraction,
+        laser_z_max: Fraction,
         laser_z_rand: Fraction,
         laser_sigma_hit: Positive,
+        laser_lambda_short: Positive,
         laser_likelihood_max_dist: Positive,
         laser_to_surface: bool,
         laser_beam_weight: Fraction,
         short_beam_distance: Positive | None,
+        do_beamskip: bool,
+        beam_skip_distance: Positive,
+        beam_skip_threshold: Fraction,
+        beam_skip_error_threshold: Fraction,
         odom_model_type: OdometryModelType | None,
         odom_alpha1: NonNegative,
         odom_alpha2: NonNegative,
@@ -76,21 +86,23 @@ class AmclLocalizer(Localizer):
     ) -> None:
         if min_particles > max_particles:
             raise ConfigurationError(f"localizer amcl: min_particles is {min_particles}; allowed: at most max_particles {max_particles}")
-        self._limits = Limits(min_particles, max_particles, kld_err, kld_z)
+        if do_beamskip and laser_model_type != "likelihood_field_prob":
+            raise ConfigurationError(f"localizer.do_beamskip is true with laser_model_type {laser_model_type}; allowed: likelihood_field_prob")
+        self._limits = Limits(min_particles, max_particles, kld_err, kld_z, resample_independently)
         self._recovery = Recovery(recovery_alpha_slow, recovery_alpha_fast)
         self._least_motion = update_min_d, update_min_a
-        self._resample_interval = resample_interval
+        self._resample_interval, self._estimate_after = resample_interval, estimate_after_resampling
         self._initial_covariance = np.diag((initial_cov_xx, initial_cov_yy, initial_cov_aa))
         self._range_limits = laser_min_range, laser_max_range
         self._max_beams = laser_max_beams
-        self._field = (
+        skipping = BeamSkipping(beam_skip_distance, beam_skip_threshold, beam_skip_error_threshold)
+        self._laser = LaserModel(
             laser_model_type,
-            laser_z_hit,
-            laser_z_rand,
-            laser_sigma_hit,
+            Mixture(laser_z_hit, laser_z_short, laser_z_max, laser_z_rand, laser_sigma_hit, laser_lambda_short),
             laser_likelihood_max_dist,
             laser_to_surface,
             laser_beam_weight,
+            skipping if do_beamskip else None,
         )
         self._short_by = short_beam_distance
         self._odometry_model = odom_model_type or ("omni-corrected" if robot.holonomic else "diff-corrected")
@@ -109,6 +121,7 @@ class AmclLocalizer(Localizer):
         self._history = OdometryHistory()
         self._filtered_at = -math.inf
         self._filtered_odometry: Pose | None = None
+        self._estimated_odometry: Pose | None = None
         believed = grid.origin.relative(start)
         begin(self._cloud, believed.array(), _rotation(-grid.origin.theta) @ np.sqrt(self._initial_covariance), self._key)
         self._estimate, self._covariance = start, self._initial_covariance
@@ -117,11 +130,10 @@ class AmclLocalizer(Localizer):
         """Return the filter's latest pose, moved as odometry has moved since; use the scan if the robot has moved enough."""
         self._history.add(sensors.odometry)
         if self._filtered_odometry is None:
-            self._filtered_odometry = self._history.at(sensors.stamp)
+            self._filtered_odometry = self._estimated_odometry = self._history.at(sensors.stamp)
         if sensors.scan.stamp > self._filtered_at:
             self._consider(sensors.scan, self._history.at(sensors.scan.stamp))
-        moved = self._filtered_odometry.relative(self._history.at(sensors.stamp))
-        return PoseEstimate(self._estimate.compose(moved), self._covariance)
+        return PoseEstimate(self._carried_on(self._history.at(sensors.stamp)), self._covariance)
 
     @property
     def particles(self) -> NDArray[np.float64]:
@@ -129,6 +141,11 @@ class AmclLocalizer(Localizer):
         poses = self._cloud.poses[:, : self._cloud.number[0]].T @ _rotation(self._grid.origin.theta).T + self._grid.origin.array()
         poses[:, 2] = wrap_angle(poses[:, 2])
         return poses
+
+    def _carried_on(self, odometry: Pose) -> Pose:
+        """Return the latest estimate, moved to where odometry says ``odometry``."""
+        assert self._estimated_odometry is not None
+        return self._estimate.compose(self._estimated_odometry.relative(odometry))
 
     def _consider(self, scan: LaserScan, odometry: Pose) -> None:
         """Use a scan, seen when odometry said ``odometry``, if it is the first or the robot has moved enough since the last one."""
@@ -138,41 +155,37 @@ class AmclLocalizer(Localizer):
         still = math.hypot(displacement.x, displacement.y) < distance and abs(displacement.theta) < angle
         if self._updates > 0 and still:
             return
-        self._filter(scan, displacement)
+        if self._filter(scan, displacement, self._carried_on(odometry)):
+            self._estimated_odometry = odometry
         self._filtered_at, self._filtered_odometry = scan.stamp, odometry
 
-    def _filter(self, scan: LaserScan, displacement: Pose) -> None:
-        """Run one update of the filter and take its estimate to ``map``."""
+    def _filter(self, scan: LaserScan, displacement: Pose, believed: Pose) -> bool:
+        """Run one update of the filter, at ``believed`` so far, and take its estimate to ``map``; tell whether there is one."""
         max_range = scan.range_max if self._range_limits[1] < 0.0 else min(self._range_limits[1], scan.range_max)
-        beams, explained = self._beams(thinned(scan, self._max_beams), max_range, self._estimate.compose(displacement))
+        min_range = scan.range_min if self._range_limits[0] < 0.0 else self._range_limits[0]
+        thin = thinned(scan, self._max_beams)
+        least = self._least(thin, believed)
         self._updates += 1
-        filter_update(
-            self._cloud,
-            motion(displacement, self._odometry_model, self._alphas),
-            beams,
-            explained,
-            self._grid.derive(LikelihoodField(*self._field, max_range)),
-            self._free,
-            self._limits,
-            self._recovery,
-            self._updates % self._resample_interval == 0,
-            self._key,
-            self._updates,
-        )
+        due = self._updates % self._resample_interval == 0
+        moved = motion(displacement, self._odometry_model, self._alphas)
+        resampling = Resampling(due, self._estimate_after, self._limits, self._free, self._recovery)
+        self._laser.update(self._cloud, self._grid, moved, thin, (min_range, max_range), least, resampling, self._key, self._updates)
+        if self._estimate_after and not due:
+            return False
         self._estimate = self._grid.origin.compose(Pose.of(self._cloud.mean))
         self._covariance = _turned(self._cloud.covariance, self._grid.origin.theta)
+        return True
 
-    def _beams(self, scan: LaserScan, max_range: float, pose: Pose) -> tuple[NDArray[np.float32], float]:
-        """Return the beams' ends, but for those that seen from ``pose`` end well in front of the map; and the share that is left.
+    def _least(self, scan: LaserScan, pose: Pose) -> NDArray[np.float32] | float:
+        """Return the range (B,), m, below which beams, seen from ``pose``, end well in front of the map.
 
         People shorten beams and never lengthen them (Fox, Burgard, Thrun, JAIR 11, 1999, call it a distance filter). The first scan is used
         whole, because only it tells where the robot really starts.
         """
-        min_range = scan.range_min if self._range_limits[0] < 0.0 else self._range_limits[0]
-        least: NDArray[np.float32] | float = 0.0
-        if self._stack is not None and self._short_by is not None and self._updates > 0:
-            least = predicted(scan, self._stack, pose) - self._short_by
-        return beam_ends(scan, min_range, max_range, least)
+        if self._stack is None or self._short_by is None or self._updates == 0:
+            return 0.0
+        least: NDArray[np.float32] = predicted(scan, self._stack, pose) - self._short_by
+        return least
 
 
 def free_space(grid: OccupancyGrid) -> FreeSpace:

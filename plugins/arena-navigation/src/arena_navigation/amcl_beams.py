@@ -1,4 +1,4 @@
-"""Which beams of a scan the filter looks at: evenly spaced ones that hit something, and not people who stand in front of the map."""
+"""Which beams of a scan the filter looks at: evenly spaced ones, and not people who stand in front of the map."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def thinned(scan: LaserScan, max_beams: int) -> LaserScan:
 
 def predicted(scan: LaserScan, stack: GridStack, pose: Pose) -> NDArray[np.float32]:
     """Return the ranges (B,) that the same beams would have in the first grid of ``stack``, ``base_link`` at ``pose`` in ``map``."""
-    rays: Beams = _rays(scan.angle_min, scan.angle_increment, len(scan.ranges), scan.range_max)
+    rays = rays_of(scan, scan.range_max)
     ranges = np.empty((1, len(scan.ranges)), np.float32)
     scan_grids(stack, _FIRST, pose.compose(scan.mount).array()[None], rays, ranges)
     seen: NDArray[np.float32] = ranges[0]
@@ -44,3 +44,21 @@ def beam_ends(scan: LaserScan, min_range: float, max_range: float, least: NDArra
     x = scan.mount.x + ranges[kept] * np.cos(angles)
     y = scan.mount.y + ranges[kept] * np.sin(angles)
     return np.stack((x, y)).astype(np.float32), len(kept) / max(int(np.count_nonzero(hit)), 1)
+
+
+def measured_ranges(
+    scan: LaserScan, min_range: float, max_range: float, least: NDArray[np.float32] | float
+) -> tuple[NDArray[np.float32], float]:
+    """Return the ranges (B,), m, ``max_range`` where nothing nearer was hit, for the beam model; with the share that is left.
+
+    Those shorter than ``min_range`` or than ``least`` m are not a number: they are left out.
+    """
+    ranges = np.minimum(scan.ranges.astype(np.float32), np.float32(max_range))
+    seen = ranges >= min_range
+    kept = seen & (ranges >= np.minimum(least, max_range))
+    return np.where(kept, ranges, np.float32(np.nan)), int(np.count_nonzero(kept)) / max(int(np.count_nonzero(seen)), 1)
+
+
+def rays_of(scan: LaserScan, range_max: float) -> Beams:
+    """Return the scan's beams, made once, that see up to ``range_max`` m."""
+    return _rays(scan.angle_min, scan.angle_increment, len(scan.ranges), range_max)

@@ -14,10 +14,23 @@ from arena_kernels.compiled import borrowing
 from arena_kernels.random import normals
 from arena_kernels.scalars import Integer
 from arena_navigation.amcl_clusters import Clusters, best_cluster
+from arena_navigation.amcl_directions import write_directions
 from arena_navigation.amcl_histogram import histogram
 from arena_navigation.amcl_motion import Motion, move
-from arena_navigation.amcl_resampling import FreeSpace, Limits, accumulate, free_pose, needed, offset, scattered, systematic
+from arena_navigation.amcl_ranges import View, match_ranges
+from arena_navigation.amcl_resampling import (
+    FreeSpace,
+    Limits,
+    accumulate,
+    draw_independently,
+    free_pose,
+    needed,
+    offset,
+    scattered,
+    systematic,
+)
 from arena_navigation.amcl_sensor import Field, match, reweigh
+from arena_navigation.amcl_skipping import Skipping, skip_beams
 
 
 class Cloud(NamedTuple):
@@ -39,6 +52,7 @@ class Cloud(NamedTuple):
     scores: NDArray[np.float64]
     chosen: NDArray[np.int32]
     cells: NDArray[np.int32]
+    fitting: NDArray[np.int32]
     drawn: NDArray[np.float64]
 
 
@@ -47,6 +61,16 @@ class Recovery(NamedTuple):
 
     alpha_slow: float
     alpha_fast: float
+
+
+class Resampling(NamedTuple):
+    """Whether this update resamples, how, and whether the estimate is made afterwards; ``free`` is where lost particles may go."""
+
+    due: bool
+    estimate_after: bool
+    limits: Limits
+    free: FreeSpace
+    recovery: Recovery
 
 
 def cloud(capacity: int, beams: int) -> Cloud:
@@ -71,6 +95,7 @@ def cloud(capacity: int, beams: int) -> Cloud:
         np.empty(3 * capacity),
         np.empty(capacity),
         np.empty(capacity, np.int32),
+        np.empty(beams, np.int32),
         np.empty(beams, np.int32),
         np.empty((3, capacity)),
     )
@@ -97,26 +122,60 @@ def filter_update(
     beams: NDArray[np.float32],
     explained: float,
     field: Field,
-    free: FreeSpace,
-    limits: Limits,
-    recovery: Recovery,
-    resample: bool,
+    skipping: Skipping,
+    resampling: Resampling,
     key: np.uint64,
     tick: Integer,
 ) -> None:
-    """Move the particles, weigh them by the scan, estimate, and resample if it is time.
+    """Move the particles, weigh them by where the beams end (2, B) on a likelihood field, estimate, and resample if it is due.
 
     ``explained`` is the share of the beams that were not left out of ``beams``: those left out count as not fitting at all.
     """
     count = cloud.number[0]
     move(cloud.poses, cloud.directions, count, motion, key, tick, cloud.noise)
-    match(cloud.poses, cloud.directions, count, beams, field, cloud.cells, cloud.scores)
-    likelihood = reweigh(cloud.weights, count, cloud.scores, beams.shape[1], field.product)
-    occupied = best_cluster(cloud.poses, cloud.directions, cloud.weights, count, cloud.clusters, cloud.mean, cloud.covariance)
-    if beams.shape[1] > 0:
-        follow(cloud.likelihoods, explained * likelihood, recovery)
-    if resample:
-        redraw(cloud, occupied, injection(cloud.likelihoods, recovery), free, limits, key, tick)
+    number = skip_beams(cloud.poses, cloud.directions, count, beams, field, skipping, cloud.cells, cloud.fitting)
+    match(cloud.poses, cloud.directions, count, beams, number, field, cloud.cells, cloud.scores)
+    conclude(cloud, number, field.product, explained, resampling, key, tick)
+
+
+@borrowing
+def filter_update_by_ranges(
+    cloud: Cloud,
+    motion: Motion,
+    ranges: NDArray[np.float32],
+    explained: float,
+    view: View,
+    resampling: Resampling,
+    key: np.uint64,
+    tick: Integer,
+) -> None:
+    """Do the same by the beam model: ``ranges`` (B,) m, not a number where one is left out."""
+    count = cloud.number[0]
+    move(cloud.poses, cloud.directions, count, motion, key, tick, cloud.noise)
+    number = match_ranges(cloud.poses, cloud.directions, count, ranges, view, cloud.scores)
+    conclude(cloud, number, False, explained, resampling, key, tick)
+
+
+@borrowing
+def conclude(
+    cloud: Cloud, beams: Integer, product: bool, explained: float, resampling: Resampling, key: np.uint64, tick: Integer
+) -> None:
+    """Turn the scores of so many beams into weights, estimate, and resample if it is due."""
+    likelihood = reweigh(cloud.weights, cloud.number[0], cloud.scores, beams, product)
+    occupied = estimate(cloud)
+    if beams > 0:
+        follow(cloud.likelihoods, explained * likelihood, resampling.recovery)
+    if resampling.due:
+        redraw(cloud, occupied, injection(cloud.likelihoods, resampling.recovery), resampling.free, resampling.limits, key, tick)
+        if resampling.estimate_after:
+            write_directions(cloud.poses[2], cloud.number[0], cloud.directions)
+            estimate(cloud)
+
+
+@borrowing
+def estimate(cloud: Cloud) -> Integer:
+    """Write the mean and the covariance of the heaviest cluster; return how many bins hold particles."""
+    return best_cluster(cloud.poses, cloud.directions, cloud.weights, cloud.number[0], cloud.clusters, cloud.mean, cloud.covariance)
 
 
 @borrowing
@@ -142,8 +201,12 @@ def redraw(cloud: Cloud, occupied: Integer, injection: float, free: FreeSpace, l
     before = cloud.number[0]
     cumulative = cloud.scores
     accumulate(cloud.weights, before, cumulative)
-    count = needed(cloud.clusters.keys, cumulative, before, occupied, injection, free, limits, cloud.clusters.bins, key, tick)
-    systematic(cumulative, before, offset(key, tick), cloud.chosen[:count])
+    keys, bins = cloud.clusters.keys, cloud.clusters.bins
+    if limits.independently:
+        count = draw_independently(keys, cumulative, before, injection, free, limits, bins, key, tick, cloud.chosen)
+    else:
+        count = needed(keys, cumulative, before, occupied, injection, free, limits, bins, key, tick)
+        systematic(cumulative, before, offset(key, tick), cloud.chosen[:count])
     for i in range(count):
         if scattered(key, tick, i, injection):
             cloud.drawn[0, i], cloud.drawn[1, i], cloud.drawn[2, i] = free_pose(free, key, tick, i)

@@ -14,16 +14,20 @@ from arena_navigation.amcl_histogram import Histogram, add, bin_key, clear
 
 GOLDEN_RATIO = 0.6180339887498949
 # First random index of each use within one filter update; numpy's integers, because each literal would be a type of its own to compile for.
-_SYSTEMATIC, _FIRST_POINT, _SCATTER = np.int64(0), np.int64(1), np.int64(2)
+_SYSTEMATIC, _FIRST_POINT, _SCATTER, _DRAWS = np.int64(0), np.int64(1), np.int64(2), np.int64(1 << 40)
 
 
 class Limits(NamedTuple):
-    """How many particles are allowed, and what the sample may miss of the distribution: ``kld_err``, with quantile ``kld_z``."""
+    """How many particles are allowed, and what the sample may miss of the distribution: ``kld_err``, with quantile ``kld_z``.
+
+    Where they are drawn ``independently`` of one another, a single bin asks for the most, as in ROS amcl; else for the fewest.
+    """
 
     min_particles: int
     max_particles: int
     kld_err: float
     kld_z: float
+    independently: bool
 
 
 class FreeSpace(NamedTuple):
@@ -39,10 +43,10 @@ def kld_bound(bins: Integer, limits: Limits) -> Integer:
     """Return the number of particles for a distribution over ``bins`` bins, within the limits.
 
     Fox, Adapting the Sample Size in Particle Filters Through KLD-Sampling, IJRR 22, 2003, equation 7 (Wilson and Hilferty's
-    approximation of the chi-square quantile). A single bin needs the fewest (ROS amcl draws the most).
+    approximation of the chi-square quantile).
     """
     if bins <= 1:
-        return limits.min_particles
+        return limits.max_particles if limits.independently else limits.min_particles
     degrees = bins - 1.0
     share = 2.0 / (9.0 * degrees)
     wanted = np.ceil(degrees / (2.0 * limits.kld_err) * (1.0 - share + np.sqrt(share) * limits.kld_z) ** 3)
@@ -103,6 +107,39 @@ def needed(
         else:
             point = first + drawn * GOLDEN_RATIO
             found = keys[_holder(cumulative, count, point - np.floor(point))]
+        drawn += 1
+        if add(bins, found, filled) == filled:
+            filled += 1
+            enough = kld_bound(filled, limits)
+    clear(bins, filled)
+    return drawn
+
+
+@borrowing
+def draw_independently(
+    keys: NDArray[np.int64],
+    cumulative: NDArray[np.float64],
+    count: Integer,
+    injection: float,
+    free: FreeSpace,
+    limits: Limits,
+    bins: Histogram,
+    key: np.uint64,
+    tick: Integer,
+    chosen: NDArray[np.int32],
+) -> Integer:
+    """Choose particles by one random number each until there are more than their bins, by ``keys``, ask for; return how many.
+
+    This is how ROS amcl draws; it adds noise that systematic resampling does not.
+    """
+    filled, drawn = np.int64(0), np.int64(0)
+    enough: Integer = limits.max_particles
+    while drawn <= enough and drawn < limits.max_particles:
+        chosen[drawn] = _holder(cumulative, count, uniform(key, tick, _DRAWS + drawn))
+        found = keys[chosen[drawn]]
+        if scattered(key, tick, drawn, injection):
+            x, y, theta = free_pose(free, key, tick, drawn)
+            found = bin_key(x, y, theta)
         drawn += 1
         if add(bins, found, filled) == filled:
             filled += 1

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import OccupancyGrid
-from arena_kernels.compiled import borrowing
+from arena_kernels.compiled import borrowing, inlined
 from arena_kernels.distance import distance_field, grid_distance
+from arena_kernels.scalars import Integer
 
 FloatTable = NDArray[np.float32]
-LaserModelType = Literal["likelihood_field", "likelihood_field_prob"]
 
 
 class Field(NamedTuple):
@@ -33,13 +33,13 @@ class Field(NamedTuple):
 class LikelihoodField:
     """Make the table of a grid, as Thrun, Burgard, Fox, Probabilistic Robotics, table 6.3; meant for ``grid.derive``.
 
-    ``sigma_hit``, ``max_dist`` and ``max_range`` in m. ``likelihood_field_prob`` multiplies the likelihoods of the beams, as in the book,
-    each to the power ``beam_weight``; ``likelihood_field`` adds their cubes, which is ROS amcl's and much less sure of itself.
+    ``sigma_hit``, ``max_dist`` and ``max_range`` in m. A ``product`` multiplies the likelihoods of the beams, as in the book, each to the
+    power ``beam_weight``; else their cubes are added, which is ROS amcl's ``likelihood_field`` and much less sure of itself.
     ``to_surface`` measures distances to the surface of obstacles, else to the centre of the nearest occupied cell (ROS amcl): then all
     of an obstacle's inside fits a beam equally well, and estimates are drawn into walls by up to half a cell and more.
     """
 
-    model: LaserModelType
+    product: bool
     z_hit: float
     z_rand: float
     sigma_hit: float
@@ -50,13 +50,17 @@ class LikelihoodField:
 
     def __call__(self, grid: OccupancyGrid) -> Field:
         """Return the field of ``grid``."""
-        distance = grid.derive(surface_distance if self.to_surface else grid_distance)
-        distance = np.pad(np.minimum(distance, self.max_dist), 1, constant_values=self.max_dist)
+        distance = np.pad(np.minimum(distance_to(grid, self.to_surface), self.max_dist), 1, constant_values=self.max_dist)
         likelihood = self.z_hit * np.exp(-0.5 * np.square(distance / self.sigma_hit)) + self.z_rand / self.max_range
-        product = self.model == "likelihood_field_prob"
-        table = self.beam_weight * np.log(likelihood) if product else likelihood**3
+        table = self.beam_weight * np.log(likelihood) if self.product else likelihood**3
         rows, columns = table.shape
-        return Field(table.astype(np.float32).ravel(), rows, columns, 1.0 / grid.resolution, product)
+        return Field(table.astype(np.float32).ravel(), rows, columns, 1.0 / grid.resolution, self.product)
+
+
+def distance_to(grid: OccupancyGrid, surface: bool) -> FloatTable:
+    """Return the distance of each cell's centre to the nearest obstacle's ``surface``, or to its nearest cell's centre, (H, W), m."""
+    distance: FloatTable = grid.derive(surface_distance if surface else grid_distance)
+    return distance
 
 
 def surface_distance(grid: OccupancyGrid) -> FloatTable:
@@ -66,35 +70,50 @@ def surface_distance(grid: OccupancyGrid) -> FloatTable:
     return signed
 
 
+@inlined
+def write_cells(
+    poses: NDArray[np.float64],
+    directions: NDArray[np.float64],
+    i: Integer,
+    beams: FloatTable,
+    number: Integer,
+    field: Field,
+    cells: NDArray[np.int32],
+) -> None:
+    """Write in which cells of the field the first ``number`` beams end, seen from particle ``i``."""
+    last_u, last_v = np.float32(field.columns - 1), np.float32(field.rows - 1)
+    zero, stride = np.float32(0.0), np.int32(field.columns)
+    beam_x, beam_y = beams[0], beams[1]
+    c = np.float32(directions[0, i] * field.cells_per_metre)
+    s = np.float32(directions[1, i] * field.cells_per_metre)
+    x = np.float32(poses[0, i] * field.cells_per_metre + 1.0)
+    y = np.float32(poses[1, i] * field.cells_per_metre + 1.0)
+    for j in range(number):
+        u = min(max(x + c * beam_x[j] - s * beam_y[j], zero), last_u)
+        v = min(max(y + s * beam_x[j] + c * beam_y[j], zero), last_v)
+        cells[j] = np.int32(v) * stride + np.int32(u)
+
+
 @borrowing
 def match(
     poses: NDArray[np.float64],
     directions: NDArray[np.float64],
-    count: int,
+    count: Integer,
     beams: FloatTable,
+    number: Integer,
     field: Field,
     cells: NDArray[np.int32],
     scores: NDArray[np.float64],
 ) -> None:
-    """Write what the beams' ends (2, B) add up to on the field, for each of ``count`` particles (3, P) in the grid's frame.
+    """Write what the ends (2, B) of the first ``number`` beams add up to on the field, for ``count`` particles (3, P) in the grid's frame.
 
     ``directions`` (2, P) are the cosine and sine of their headings, ``cells`` is scratch space of B. Cells first, values second: the
     first loop is vectorised, which a loop that does both is not. The sum has four parts, which need not wait for one another.
     """
-    last_u, last_v = np.float32(field.columns - 1), np.float32(field.rows - 1)
-    zero, stride = np.float32(0.0), np.int32(field.columns)
-    number = beams.shape[1]
+    zero = np.float32(0.0)
     fours = number - number % 4
-    beam_x, beam_y = beams[0], beams[1]
     for i in range(count):
-        c = np.float32(directions[0, i] * field.cells_per_metre)
-        s = np.float32(directions[1, i] * field.cells_per_metre)
-        x = np.float32(poses[0, i] * field.cells_per_metre + 1.0)
-        y = np.float32(poses[1, i] * field.cells_per_metre + 1.0)
-        for j in range(number):
-            u = min(max(x + c * beam_x[j] - s * beam_y[j], zero), last_u)
-            v = min(max(y + s * beam_x[j] + c * beam_y[j], zero), last_v)
-            cells[j] = np.int32(v) * stride + np.int32(u)
+        write_cells(poses, directions, i, beams, number, field, cells)
         total0, total1, total2, total3 = zero, zero, zero, zero
         for j in range(0, fours, 4):
             total0 += field.values[cells[j]]
@@ -107,7 +126,7 @@ def match(
 
 
 @borrowing
-def reweigh(weights: NDArray[np.float64], count: int, scores: NDArray[np.float64], beams: int, product: bool) -> float:
+def reweigh(weights: NDArray[np.float64], count: Integer, scores: NDArray[np.float64], beams: Integer, product: bool) -> float:
     """Multiply the weights by what the scores stand for, normalise them, and return how well a beam fits under the old weights.
 
     That mean is taken per beam, unlike in ROS: a scan of which fewer beams hit anything is no sign of being lost.
