@@ -1,4 +1,4 @@
-"""The observation of GRING: pooled ranges, now and before, and several waypoints ahead."""
+"""The observation of GRING: ranges, pooled or whole, now and before, and several waypoints ahead."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from arena_policies.looking_back import beams_of, nearest_now, steps_back
 
 
 class GringEncoder(BoundedEncoder):
-    """Ranges of some sectors and the positions of waypoints ahead on the path, in ``base_link`` (Guldenring et al. 2020).
+    """Ranges of some sectors, or of all beams, and the positions of waypoints ahead, in ``base_link`` (Guldenring et al. 2020).
 
     Earlier scans are shown as they were then, so that what stands moves as the robot did, or ``aligned``: as they would be seen from
     where the robot is now, so that what stands coincides. With ``decay`` ranges come as closeness and each waypoint over its way along
@@ -32,11 +32,11 @@ class GringEncoder(BoundedEncoder):
     def __init__(
         self,
         robot: Robot,
-        sectors: PositiveInt,
+        sectors: PositiveInt | None,
         overlap: NonNegativeInt,
         lookback: tuple[Positive, ...],
         aligned: bool,
-        range_max: Positive,
+        range_max: Positive | None,
         waypoints: PositiveInt,
         spacing: Positive,
         speeds: bool,
@@ -44,10 +44,10 @@ class GringEncoder(BoundedEncoder):
         resolution: Positive | None,
     ) -> None:
         self.lookback = steps_back(lookback, robot)
-        self._sectors = min(sectors, robot.lidar.beams)
+        self._sectors = min(sectors or robot.lidar.beams, robot.lidar.beams)
         self._order = sectors_shown(self._sectors, overlap, robot.lidar)
         self._beams = beams_of(robot.lidar) if aligned else None
-        self._range_max = min(range_max, robot.lidar.range_max)
+        self._range_max = min(range_max or robot.lidar.range_max, robot.lidar.range_max)
         self._radius, self._decay, self._resolution = robot.footprint.radius, decay, resolution
         self._spacing = spacing
         ways = spacing * np.arange(1.0, waypoints + 1.0)
@@ -98,7 +98,8 @@ class GringEncoder(BoundedEncoder):
     def _scan(self, robot: Robot, suffix: str, when: str) -> ObservationField:
         size = len(self._order)
         if self._decay is None:
-            return ObservationField(f"ranges{suffix}", size, "m", 0.0, self._range_max, f"least range of each sector{when}")
+            what = "least range of each sector" if self._sectors < robot.lidar.beams else "range of each beam"
+            return ObservationField(f"ranges{suffix}", size, "m", 0.0, self._range_max, what + when)
         return closeness_field(f"closeness{suffix}", size, self._range_max, robot, self._decay, when)
 
     def _ahead(self, waypoints: int) -> ObservationField:
