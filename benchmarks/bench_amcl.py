@@ -19,7 +19,7 @@ from arena_navigation.amcl_filter import Recovery, Resampling, begin, cloud, fil
 from arena_navigation.amcl_laser import KEEP_ALL
 from arena_navigation.amcl_motion import Alphas, Motion, motion
 from arena_navigation.amcl_resampling import Limits
-from arena_navigation.amcl_sensor import LikelihoodField
+from arena_navigation.amcl_sensor import Distances, LikelihoodField
 
 PARTICLES, BEAMS, CALLS, REPEATS = 500, 60, 200, 9
 Floats = NDArray[np.float64]
@@ -55,7 +55,7 @@ def ours(grid: OccupancyGrid, start: Floats, step: Motion, scans: list[NDArray[n
     """Return CALLS filter updates as arena-navigation makes them: motion, weights, clusters, KLD bound, resampling."""
     particles = cloud(PARTICLES, BEAMS)
     key = np.uint64(5)
-    field, free = grid.derive(LikelihoodField(True, 0.8, 0.2, 0.05, 2.0, True, 0.3, 30.0)), free_space(grid)
+    field, free = grid.derive(LikelihoodField(True, 0.8, 0.2, 0.05, 2.0, Distances(True, True), 0.3, 30.0)), free_space(grid)
     resampling = Resampling(True, False, Limits(PARTICLES, PARTICLES, 0.05, 0.99, False), free, Recovery(0.0, 0.0))
 
     def run() -> None:

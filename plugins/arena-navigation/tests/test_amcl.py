@@ -112,6 +112,41 @@ def test_drifting_odometry_is_corrected(preset, turn):
     assert wheels.distance(poses[-1]) > 0.3
 
 
+MODELS = [
+    {"laser_model_type": "beam"},
+    {"laser_model_type": "likelihood_field"},
+    {"laser_model_type": "likelihood_field_prob"},
+    {"laser_model_type": "likelihood_field_prob", "do_beamskip": True},
+]
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize(("preset", "drift"), [("amcl", 1.1), ("amcl_as_ros", 1.1), ("amcl_as_clearpath", 1.02)])
+def test_every_sensor_model_corrects_odometry_and_does_so_again(preset, drift, model):
+    grid = room()
+    poses, measured = round_trip(grid, drift=drift)
+    chosen = localizer(preset, **model)
+    estimates = run(chosen, grid, poses[0], measured)
+    assert errors(estimates, poses)[20:].mean() < 0.1
+    again = run(chosen, grid, poses[0], measured)
+    assert [estimate.pose for estimate in again] == [estimate.pose for estimate in estimates]
+
+
+def test_beam_skipping_with_another_model_is_refused():
+    with pytest.raises(ConfigurationError, match="do_beamskip is true with laser_model_type beam; allowed: likelihood_field_prob"):
+        localizer(laser_model_type="beam", do_beamskip=True)
+
+
+def test_as_ros_corrects_the_pose_only_where_it_resamples():
+    grid = room()
+    poses, measured = round_trip(grid)
+    estimates = run(localizer("amcl_as_ros"), grid, poses[0], measured)
+    corrected = [not np.array_equal(a.covariance, b.covariance) for a, b in pairwise(estimates)]
+    travelled = 0.04 * np.diff(np.flatnonzero(corrected))
+    assert len(travelled) > 5
+    assert travelled.min() >= 0.4 - 1e-9  # every second update, of which each takes 0.2 m
+
+
 @pytest.mark.parametrize("wrong", [Pose(0.4, 0.3, 0.3), Pose(-0.3, -0.4, -0.3), Pose(0.0, 0.5, 0.3)])
 def test_a_wrong_start_is_corrected(wrong):
     grid = room()
@@ -285,5 +320,5 @@ def test_an_omnidirectional_robot_may_drive_sideways():
 
 
 def test_every_parameter_has_a_home_in_each_preset():
-    for preset in ("amcl", "amcl_as_ros"):
+    for preset in ("amcl", "amcl_as_ros", "amcl_as_clearpath"):
         assert isinstance(localizer(preset), AmclLocalizer)

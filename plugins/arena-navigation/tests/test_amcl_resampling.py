@@ -11,6 +11,7 @@ from arena_navigation.amcl_resampling import (
     Limits,
     _holder,
     accumulate,
+    draw_independently,
     free_pose,
     kld_bound,
     needed,
@@ -135,3 +136,30 @@ def test_scattered_particles_count_as_bins_of_their_own():
     poses, weights = np.full((100, 3), 5.0), np.full(100, 0.01)
     limits = Limits(50, 5000, 0.05, 0.99, False)
     assert drawn_count(poses, weights, limits, injection=0.5, free=free) > 10 * drawn_count(poses, weights, limits)
+
+
+def drawn_independently(poses, weights, limits, tick=1):
+    keys, cumulative = np.array([bin_key(*pose) for pose in poses]), np.empty(len(weights))
+    accumulate(weights, len(weights), cumulative)
+    picked, bins = np.empty(limits.max_particles, np.int32), histogram(5000)
+    count = draw_independently(keys, cumulative, len(weights), 0.0, NOWHERE, limits, bins, KEY, tick, picked)
+    return picked[:count]
+
+
+def test_a_single_bin_asks_for_the_most_where_particles_are_drawn_independently():
+    limits = Limits(10, 900, 0.05, 0.99, True)
+    picked = drawn_independently(np.full((40, 3), 0.1), np.full(40, 1 / 40), limits)
+    assert len(picked) == kld_bound(1, limits) == 900
+
+
+def test_independent_draws_stop_one_beyond_what_their_bins_ask_for():
+    limits = Limits(10, 5000, 0.05, 0.99, True)
+    poses = np.array([(0.1 + 0.5 * k, 0.1, 0.0) for k in range(6)])
+    assert len(drawn_independently(poses, np.full(6, 1 / 6), limits)) == kld_bound(6, limits) + 1
+
+
+def test_independent_draws_follow_the_weights_with_the_noise_of_a_multinomial():
+    weights, limits = np.array([0.05, 0.45, 0.15, 0.35]), Limits(200, 200, 0.05, 0.99, True)
+    times = np.array([np.bincount(drawn_independently(np.zeros((4, 3)), weights, limits, tick), minlength=4) for tick in range(400)])
+    np.testing.assert_allclose(times.mean(axis=0) / 200, weights, atol=0.01)
+    np.testing.assert_allclose(times.var(axis=0), 200 * weights * (1 - weights), rtol=0.3)

@@ -9,10 +9,11 @@ from arena_core import LaserScan, OccupancyGrid, Pose
 from arena_kernels.distance import grid_distance
 from arena_kernels.grids import stack_grids
 from arena_navigation.amcl_beams import beam_ends, predicted, thinned
-from arena_navigation.amcl_sensor import LikelihoodField, match, reweigh, surface_distance
+from arena_navigation.amcl_sensor import Distances, LikelihoodField, match, reweigh, shell_distance, surface_distance
 
-PROB = LikelihoodField(True, 0.8, 0.2, 0.1, 2.0, True, 0.5, 10.0)
-ADDED = LikelihoodField(False, 0.95, 0.05, 0.2, 2.0, False, 0.5, 10.0)
+SURFACE, CELLS = Distances(True, True), Distances(False, False)
+PROB = LikelihoodField(True, 0.8, 0.2, 0.1, 2.0, SURFACE, 0.5, 10.0)
+ADDED = LikelihoodField(False, 0.95, 0.05, 0.2, 2.0, CELLS, 0.5, 10.0)
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +46,7 @@ def test_score_is_the_sum_over_the_beams_of_table_6_3(grid, model):
     random = np.random.default_rng(3)
     poses = random.uniform((1.0, 0.5, -3.0), (5.0, 3.5, 3.0), (20, 3))
     ends = random.uniform(-4.0, 4.0, (2, 13)).astype(np.float32)
-    distance = grid.derive(surface_distance if model.to_surface else grid_distance)
+    distance = grid.derive(surface_distance if model.distances.surface else grid_distance)
     for pose, found in zip(poses, scores(grid, model, poses, ends), strict=True):
         at = [Pose.of(pose).compose(Pose(*end)) for end in ends.T.tolist()]
         cells = [(math.floor(p.y / 0.1), math.floor(p.x / 0.1)) for p in at]
@@ -58,6 +59,25 @@ def test_distance_to_the_surface_is_signed_and_nought_on_it(grid):
     signed = surface_distance(grid)
     np.testing.assert_allclose(signed[12, 14:25], [0.55, 0.45, 0.35, 0.25, 0.15, 0.05, -0.05, -0.15, -0.25, -0.25, -0.25], atol=1e-6)
     assert (signed < 0.0).sum() == grid.occupied.sum()
+
+
+def test_hollow_obstacles_are_those_cells_that_a_scan_can_have_seen(grid):
+    distance = shell_distance(grid)
+    outside = ~grid.occupied
+    np.testing.assert_array_equal(distance[outside], grid.derive(grid_distance)[outside])
+    assert distance[10, 25] == distance[14, 20] == 0.0
+    assert distance[12, 25] == pytest.approx(0.2)  # the box is 5 cells deep
+    assert (distance[1:-1, 1:-1] > 0.0).sum() == (~grid.occupied[1:-1, 1:-1]).sum() + 3 * 8
+
+
+def test_deep_inside_a_hollow_obstacle_fits_no_beam(grid):
+    hollow = LikelihoodField(False, 0.95, 0.05, 0.05, 2.0, Distances(False, True), 1.0, 10.0)
+    solid = LikelihoodField(False, 0.95, 0.05, 0.05, 2.0, Distances(False, False), 1.0, 10.0)
+    poses = [(1.05, 1.25, 0.0), (1.25, 1.25, 0.0)]  # the second one's beam ends 0.25 m inside
+    outer, inner = scores(grid, hollow, poses, [[1.0], [0.0]])
+    assert outer > 10.0 * inner
+    outer, inner = scores(grid, solid, poses, [[1.0], [0.0]])
+    assert outer == inner
 
 
 def test_with_surfaces_the_best_fit_is_where_the_wall_begins(grid):

@@ -31,6 +31,7 @@ from arena_navigation.amcl_laser import BeamSkipping, LaserModel, LaserModelType
 from arena_navigation.amcl_motion import Alphas, OdometryModelType, motion
 from arena_navigation.amcl_ranges import Mixture
 from arena_navigation.amcl_resampling import FreeSpace, Limits
+from arena_navigation.amcl_sensor import Distances
 from arena_navigation.odometry_history import OdometryHistory
 
 NOWHERE = FreeSpace(np.zeros(1, np.int64), 1, 1.0)
@@ -71,6 +72,7 @@ class AmclLocalizer(Localizer):
         laser_lambda_short: Positive,
         laser_likelihood_max_dist: Positive,
         laser_to_surface: bool,
+        laser_hollow: bool,
         laser_beam_weight: Fraction,
         short_beam_distance: Positive | None,
         do_beamskip: bool,
@@ -100,7 +102,7 @@ class AmclLocalizer(Localizer):
             laser_model_type,
             Mixture(laser_z_hit, laser_z_short, laser_z_max, laser_z_rand, laser_sigma_hit, laser_lambda_short),
             laser_likelihood_max_dist,
-            laser_to_surface,
+            Distances(laser_to_surface, laser_hollow),
             laser_beam_weight,
             skipping if do_beamskip else None,
         )

@@ -15,7 +15,7 @@ from arena_navigation.amcl_beams import beam_ends, measured_ranges, rays_of
 from arena_navigation.amcl_filter import Cloud, Resampling, filter_update, filter_update_by_ranges
 from arena_navigation.amcl_motion import Motion
 from arena_navigation.amcl_ranges import Mixture, View
-from arena_navigation.amcl_sensor import LikelihoodField
+from arena_navigation.amcl_sensor import Distances, LikelihoodField
 from arena_navigation.amcl_skipping import NearMap, Skipping
 
 LaserModelType = Literal["beam", "likelihood_field", "likelihood_field_prob"]
@@ -41,7 +41,7 @@ class LaserModel:
     kind: LaserModelType
     mixture: Mixture
     max_dist: float
-    to_surface: bool
+    distances: Distances
     beam_weight: float
     skipping: BeamSkipping | None
 
@@ -69,13 +69,13 @@ class LaserModel:
     def _field(self, max_range: float) -> LikelihoodField:
         mixture, product = self.mixture, self.kind == "likelihood_field_prob"
         return LikelihoodField(
-            product, mixture.z_hit, mixture.z_rand, mixture.sigma_hit, self.max_dist, self.to_surface, self.beam_weight, max_range
+            product, mixture.z_hit, mixture.z_rand, mixture.sigma_hit, self.max_dist, self.distances, self.beam_weight, max_range
         )
 
     def _skipping(self, grid: OccupancyGrid) -> Skipping:
         if self.skipping is None:
             return KEEP_ALL
-        near = grid.derive(NearMap(self.skipping.distance, self.to_surface))
+        near = grid.derive(NearMap(self.skipping.distance, self.distances))
         return Skipping(near, self.skipping.threshold, self.skipping.error_threshold)
 
     def _view(self, grid: OccupancyGrid, scan: LaserScan, max_range: float) -> View:

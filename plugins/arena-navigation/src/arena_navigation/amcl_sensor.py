@@ -16,6 +16,17 @@ from arena_kernels.scalars import Integer
 FloatTable = NDArray[np.float32]
 
 
+class Distances(NamedTuple):
+    """What a beam's end is near to: the ``surface`` of obstacles, or the centre of the nearest occupied cell (ROS amcl).
+
+    To centres, ``hollow`` takes only those cells for occupied that a scan can have seen, as in a map that was made by scans; without, all
+    of an obstacle's inside fits a beam equally well, and estimates are drawn into racks and walls.
+    """
+
+    surface: bool
+    hollow: bool
+
+
 class Field(NamedTuple):
     """What a beam that ends in a cell adds to a particle's score: a padded table, flat, of ``rows`` by ``columns``.
 
@@ -35,8 +46,6 @@ class LikelihoodField:
 
     ``sigma_hit``, ``max_dist`` and ``max_range`` in m. A ``product`` multiplies the likelihoods of the beams, as in the book, each to the
     power ``beam_weight``; else their cubes are added, which is ROS amcl's ``likelihood_field`` and much less sure of itself.
-    ``to_surface`` measures distances to the surface of obstacles, else to the centre of the nearest occupied cell (ROS amcl): then all
-    of an obstacle's inside fits a beam equally well, and estimates are drawn into walls by up to half a cell and more.
     """
 
     product: bool
@@ -44,23 +53,31 @@ class LikelihoodField:
     z_rand: float
     sigma_hit: float
     max_dist: float
-    to_surface: bool
+    distances: Distances
     beam_weight: float
     max_range: float
 
     def __call__(self, grid: OccupancyGrid) -> Field:
         """Return the field of ``grid``."""
-        distance = np.pad(np.minimum(distance_to(grid, self.to_surface), self.max_dist), 1, constant_values=self.max_dist)
+        distance = np.pad(np.minimum(distances_to(grid, self.distances), self.max_dist), 1, constant_values=self.max_dist)
         likelihood = self.z_hit * np.exp(-0.5 * np.square(distance / self.sigma_hit)) + self.z_rand / self.max_range
         table = self.beam_weight * np.log(likelihood) if self.product else likelihood**3
         rows, columns = table.shape
         return Field(table.astype(np.float32).ravel(), rows, columns, 1.0 / grid.resolution, self.product)
 
 
-def distance_to(grid: OccupancyGrid, surface: bool) -> FloatTable:
-    """Return the distance of each cell's centre to the nearest obstacle's ``surface``, or to its nearest cell's centre, (H, W), m."""
-    distance: FloatTable = grid.derive(surface_distance if surface else grid_distance)
+def distances_to(grid: OccupancyGrid, distances: Distances) -> FloatTable:
+    """Return the distance of each cell's centre to the nearest obstacle, (H, W), m."""
+    seen = shell_distance if distances.hollow else grid_distance
+    distance: FloatTable = grid.derive(surface_distance if distances.surface else seen)
     return distance
+
+
+def shell_distance(grid: OccupancyGrid) -> FloatTable:
+    """Return the distance of each cell's centre to that of the nearest occupied cell with a side to the open, (H, W), m."""
+    filled = np.pad(grid.occupied, 1, constant_values=True)
+    enclosed = filled[:-2, 1:-1] & filled[2:, 1:-1] & filled[1:-1, :-2] & filled[1:-1, 2:]
+    return distance_field(grid.occupied & ~enclosed, grid.resolution)
 
 
 def surface_distance(grid: OccupancyGrid) -> FloatTable:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from arena_core import OccupancyGrid
 from arena_kernels.compiled import borrowing
 from arena_kernels.scalars import Integer
-from arena_navigation.amcl_sensor import Field, distance_to, write_cells
+from arena_navigation.amcl_sensor import Distances, Field, distances_to, write_cells
 
 CONVERGED = 0.5  # m; particles that are all so near to their mean, along either axis, agree on one place (ROS amcl)
 
@@ -33,11 +33,11 @@ class NearMap:
     """Tell which cells lie less than ``distance`` m from an obstacle, in the layout of ``LikelihoodField``; meant for ``grid.derive``."""
 
     distance: float
-    to_surface: bool
+    distances: Distances
 
     def __call__(self, grid: OccupancyGrid) -> NDArray[np.uint8]:
         """Return 1 or 0 for each cell of ``grid`` and of its rim, flat."""
-        away = np.pad(np.abs(distance_to(grid, self.to_surface)), 1, constant_values=np.inf)
+        away = np.pad(np.abs(distances_to(grid, self.distances)), 1, constant_values=np.inf)
         return (away < self.distance).astype(np.uint8).ravel()
 
 
