@@ -41,6 +41,7 @@ def test_everything_installed_holds_its_contract_or_needs_a_file(arena):
         "world=scenario_map",
         "task=barn",
         "task=scenario",
+        "planner=gring_as_released",
         "observation_encoder=navrep",
         "observation_encoder=navrep_v_only",
     }

@@ -19,7 +19,6 @@ from arena_policies.card import PolicyCard, sha256, write_card
 
 RANGE = {"vx_min": 0.0, "vx_max": None, "vy_max": None, "wz_max": None, "steering_max": None}
 ENCODERS = ("gring", "gring_as_released")
-SHIPPED = {"gring": "policies", "gring_as_released": "policies_as_released"}
 ROBOTS = ("turtlebot3", "jackal", "robotino")
 
 
@@ -153,20 +152,33 @@ def test_recipe_trains_a_policy_that_drives(tmp_path, recipe):
     assert robot.limits.vx_min <= low <= command.vx <= high <= robot.limits.vx_max
 
 
-@pytest.mark.parametrize("planner", SHIPPED)
 @pytest.mark.parametrize("robot", ROBOTS)
-def test_policy_is_small_and_its_card_has_what_its_recipe_composes(planner, robot):
-    folder = resources.files("arena_gring") / SHIPPED[planner]
+def test_policy_is_small_and_its_card_has_what_its_recipe_composes(robot):
+    folder = resources.files("arena_gring") / "policies"
     assert len((folder / f"{robot}.onnx").read_bytes()) <= 2 * 10**6
     training = json.loads((folder / f"{robot}.json").read_text("utf-8"))["training"]
-    composed = json.loads(json.dumps(compose_environment([f"recipe={planner}", f"robot={robot}"], primary="train")))
+    composed = json.loads(json.dumps(compose_environment(["recipe=gring", f"robot={robot}"], primary="train")))
     assert training["steps"] >= composed["total_steps"]
     for key in ("action", "observation_encoder", "randomization", "reward", "total_steps", "training"):
         assert training["config"][key] == composed[key], key
 
 
-@pytest.mark.parametrize("planner", SHIPPED)
 @pytest.mark.parametrize("robot", ROBOTS)
-def test_planner_holds_its_contract(planner, robot):
+def test_planner_holds_its_contract(robot):
     body = testing.component("robot", robot)
-    assert testing.check("planner", testing.component("planner", planner, robot=body, robot_preset=robot), body)
+    assert testing.check("planner", testing.component("planner", "gring", robot=body, robot_preset=robot), body)
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_planner_as_released_holds_its_contract_on_the_whole_scan(tmp_path, robot):
+    body = testing.component("robot", robot)
+    planner = driving(tmp_path, "gring_as_released", body, robot_preset=robot)
+    assert planner.card.layout[0].size == body.lidar.beams
+    assert testing.check("planner", planner, body)
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_preset_as_released_says_that_no_policy_comes_with_it_and_how_to_train_one(robot):
+    message = rf"no policy for {robot} \(`arena train planner=gring_as_released robot={robot}` trains one\); allowed: planner.policy=FILE$"
+    with pytest.raises(ConfigurationError, match=message):
+        testing.component("planner", "gring_as_released", robot=testing.component("robot", robot), robot_preset=robot)

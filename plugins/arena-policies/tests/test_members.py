@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from onnx import TensorProto, helper, numpy_helper
 
-from arena_core import Planner, Pose, Twist, compose, plain, testing
+from arena_core import Planner, Pose, Twist, compose, load_registry, plain, testing
 from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.card import PolicyCard, sha256, write_card
-from arena_policies.members import Members, member_hash
+from arena_policies.members import Members, build_members, member_hash
 from arena_policies.planner import PolicyPlanner
 
 LOOKS_BACK = "observation_encoder.lookback=[0.2]"
@@ -81,6 +81,21 @@ def test_member_is_named_by_its_numbers_however_they_are_written():
     assert member_hash(written, planner) == member_hash({**written, "speed": 1.0, "weights": [1.0, {"gain": 2.0}]}, planner)
     assert member_hash(written, planner) != member_hash({**written, "speed": 2}, planner)
     assert member_hash(written, planner) != member_hash({**written, "careful": 1}, planner)
+
+
+def test_what_a_member_says_of_a_navigator_names_no_other_member():
+    planner, written = Told([]), {"name": "told", "speed": 1}
+    navigator = {"control_period": 0.1, "replan": {"period": 1.0}, "recoveries": {"behaviours": []}}
+    assert member_hash({**written, **navigator}, planner) == member_hash(written, planner)
+
+
+def test_members_are_built_without_what_they_say_of_a_navigator():
+    robot, registry = testing.robot(), load_registry()
+    node = plain(compose(["planner=pure_pursuit"]))["planner"]
+    navigator = {"replan": {"period": 1.0}, "recoveries": {"behaviours": ["wait"]}}
+    (built,) = build_members({"pure_pursuit": {**node, **navigator}}, ["pure_pursuit"], robot, registry, "planner.members").values()
+    alone = testing.planner("pure_pursuit", robot)
+    assert built.compute_velocity(testing.observation(body=robot)) == alone.compute_velocity(testing.observation(body=robot))
 
 
 def test_member_with_a_policy_is_named_by_its_card_wherever_the_file_lies(learned):

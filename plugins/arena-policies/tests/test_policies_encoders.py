@@ -166,6 +166,20 @@ def test_gring_sees_eight_waypoints_ahead_in_its_own_frame():
     assert ways == pytest.approx(points, abs=1e-3)
 
 
+@pytest.mark.parametrize("name", ["turtlebot3", "jackal", "robotino"])
+def test_gring_as_released_sees_every_beam_as_far_as_the_lidar_does(name):
+    body = component("robot", name)
+    encoder = component("observation_encoder", "gring_as_released", robot=body)
+    view = observation(body=body)
+    view.scan.ranges[:] = np.linspace(0.5, body.lidar.range_max, body.lidar.beams)
+    view.scan.ranges[7] = np.inf
+    state = fields(encoder, encoder.encode(batch_of(encoder, view))[0])
+    expected = view.scan.ranges.copy()
+    expected[7] = body.lidar.range_max
+    assert np.sort(state["ranges"]) == pytest.approx(np.sort(expected), abs=0.026)
+    assert state["ranges"].size == {"turtlebot3": 360, "jackal": 720, "robotino": 552}[name]
+
+
 def test_gring_sees_earlier_scans_as_they_were():
     encoder = built("gring")
     assert encoder.lookback == (5, 10)
