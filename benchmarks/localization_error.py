@@ -92,7 +92,7 @@ def build(preset: str, robot: Robot, registry: Registry) -> Localizer:
 
 
 def cell(found: Sequence[Drive], name: str) -> str:
-    """Return one localiser's columns: the drives' mean errors, averaged; the worst drive's; the 95th percentile of all steps; likewise turns."""
+    """Return one localiser's columns: the mean of the drives' mean errors, the worst of them, the 95th percentile of all steps; then headings."""
     means = [float(drive.errors[name].mean()) for drive in found]
     steps, turns = (np.concatenate([errors[name] for errors in kind]) for kind in ([d.errors for d in found], [d.turns for d in found]))
     place = f"{np.mean(means):.3f} ({max(means):.3f}) / {np.quantile(steps, 0.95):.3f}"
@@ -100,7 +100,7 @@ def cell(found: Sequence[Drive], name: str) -> str:
 
 
 def main() -> None:
-    """Print a Markdown table: mean error over each drive's steps, then mean and worst over the drives, and the 95th percentile of all steps."""
+    """Print a Markdown table: mean error over each drive's steps, then mean and worst over the drives; the 95th percentile of all steps."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--world", action="append", help="overrides of one world, separated by blanks; may be given again")
     parser.add_argument("--robot", action="append", help="may be given again")

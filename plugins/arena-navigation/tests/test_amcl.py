@@ -133,7 +133,7 @@ def test_every_sensor_model_corrects_odometry_and_does_so_again(preset, drift, m
 
 
 def test_beam_skipping_with_another_model_is_refused():
-    with pytest.raises(ConfigurationError, match="do_beamskip is true with laser_model_type beam; allowed: likelihood_field_prob"):
+    with pytest.raises(ConfigurationError, match="do_beamskip is true with beam; allowed: laser_model_type likelihood_field_prob"):
         localizer(laser_model_type="beam", do_beamskip=True)
 
 

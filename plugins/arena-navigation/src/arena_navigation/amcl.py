@@ -89,7 +89,9 @@ class AmclLocalizer(Localizer):
         if min_particles > max_particles:
             raise ConfigurationError(f"localizer amcl: min_particles is {min_particles}; allowed: at most max_particles {max_particles}")
         if do_beamskip and laser_model_type != "likelihood_field_prob":
-            raise ConfigurationError(f"localizer.do_beamskip is true with laser_model_type {laser_model_type}; allowed: likelihood_field_prob")
+            raise ConfigurationError(
+                f"localizer.do_beamskip is true with {laser_model_type}; allowed: laser_model_type likelihood_field_prob"
+            )
         self._limits = Limits(min_particles, max_particles, kld_err, kld_z, resample_independently)
         self._recovery = Recovery(recovery_alpha_slow, recovery_alpha_fast)
         self._least_motion = update_min_d, update_min_a

@@ -157,9 +157,7 @@ def filter_update_by_ranges(
 
 
 @borrowing
-def conclude(
-    cloud: Cloud, beams: Integer, product: bool, explained: float, resampling: Resampling, key: np.uint64, tick: Integer
-) -> None:
+def conclude(cloud: Cloud, beams: Integer, product: bool, explained: float, resampling: Resampling, key: np.uint64, tick: Integer) -> None:
     """Turn the scores of so many beams into weights, estimate, and resample if it is due."""
     likelihood = reweigh(cloud.weights, cloud.number[0], cloud.scores, beams, product)
     occupied = estimate(cloud)

@@ -80,10 +80,10 @@ def converged(poses: NDArray[np.float64], count: Integer) -> bool:
     for i in range(count):
         x += poses[0, i] / count
         y += poses[1, i] / count
+    farthest = 0.0
     for i in range(count):
-        if abs(poses[0, i] - x) > CONVERGED or abs(poses[1, i] - y) > CONVERGED:
-            return False
-    return True
+        farthest = max(farthest, abs(poses[0, i] - x), abs(poses[1, i] - y))
+    return farthest <= CONVERGED
 
 
 @borrowing
