@@ -92,7 +92,7 @@ def build(preset: str, robot: Robot, registry: Registry) -> Localizer:
 
 
 def cell(found: Sequence[Drive], name: str) -> str:
-    """Return one localiser's columns: the mean of the drives' mean errors, the worst of them, the 95th percentile of all steps; then headings."""
+    """Return one localiser's columns: mean and worst of the drives' mean errors, 95th percentile of all steps; then headings."""
     means = [float(drive.errors[name].mean()) for drive in found]
     steps, turns = (np.concatenate([errors[name] for errors in kind]) for kind in ([d.errors for d in found], [d.turns for d in found]))
     place = f"{np.mean(means):.3f} ({max(means):.3f}) / {np.quantile(steps, 0.95):.3f}"

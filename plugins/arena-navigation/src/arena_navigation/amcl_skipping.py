@@ -56,11 +56,11 @@ def skip_beams(
 
     Particles that are scattered keep all. ``cells`` and ``fitting`` are scratch space of B.
     """
-    number = beams.shape[1]
+    number: Integer = beams.shape[1]
     if len(skipping.near) == 0 or not converged(poses, count):
         return number
     _count_fitting(poses, directions, count, beams, field, skipping.near, cells, fitting)
-    kept = np.int64(0)
+    kept: Integer = np.int64(0)
     for j in range(number):
         kept += fitting[j] > skipping.threshold * count
     if number - kept >= skipping.error_threshold * number:
