@@ -163,12 +163,14 @@ def test_member_with_another_control_period_is_refused(here, period):
     assert said.startswith(f"planner.members.dwa.control_period is {period if period == '0.2' else repr(period)}; allowed: 0.1")
 
 
-def test_member_of_another_configuration_is_refused(here):
+def test_member_of_another_configuration_is_told(here):
     robot = testing.component("robot", "jackal")
     write_policy(here, robot, {})
-    assert "planner.members.dwa: its hash is" in refused(robot, "planner.members.dwa.sim_time=0.5")
+    assert mine(robot).untuned == ()
+    changed = mine(robot, "planner.members.dwa.sim_time=0.5")
+    assert changed.untuned == ("aio: member dwa is not as it was when the policy was trained",)
     whole = next(key for key, value in MEMBERS["dwa"].items() if isinstance(value, float) and value == int(value))
-    mine(robot, f"planner.members.dwa.{whole}={int(MEMBERS['dwa'][whole])}")  # the same number
+    assert mine(robot, f"planner.members.dwa.{whole}={int(MEMBERS['dwa'][whole])}").untuned == ()  # the same number
 
 
 def test_member_that_the_policy_does_not_know_is_refused(here):

@@ -18,6 +18,7 @@ class Members:
 
     def __init__(self, planners: Mapping[str, Planner]) -> None:
         self.names = tuple(planners)
+        self.planners = dict(planners)
         self._planners = list(planners.values())
         self.untuned = tuple(note for planner in planners.values() for note in planner.untuned)
         self._driving: int | None = None
