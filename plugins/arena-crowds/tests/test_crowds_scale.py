@@ -141,3 +141,42 @@ def test_replay_hands_on_what_the_user_says(tmp_path: Path) -> None:
     with pytest.raises(InputFileError, match="allowed: unit=m"):
         component("pedestrians", "replay", chosen)
     assert component("pedestrians", "replay", [*chosen, "pedestrians.unit=cm", "pedestrians.frame_rate=16"])
+
+
+PIECES = [
+    *("# framerate: 25\n", "# x/m\n", "# x/cm fps 0\n", "# fps: .\n", "\n", "\0", "\ufeff", "-", "1 1\n"),
+    *("1 0 0 0 0\n", "1 1 1.5 0 0\n", "2 0 3 3 0 9 red\n", "0 1 0 0\n", "1 0 1e308 0\n", "1e12 0 0 0\n", "1 2 nan 3\n"),
+    *("0 1 0 0 0 1 0 1\n", "5 1 9 0 9 1 0 1\n", "9 1 0 0 0 1 0 1\n"),
+]
+
+
+@settings(max_examples=200, deadline=None)
+@given(pieces=st.lists(st.sampled_from(PIECES) | st.text(max_size=5), max_size=8), layout=st.sampled_from(("frames", "obsmat", "juelich")))
+def test_a_spoilt_recording_is_read_or_refused_in_one_line(tmp_path_factory, pieces: list[str], layout: str) -> None:
+    path = tmp_path_factory.getbasetemp() / "spoilt.txt"
+    path.write_bytes("".join(pieces).encode("utf-8", "surrogatepass"))
+    _read_or_refuse(path, layout)
+
+
+@settings(max_examples=60, deadline=None)
+@given(cut=st.integers(0, 200), byte=st.integers(0, 255))
+def test_a_spoilt_archive_is_read_or_refused_in_one_line(tmp_path_factory, cut: int, byte: int) -> None:
+    content = bytearray(gzip.compress(("# framerate: 10 x/m\n" + rows()).encode()))
+    content[cut % len(content)] = byte
+    path = tmp_path_factory.getbasetemp() / "spoilt.txt.gz"
+    path.write_bytes(content[: len(content) - cut % 7])
+    _read_or_refuse(path, "juelich")
+
+
+def _read_or_refuse(path: Path, layout: str) -> None:
+    said, recording = "", None
+    try:
+        recording = read_recording(path, layout)
+    except InputFileError as error:
+        said = str(error)
+    assert "\n" not in said
+    if recording is None:
+        assert str(path) in said
+    else:
+        assert np.isfinite(recording.positions).all()
+        assert np.isfinite(recording.stamps).all()

@@ -135,3 +135,60 @@ def test_a_picture_of_another_format_is_refused_in_one_line(tmp_path: Path) -> N
     )
     with pytest.raises(InputFileError, match=r"map\.ico: is no image .*allowed: PGM, PNG, BMP, JPEG, GIF, TIFF or WebP"):
         load_map(tmp_path / "map.yaml")
+
+
+def lines(folder: Path, rows: str, **changes: object) -> Path:
+    keys = {"type": "line_segments", "data": "walls.dat", "scale": 0.5, "origin": [1.0, 2.0, 0.0], **changes}
+    (folder / "lines.yaml").write_text("".join(f"{key}: {value}\n" for key, value in keys.items()))
+    (folder / "walls.dat").write_text(rows)
+    (folder / "w.yaml").write_text("layers:\n- {name: lines, map: lines.yaml}\n")
+    return folder / "w.yaml"
+
+
+def test_a_layer_of_lines_is_walls_where_they_run(tmp_path: Path) -> None:
+    grid = load_map(lines(tmp_path, "0 0.05 4.05 0.05\n\n4.05 0.05 4.05 2.05\n", origin=[1.02, 2.0, 0.0]))
+    on = np.array([(x, 2.025) for x in np.linspace(1.03, 3.04, 50)] + [(3.045, y) for y in np.linspace(2.03, 3.01, 50)])
+    assert grid.occupied[tuple(grid.cells(on).T)].all()
+    off = np.array([(1.5, 2.1), (2.9, 2.9), (1.0, 2.9)])
+    assert (grid.data[tuple(grid.cells(off).T)] == 0).all()
+    assert grid.occupied.sum() == 61
+
+
+def test_a_slanting_wall_has_no_gaps_at_corners(tmp_path: Path) -> None:
+    grid = load_map(lines(tmp_path, "0 0 4 4\n0 4 4 1\n"))
+    block = grid.occupied[:-1, :-1].astype(int) * 8 + grid.occupied[:-1, 1:] * 4 + grid.occupied[1:, :-1] * 2 + grid.occupied[1:, 1:]
+    assert not np.isin(block, (0b1001, 0b0110)).any()
+
+
+@given(ends=arrays.arrays(float, (5, 4), elements=st.floats(-8, 8)), origin=st.tuples(st.floats(-3, 3), st.floats(-3, 3), st.floats(-3, 3)))
+@settings(deadline=None, max_examples=40)
+def test_every_wall_of_lines_is_closed(
+    tmp_path_factory: pytest.TempPathFactory, ends: NDArray[np.float64], origin: tuple[float, ...]
+) -> None:
+    folder = tmp_path_factory.mktemp("lines")
+    grid = load_map(lines(folder, "".join(" ".join(map(str, row)) + "\n" for row in ends), origin=list(origin), scale=1.0))
+    place = Pose(*origin)
+    for x1, y1, x2, y2 in ends:
+        for share in np.linspace(0.0, 1.0, 30):
+            at = place.compose(Pose(x1 + share * (x2 - x1), y1 + share * (y2 - y1)))
+            row, column = grid.cells((at.x, at.y))
+            assert grid.occupied[max(row - 1, 0) : row + 2, max(column - 1, 0) : column + 2].any()
+
+
+@pytest.mark.parametrize(
+    ("rows", "changes", "said"),
+    [
+        ("0 0 1\n", {}, r"walls\.dat: has no walls, or rows of other than 4 finite numbers"),
+        ("", {}, r"walls\.dat: has no walls"),
+        ("0 0 nan 1\n", {}, r"walls\.dat: has no walls, or rows of other than 4 finite"),
+        ("0 0 a 1\n", {}, r"walls\.dat: cannot be read"),
+        ("0 0 1 1\n", {"scale": 0}, r"lines\.yaml: scale is 0; allowed: > 0"),
+        ("0 0 1 1\n", {"data": "gone.dat"}, r"lines\.yaml: data is 'gone\.dat'; allowed: a file with rows"),
+        ("0 0 1 1\n", {"origin": [1]}, r"lines\.yaml: origin is \[1\]; allowed"),
+        ("0 0 1e6 1e6\n", {}, r"walls\.dat: its walls span 10000002 x 10000002 cells"),
+    ],
+)
+def test_lines_that_cannot_be_read_are_one_line(tmp_path: Path, rows: str, changes: dict[str, object], said: str) -> None:
+    with pytest.raises(InputFileError, match=said) as error:
+        load_map(lines(tmp_path, rows, **changes))
+    assert "\n" not in str(error.value)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -39,6 +40,7 @@ FORMATS: Mapping[str, Columns] = {
 }
 VELOCITY = {"obsmat": (5, 7)}  # the columns of a velocity, m/s
 WALKING = (0.3, 2.5)  # m/s, between which people's median speed lies
+LARGEST = 1e9  # of any number: ids are whole numbers of 32 bits
 STRIDE = 0.4  # s, over which a speed is measured: shorter ones are those of heads that sway
 
 
@@ -138,12 +140,11 @@ def _content(path: Path, layout: Format) -> tuple[list[str], Floats]:
     wanted = f"{columns.least}" if columns.least == columns.most else f"at least {columns.least}"
     try:
         comments, rows = _rows(path, columns)
-    except (OSError, ValueError, EOFError) as error:
+    except (OSError, ValueError, EOFError, zlib.error) as error:
         raise InputFileError(f"{path}: {error}; allowed: rows of {wanted} numbers for format {layout}") from error
-    if len(rows) == 0 or not np.isfinite(rows).all():
-        raise InputFileError(
-            f"{path}: {'no row' if len(rows) == 0 else 'a number is not finite'}; allowed: finite rows for format {layout}"
-        )
+    if len(rows) == 0 or not (np.abs(rows) <= LARGEST).all():
+        wrong = f"a number is beyond {LARGEST:g}" if np.isfinite(rows).all() else "a number is not finite"
+        raise InputFileError(f"{path}: {wrong if len(rows) else 'no row'}; allowed: finite rows for format {layout}")
     return comments, rows
 
 

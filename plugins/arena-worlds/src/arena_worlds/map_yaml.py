@@ -37,11 +37,11 @@ def read_map_yaml(path: Path) -> MapFile:
     keys = read_mapping(path, KEYS)
     found = MapFile(
         image=_image(path, keys),
-        resolution=_number(path, keys, "resolution"),
-        origin=_origin(path, keys),
+        resolution=number_at(path, keys, "resolution"),
+        origin=origin_at(path, keys),
         negate=_negate(path, keys),
-        occupied_thresh=_number(path, keys, "occupied_thresh"),
-        free_thresh=_number(path, keys, "free_thresh"),
+        occupied_thresh=number_at(path, keys, "occupied_thresh"),
+        free_thresh=number_at(path, keys, "free_thresh"),
         mode=_mode(path, keys),
     )
     if found.resolution <= 0.0:
@@ -101,7 +101,8 @@ def _image(path: Path, keys: Mapping[str, Any]) -> Path:
     return image
 
 
-def _number(path: Path, keys: Mapping[str, Any], key: str) -> float:
+def number_at(path: Path, keys: Mapping[str, Any], key: str) -> float:
+    """Return a finite number; raise InputFileError."""
     value = _value(path, keys, key, "a number")
     number = _as_number(value)
     if number is None:
@@ -120,7 +121,8 @@ def _as_number(value: Any) -> float | None:
     return number if math.isfinite(number) else None
 
 
-def _origin(path: Path, keys: Mapping[str, Any]) -> tuple[float, float, float]:
+def origin_at(path: Path, keys: Mapping[str, Any]) -> tuple[float, float, float]:
+    """Return ``origin``, x, y (m) and yaw (rad); raise InputFileError."""
     value = _value(path, keys, "origin", "[x, y, yaw]")
     numbers = [_as_number(item) for item in value] if isinstance(value, list) else []
     match numbers:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from arena_core import ConfigurationError, OccupancyGrid, Pose, World, WorldSource, local_path
 from arena_worlds.flatland_world import map_yamls_of
+from arena_worlds.line_segments import LineFile, line_grid, read_line_yaml
 from arena_worlds.map_image import occupancy
 from arena_worlds.map_yaml import MapFile, read_map_yaml
 from arena_worlds.merged import merged
@@ -33,13 +34,19 @@ def load_map(path: Path) -> OccupancyGrid:
     """
     maps = []
     for yaml_path in map_yamls_of(path):
-        file = read_map_yaml(yaml_path)
-        written = file.image.stat()
+        file = read_line_yaml(yaml_path) or read_map_yaml(yaml_path)
+        written = (file.image if isinstance(file, MapFile) else file.data).stat()
         maps.append((file, written.st_mtime_ns, written.st_size))
     return _grid(tuple(maps), str(path))
 
 
 @lru_cache(maxsize=16)
-def _grid(maps: tuple[tuple[MapFile, int, int], ...], name: str) -> OccupancyGrid:
-    grids = [OccupancyGrid(occupancy(file), file.resolution, Pose(*file.origin)) for file, _, _ in maps]
+def _grid(maps: tuple[tuple[MapFile | LineFile, int, int], ...], name: str) -> OccupancyGrid:
+    grids = [_layer(file) for file, _, _ in maps]
     return grids[0] if len(grids) == 1 else merged(grids, name)
+
+
+def _layer(file: MapFile | LineFile) -> OccupancyGrid:
+    if isinstance(file, LineFile):
+        return line_grid(file)
+    return OccupancyGrid(occupancy(file), file.resolution, Pose(*file.origin))
