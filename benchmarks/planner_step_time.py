@@ -1,4 +1,4 @@
-"""Measure the CPU time that a planner takes for a control step, in episodes as `arena run` runs them; local map and tracks are made before."""
+"""Measure the CPU time that a planner takes for a control step, in episodes as `arena run` runs them, local map and tracks not counted."""
 
 from __future__ import annotations
 
