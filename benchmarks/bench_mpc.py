@@ -1,4 +1,4 @@
-"""Speed of the nonlinear program of model predictive control: fatrop, as the planner drives it, against ipopt on the same problems."""
+"""Speed of the nonlinear program of model predictive control: shooting, as the planner drives it, against ipopt on the same problems."""
 
 from __future__ import annotations
 
@@ -14,14 +14,16 @@ from arena_mpc.corridor import FREE
 from arena_mpc.guess import drive_along, shifted
 from arena_mpc.moving import FAR
 from arena_mpc.parameters import SolverSettings
-from arena_mpc.problem import STAGE_HEAD, WEIGHTS, Shape
-from arena_mpc.solver import Bounds, CompiledProblem, Plan, compiled_problem
+from arena_mpc.plan import Plan, Room
+from arena_mpc.problem import Shape
+from arena_mpc.solvers import InteriorPoint, Shooting, Solver
+from arena_mpc.terms import STAGE_HEAD, WEIGHTS, Terms
 
-SHAPE = Shape("unicycle", "minimum_time", 20, 1, 3, 5)
+SHAPE = Shape("unicycle", "minimum_time", 20, 1, 3, 5, cells=False, hard=False, fixed_end=False)
 LARGE = replace(SHAPE, stages=30, movers=10)
-FATROP, IPOPT = SolverSettings("fatrop", 60, 1e-3), SolverSettings("ipopt", 60, 1e-3)
+SHOOTING, IPOPT = SolverSettings("shooting", 60, 60, 1e-3), SolverSettings("ipopt", 60, 60, 1e-3)
 SPEED, TURN, PERIOD, STEP = 1.0, 1.5, 0.1, 0.15  # m/s, rad/s, s, s
-BOUNDS = Bounds((np.array((-0.2, -TURN)), np.array((SPEED, TURN))), (np.full(2, -4.0), np.full(2, 4.0)), (0.02, 0.5), 1.0)
+ROOM = Room(np.array((-0.2, -TURN)), np.array((SPEED, TURN)), np.full(2, 4.0), 0.02, 0.5, 1.0)
 TUNED = {"time": 1.0, "goal_position": 100.0, "path": 2.0, "acceleration_linear": 0.01, "acceleration_angular": 0.01}
 WEIGHED = np.array([{**TUNED, "goal_heading": 0.5, "slack": 10.0, "slack_squared": 100.0}.get(name, 0.0) for name in WEIGHTS])
 GAP = 0.7  # m, between the robot's centre and a person's
@@ -32,16 +34,17 @@ EVERY = 10  # ipopt solves every tenth problem
 
 @dataclass(slots=True)
 class Drive:
-    """What a closed loop measures: CPU seconds of fatrop and, on some of the same problems, of ipopt; failures; costs that differ."""
+    """What a closed loop measures: CPU seconds of shooting and, on some of the same problems, of ipopt; failures; costs that differ."""
 
-    fatrop: list[float]
+    shooting: list[float]
     ipopt: list[float]
     failures: int
 
 
 def closed_loop(shape: Shape, steps: int, seed: int = 0) -> Drive:
     """Drive to and fro among walking people for ``steps`` control steps."""
-    ours, peer = compiled_problem(shape, FATROP), compiled_problem(shape, IPOPT)
+    ours, peer = Shooting(SHOOTING), InteriorPoint(IPOPT, lambda _: shape)
+    peer.prepare(shape.stages)
     generator = np.random.default_rng(seed)
     people = np.column_stack((generator.uniform(-HALF, HALF, (shape.movers, 2)), generator.uniform(-0.4, 0.4, (shape.movers, 2))))
     people[np.hypot(*people[:, :2].T) < 1.5, :2] += 2.0
@@ -51,10 +54,10 @@ def closed_loop(shape: Shape, steps: int, seed: int = 0) -> Drive:
             target, plan = -target, None
         path = _path(state, target)
         guess = _shifted(plan, path[-1], state) if plan is not None else _along(path, state, shape.stages)
-        parameters = _parameters(shape, state, path, people)
-        plan = _timed(ours, parameters, guess, drive.fatrop)
+        terms = _terms(shape, path, people)
+        plan = _timed(ours, terms, state, guess, drive.shooting)
         if k % EVERY == 0:
-            _timed(peer, parameters, guess, drive.ipopt)
+            _timed(peer, terms, state, guess, drive.ipopt)
         drive.failures += plan is None
         state = state if plan is None else _moved(state, plan)
         people[:, :2] += PERIOD * people[:, 2:]
@@ -84,21 +87,21 @@ def _shifted(plan: Plan, goal: FloatArray, state: FloatArray) -> Plan:
     return Plan(states, plan.step, plan.slack)
 
 
-def _parameters(shape: Shape, state: FloatArray, path: FloatArray, people: FloatArray) -> FloatArray:
+def _terms(shape: Shape, path: FloatArray, people: FloatArray) -> Terms:
     """Return the numbers of a problem between two walls, 3 m to the left and right."""
     movers = np.column_stack((people, np.full(len(people), GAP))) if len(people) else np.full((shape.movers, 5), FAR)
     row = np.zeros(shape.stage_row)
-    row[:STAGE_HEAD] = (path[0, 0], 0.0, 0.0, 1.0, path[0, 2], 1.0)
+    row[:6] = (path[0, 0], 0.0, 0.0, 1.0, path[0, 2], 1.0)
     row[STAGE_HEAD:] = (0.0, 1.0, -3.0, 0.0, -1.0, -3.0, 0.0, 0.0, FREE)
-    fixed = (1.0, STEP, 1.0, 0.02, 0.0)
-    return np.concatenate((state, path[-1], fixed, WEIGHED, np.zeros(2), movers.ravel(), np.tile(row, shape.stages + 1)))
+    rows = np.tile(row, (shape.stages + 1, 1))
+    return Terms(0, True, 1.0, STEP, 0.02, 0.0, 1.0, path[-1].copy(), WEIGHED, np.zeros((1, 2)), movers, rows)
 
 
-def _timed(problem: CompiledProblem, parameters: FloatArray, guess: Plan, seconds: list[float]) -> Plan | None:
+def _timed(solver: Solver, terms: Terms, state: FloatArray, guess: Plan, seconds: list[float]) -> Plan | None:
     began = process_time()
-    plan = problem.solve(parameters, guess, BOUNDS)
+    found = solver.solve(terms, state, guess, ROOM, SHOOTING.max_iterations)
     seconds.append(process_time() - began)
-    return plan
+    return None if found is None else found.plan
 
 
 def _moved(state: FloatArray, plan: Plan) -> FloatArray:
@@ -111,9 +114,10 @@ def _moved(state: FloatArray, plan: Plan) -> FloatArray:
 
 def measure() -> list[dict[str, Any]]:
     """Return the median CPU time of a solution beside ipopt's, the failures of a long drive, and the 95th percentile of large problems."""
+    closed_loop(SHAPE, 1)  # compiles
     usual, large = closed_loop(SHAPE, 500), closed_loop(LARGE, 200)
-    ours, peer = float(np.median(usual.fatrop)) * 1e3, float(np.median(usual.ipopt)) * 1e3
-    p95 = float(np.quantile(large.fatrop, 0.95)) * 1e3
+    ours, peer = float(np.median(usual.shooting)) * 1e3, float(np.median(usual.ipopt)) * 1e3
+    p95 = float(np.quantile(large.shooting, 0.95)) * 1e3
     failed, slow = "MPC, failures in 500 closed-loop steps, at most", "MPC, 30 intervals, 10 people, 95th percentile, at most"
     solved = {"what": "MPC, 20 intervals, 5 people: one solution", "ours_ms": ours, "peer": "ipopt", "peer_ms": peer}
     none = {"peer": None, "peer_ms": None, "ratio": None}

@@ -10,10 +10,10 @@ from arena_core import Footprint
 from arena_kernels.distance import distance_field
 from arena_kernels.window import Window
 from arena_mpc.corridor import FREE, boundary_cells, half_planes
-from arena_mpc.footprint import exact_outline, free_until
+from arena_mpc.footprint import Discs, exact_outline, free_until
 from arena_mpc.guess import drive_along, shifted
-from arena_mpc.moving import FAR, first_hit, relevant_movers
 from arena_mpc.interior_point import available, compiled_problem
+from arena_mpc.moving import FAR, first_hit, relevant_movers
 from arena_mpc.parameters import Grid, SolverSettings
 from arena_mpc.plan import Plan
 from arena_mpc.problem import Shape, formulate
@@ -146,10 +146,16 @@ def test_nearest_people_come_first_and_the_rest_stands_far_away(people):
 
 
 def test_first_hit_is_when_the_discs_meet(people):
-    plan = Plan(STRAIGHT[::2], 0.1, np.zeros(21))  # 1 m/s
-    assert first_hit(people((2.0, 0.0, -1.0, 0.0)), plan, 0.2) == pytest.approx(0.8)
-    assert first_hit(people((2.0, 3.0, 0.0, 0.0)), plan, 0.2) == math.inf
-    assert first_hit(people(), plan, 0.2) == math.inf
+    plan, disc = Plan(STRAIGHT[::2], 0.1, np.zeros(21)), Discs(np.zeros((1, 2)), 0.2)  # 1 m/s
+    assert first_hit(people((2.0, 0.0, -1.0, 0.0)), plan, disc, 0.02) == pytest.approx(0.8)
+    assert first_hit(people((2.0, 3.0, 0.0, 0.0)), plan, disc, 0.02) == math.inf
+    assert first_hit(people(), plan, disc, 0.02) == math.inf
+
+
+def test_way_out_of_contact_is_no_hit(people):
+    plan, disc = Plan(STRAIGHT[::2], 0.1, np.zeros(21)), Discs(np.zeros((1, 2)), 0.2)
+    assert first_hit(people((-0.45, 0.0, 0.0, 0.0)), plan, disc, 0.02) == math.inf
+    assert first_hit(people((0.45, 0.0, 0.0, 0.0)), plan, disc, 0.02) == pytest.approx(0.05)
 
 
 def test_plan_is_checked_between_its_stages():

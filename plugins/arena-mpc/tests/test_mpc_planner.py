@@ -238,7 +238,7 @@ def test_every_plan_keeps_to_speeds_and_accelerations(build, costmap, observe):
 
 
 def test_carried_on_plan_needs_fewer_iterations_than_a_new_one(build, costmap, observe):
-    planner, state = build("jackal", rivalry=None), np.array((0.0, 0.0, 0.0, 0.5, 0.0))
+    planner, state = build("jackal"), np.array((0.0, 0.0, 0.0, 0.5, 0.0))
     seen = observe(costmap((0.8, 1.0, -0.4, 0.1), cells=120), Pose(0.0, 0.0), AHEAD, Twist(0.5))
     planner.compute_velocity(seen)
     scene, reference = _scene(planner, seen)

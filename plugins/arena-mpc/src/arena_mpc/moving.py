@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from arena_core import Tracks
 from arena_mpc.arrays import FloatArray
+from arena_mpc.footprint import Discs, placed
 from arena_mpc.plan import Plan
 from arena_mpc.terms import MOVER
 
 FAR = 1e3  # m, where the obstacles stand that fill a problem up
+SPACING = 0.05  # s, between two moments that are checked
 
 
 def relevant_movers(tracks: Tracks, positions: FloatArray, step: float, distance: float, count: int) -> FloatArray:
@@ -30,10 +34,24 @@ def relevant_movers(tracks: Tracks, positions: FloatArray, step: float, distance
     return rows
 
 
-def first_hit(tracks: Tracks, plan: Plan, radius: float) -> float:
-    """Return after how many seconds a disc of ``radius`` m that drives a plan first touches a track, inf if never."""
-    times = np.arange(len(plan.states)) * plan.step
+def first_hit(tracks: Tracks, plan: Plan, discs: Discs, deeper: float) -> float:
+    """Return after how many seconds discs of the footprint that drive a plan first touch a track, inf if never.
+
+    A track that would touch a robot that stands counts when it is touched by ``deeper`` m more: standing is then no better.
+    """
+    if len(tracks.ids) == 0:
+        return math.inf
+    times = np.arange(0.0, plan.duration + 1e-9, SPACING)
+    knots = np.arange(len(plan.states)) * plan.step
+    poses = np.column_stack([np.interp(times, knots, column) for column in plan.states[:, :3].T])
     predicted = tracks.positions[:, None] + times[:, None] * tracks.velocities[:, None]
-    gaps = np.hypot(*(predicted - plan.states[:, :2]).transpose(2, 0, 1)) - tracks.radii[:, None]
-    touching = (gaps < radius).any(axis=0)
-    return float(times[int(np.argmax(touching))]) if touching.any() else float("inf")
+    touched = tracks.radii[:, None] + discs.radius
+    standing = _apart(predicted, placed(discs, poses[:1])) - touched
+    allowed = np.where(standing > 0.0, 0.0, standing - deeper)
+    touching = (_apart(predicted, placed(discs, poses)) - touched < allowed).any(axis=0)
+    return float(times[int(np.argmax(touching))]) if touching.any() else math.inf
+
+
+def _apart(positions: FloatArray, centres: FloatArray) -> FloatArray:
+    """Return (K, T) how far ``positions`` (K, T, 2) are from the nearest of ``centres`` (T or 1, C, 2), m."""
+    return np.hypot(*(positions[:, :, None] - centres).transpose(3, 0, 1, 2)).min(axis=2)

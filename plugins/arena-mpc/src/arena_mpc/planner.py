@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from arena_core import EpisodeStart, Fraction, NonNegativeInt, NoValidCommand, Observation, Planner, Positive, Robot, Twist
+from arena_core import EpisodeStart, NonNegativeInt, NoValidCommand, Observation, Planner, Positive, Robot, Twist
 from arena_kernels.window import clearance
 from arena_mpc.arrays import FloatArray
 from arena_mpc.footprint import covering_discs, exact_outline, free_until
@@ -18,10 +18,10 @@ from arena_mpc.models import state_of, twist_of
 from arena_mpc.moving import first_hit
 from arena_mpc.optimiser import Optimiser
 from arena_mpc.parameters import Form, Grid, Limits, ModelName, Obstacles, SolverSettings, Weights, drive_of, model_of
+from arena_mpc.plan import Plan
 from arena_mpc.reference import PathProgress, Reference, ahead, cut_where_blocked
 from arena_mpc.resizing import resized
 from arena_mpc.scene import Scene, scene_of
-from arena_mpc.plan import Plan
 
 DEEPER = 0.02  # m, by which a robot that already touches may come nearer: half a cell hides that much
 
@@ -48,7 +48,6 @@ class MpcPlanner(Planner):
         discs: NonNegativeInt | None,
         look_ahead: Positive,
         reinit_distance: Positive,
-        rivalry: Fraction | None,
         via_separation: Positive | None,
         final_state_fixed: bool,
         limits: Limits,
@@ -62,9 +61,9 @@ class MpcPlanner(Planner):
         self._look_ahead, self._reinit_distance = look_ahead, reinit_distance
         self._outline = exact_outline(robot.footprint)
         self._turn_radius = robot.wheelbase / math.tan(robot.steering_max) if self._model == "bicycle" else 0.0
-        covering = covering_discs(robot.footprint, discs)
-        self._optimiser = Optimiser(self._model, form, self._drive, covering, final_state_fixed, grid, weights, obstacles, solver)
-        self._rivalry, self._via_separation, self._iterations = rivalry, via_separation, solver.max_iterations
+        self._discs = covering_discs(robot.footprint, discs)
+        self._optimiser = Optimiser(self._model, form, self._drive, self._discs, final_state_fixed, grid, weights, obstacles, solver)
+        self._via_separation, self._iterations = via_separation, solver.max_iterations
         self._period = robot.control_period
         self._progress = PathProgress()
         self._prepared = False
@@ -90,11 +89,11 @@ class MpcPlanner(Planner):
         reference = self._reference(observation, scene)
         state = state_of(self._model, self._drive, observation.pose, observation.twist, self._steering)
         last = self._last_plan(reference, state, observation.stamp)
-        plan = self._best_plan(scene, reference, state, last)
+        plan = self._freest_plan(scene, reference, state, last)
         if plan is not None:
             self.counts.optimised += 1
             return self._driven(plan, observation.stamp)
-        if last is not None and self._safe(last, scene) and not first_hit(scene.tracks, last, self._outline.radius) < self._braking(last):
+        if last is not None and self._safe(last, scene):
             self.counts.shifted += 1
             return self._driven(last, observation.stamp)
         self.counts.refused += 1
@@ -161,25 +160,25 @@ class MpcPlanner(Planner):
         states[0] = state
         return Plan(states, step, np.zeros(len(states)))
 
-    def _best_plan(self, scene: Scene, reference: Reference, state: FloatArray, last: Plan | None) -> Plan | None:
-        """Return the cheapest plan that is free to its end, else the one that is free longest, None when none is safe."""
-        chosen, least = None, math.inf
-        freest, longest, left = None, 0.0, self._iterations
+    def _freest_plan(self, scene: Scene, reference: Reference, state: FloatArray, last: Plan | None) -> Plan | None:
+        """Return the first plan that is free to its end, else the one that is free longest, None when none is safe."""
+        best, longest, left = None, 0.0, self._iterations
         for aim, guess in self._beginnings(scene, reference, state, last):
-            if chosen is not None and (self._rivalry is None or aim is not reference):
-                break
-            plan, cost, used = self._optimiser.optimise(scene, aim, state, guess, left)
+            plan, _, used = self._optimiser.optimise(scene, aim, state, guess, left)
             left -= used
-            share = 0.0 if plan is None else self._free_for(plan, scene) / plan.duration
-            if plan is not None and share >= 1.0 - 1e-9 and cost < least:
-                chosen, least = plan, cost * (1.0 - (self._rivalry or 0.0))
-            if plan is not None and share > longest and self._safe(plan, scene):
-                freest, longest = plan, share
-        return freest if chosen is None else chosen
+            if plan is None or not self._safe(plan, scene):
+                continue
+            share = self._free_for(plan, scene) / plan.duration
+            if share >= 1.0 - 1e-9:
+                return plan
+            if share > longest:
+                best, longest = plan, share
+        return best
 
     def _safe(self, plan: Plan, scene: Scene) -> bool:
-        """Tell whether the robot touches nothing that stands on this plan, until it could have stopped."""
-        return self._free_for(plan, scene) >= min(self._braking(plan), plan.duration) - 1e-9
+        """Tell whether the robot touches nothing that stands, and nobody who keeps walking, on this plan until it could have stopped."""
+        needed = min(self._braking(plan), plan.duration) - 1e-9
+        return self._free_for(plan, scene) >= needed and first_hit(scene.tracks, plan, self._discs, DEEPER) >= needed
 
     def _free_for(self, plan: Plan, scene: Scene) -> float:
         """Return for how long the robot's outline touches nothing that stands on this plan, s."""
