@@ -12,7 +12,6 @@ from arena_core.testing import check, component
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "planners.md"
 KINEMATICS = ("differential", "omnidirectional", "ackermann")
-STANDS = {("dwa_as_released", "robotino"): "at 10 Hz, unlike at its own 5 Hz, it reaches none of its least speeds from rest"}
 
 
 @cache
@@ -21,13 +20,11 @@ def body(name):
 
 
 def cases():
-    """Yield every pair of preset and robot; one that cannot be is marked with the reason."""
+    """Yield every pair of preset and robot."""
     registry = load_registry()
     for preset in presets(registry, "planner"):
         for robot in presets(registry, "robot"):
-            reason = STANDS.get((preset, robot))
-            marks = [pytest.mark.xfail(reason=reason, strict=True)] if reason else []
-            yield pytest.param(preset, robot, marks=marks, id=f"{preset}-{robot}")
+            yield pytest.param(preset, robot, id=f"{preset}-{robot}")
 
 
 @pytest.mark.parametrize(("preset", "robot"), list(cases()))
