@@ -52,8 +52,8 @@ def main(planners: list[str], episodes: int, more: list[str]) -> None:
     for planner in planners:
         for robot in ROBOTS:
             seconds, period = calls(planner, robot, episodes, more)
-            p50, p95, p99 = 1e3 * np.percentile(seconds, (50, 95, 99))
-            print(f"| `{planner}` | {robot} | {len(seconds)} | {p50:.2f} | {p95:.2f} | {p99:.2f} | {1e3 * seconds.max():.1f} | {1e3 * period:.0f} |", flush=True)
+            numbers = [f"{1e3 * number:.2f}" for number in (*np.percentile(seconds, (50, 95, 99)), seconds.max())]
+            print(f"| `{planner}` | {robot} | {len(seconds)} | {' | '.join(numbers)} | {1e3 * period:.0f} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -39,7 +39,8 @@ def draw_map(walls: list[Box]) -> None:
     for x_min, x_max, y_min, y_max in walls:
         cells[round(y_min / RESOLUTION) : round(y_max / RESOLUTION), round(x_min / RESOLUTION) : round(x_max / RESOLUTION)] = 0
     Path("hall.pgm").write_bytes(f"P5\n{columns} {rows}\n255\n".encode() + cells[::-1].tobytes())
-    site = {"image": "hall.pgm", "resolution": RESOLUTION, "origin": [0.0, 0.0, 0.0], "negate": 0, "occupied_thresh": 0.65, "free_thresh": 0.196}
+    thresholds = {"negate": 0, "occupied_thresh": 0.65, "free_thresh": 0.196}
+    site = {"image": "hall.pgm", "resolution": RESOLUTION, "origin": [0.0, 0.0, 0.0], **thresholds}
     Path("hall.yaml").write_text(json.dumps(site))
 
 
