@@ -13,7 +13,6 @@ from arena_core.testing import check, component
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "planners.md"
 WITHOUT_POLICY = ("gring_as_released",)  # no policy comes with it; its own tests write one
 KINEMATICS = ("differential", "omnidirectional", "ackermann")
-STANDS = {("dwa_as_released", "robotino"): "at 10 Hz, unlike at its own 5 Hz, it reaches none of its least speeds from rest"}
 
 
 @cache
@@ -22,13 +21,11 @@ def body(name):
 
 
 def cases():
-    """Yield every pair of preset and robot; one that cannot be is marked with the reason."""
+    """Yield every pair of preset and robot."""
     registry = load_registry()
     for preset in presets(registry, "planner"):
         for robot in presets(registry, "robot"):
-            reason = STANDS.get((preset, robot))
-            marks = [pytest.mark.xfail(reason=reason, strict=True)] if reason else []
-            yield pytest.param(preset, robot, marks=marks, id=f"{preset}-{robot}")
+            yield pytest.param(preset, robot, id=f"{preset}-{robot}")
 
 
 @pytest.mark.parametrize(("preset", "robot"), list(cases()))

@@ -158,13 +158,14 @@ class DwaPlanner(Planner):
         speeds = self._closing.update(observation.stamp, observation.local_map)
         reachable = dynamic_window(state[3:], settings.limits, lapse)
         too_long = self._standing.too_long(observation.pose, observation.stamp)
-        if too_long and not self._way_out.begun:
+        approached = _approached(speeds)
+        if too_long and not approached and not self._way_out.begun:
             self._way_out.begin(observation.stamp, observation.pose, window, settings.body, grids.goal)
         out = self._way_out.velocity(observation.stamp, observation.pose, reachable, settings.roll_out.sim_time)
-        if out is not None and self._is_free(window, state, out):
+        if out is not None and not approached and self._is_free(window, state, out):
             return self._driven(observation, out)
         self._way_out.clear()
-        turn = None if _approached(speeds) else self._turn.narrowed(reachable, observation.pose, observation.twist.wz, path)
+        turn = None if approached else self._turn.narrowed(reachable, observation.pose, observation.twist.wz, path)
         for velocities in (reachable,) if turn is None else (turn, reachable):
             best = cheapest_sample(window, grids, speeds, path, state, velocities, self._period, settings, self._oscillation.only)
             if math.isfinite(best[3]):

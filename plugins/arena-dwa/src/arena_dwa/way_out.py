@@ -36,8 +36,9 @@ def best_line(
 ) -> tuple[float, float, float]:
     """Return (direction, heading, length) of the straight line that shortens the way to the local goal most; length 0: none.
 
-    ``goal`` holds the steps from the local goal, of the flat grid with its border. Direction and heading (rad) are relative to the present heading;
-    a robot that goes ``sideways`` need not turn. Lines are at most ``reach`` (m) long and free of contact all along, the turn before as well.
+    ``goal`` holds the steps from the local goal, of the flat grid with its border. Direction and heading (rad) are relative to the present
+    heading; a robot that goes ``sideways`` need not turn. Lines are at most ``reach`` (m) long and free of contact all along, and the turn
+    before as well.
     """
     gap = clearance(window, body.outline, *start, body.padding)
     allowed = least_gap(window, body, gap)

@@ -32,6 +32,7 @@ from arena_mppi.sequence import Sequence
 from arena_mppi.settings import Goal, Motion, Moving, Noise, PathCritics, Progress, SpeedLimits, Static
 from arena_mppi.weights import critics_of
 
+TIGHTEST = 0.5  # part of the least gap that a robot keeps that has lost patience: marks make a gap narrower than it is
 CREEP = 0.005  # m that a robot which stands too near to a wall may come nearer still, so that it can turn away
 
 
@@ -138,7 +139,7 @@ class MppiPlanner(Planner):
         """Run one control step and return for how many steps its sequence is free."""
         pose = observation.pose
         c, s = math.cos(pose.theta), math.sin(pose.theta)
-        wanted = self._static.collision_gap * self._patience.left(pose, observation.stamp)  # marks make a gap narrower than it is
+        wanted = self._static.collision_gap * max(TIGHTEST, self._patience.left(pose, observation.stamp))
         gap = clearance(scene.window, self._body.outline, pose.x, pose.y, c, s, wanted)
         least = min(wanted, gap - CREEP) if math.isfinite(gap) else wanted
         state = np.array((c, s, *now), np.float32)
