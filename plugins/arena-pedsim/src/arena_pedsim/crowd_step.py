@@ -15,7 +15,7 @@ from arena_pedsim.acceleration import accelerate, sum_forces
 from arena_pedsim.giving_way import detour
 from arena_pedsim.people import COME, NOTHING, ON_ERRAND
 from arena_pedsim.reactions import notice_robot, turn_to_robot
-from arena_pedsim.states import APPROACHING_ROBOT, NONE, desired_speed, turns_to_robot
+from arena_pedsim.states import APPROACHING_ROBOT, NONE, desired_speed, turns_to_robot, walks_on
 from arena_pedsim.walking import walk
 from arena_pedsim.wayfinding import SLOWING, follow_way
 
@@ -139,7 +139,7 @@ def _choose_headings(
         else:
             state, hx, hy, to_goal = follow_way(person, state, x, y, radii[i], corners[i], ground, dt, parameters)
             speed = desired_speed(person, state, parameters)
-            if person.errand == ON_ERRAND:
+            if person.errand == ON_ERRAND and not walks_on(person, state):
                 speed = min(speed, to_goal / (SLOWING * parameters.relaxation_time))
         if person.gives_way == 1 and state != APPROACHING_ROBOT:
             hx, hy = detour(ground, x, y, hx, hy, to_goal, radii[i], robot, parameters)

@@ -9,6 +9,7 @@ from arena_kernels.compiled import compiled
 NONE = 0  # an empty slot, or somebody who is not there
 STANDING = 1  # has no waypoint, or has arrived at its only one
 WALKING = 2
+GROUP_WALKING = 4
 APPROACHING_ROBOT = 24  # curious: goes to the robot, and stays with it
 SHYING_FROM_ROBOT = 25  # scared: goes on, slowly, and pushed far off the robot
 BLOCKING_ROBOT = 26  # threatening: goes and stands in front of the robot
@@ -33,6 +34,12 @@ def goes_somewhere(state: int, parameters: Any) -> bool:
     """Tell whether somebody in this state is on the way to a waypoint, or to another place."""
     moves: bool = parameters.state_pace[state] > 0.0
     return moves
+
+
+@compiled
+def walks_on(person: Any, state: int) -> bool:
+    """Tell whether somebody follows a group that will not stop at its waypoint."""
+    return state == GROUP_WALKING and person.waypoints > 1 and not person.stay > 0.0  # type: ignore[no-any-return]
 
 
 @compiled
