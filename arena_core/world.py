@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from arena_core.geometry import FloatArray, Pose
+from arena_core.parameters import Positive
 
 OCCUPIED = 100
 FREE = 0
@@ -181,6 +182,24 @@ class Crowd:
             self.radii[slot, :n].copy(),
             self.states[slot, :n].copy(),
         )
+
+
+@dataclass(frozen=True, slots=True)
+class Gait:
+    """How people walk, as a lidar at the height of their shins sees them: two discs of ``leg_radius`` m, in step with the way covered.
+
+    The legs' axes are ``stance_width`` m apart across the way where somebody stands, ``step_width`` from ``step_width_from`` m/s on. A step
+    is ``walk_ratio`` m long for each step a minute; along the way the legs are at most ``apart`` of it from each other. They take up
+    another speed and direction in ``settling`` s.
+    """
+
+    leg_radius: Positive
+    stance_width: Positive
+    step_width: Positive
+    step_width_from: Positive
+    walk_ratio: Positive
+    apart: Positive
+    settling: Positive
 
 
 @dataclass(frozen=True, slots=True, eq=False)
