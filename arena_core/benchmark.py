@@ -22,6 +22,7 @@ from arena_core.recording import Recorder, write_grid
 from arena_core.recovery import RecoveryRules
 from arena_core.registry import Registry
 from arena_core.robot import Robot
+from arena_core.world import free_area
 
 BRAIN = ("localizer", "global_planner", "waypoints", "local_map", "tracker")
 NEEDED = (
@@ -84,7 +85,9 @@ class Benchmark:
             "episode": episode,
             "seed": self.settings.seed,
         }
-        world = {"name": scenario.world.name, "known": scenario.world.known, "grid": write_grid(folder, scenario.world.grid)}
+        grid = scenario.world.grid
+        world = {"name": scenario.world.name, "known": scenario.world.known, "grid": write_grid(folder, grid)}
+        world["free_area"] = grid.derive(free_area)
         meta = {"columns": columns, "world": world, "config": cell_config(self.config)}
         recorder = Recorder(scenario, self.robot, meta, self.recording.scans)
         record = run_episode(scenario, self.simulator, self.navigator, self.timing, recorder, self.settings.stop_on_collision)

@@ -15,7 +15,7 @@ from arena_core.errors import ConfigurationError
 from arena_core.geometry import FloatArray, Pose, Twist
 from arena_core.sensing import LaserScan, Observation, Odometry, PoseEstimate, Sensors, Tracks
 from arena_core.staging import Staging
-from arena_core.world import Costmap, Crowd, OccupancyGrid, Path, World
+from arena_core.world import Costmap, Crowd, Gait, OccupancyGrid, Path, World
 
 
 class Planner(ABC):
@@ -187,7 +187,11 @@ class PedestrianModel(ABC):
 
     People may leave and come: who is not in the world is at NaN, ABSENT. Who comes back elsewhere is absent for a step at least. The
     simulator lets nobody appear in the robot's place: who is still absent in the crowd that ``step`` is given has to be put again.
+
+    ``gait`` is how lidars see who ``walks``: as two legs; None: everybody is a disc. Contacts and clearances are those of discs always.
     """
+
+    gait: Gait | None = None
 
     @abstractmethod
     def reset(self, slots: NDArray[np.int64], scenarios: Sequence[Scenario], total: int) -> Crowd:
@@ -196,6 +200,10 @@ class PedestrianModel(ABC):
     @abstractmethod
     def step(self, crowd: Crowd, robots: RobotBatch, ticks: NDArray[np.int64], dt: float) -> Crowd:
         """Return the crowd ``dt`` seconds later, where it wants to be; ``ticks`` (N,) count the inner steps since each episode began."""
+
+    def walks(self, crowd: Crowd) -> NDArray[np.bool_]:
+        """Tell who in the crowd (N, P) walks on two legs, unlike a forklift; asked after each ``reset``."""
+        return np.ones(crowd.ids.shape, np.bool_)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from arena_core.geometry import FloatArray, Pose
+from arena_core.parameters import Positive
 
 OCCUPIED = 100
 FREE = 0
@@ -78,6 +79,28 @@ def _occupied(grid: OccupancyGrid) -> NDArray[np.bool_]:
     occupied = grid.data >= grid.occupied_from
     occupied.flags.writeable = False
     return occupied
+
+
+def free_area(grid: OccupancyGrid) -> float:
+    """Return the area of a grid's largest connected free region, over the 4 neighbours, m2; meant for ``grid.derive(free_area)``.
+
+    Each free cell takes the least number in its run of a row, then of a column, until nothing changes.
+    """
+    free = (grid.data >= 0) & (grid.data < grid.occupied_from)
+    labels, before = np.arange(1, free.size + 1).reshape(free.shape), None
+    while before is None or (labels != before).any():
+        before = labels
+        labels = _least_of_runs(_least_of_runs(labels, free).T, free.T).T
+    return float(np.bincount(labels[free], minlength=1).max()) * grid.resolution**2
+
+
+def _least_of_runs(labels: NDArray[np.int64], free: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Return the labels (H, W) with the least one of each run of equal ``free`` along a row in all its cells."""
+    begins = np.ones(free.shape, np.bool_)
+    begins[:, 1:] = free[:, 1:] != free[:, :-1]
+    starts = np.flatnonzero(begins)
+    least = np.minimum.reduceat(labels.ravel(), starts)
+    return np.repeat(least, np.diff(starts, append=free.size)).reshape(free.shape)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -163,6 +186,24 @@ class Crowd:
             self.radii[slot, :n].copy(),
             self.states[slot, :n].copy(),
         )
+
+
+@dataclass(frozen=True, slots=True)
+class Gait:
+    """How people walk, as a lidar at the height of their shins sees them: two discs of ``leg_radius`` m, in step with the way covered.
+
+    The legs' axes are ``stance_width`` m apart across the way where somebody stands, ``step_width`` from ``step_width_from`` m/s on. A step
+    is ``walk_ratio`` m long for each step a minute; along the way the legs are at most ``apart`` of it from each other. They take up
+    another speed and direction in ``settling`` s.
+    """
+
+    leg_radius: Positive
+    stance_width: Positive
+    step_width: Positive
+    step_width_from: Positive
+    walk_ratio: Positive
+    apart: Positive
+    settling: Positive
 
 
 @dataclass(frozen=True, slots=True, eq=False)

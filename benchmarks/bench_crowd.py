@@ -5,17 +5,16 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from importlib.resources import files
 from importlib.util import find_spec
 from statistics import median
 from typing import Any
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 from timing import interleave
 
 from arena_core import OccupancyGrid, PedestrianSpec, Pose, RobotBatch, Scenario, World, load_registry
+from arena_core.configuration import compose, plain
 
 PEOPLE = (10, 100, 1000)
 SIDE = 20.0  # m for ten people; others have the same density
@@ -66,7 +65,7 @@ def ours(people: int, worlds: int = 1, preset: str = "social_force") -> Callable
     """Return steps of arena-pedsim's crowd in so many worlds, each with random numbers of its own."""
     scenario = hall(people)
     scenarios = [replace(scenario, seed=seed) for seed in range(worlds)]
-    node: Any = yaml.safe_load((files("arena_pedsim.conf") / "pedestrians" / f"{preset}.yaml").read_text())
+    node: Any = plain(compose([], f"pedestrians/{preset}").pedestrians)
     model = load_registry().build("pedestrians", node)
     crowd = model.reset(np.arange(worlds), scenarios, worlds)
     robots, ticks = RobotBatch(np.zeros((worlds, 3)), np.zeros((worlds, 2)), 0.2), np.zeros(worlds, np.int64)

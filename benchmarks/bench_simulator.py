@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 import tempfile
 from collections.abc import Callable
-from importlib.resources import files
 from importlib.util import find_spec
 from pathlib import Path
 from statistics import median
@@ -29,6 +28,7 @@ from arena_core import (
     World,
     load_registry,
 )
+from arena_core.configuration import compose, plain
 
 PEOPLE, STEP, BATCH, REPEATS = 10, 0.1, 64, 7
 GOALS = {"navground ORCA + lidar": 0.6, "ir-sim social force": 1 / 200}
@@ -59,11 +59,11 @@ def build(noise: float, **crowd_settings: float) -> Simulator:
     """Return the simulator with the social-force crowd, both as configured by default but for the settings given."""
     registry, body = load_registry(), robot(noise)
 
-    def preset(package: str, group: str, name: str) -> Any:
-        return yaml.safe_load((files(package) / group / f"{name}.yaml").read_text())
+    def preset(group: str, name: str) -> Any:
+        return plain(compose([], f"{group}/{name}")[group])
 
-    crowd = registry.build("pedestrians", preset("arena_pedsim.conf", "pedestrians", "social_force") | crowd_settings)
-    simulator: Simulator = registry.build("simulator", preset("arena_sim2d.conf", "simulator", "sim2d"), robot=body, pedestrians=crowd)
+    crowd = registry.build("pedestrians", preset("pedestrians", "social_force") | crowd_settings)
+    simulator: Simulator = registry.build("simulator", preset("simulator", "sim2d"), robot=body, pedestrians=crowd)
     return simulator
 
 

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from importlib.resources import files
 from typing import Any
 
 import numpy as np
 import pytest
-import yaml
 from hypothesis import HealthCheck, settings
 from numpy.typing import ArrayLike, NDArray
 
 from arena_core import Crowd, Obstacle, OccupancyGrid, PedestrianSpec, Pose, RobotBatch, Scenario, World, load_registry
+from arena_core.configuration import compose, plain
 from arena_kernels.distance import grid_distance
 from arena_pedsim.model import SocialForceModel
 
@@ -111,7 +110,7 @@ def make_model() -> Callable[..., SocialForceModel]:
     """Return a function that builds a shipped preset; keywords replace keys, mappings replace keys of a group."""
 
     def make(preset: str = "social_force", **changes: Any) -> SocialForceModel:
-        node: dict[str, Any] = yaml.safe_load((files("arena_pedsim.conf") / "pedestrians" / f"{preset}.yaml").read_text())
+        node: dict[str, Any] = plain(compose([], f"pedestrians/{preset}").pedestrians)
         for key, value in changes.items():
             node[key] = {**node[key], **value} if isinstance(value, dict) else value
         model: SocialForceModel = load_registry().build("pedestrians", node)

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Crowd, NonNegative, PedestrianModel, Positive, PositiveInt, RobotBatch, Scenario, with_obstacles
+from arena_core import Crowd, Gait, NonNegative, PedestrianModel, Positive, PositiveInt, RobotBatch, Scenario, with_obstacles
 from arena_crowds.orca_step import step_crowds
 from arena_crowds.parameters import RobotRules, Rules, Wayfinding, WayRules
 from arena_crowds.walkers import Walkers
@@ -33,7 +33,10 @@ class OrcaCrowd(PedestrianModel):
         side: NonNegative,
         robot: RobotRules,
         wayfinding: Wayfinding,
+        body: Literal["discs", "legs"],
+        gait: Gait,
     ) -> None:
+        self.gait = gait if body == "legs" else None
         way = WayRules(*(float(getattr(wayfinding, name)) for name in WayRules._fields))
         distances = {
             "horizon": float(horizon),

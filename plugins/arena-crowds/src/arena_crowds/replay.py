@@ -12,6 +12,7 @@ from arena_core import (
     ABSENT,
     ConfigurationError,
     Crowd,
+    Gait,
     ImpossibleScenario,
     NonNegative,
     PedestrianModel,
@@ -48,7 +49,10 @@ class ReplayedCrowd(PedestrianModel):
         start_time: NonNegative | None,
         clear_start: NonNegative,
         radius: Positive,
+        body: Literal["discs", "legs"],
+        gait: Gait,
     ) -> None:
+        self.gait = gait if body == "legs" else None
         recording = read_recording(local_path(path), format, frame_rate, unit)
         self._recording = recording.moved(np.array(offset_xy, np.float64), rotation)
         if len(offset_xy) != 2:

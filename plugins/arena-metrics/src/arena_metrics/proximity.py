@@ -53,3 +53,10 @@ def encounters(record: EpisodeRecord, encounter_distance: float) -> float:
     """Count how often the nearest person came nearer than ``encounter_distance``."""
     near = record["clearance_people"] < encounter_distance
     return float(near[0] + np.count_nonzero(near[1:] & ~near[:-1]))
+
+
+def people_per_100m2(record: EpisodeRecord) -> float:
+    """Return how many people were there, mean over the rows, per 100 m2 of the world's largest free region; NaN without its area."""
+    area = float(record.meta.get("world", {}).get("free_area") or math.nan)
+    there = np.isfinite(record["pedestrian_positions"]).all(axis=2).sum(axis=1)
+    return 100.0 * float(there.mean()) / area

@@ -77,6 +77,7 @@ class SiMetrics(MetricPack):
             _path("clearance_people_min", "m", "higher", "least distance from footprint to a person", proximity.clearance_people_min),
             _path("personal_space_time", "s", "lower", "time within a person's personal space", intrusion),
             _path("encounters", "-", "neither", "times that a person came near", encounters),
+            Metric("people_per_100m2", "-", "neither", "people present per 100 m2 of free ground", proximity.people_per_100m2),
         ]
 
     def _navigation(self) -> list[Metric]:

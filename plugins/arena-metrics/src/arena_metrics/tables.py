@@ -20,6 +20,7 @@ HEADLINE: dict[str, Over] = {  # what a reader asks first; lengths and times say
     "time_to_goal": "successful",
     "path_length": "successful",
     "planning_time_mean": "all",
+    "people_per_100m2": "all",
 }
 BLOCK = 6  # cells side by side in a table of all metrics
 LATEX = {"\\": r"\textbackslash{}", "–": "--", "−": "$-$", "²": "$^2$", "³": "$^3$", "·": r"$\cdot$"} | {c: f"\\{c}" for c in "&%$#_{}"}

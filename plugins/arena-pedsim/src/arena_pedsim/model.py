@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Crowd, PedestrianModel, Positive, RobotBatch, Scenario, with_obstacles
+from arena_core import Crowd, Gait, PedestrianModel, Positive, RobotBatch, Scenario, with_obstacles
 from arena_kernels.terrain import Terrain
 from arena_pedsim.behaviour import Behaviour, check_behaviour
 from arena_pedsim.crowd_step import step_crowds
@@ -57,7 +57,10 @@ class SocialForceModel(PedestrianModel):
         spawning: Spawning,
         groups: GroupWalking,
         behaviour: Behaviour,
+        body: Literal["discs", "legs"],
+        gait: Gait,
     ) -> None:
+        self.gait = gait if body == "legs" else None
         self._customs = Customs(reaction, factors, reactions, types)
         self._cell = wayfinding.cell
         self._table = state_table()
@@ -93,6 +96,10 @@ class SocialForceModel(PedestrianModel):
             self._society.settle(int(slot), scenario, self._population.crowd, self._population.people[slot])
         self._grant_wishes(self._population.crowd)
         return self._population.crowd
+
+    def walks(self, crowd: Crowd) -> NDArray[np.bool_]:
+        """Tell who walks on two legs (N, P): all who take part in social states, which forklifts and service robots do not."""
+        return self._population.people["sociable"] == 1
 
     def step(self, crowd: Crowd, robots: RobotBatch, ticks: Ticks, dt: float) -> Crowd:
         """Return the crowd ``dt`` seconds later.

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from arena_kernels.footprint import Body
 from arena_kernels.grids import GridStack
+from arena_kernels.legs import Gait
 from arena_kernels.walls import Walls
 
 Floats = NDArray[np.float64]
@@ -35,8 +36,15 @@ ROBOT = np.dtype(
     ]
 )
 PERSON = np.dtype(
-    [("id", np.int64), *((name, np.float64) for name in ("x", "y", "vx", "vy", "radius", "dx", "dy"))]
-)  # dx, dy: a tick's way
+    [
+        ("id", np.int64),
+        *((name, np.float64) for name in ("x", "y", "vx", "vy", "radius")),
+        *((name, np.float64) for name in ("dx", "dy")),  # a tick's way
+        ("walks", np.int64),  # 1: lidars see two legs
+        *((name, np.float64) for name in ("steps", "leg_vx", "leg_vy")),  # steps walked, and the velocity that the legs have taken up
+        *((name, np.float64) for name in ("from_x", "from_y")),  # where it was when the steps were last counted
+    ]
+)
 CONTACT = np.dtype(
     [*((name, np.int64) for name in ("tick", "thing", "person", "caused")), *((name, np.float64) for name in ("speed", "x", "y"))]
 )
@@ -48,7 +56,7 @@ class Worlds(NamedTuple):
     """N worlds: ``robots`` (N,), ``people`` (N, P), ``obstacles`` (N, O) with ``sides`` (N, S, 2, 2), and grid ``grid_of[k]`` of a stack.
 
     ``touching`` (N, M) tells which things each robot touches: 0 the walls, then its obstacles, from ``first_person`` on its people.
-    ``contacts`` (N, E) are the rising edges. ``body`` and ``person`` are put wherever a gap is asked for.
+    ``contacts`` (N, E) are the rising edges. ``body`` and ``person`` are put wherever a gap is asked for. ``gait`` is that of all who walk.
     """
 
     stack: GridStack
@@ -62,6 +70,7 @@ class Worlds(NamedTuple):
     first_person: int
     body: Body
     person: Body
+    gait: Gait
 
 
 class World(NamedTuple):

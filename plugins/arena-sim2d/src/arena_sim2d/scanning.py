@@ -13,6 +13,7 @@ from arena_kernels.compiled import inner
 from arena_kernels.random import normals
 from arena_kernels.raycast import Beams, cast_disc, cast_grid, cast_segments, make_beams
 from arena_sim2d.bodies import Floats, Row, Worlds
+from arena_sim2d.walking import legs_now
 
 
 class Scanner(NamedTuple):
@@ -58,7 +59,12 @@ def scan(worlds: Worlds, device: Scanner, k: int, tick: int, ranges: NDArray[np.
             cast_disc(x, y, yaw, device.beams, obstacle.x, obstacle.y, obstacle.radius, ranges)
     for i in range(robot.people):
         person = worlds.people[k, i]
-        cast_disc(x, y, yaw, device.beams, person.x, person.y, person.radius, ranges)
+        if person.walks == 1:
+            left_x, left_y, right_x, right_y, radius = legs_now(worlds.gait, person)
+            cast_disc(x, y, yaw, device.beams, left_x, left_y, radius, ranges)
+            cast_disc(x, y, yaw, device.beams, right_x, right_y, radius, ranges)
+        else:
+            cast_disc(x, y, yaw, device.beams, person.x, person.y, person.radius, ranges)
     _disturb(device, robot, tick, ranges)
     robot.scan_tick = tick
 

@@ -30,6 +30,7 @@ from arena_sim2d.odometry import wheels
 from arena_sim2d.scanning import scanner
 from arena_sim2d.strides import take_strides
 from arena_sim2d.ticking import measure_gaps, run_ticks, scan_slots
+from arena_sim2d.walking import begin_walking, count_steps, gait_of
 from arena_sim2d.worlds import begin, check_starts, no_worlds
 
 
@@ -46,6 +47,7 @@ class Sim2d(Simulator):
         self.inner_step = inner_step
         self._robot = robot
         self._pedestrians = pedestrians
+        self._gait = gait_of(pedestrians.gait)
         self._crowd_ticks = _ticks("simulator.crowd_period", crowd_period, inner_step)
         _ticks(f"control_period of {robot.name}", robot.control_period, inner_step)
         _ticks(f"lidar.period of {robot.name}", robot.lidar.period, inner_step)
@@ -72,7 +74,7 @@ class Sim2d(Simulator):
         self._scenarios = list(scenarios)
         self._contacts = [()] * len(scenarios)
         self._phase = 0
-        self._worlds = no_worlds(self._robot, scenarios, self._pool)
+        self._worlds = no_worlds(self._robot, scenarios, self._pool, self._gait)
         self._ranges = np.zeros((len(scenarios), self._robot.lidar.beams), np.float32)
         self._gaps = np.zeros((len(scenarios), 3))
         self._slots = np.arange(len(scenarios))
@@ -90,6 +92,8 @@ class Sim2d(Simulator):
         scenarios = [self._scenarios[slot] for slot in slots.tolist()]
         self._crowd = self._pedestrians.reset(slots, scenarios, len(self._scenarios))
         self._worlds = begin(self._worlds, self._scenarios, slots, self._crowd, self._pool, self._edges)
+        if self._pedestrians.gait is not None:
+            begin_walking(self._worlds.people, self._pedestrians.walks(self._crowd), scenarios, slots)
         measure_gaps(self._worlds, slots, self._gaps)
         check_starts(self._gaps, self._scenarios, slots)
         scan_slots(self._worlds, self._scanner, self._ranges, slots)
@@ -107,6 +111,8 @@ class Sim2d(Simulator):
             self._run(held, now, left)
             self._collect(edges)
             self._phase = (self._phase + now) % self._crowd_ticks
+            if self._phase == 0 and self._pedestrians.gait is not None:
+                count_steps(self._worlds, self._crowd_ticks * self.inner_step)
             left -= now
         self._contacts = [tuple(world) for world in edges]
         measure_gaps(self._worlds, self._slots, self._gaps)

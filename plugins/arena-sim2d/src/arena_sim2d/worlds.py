@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from arena_core import Crowd, ImpossibleScenario, Robot, Scenario, stream_key
 from arena_kernels.footprint import make_body
+from arena_kernels.legs import Gait
 from arena_kernels.pool import GridPool
 from arena_sim2d.bodies import CONTACT, OBSTACLE, PERSON, ROBOT, Rows, Worlds
 from arena_sim2d.contact import TOLERANCE
@@ -20,7 +21,7 @@ Slots = NDArray[np.int64]
 THINGS = ("a wall", "an obstacle", "a person")
 
 
-def no_worlds(robot: Robot, scenarios: Sequence[Scenario], pool: GridPool) -> Worlds:
+def no_worlds(robot: Robot, scenarios: Sequence[Scenario], pool: GridPool, gait: Gait) -> Worlds:
     """Return the tables of N worlds in which nothing is yet."""
     total = len(scenarios)
     return Worlds(
@@ -35,6 +36,7 @@ def no_worlds(robot: Robot, scenarios: Sequence[Scenario], pool: GridPool) -> Wo
         first_person=1,
         body=make_body(robot.footprint.vertices_xy, robot.footprint.radius),
         person=make_body(np.empty((0, 2)), 1.0),
+        gait=gait,
     )
 
 
