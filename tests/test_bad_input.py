@@ -74,7 +74,7 @@ def write_scenario(content=PROBLEM):
         ("planner.gain=0", "planner.gain is 0; allowed: > 0"),
         ("planner.gain=nan", "planner.gain is nan; allowed: a number"),
         ("planner.gain=fast", "planner.gain is 'fast'; allowed: a number"),
-        ("+planner.control_period=0.033", "planner.control_period is 0.033; allowed: multiples of the inner step 0.02 s"),
+        ("+planner.control_period=0.033", "planner.control_period is 0.033; allowed: multiples of the inner step 0.01 s"),
         ("timing.mode=idael", "timing.mode is 'idael'; allowed: one of ideal, latency, measured"),
         ("timing.latency=-1", "timing.latency is -1; allowed: >= 0"),
         ("replan.period=0", "replan.period is 0; allowed: > 0"),
