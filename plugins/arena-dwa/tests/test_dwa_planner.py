@@ -5,7 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_core import ConfigurationError, NoValidCommand, Pose, Twist
+from arena_core import ConfigurationError, EpisodeStart, NoValidCommand, Pose, Twist
+from arena_dwa.map_grid import cost_fields, map_grids
+from arena_dwa.parameters import Body, Scales
+from arena_kernels.window import Window, outline_of
 
 AHEAD = [(0.1 * k, 0.0) for k in range(40)]
 
@@ -120,3 +123,27 @@ def test_chosen_command_can_always_be_braked_before_a_collision(build, inflate, 
 def test_minimum_speed_above_the_maximum_is_refused(build):
     with pytest.raises(ConfigurationError, match=r"trans_min is 0\.3"):
         build(trans_min=0.3)
+
+
+def test_a_robotino_as_released_starts_because_its_window_is_longer_than_its_period(build, costmap, observe):
+    at_20_hz = EpisodeStart(None, Pose(0.0, 0.0), 0.05, np.random.default_rng(0))
+    planner, standing = build("robotino", preset="dwa_as_released"), build("robotino", preset="dwa_as_released", sim_period=None)
+    planner.reset(at_20_hz)
+    standing.reset(at_20_hz)
+    rest = observe(costmap(), Pose(0.0, 0.0), AHEAD, Twist(0.0))
+    command = planner.compute_velocity(rest)
+    assert abs(command.wz) >= 0.5 - 1e-4
+    assert command.vx > 0.4
+    with pytest.raises(NoValidCommand, match="too slow"):
+        standing.compute_velocity(rest)
+
+
+def test_the_alignment_critic_is_off_near_the_paths_end(costmap):
+    scales, body = Scales(32.0, 20.0, 0.0, True, 0.325, 0.0, 0.0, 0.0), Body(outline_of(None, 0.113, 0.113, 0.05), 0.01, 0.25, 0.2)
+    free = costmap((2.0, 2.1, 2.0, 2.1))
+    window = Window(free.costs, free.distance, 0.05, *free.origin_xy.tolist())
+    grids = map_grids(window, body, np.array([(0.1 * k, 0.0, 0.0) for k in range(10)]), 0.0, 0.0, 0.325)
+    on, off = (cost_fields(grids, window, scales, aligning)[1] for aligning in (True, False))
+    beside = 70, 65  # half a metre off the path
+    assert on[beside] - off[beside] == pytest.approx(0.5 * 32.0 * 0.05 * grids.path.reshape(123, 123)[71, 66])
+    assert on[beside] > off[beside]
