@@ -36,8 +36,7 @@ def test_every_planner_is_taken_by_both_experiments(tmp_path, planner):
         built = benchmark(*experiment, f"planner={planner}")
         assert built.robot.footprint.radius == pytest.approx(0.309, abs=1e-3)
         said = built.navigator.planner.untuned
-        assert bool(said) == (planner in LEARNED)
-        assert all("trained with a footprint of radius 0.267 m" in note for note in said)
+        assert any("trained with a footprint of radius 0.267 m" in note for note in said) == (planner in LEARNED)
 
 
 @pytest.mark.slow
