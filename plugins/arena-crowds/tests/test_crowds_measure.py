@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 from arena_core.cli import main
+from arena_core.testing import component
 from arena_crowds.measure import rate_interval, ratio_interval
+from arena_crowds.measured_runs import Extent, benchmark_of, stood
 from arena_crowds.phases import Phased
 from arena_crowds.walked import Walked, free_area, waypoint_spans
 
@@ -96,3 +98,21 @@ def test_a_wrong_request_is_one_line(words, says, capsys):
     error = capsys.readouterr().err
     assert says in error
     assert len(error.strip().splitlines()) == 1
+
+
+@pytest.mark.parametrize("model", ["social_force", "orca"])
+@pytest.mark.parametrize("people", ["as_released", "lifelike"])
+def test_problems_of_a_random_task_in_a_batch_equal_each_alone(model, people, stage):
+    benchmark = benchmark_of([f"pedestrians={model}", f"people={people}", "task.pedestrians=6"], phased=False)
+    scenarios = [benchmark.task.scenario(0, number) for number in range(3)]
+    together = [crowd.positions for crowd in stage.walk(component("pedestrians", model), scenarios, 10.0)]
+    for slot, scenario in enumerate(scenarios):
+        alone = [crowd.positions[0] for crowd in stage.walk(component("pedestrians", model), [scenario], 10.0)]
+        assert np.array_equal(np.array(alone), np.array([positions[slot] for positions in together]))
+
+
+def test_people_of_the_orca_crowd_get_round_the_walls_of_their_rounds_too():
+    walks = stood(benchmark_of(["world=indoor", "pedestrians=orca"], phased=False), Extent(4, 60.0, 1.0))
+    assert np.concatenate([each.spans() for each in walks]).mean() > 6.0
+    assert np.concatenate([each.spans() for each in walks]).min() > 1.0
+    assert np.concatenate([each.paces() for each in walks]).mean() > 0.85

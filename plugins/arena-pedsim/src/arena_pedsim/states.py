@@ -39,7 +39,7 @@ def goes_somewhere(state: int, parameters: Any) -> bool:
 @compiled
 def walks_on(person: Any, state: int) -> bool:
     """Tell whether somebody follows a group that will not stop at its waypoint."""
-    return state == GROUP_WALKING and person.waypoints > 1 and not person.stay > 0.0  # type: ignore[no-any-return]
+    return state == GROUP_WALKING and person.waypoints > 1 and not person.stay > 0.0
 
 
 @compiled
