@@ -81,7 +81,7 @@ def interval_cost(terms: Terms, state: FloatArray, control: FloatArray) -> float
         linear += ((control[i] - state[3 + i]) / h) ** 2
     angular = ((control[last] - state[3 + last]) / h) ** 2
     cost = terms.step * (terms.weights[LINEAR] * linear + terms.weights[ANGULAR] * angular)
-    return cost + terms.weights[TIME] * h if terms.timed else cost
+    return float(cost + terms.weights[TIME] * h if terms.timed else cost)
 
 
 @inner
@@ -122,7 +122,7 @@ def stage_cost(terms: Terms, k: int, state: FloatArray, slopes: Slopes) -> float
         cost += weights[GOAL_POSITION] * away + weights[GOAL_HEADING] * turned
     distances(terms, k, state, slopes, False)
     slack = _shortfall(slopes.gaps)
-    return cost + weights[SLACK] * slack + weights[SLACK_SQUARED] * slack * slack
+    return float(cost + weights[SLACK] * slack + weights[SLACK_SQUARED] * slack * slack)
 
 
 @inner
