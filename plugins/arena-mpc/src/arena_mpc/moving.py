@@ -54,4 +54,4 @@ def first_hit(tracks: Tracks, plan: Plan, discs: Discs, deeper: float) -> float:
 
 def _apart(positions: FloatArray, centres: FloatArray) -> FloatArray:
     """Return (K, T) how far ``positions`` (K, T, 2) are from the nearest of ``centres`` (T or 1, C, 2), m."""
-    return np.hypot(*(positions[:, :, None] - centres).transpose(3, 0, 1, 2)).min(axis=2)
+    return np.asarray(np.hypot(*(positions[:, :, None] - centres).transpose(3, 0, 1, 2)).min(axis=2))

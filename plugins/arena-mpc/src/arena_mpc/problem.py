@@ -100,7 +100,7 @@ def formulate(shape: Shape) -> Problem:
             following = ca.SX.sym(f"x{k + 1}", shape.states)
             constraints.equal(following - _followed(shape, state, control, step, head))
             objective += _interval_cost(shape, state, control, step, head)
-        objective += step / head.step * (_weight(head, "slack") * slack + _weight(head, "slack_squared") * slack**2)
+        objective += _weight(head, "slack") * slack + _weight(head, "slack_squared") * slack**2
         if k == 0:
             constraints.equal(state[: shape.pose_and_velocities] - head.initial)
         else:

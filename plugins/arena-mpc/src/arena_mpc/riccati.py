@@ -76,7 +76,7 @@ def backward(terms: Terms, room: Room, states: FloatArray, controls: FloatArray,
         return 0.0
     h, last = states[0, -1], len(found.value) - 1
     change = -found.value[last] / (found.curvature[last, last] + damping + 1e-9)
-    return min(max(change, room.step_low - h), room.step_high - h)
+    return float(min(max(change, room.step_low - h), room.step_high - h))
 
 
 @inner

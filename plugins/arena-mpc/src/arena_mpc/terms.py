@@ -81,7 +81,7 @@ def interval_cost(terms: Terms, state: FloatArray, control: FloatArray) -> float
         linear += ((control[i] - state[3 + i]) / h) ** 2
     angular = ((control[last] - state[3 + last]) / h) ** 2
     cost = terms.step * (terms.weights[LINEAR] * linear + terms.weights[ANGULAR] * angular)
-    return cost + terms.weights[TIME] * h if terms.timed else cost
+    return float(cost + terms.weights[TIME] * h if terms.timed else cost)
 
 
 @inner
@@ -122,7 +122,7 @@ def stage_cost(terms: Terms, k: int, state: FloatArray, slopes: Slopes) -> float
         cost += weights[GOAL_POSITION] * away + weights[GOAL_HEADING] * turned
     distances(terms, k, state, slopes, False)
     slack = _shortfall(slopes.gaps)
-    return cost + state[-1] / terms.step * (weights[SLACK] * slack + weights[SLACK_SQUARED] * slack * slack)
+    return float(cost + weights[SLACK] * slack + weights[SLACK_SQUARED] * slack * slack)
 
 
 @inner
@@ -146,7 +146,7 @@ def differentiate_stage(terms: Terms, k: int, state: FloatArray, slopes: Slopes)
     _add_square(slopes, 0.0, 1.0, state[1] - goal[1], position)
     _add_chord(slopes, state[2] - goal[2], terms.goal_heading * heading)
     distances(terms, k, state, slopes, True)
-    _add_slack(slopes, state[-1] / terms.step, 1.0 / terms.step, weights[SLACK], weights[SLACK_SQUARED])
+    _add_slack(slopes, weights[SLACK], weights[SLACK_SQUARED])
 
 
 @inner
@@ -230,17 +230,13 @@ def _shortfall(gaps: FloatArray) -> float:
 
 
 @inner
-def _add_slack(slopes: Slopes, lasting: float, by_step: float, weight: float, weight_squared: float) -> None:
-    """Add the derivatives of the price of the slack, ``lasting`` being how long it is paid for.
-
-    Its curvature is that of a convex function of the distances, taken as linear, for intervals that keep their length.
-    """
+def _add_slack(slopes: Slopes, weight: float, weight_squared: float) -> None:
+    """Add the derivatives of the price of the slack; its curvature is that of a convex function of the distances, taken as linear."""
     gaps, rows, mean = slopes.gaps, slopes.gap_state, slopes.mean
     slack = _shortfall(gaps)
     if slack == 0.0:
         return
-    price, bend = lasting * (weight + 2.0 * weight_squared * slack), lasting * 2.0 * weight_squared
-    slopes.state[-1] += by_step * (weight * slack + weight_squared * slack * slack)
+    price, bend = weight + 2.0 * weight_squared * slack, 2.0 * weight_squared
     mean[:] = 0.0
     for i in range(len(gaps)):
         share = math.exp((-gaps[i] - slack) / ROUNDING)
