@@ -32,7 +32,9 @@ def scene(name: str, *people: PedestrianSpec) -> Scenario:
     return Scenario(name, 0, World("hall", GRID), Pose(2.0, 4.0), Pose(7.0, 4.0), people, (), 0.3, 60.0)
 
 
-def advance(sim: Simulator, scenarios: Sequence[Scenario], seconds: float, command: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Snapshot:
+def advance(
+    sim: Simulator, scenarios: Sequence[Scenario], seconds: float, command: tuple[float, float, float] = (0.0, 0.0, 0.0)
+) -> Snapshot:
     snapshot = sim.reset(scenarios)
     for _ in range(round(seconds / STEP)):
         snapshot = sim.advance(np.tile(command, (len(scenarios), 1)), round(STEP / sim.inner_step))
