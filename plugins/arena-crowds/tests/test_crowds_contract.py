@@ -5,17 +5,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arena_core import ABSENT, ContractViolation
+from arena_core import ABSENT, ContractViolation, Gait
 from arena_core.testing import check, robot
 from arena_crowds.orca import OrcaCrowd
 from arena_crowds.replay import ReplayedCrowd
 from arena_crowds.walkers import STANDING
 
+GAIT = Gait(0.05, 0.17, 0.11, 1.34, 0.0065, 0.75, 0.3)
+
 
 @pytest.fixture
 def replayed():
     path = "pkg://arena_crowds/recordings/crossing.txt"
-    return lambda kind=ReplayedCrowd: kind(path, "frames", None, None, "cubic", [0.0, 0.0], 0.0, 1.0, 3.0, 1.0, 0.25)
+    return lambda kind=ReplayedCrowd: kind(path, "frames", None, None, "cubic", [0.0, 0.0], 0.0, 1.0, 3.0, 1.0, 0.25, "discs", GAIT)
 
 
 class SwapsNumbers(ReplayedCrowd):

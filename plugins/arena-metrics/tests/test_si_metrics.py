@@ -275,3 +275,12 @@ def test_resampled_points_lie_a_step_apart_along_the_path(angles, step):
     gaps = np.hypot(*np.diff(sampled, axis=0).T)
     assert (gaps <= step + 1e-9).all()
     assert sampled[0] == pytest.approx(points[0])
+
+
+def test_people_are_counted_per_free_ground(si, record_of, straight_line):
+    pose = straight_line()
+    positions = np.zeros((len(pose), 2, 2))
+    positions[:, 1] = np.nan  # who is not there does not count
+    record = record_of(pose, meta={"world": {"free_area": 25.0}}, pedestrian_positions=positions)
+    assert si["people_per_100m2"](record) == pytest.approx(4.0)
+    assert math.isnan(si["people_per_100m2"](record_of(pose)))

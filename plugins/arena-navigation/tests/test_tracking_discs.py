@@ -9,10 +9,11 @@ from arena_core import OccupancyGrid, Pose
 from arena_navigation.marks import Beams
 from arena_navigation.tracking_clusters import Cut
 from arena_navigation.tracking_discs import PoseDoubt, Rules, Scratch, Shape, find_discs
+from arena_navigation.tracking_legs import Legs
 from arena_navigation.tracking_returns import Doubt, KnownPlane, PastScans
 
 SHAPE = Shape(0.3, 0.1, 0.1, 0.6, 0.01, 0.05)
-RULES = Rules(8.0, 0.2, Doubt(0.1, 0.1, 0.02, 0.05, 0.6), Cut(0.15, 2.0, 0.08, 3), SHAPE, PoseDoubt(0.0, 0.0))
+RULES = Rules(8.0, 0.2, Doubt(0.1, 0.1, 0.02, 0.05, 0.6), Cut(0.15, 2.0, 0.08, 3), SHAPE, PoseDoubt(0.0, 0.0), Legs(0.35, 0.0))
 NO_TRACKS = np.empty((0, 3))
 PLANE = OccupancyGrid(np.zeros((200, 200), np.int8), 0.1, Pose(-10.0, -10.0))
 

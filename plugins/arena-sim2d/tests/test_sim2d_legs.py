@@ -68,9 +68,7 @@ def test_legs_send_fewer_returns_than_the_body_and_none_from_outside_it() -> Non
 def test_phase_advances_with_the_way_and_not_with_time() -> None:
     sim = simulator("legs")
     advance(sim, [scene("stands", person(0, 3.5, 4.0))], 0.0)
-    seen = []
-    for _ in range(10):
-        seen.append(sim.advance(np.zeros((1, 3)), round(STEP / sim.inner_step)).ranges.copy())
+    seen = [sim.advance(np.zeros((1, 3)), round(STEP / sim.inner_step)).ranges.copy() for _ in range(10)]
     assert all((ranges == seen[0]).all() for ranges in seen)
     slow, fast = (simulator("legs") for _ in range(2))
     advance(slow, [scene("walks", person(0, 4.0, 2.0, (4.0, 7.0), speed=0.5))], 6.0)

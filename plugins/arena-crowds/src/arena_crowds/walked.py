@@ -94,7 +94,7 @@ def _largest_free(grid: OccupancyGrid) -> float:
 
 def _gaps(grid: OccupancyGrid, positions: Floats) -> Floats:
     """Return how far positions (..., 2) are from the nearest wall, m; inf for who is not there."""
-    there = np.isfinite(positions).all(axis=-1)
+    there = np.asarray(np.isfinite(positions).all(axis=-1))
     cells = grid.cells(np.where(there[..., None], positions, 0.0))
     distance = grid.derive(grid_distance)
     rows, columns = (np.clip(cells[..., k], 0, distance.shape[k] - 1) for k in (0, 1))

@@ -26,6 +26,7 @@ from arena_navigation.tracking_clusters import Cut
 from arena_navigation.tracking_detector import Detector
 from arena_navigation.tracking_discs import Discs, PoseDoubt, Rules, Shape
 from arena_navigation.tracking_filter import POSITION, VELOCITY, correct, correct_radii, place_by_radii, predict
+from arena_navigation.tracking_legs import Legs
 from arena_navigation.tracking_matches import matched
 from arena_navigation.tracking_returns import Doubt
 from arena_navigation.tracking_sight import GONE, SEEN, judge_sight
@@ -88,6 +89,14 @@ class BodyShape:
 
 
 @dataclass(frozen=True, slots=True)
+class LegRules:
+    """Which pieces are legs and whose, see ``tracking_legs.Legs``; ``apart`` None: bodies are discs."""
+
+    width: Positive
+    apart: Positive | None
+
+
+@dataclass(frozen=True, slots=True)
 class Motion:
     """How bodies move: the density of their acceleration, m^2/s^3; how fast they may be when first seen and when they stand, m/s."""
 
@@ -122,6 +131,7 @@ class KalmanTracker(Tracker):
         align: AlignRules,
         cut: CutRules,
         shape: BodyShape,
+        legs: LegRules,
         position_doubt: NonNegative,
         heading_doubt: NonNegative,
         gate: Positive,
@@ -139,6 +149,7 @@ class KalmanTracker(Tracker):
             cut=Cut(*astuple(cut)),
             shape=Shape(*astuple(shape)),
             pose_doubt=PoseDoubt(position_doubt, heading_doubt),
+            legs=Legs(legs.width, legs.apart or 0.0),
         )
         alignment = Alignment(align.position, align.heading, shape.noise, align.baseline, align.outlier, align.points)
         self._detector = Detector(rules, alignment, memory.scans, memory.interval)

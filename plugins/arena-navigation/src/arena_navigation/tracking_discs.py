@@ -12,6 +12,7 @@ from arena_kernels.compiled import borrowing, inner
 from arena_kernels.scalars import Integer
 from arena_navigation.marks import Beams
 from arena_navigation.tracking_clusters import Cut, Pieces, cut_pieces, full_circle
+from arena_navigation.tracking_legs import Legs, join_legs
 from arena_navigation.tracking_returns import NEW, OLD, Doubt, KnownPlane, PastScans, Returns, note_unknown
 
 _STEPS = 8  # of Gauss-Newton at most; three are usual
@@ -74,6 +75,7 @@ class Rules(NamedTuple):
     cut: Cut
     shape: Shape
     pose_doubt: PoseDoubt
+    legs: Legs
 
 
 class Scratch(NamedTuple):
@@ -97,7 +99,7 @@ def find_discs(beams: Beams, plane: KnownPlane, past: PastScans, tracks: NDArray
     for k in range(count):
         fit_disc(beams, scratch.returns, scratch.pieces, k, rules.cut.gap, rules.shape, rules.pose_doubt, scratch.discs)
         scratch.discs.standing[k] = _stands(scratch.returns, scratch.pieces, k, rules.cut.least)
-    return count
+    return join_legs(scratch.returns, scratch.pieces, count, rules.legs, rules.shape.radius, rules.shape.radius_std, scratch.discs)
 
 
 @borrowing

@@ -99,7 +99,7 @@ class SocialForceModel(PedestrianModel):
 
     def walks(self, crowd: Crowd) -> NDArray[np.bool_]:
         """Tell who walks on two legs (N, P): all who take part in social states, which forklifts and service robots do not."""
-        return self._population.people["sociable"] == 1
+        return np.asarray(self._population.people["sociable"] == 1)
 
     def step(self, crowd: Crowd, robots: RobotBatch, ticks: Ticks, dt: float) -> Crowd:
         """Return the crowd ``dt`` seconds later.

@@ -82,7 +82,8 @@ class Outdoor(Generated):
         size = self._size()
         to_border = np.minimum(drawn, (self.width, self.height) - drawn).min(axis=1) - 0.5 * size
         between = np.maximum(np.abs(drawn[:, None] - centres) - size, 0.0)
-        return np.minimum(to_border, np.hypot(between[..., 0], between[..., 1]).min(axis=1, initial=np.inf))
+        apart = np.hypot(between[..., 0], between[..., 1]).min(axis=1, initial=np.inf)
+        return np.asarray(np.minimum(to_border, apart))
 
     def _size(self) -> float:
         return self.obstacle_size or self.by_difficulty.obstacle_size.at(self.difficulty)
