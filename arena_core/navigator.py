@@ -13,7 +13,7 @@ import numpy as np
 
 from arena_core.episode import EpisodeStart, Event
 from arena_core.errors import InvalidCommand, NoPath, NoValidCommand
-from arena_core.geometry import Pose, Twist
+from arena_core.geometry import FloatArray, Pose, Twist
 from arena_core.interfaces import (
     REPLAN_REASONS,
     WAYPOINT_FOUND,
@@ -25,12 +25,13 @@ from arena_core.interfaces import (
     Tracker,
     WaypointGenerator,
 )
+from arena_core.obstacles import with_obstacles
 from arena_core.parameters import Fraction, NonNegative, Positive
 from arena_core.recovery import Begun, Recoveries, RecoveryRules
 from arena_core.robot import Robot
 from arena_core.sensing import Observation, PoseEstimate, Sensors
 from arena_core.streams import generator
-from arena_core.world import INSCRIBED, Costmap, OccupancyGrid, Path
+from arena_core.world import INSCRIBED, Costmap, Obstacle, OccupancyGrid, Path
 
 BRAKE = Twist(0.0, 0.0, 0.0)
 NAVIGATOR_KEYS = ("control_period", "replan", "recoveries")  # what a planner's configuration may say of its navigator
@@ -118,6 +119,7 @@ class Navigator:
         self.tracker = tracker
         self.planner = planner
         self.replan = replan
+        self.rules = recoveries
         self.recoveries = Recoveries(recoveries, robot)
         self.control_period = control_period
         self._rehearsed = not planner.compiles
@@ -128,6 +130,7 @@ class Navigator:
         self._path: Path | None = None
         self._planned_at = -math.inf
         self._blocked_since: float | None = None
+        self._avoided: list[tuple[Obstacle, float]] = []  # places that paths are not to lead through, and until when
 
         def stream(name: str) -> np.random.Generator:
             return generator(mission.seed, mission.scenario, name)
@@ -193,6 +196,9 @@ class Navigator:
         begun = self.recoveries.begin(pose, stamp)
         if begun is not None and begun.clear_beyond is not None:
             self.local_map.clear(pose, begun.clear_beyond)
+        if begun is not None and begun.behaviour == "detour" and self._path is not None:
+            place = _ahead(self._path, pose, self.rules.detour_ahead)
+            self._avoided.append((Obstacle(place, self.rules.detour_radius), stamp + self.rules.detour_time))
         return begun
 
     def _plan(
@@ -245,18 +251,20 @@ class Navigator:
     def _new_path(self, pose: Pose, reason: str, local_map: Callable[[], Costmap]) -> tuple[OccupancyGrid, Path]:
         """Return a path and the grid that it was planned on: the static map first, later with what the scans have shown.
 
-        All marks count, as they do for what blocks the robot. Only where they leave no way, those that may be the map's own walls, seen
-        from a pose that is a little off, do not.
+        All marks count, as they do for what blocks the robot, and so do the places that a detour is to avoid: unless they leave no way. Where
+        there still is none, marks are left out that may be the map's own walls, seen from a pose that is a little off.
         """
         if self.mission.map is not None and reason == "start":
             return self.mission.map, self.global_planner.plan(self.mission.map, pose, self.mission.goal)
         local_map()
-        grid = self.local_map.planning_grid(self.mission.goal, True)
-        try:
-            return grid, self.global_planner.plan(grid, pose, self.mission.goal)
-        except NoPath:
-            grid = self.local_map.planning_grid(self.mission.goal, False)
-            return grid, self.global_planner.plan(grid, pose, self.mission.goal)
+        self._avoided = [(place, until) for place, until in self._avoided if until > self._planned_at]
+        avoided = [place for place, _ in self._avoided]
+        for places in (avoided, []) if avoided else ([],):
+            grid = with_obstacles(self.local_map.planning_grid(self.mission.goal, True), places)
+            with suppress(NoPath):
+                return grid, self.global_planner.plan(grid, pose, self.mission.goal)
+        grid = self.local_map.planning_grid(self.mission.goal, False)
+        return grid, self.global_planner.plan(grid, pose, self.mission.goal)
 
     def _is_as_good(self, grid: OccupancyGrid, pose: Pose, new: Path) -> bool:
         """Tell whether what is left of the old path costs little more than the new one."""
@@ -310,6 +318,13 @@ def _nearest(path: Path, pose: Pose) -> int:
 def _rest(path: Path, pose: Pose) -> Path:
     """Return the path from the robot on: its own pose, then those behind the nearest one."""
     return Path(np.vstack((pose.array(), path.poses[min(_nearest(path, pose) + 1, len(path.poses) - 1) :])))
+
+
+def _ahead(path: Path, pose: Pose, distance: float) -> FloatArray:
+    """Return the first position (1, 2) of the rest of the path that is so far from the robot, m, or its end."""
+    rest = path.poses[_nearest(path, pose) :, :2]
+    far = np.hypot(*(rest - (pose.x, pose.y)).T) >= distance
+    return rest[[int(np.argmax(far)) if far.any() else -1]]
 
 
 def _blocked(path: Path, pose: Pose, local_map: Costmap) -> bool:

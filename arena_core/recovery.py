@@ -15,7 +15,8 @@ from arena_core.parameters import NonNegative, Positive
 from arena_core.robot import Robot
 from arena_core.world import LETHAL, Costmap
 
-Behaviour = Literal["clear", "clear_far", "wait", "turn", "back_up"]
+Behaviour = Literal["clear", "clear_far", "detour", "wait", "turn", "back_up"]
+AT_ONCE = ("clear", "clear_far", "detour")  # those that take no time
 STAND = Twist(0.0, 0.0, 0.0)
 _OUTLINE = 24  # points of a circle's outline
 _RINGS = (1.0, 0.8, 0.6, 0.4, 0.2)  # sizes of the outline at which a body is tried: a cell apart on the robots at hand
@@ -28,7 +29,8 @@ class RecoveryRules:
 
     The first is due when the robot has stayed within ``progress_radius`` m for ``progress_time`` s, the next ones ``retry_time`` s
     after the one before. ``clear_beyond`` m is what ``clear_far`` keeps; ``wait_time`` s; ``turn_angle`` rad at ``turn_speed`` rad/s;
-    ``back_up_distance`` m at ``back_up_speed`` m/s.
+    ``back_up_distance`` m at ``back_up_speed`` m/s. ``detour`` plans for ``detour_time`` s as if a disc of ``detour_radius`` m stood on the
+    path, ``detour_ahead`` m ahead.
     """
 
     behaviours: list[Behaviour]
@@ -41,12 +43,16 @@ class RecoveryRules:
     turn_speed: Positive
     back_up_distance: Positive
     back_up_speed: Positive
+    detour_ahead: Positive
+    detour_radius: Positive
+    detour_time: Positive
 
 
 @dataclass(frozen=True, slots=True)
 class Begun:
     """A behaviour that begins now: ``clear_beyond`` m is from where on the local map forgets its marks, None if it keeps them."""
 
+    behaviour: Behaviour
     clear_beyond: float | None
     event: Event
 
@@ -80,10 +86,9 @@ class Recoveries:
         event = Event(stamp, "recovery", f"{behaviour}: no progress for {stamp - self._since:.1f} s")
         self._tried += 1
         self._due_at = stamp + self._rules.retry_time
-        if behaviour == "clear" or behaviour == "clear_far":
-            return Begun(0.0 if behaviour == "clear" else self._rules.clear_beyond, event)
-        self._active, self._from, self._until, self._turned = behaviour, pose, stamp + self._longest(behaviour), 0.0
-        return Begun(None, event)
+        if behaviour not in AT_ONCE:
+            self._active, self._from, self._until, self._turned = behaviour, pose, stamp + self._longest(behaviour), 0.0
+        return Begun(behaviour, {"clear": 0.0, "clear_far": self._rules.clear_beyond}.get(behaviour), event)
 
     def command(self, pose: Pose, stamp: float, local_map: Callable[[], Costmap], waypoint: Pose) -> Twist | None:
         """Return what the behaviour under way sends now; None when none is, or when it has just ended."""

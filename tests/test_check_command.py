@@ -40,6 +40,7 @@ def test_everything_installed_holds_its_contract_or_needs_a_file(arena):
         "world=ros_map",
         "world=scenario_map",
         "task=barn",
+        "task=dynabarn",
         "task=scenario",
         "planner=gring_as_released",
         "observation_encoder=navrep",

@@ -67,7 +67,7 @@ def test_composing_leaves_nothing_behind_outside_one_and_after_an_error():
         ("experiment=smoek", r"unknown experiment 'smoek'; did you mean smoke\? \(possible: .*smoke"),
         ("metrics=[sii]", r"unknown metrics 'sii'; did you mean si\?"),
         ("episode=3", r"the configuration has no key episode; did you mean episodes\? \(possible: episodes, "),
-        ("timing.mod=ideal", r"timing has no key mod; did you mean mode\? \(possible: latency, mode\)"),
+        ("timing.mod=ideal", r"timing has no key mod; did you mean mode\? \(possible: compute_factor, latency, mode\)"),
         ("episodes=[", r"episodes=\[ cannot be read: .*; allowed: KEY=VALUE"),
         ("episodes", r"episodes cannot be read: .*; allowed: KEY=VALUE"),
         ("planner=null", r"an override chooses no component; allowed: KIND=NAME"),

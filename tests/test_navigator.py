@@ -31,7 +31,7 @@ from arena_core.testing import free_costmap, robot, room, sensors, straight_path
 
 GOAL = Pose(3.0, 0.0)
 WHEN_ASKED = ReplanRules(None, True, None, 0.0, 0.0)
-NO_RECOVERIES = RecoveryRules([], 0.5, 10.0, 3.0, 3.0, 5.0, 1.57, 1.0, 0.3, 0.15)
+NO_RECOVERIES = RecoveryRules([], 0.5, 10.0, 3.0, 3.0, 5.0, 1.57, 1.0, 0.3, 0.15, 0.5, 0.4, 60.0)
 
 
 class Odometer(Localizer):
@@ -49,10 +49,12 @@ class Straight(GlobalPlanner):
 
     def __init__(self):
         self.grids, self.no_way, self.closed, self.paths, self.detour = [], False, [], [], 1.0
+        self.refuses_obstacles = False
 
     def plan(self, grid, start, goal):
         self.grids.append(grid)
-        if self.no_way or any(grid is closed for closed in self.closed):
+        detour = self.refuses_obstacles and grid.occupied.sum() > room().occupied.sum()
+        if self.no_way or detour or any(grid is closed for closed in self.closed):
             raise NoPath("walled in")
         self.paths.append(straight_path(start, goal))
         return self.paths[-1]
@@ -291,6 +293,25 @@ def test_without_progress_the_navigator_clears_plans_anew_and_then_turns_itself(
     assert turning == list(range(130, 160))
     assert decisions[129].command == BRAKE
     assert decisions[135].spent.planner == 0.0
+
+
+def test_a_detour_is_planned_round_the_place_ahead_where_the_robot_stands_until_its_time_is_over(drive):
+    rules = replace(NO_RECOVERIES, behaviours=["detour"], detour_time=20.0, retry_time=100.0)
+    navigator = drive(rules=ReplanRules(5.0, False, None, 0.0, 0.0), recoveries=rules)
+    for k in range(400):
+        navigator.decide(at(0.0, 0.1 * k))
+    occupied = [bool(grid.occupied[tuple(grid.cells((0.5, 0.0)))]) for grid in navigator.global_planner.grids]
+    assert occupied == [False, False, True, True, True, True, False, False]  # every 5 s; the detour begins at 10 s
+    assert not navigator.global_planner.grids[3].occupied[tuple(navigator.local_map.grid.cells((0.0, 0.0)))]
+
+
+def test_where_a_detour_leaves_no_way_the_path_is_as_before(drive):
+    rules = replace(NO_RECOVERIES, behaviours=["detour"])
+    navigator = drive(recoveries=rules)
+    navigator.global_planner.refuses_obstacles = True
+    decisions = [navigator.decide(at(0.0, 0.1 * k)) for k in range(101)]
+    assert reasons(decisions[100]) == [("recovery", "detour: no progress for 10.0 s"), ("replan", "recovery")]
+    assert navigator.global_planner.grids[-1] is navigator.local_map.grid
 
 
 def test_what_blocks_the_path_behind_the_robot_does_not_count(drive):

@@ -11,7 +11,7 @@ from arena_core.registry import load_registry
 from arena_core.testing import free_costmap, robot
 from arena_core.world import LETHAL
 
-RULES = RecoveryRules(["clear", "clear_far", "turn", "back_up", "wait"], 0.5, 10.0, 3.0, 3.0, 5.0, 1.5, 1.0, 0.3, 0.15)
+RULES = RecoveryRules(["clear", "clear_far", "turn", "back_up", "wait"], 0.5, 10.0, 3.0, 3.0, 5.0, 1.5, 1.0, 0.3, 0.15, 0.5, 0.4, 60.0)
 HERE, AHEAD = Pose(0.0, 0.0, 0.0), Pose(0.0, 2.0)  # the waypoint is to the left
 PERIOD = 0.1
 

@@ -56,7 +56,7 @@ def run(arena, third_party):
 def rows(folder):
     """Return the rows of a run without what depends on the wall clock."""
     with Path(folder, "episodes.csv").open(newline="") as file:
-        return [{k: v for k, v in row.items() if not k.startswith("planning_time")} for row in csv.DictReader(file)]
+        return [{k: v for k, v in row.items() if not k.startswith("planning_")} for row in csv.DictReader(file)]
 
 
 def stages(folder):

@@ -13,7 +13,14 @@ from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.card import PolicyCard, sha256, write_card
 
 COMMON = ["world.width=12", "world.height=12", "task.pedestrians=4"]
-BRAIN = ["localizer=ground_truth", "waypoints=spatial_horizon", "replan.on_request=false", "replan.blocked_for=null", "planner=dwa"]
+BRAIN = [
+    "localizer=ground_truth",
+    "waypoints=spatial_horizon",
+    "replan.on_request=false",
+    "replan.blocked_for=null",
+    "recoveries.behaviours=[]",
+    "planner=dwa",
+]
 SWITCH = """defaults:
   - /planner@members.dwa: dwa
   - /planner@members.teb: teb
@@ -95,7 +102,7 @@ def drive(planner, scenario, robot, steps):
     navigator.reset(_mission(scenario))
     for _ in range(steps):
         command = navigator.command(snapshot.sensors(0))
-        snapshot = simulator.advance(command.array()[None], 5)
+        snapshot = simulator.advance(command.array()[None], round(navigator.control_period / simulator.inner_step))
 
 
 @pytest.mark.parametrize("encoder", ["rosnav", "rosnav_sectors", "gring", "gring_as_released", "aio"])

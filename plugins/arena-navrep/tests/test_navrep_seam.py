@@ -18,7 +18,13 @@ from arena_policies.encoding import columns
 from arena_policies.policy import load_policy
 
 SMALL = ["world.width=12", "world.height=12", "task.pedestrians=3", "environment.worlds=2", "environment.problems_per_world=3"]
-BRAIN = ["localizer=ground_truth", "waypoints=spatial_horizon", "replan.on_request=false", "replan.blocked_for=null"]
+BRAIN = [
+    "localizer=ground_truth",
+    "waypoints=spatial_horizon",
+    "replan.on_request=false",
+    "replan.blocked_for=null",
+    "recoveries.behaviours=[]",
+]
 
 
 @pytest.mark.parametrize("part", ["vision", "memory"])
@@ -99,7 +105,7 @@ def test_controller_recalls_on_the_robot_what_it_recalled_in_training(made):
         for _ in range(30):
             command = navigator.command(snapshot.sensors(0))
             recalled.append(policy._recalled[0].copy())
-            snapshot = simulator.advance(command.array()[None], 5)
+            snapshot = simulator.advance(command.array()[None], round(navigator.control_period / simulator.inner_step))
         assert all((seen == before).all() for seen, before in zip(recalled, shown, strict=False))
 
 
