@@ -251,8 +251,8 @@ class Navigator:
     def _new_path(self, pose: Pose, reason: str, local_map: Callable[[], Costmap]) -> tuple[OccupancyGrid, Path]:
         """Return a path and the grid that it was planned on: the static map first, later with what the scans have shown.
 
-        All marks count, as they do for what blocks the robot, and so do the places that a detour is to avoid: unless they leave no way. Where
-        there still is none, marks are left out that may be the map's own walls, seen from a pose that is a little off.
+        All marks count, as they do for what blocks the robot, and so do the places that a detour is to avoid: unless they leave no way.
+        Where there still is none, marks are left out that may be the map's own walls, seen from a pose that is a little off.
         """
         if self.mission.map is not None and reason == "start":
             return self.mission.map, self.global_planner.plan(self.mission.map, pose, self.mission.goal)
