@@ -6,10 +6,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_core import Footprint
+from arena_core import NO_TRACKS, Footprint
+from arena_core.testing import tracked
 from arena_kernels.distance import distance_field
 from arena_kernels.window import Window
 from arena_mpc.corridor import FREE, boundary_cells, half_planes
+from arena_mpc.detours import detours
 from arena_mpc.footprint import Discs, exact_outline, free_until
 from arena_mpc.guess import drive_along, shifted
 from arena_mpc.interior_point import available, compiled_problem
@@ -201,3 +203,34 @@ def test_problem_is_compiled_once_per_shape():
 def test_every_size_that_resizing_leads_to_is_known_beforehand():
     assert reachable_sizes(GRID) == {10, 15, 20, 25, 30}
     assert reachable_sizes(dataclasses.replace(GRID, resize_by=50)) == {10, 20, 30}
+
+
+def _boxed(x_low, x_high, y_low, y_high):
+    middles = -3.0 + 0.05 * (np.arange(120) + 0.5)
+    return _window(((middles > y_low) & (middles < y_high))[:, None] & ((middles > x_low) & (middles < x_high)))
+
+
+def test_ways_round_a_box_lead_past_both_its_sides_and_the_shorter_one_first():
+    window = _boxed(0.8, 1.2, -0.5, 0.2)
+    left, right = detours(STRAIGHT, window, NO_TRACKS, 0.2, 0.3, 1.0, 1.5)
+    assert 0.35 < left[:, 1].max() < 0.55
+    assert -0.85 < right[:, 1].min() < -0.65
+    for way in (left, right):
+        assert free_poses(window, way, 0.2) == len(way)
+        assert np.abs(np.diff(way[:, 1])).max() <= 0.05 + 1e-9
+        assert way[[0, -1], 1] == pytest.approx(0.0, abs=0.1)
+
+
+def test_free_path_needs_no_way_round_and_one_too_long_is_none():
+    assert list(detours(STRAIGHT, _boxed(0.8, 1.2, 0.5, 0.9), NO_TRACKS, 0.2, 0.3, 1.0, 1.5)) == []
+    assert list(detours(STRAIGHT, _boxed(0.8, 1.2, -2.9, 2.9), NO_TRACKS, 0.2, 0.3, 1.0, 1.5)) == []
+
+
+@pytest.mark.parametrize(("speed", "blocked"), [(1.0, True), (0.25, False)])
+def test_person_is_gone_round_where_robot_and_person_meet(speed, blocked):
+    crossing = tracked((1.0, 1.0, 0.0, -1.0))  # on the path in 1 s
+    ways = list(detours(STRAIGHT, _window(np.zeros((120, 120), np.bool_)), crossing, 0.2, 0.1, speed, 1.5))
+    assert len(ways) == (2 if blocked else 0)
+    for way in ways:
+        meeting = np.hypot(way[:, 0] - 1.0, way[:, 1] - 1.0 + STRAIGHT[:, 0] / speed)
+        assert meeting.min() > 0.3 + 0.2

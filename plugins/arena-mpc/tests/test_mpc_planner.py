@@ -70,13 +70,15 @@ def _gap(pose, box):
     return math.hypot(max(box[0] - pose.x, pose.x - box[1], 0.0), max(box[2] - pose.y, pose.y - box[3], 0.0))
 
 
-def test_robot_leaves_the_way_of_a_person_who_walks_towards_it(build, costmap, view, people):
+@pytest.mark.parametrize("aside", [-0.2, 0.02])
+def test_robot_leaves_the_way_of_a_person_who_walks_towards_it(aside, build, costmap, view, people):
     def tracks(time):
-        return people((1.5 - 0.3 * time, 0.02, -0.3, 0.0))
+        return people((1.5 - 0.3 * time, aside, -0.3, 0.0))
 
-    poses = _drive(build(), view, AHEAD, Pose(0.0, 0.0), 60, costmap(), tracks=tracks)
-    gaps = [math.hypot(pose.x - 1.5 + 0.3 * 0.1 * k, pose.y - 0.02) for k, pose in enumerate(poses)]
+    poses = _drive(build(), view, AHEAD, Pose(0.0, 0.0), 100, costmap(), tracks=tracks)
+    gaps = [math.hypot(pose.x - 1.5 + 0.3 * 0.1 * k, pose.y - aside) for k, pose in enumerate(poses)]
     assert min(gaps) > 0.3 + 0.113
+    assert poses[-1].x > 0.8  # and goes on behind the person
 
 
 def test_prediction_looks_where_a_person_will_be(build, costmap, observe, people):
@@ -216,8 +218,8 @@ def test_interior_point_step_takes_no_more_iterations_than_allowed(build, costma
     seen = observe(costmap((0.5, 0.6, -0.1, 0.1)), Pose(0.0, 0.0), AHEAD, Twist(0.1))
     state, optimiser = np.zeros(5), planner._optimiser
     scene, reference = _scene(planner, seen)
-    assert optimiser.optimise(scene, reference, state, planner._plan_along(reference, state), 100).iterations <= 100
-    assert optimiser.optimise(scene, reference, state, planner._plan_along(reference, state), 99).plan is None
+    assert optimiser.optimise(scene, reference, state, planner._plan_along(reference.path, state), 100).iterations <= 100
+    assert optimiser.optimise(scene, reference, state, planner._plan_along(reference.path, state), 99).plan is None
 
 
 def _scene(planner, seen):
@@ -241,7 +243,7 @@ def test_carried_on_plan_needs_fewer_iterations_than_a_new_one(build, costmap, o
     planner, state = build("jackal"), np.array((0.0, 0.0, 0.0, 0.5, 0.0))
     seen = observe(costmap((0.8, 1.0, -0.6, -0.3), cells=120), Pose(0.0, 0.0), AHEAD, Twist(0.5))
     scene, reference = _scene(planner, seen)
-    anew = planner._optimiser.optimise(scene, reference, state, planner._plan_along(reference, state), 150)
+    anew = planner._optimiser.optimise(scene, reference, state, planner._plan_along(reference.path, state), 150)
     again = planner._optimiser.optimise(scene, reference, state, anew.plan, 150)
     assert again.iterations < anew.iterations
 

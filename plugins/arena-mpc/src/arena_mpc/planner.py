@@ -5,24 +5,26 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
 from arena_core import EpisodeStart, NonNegativeInt, NoValidCommand, Observation, Planner, Positive, Robot, Twist
 from arena_kernels.window import clearance
 from arena_mpc.arrays import FloatArray
+from arena_mpc.detours import detours
 from arena_mpc.footprint import covering_discs, exact_outline, free_until
 from arena_mpc.guess import drive_along, shifted
 from arena_mpc.models import state_of, twist_of
 from arena_mpc.moving import first_hit
 from arena_mpc.optimiser import Optimiser
 from arena_mpc.parameters import Form, Grid, Limits, ModelName, Obstacles, SolverSettings, Weights, drive_of, model_of
-from arena_mpc.plan import Plan
+from arena_mpc.plan import Plan, Solution
 from arena_mpc.reference import PathProgress, Reference, ahead, cut_where_blocked
 from arena_mpc.resizing import resized
 from arena_mpc.scene import Scene, scene_of
 
+ARRIVED = 0.2  # m, from its goal that a plan may end: a local goal beside a wall is kept off that far
 DEEPER = 0.02  # m, by which a robot that already touches may come nearer: half a cell hides that much
 
 
@@ -33,6 +35,18 @@ class Counts:
     optimised: int = 0
     shifted: int = 0
     refused: int = 0
+
+
+class Rated(NamedTuple):
+    """A safe plan: the share of it that is free of what stands, and what it costs."""
+
+    plan: Plan
+    share: float
+    cost: float
+
+    def better(self, other: Rated | None) -> bool:
+        """Tell whether more of this plan is free, or it is cheaper."""
+        return other is None or (self.share, -self.cost) > (other.share, -other.cost)
 
 
 class MpcPlanner(Planner):
@@ -48,6 +62,7 @@ class MpcPlanner(Planner):
         discs: NonNegativeInt | None,
         look_ahead: Positive,
         reinit_distance: Positive,
+        detour: Positive | None,
         via_separation: Positive | None,
         final_state_fixed: bool,
         limits: Limits,
@@ -59,6 +74,7 @@ class MpcPlanner(Planner):
         self._model, self._drive = model_of(robot, model), drive_of(robot, limits)
         self._form, self._grid, self._obstacles = form, grid, obstacles
         self._look_ahead, self._reinit_distance = look_ahead, reinit_distance
+        self._detour = detour
         self._outline = exact_outline(robot.footprint)
         self._turn_radius = robot.wheelbase / math.tan(robot.steering_max) if self._model == "bicycle" else 0.0
         self._discs = covering_discs(robot.footprint, discs)
@@ -101,13 +117,22 @@ class MpcPlanner(Planner):
         raise NoValidCommand("mpc: neither a new plan nor the last one is free of collisions")
 
     def _beginnings(self, scene: Scene, reference: Reference, state: FloatArray, last: Plan | None) -> Iterator[tuple[Reference, Plan]]:
-        """Yield what to aim at and where to begin, until a plan is safe: the last plan, the path, the path up to what blocks it."""
+        """Yield what to aim at and where to begin: the last plan, the path, the ways round what blocks it, the path up to there."""
         if last is not None:
             yield reference, last
-        yield reference, self._plan_along(reference, state)
+        yield reference, self._plan_along(reference.path, state)
+        for path in self._detours(scene, reference):
+            yield reference, self._plan_along(path, state)
         blocked = cut_where_blocked(reference, scene.window, self._outline.inscribed_radius)
         if blocked is not reference:
-            yield blocked, self._plan_along(blocked, state)
+            yield blocked, self._plan_along(blocked.path, state)
+
+    def _detours(self, scene: Scene, reference: Reference) -> Iterator[FloatArray]:
+        """Return the path led round what stands and walks on it, if that is wanted."""
+        radius, gap = self._outline.inscribed_radius, self._obstacles.moving_distance
+        if self._detour is None:
+            return iter(())
+        return detours(reference.path, scene.window, scene.tracks, radius, gap, self._drive.vx_max, self._detour)
 
     def _prepare(self) -> None:
         """Build problems when the first command is asked for, which may be a rehearsal."""
@@ -144,12 +169,12 @@ class MpcPlanner(Planner):
         slack = shifted(plan.slack[:, None], plan.step, elapsed, plan.slack[-1:], stages, step)[:, 0]
         return Plan(states, step, slack)
 
-    def _plan_along(self, reference: Reference, state: FloatArray) -> Plan:
-        """Return a drive along the path."""
+    def _plan_along(self, path: FloatArray, state: FloatArray) -> Plan:
+        """Return a drive along a path (M, 3)."""
         drive, step = self._drive, self._grid.step
         sideways = self._model == "omnidirectional"
         speed = drive.vx_max
-        rolled = drive_along(reference.path, state[:3], speed, drive.wz_max, sideways, self._turn_radius, self._grid.stages, step)
+        rolled = drive_along(path, state[:3], speed, drive.wz_max, sideways, self._turn_radius, self._grid.stages, step)
         velocities = rolled[:, 3:]
         if self._model == "unicycle":
             velocities = rolled[:, (3, 5)]
@@ -161,19 +186,33 @@ class MpcPlanner(Planner):
         return Plan(states, step, np.zeros(len(states)))
 
     def _freest_plan(self, scene: Scene, reference: Reference, state: FloatArray, last: Plan | None) -> Plan | None:
-        """Return the first plan that is free to its end, else the one that is free longest, None when none is safe."""
-        best, longest, left = None, 0.0, self._iterations
+        """Return the first plan that arrives past everything, else the cheapest free one, else the one free longest; None: none is safe."""
+        best: Rated | None = None
+        left = self._iterations
         for aim, guess in self._beginnings(scene, reference, state, last):
-            plan, _, used = self._optimiser.optimise(scene, aim, state, guess, left)
-            left -= used
-            if plan is None or not self._safe(plan, scene):
+            if best is not None and best.share == 1.0 and aim is not reference:
+                break
+            found = self._optimiser.optimise(scene, aim, state, guess, left)
+            left -= found.iterations
+            rated = self._rated(found, scene)
+            if rated is None:
                 continue
-            share = self._free_for(plan, scene) / plan.duration
-            if share >= 1.0 - 1e-9:
-                return plan
-            if share > longest:
-                best, longest = plan, share
-        return best
+            if rated.better(best):
+                best = rated
+            if rated.share == 1.0 and self._arrives(rated.plan, aim, scene):
+                break
+        return None if best is None else best.plan
+
+    def _rated(self, found: Solution, scene: Scene) -> Rated | None:
+        """Return a plan that is safe with the share of it that touches nothing that stands."""
+        if found.plan is None or not self._safe(found.plan, scene):
+            return None
+        share = self._free_for(found.plan, scene) / found.plan.duration
+        return Rated(found.plan, 1.0 if share >= 1.0 - 1e-9 else share, found.cost)
+
+    def _arrives(self, plan: Plan, aim: Reference, scene: Scene) -> bool:
+        """Tell whether a plan ends where it should and touches nobody on the way; one that ends before is stopped by something."""
+        return math.dist(plan.states[-1, :2], aim.goal[:2]) < ARRIVED and first_hit(scene.tracks, plan, self._discs, DEEPER) == math.inf
 
     def _safe(self, plan: Plan, scene: Scene) -> bool:
         """Tell whether the robot touches nothing that stands, and nobody who keeps walking, on this plan until it could have stopped."""

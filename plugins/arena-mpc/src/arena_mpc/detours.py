@@ -1,0 +1,73 @@
+"""Ways round what blocks a path, to its left and to its right: where an optimisation begins decides which side its plan passes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from arena_core import Tracks
+from arena_kernels.compiled import borrowing, inner
+from arena_kernels.window import Window, distance_at
+from arena_mpc.arrays import FloatArray
+
+SPACING = 0.1  # m, between two places beside the path that are tried
+SLOPE = 1.0  # m aside for each metre along the path, on the way out and back
+
+
+def detours(path: FloatArray, window: Window, tracks: Tracks, radius: float, gap: float, speed: float, most: float) -> Iterator[FloatArray]:
+    """Yield ``path`` (M, 3) led round what blocks it by at most ``most`` m, the shorter way first; nothing where it is free.
+
+    A disc of ``radius`` m must not touch what stands, nor come nearer than ``gap`` m to the tracks as they are when it comes by at
+    ``speed`` m/s.
+    """
+    along = np.append(0.0, np.cumsum(np.hypot(*np.diff(path[:, :2], axis=0).T)))
+    rows = np.column_stack((tracks.positions, tracks.velocities, tracks.radii + radius + gap))
+    ways = []
+    for side in (1.0, -1.0):
+        aside = np.zeros(len(path))
+        lead_aside(path, along, side, window, rows, radius, speed, most, np.zeros(len(path)), aside)
+        ways.append((float(aside.max()), side, aside))
+    for least, side, aside in sorted(ways, key=lambda way: way[0]):
+        if 0.0 < least <= most:
+            shift = side * aside
+            yield np.column_stack((path[:, 0] - shift * np.sin(path[:, 2]), path[:, 1] + shift * np.cos(path[:, 2]), path[:, 2]))
+
+
+@borrowing
+def lead_aside(
+    path: FloatArray,
+    along: FloatArray,
+    side: float,
+    window: Window,
+    movers: FloatArray,
+    radius: float,
+    speed: float,
+    most: float,
+    needed: FloatArray,
+    aside: FloatArray,
+) -> None:
+    """Write to ``needed`` (M,) how far beside a path its poses are free, m, and to ``aside`` (M,) that spread along it at SLOPE.
+
+    Both begin as zeros; more than ``most`` where a pose is nowhere free.
+    """
+    for i in range(len(path)):
+        nx, ny, time = -side * math.sin(path[i, 2]), side * math.cos(path[i, 2]), along[i] / speed
+        while needed[i] <= most and _taken(path[i, 0] + needed[i] * nx, path[i, 1] + needed[i] * ny, time, window, movers, radius):
+            needed[i] += SPACING
+    for i in range(len(path)):
+        for j in range(len(path)):
+            aside[i] = max(aside[i], needed[j] - SLOPE * abs(along[i] - along[j]))
+
+
+@inner
+def _taken(x: float, y: float, time: float, window: Window, movers: FloatArray, radius: float) -> bool:
+    """Tell whether a disc of ``radius`` m at (x, y) touches what stands, or one of ``movers`` (P, 5: x, y, vx, vy, reach) in ``time`` s."""
+    if distance_at(window, x, y) < radius:
+        return True
+    for m in range(len(movers)):
+        dx, dy = x - movers[m, 0] - time * movers[m, 2], y - movers[m, 1] - time * movers[m, 3]
+        if dx * dx + dy * dy < movers[m, 4] * movers[m, 4]:
+            return True
+    return False
