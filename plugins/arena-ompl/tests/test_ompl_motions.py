@@ -2,7 +2,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from arena_kernels.distance import distance_field
@@ -46,6 +46,7 @@ def test_leaps_along_a_motion_miss_nothing(seed, robot, start, end) -> None:
 
 @settings(derandomize=True, deadline=None, max_examples=50)
 @given(st.integers(0, 10**6), POINT, POINT)
+@example(1, (1.0, 0.5, 0.0), (2.0, 1.0, 0.0))  # its middle is the corner of four cells
 def test_the_price_of_a_line_is_the_same_both_ways_and_at_least_its_length(seed, start, end) -> None:
     asked = motions(boxes(seed))
     there, back = asked.cost(*start, *end), asked.cost(*end, *start)

@@ -180,7 +180,10 @@ def cost(
 
 @inner
 def _integral(rules: Rules, pieces: Pieces, x: float, y: float, theta: float) -> float:
-    """Sum the price in the middles of steps of about a cell."""
+    """Sum the price in the middles of steps of about two cells.
+
+    The price is interpolated: on the border of two cells rounding alone would choose one, and not the same there as back.
+    """
     middle = len(rules.discs) // 2
     ahead, aside = rules.discs[middle, 0], rules.discs[middle, 1]
     total = 0.0
@@ -188,7 +191,7 @@ def _integral(rules: Rules, pieces: Pieces, x: float, y: float, theta: float) ->
         length = abs(pieces[k, 1])
         if length < _NOTHING:
             continue
-        steps = math.ceil(length / rules.resolution)
+        steps = math.ceil(0.5 * length / rules.resolution)
         step, turning = pieces[k, 1] / steps, pieces[k, 0] / rules.radius
         c, s = math.cos(theta), math.sin(theta)
         for i in range(steps):
@@ -197,17 +200,9 @@ def _integral(rules: Rules, pieces: Pieces, x: float, y: float, theta: float) ->
             if turning != 0.0:
                 px, py, heading = along(rules.radius, x, y, theta, pieces[k, 0], done)
                 c, s = math.cos(heading), math.sin(heading)
-            total += abs(step) * _price(rules, px + ahead * c - aside * s, py + ahead * s + aside * c)
+            total += abs(step) * interpolated(rules.prices, rules.resolution, px + ahead * c - aside * s, py + ahead * s + aside * c)
         x, y, theta = along(rules.radius, x, y, theta, pieces[k, 0], pieces[k, 1])
     return total
-
-
-@inner
-def _price(rules: Rules, x: float, y: float) -> float:
-    """Return what a metre costs in the cell of a position, or the nearest."""
-    rows, columns = rules.prices.shape
-    column, row = int(x / rules.resolution), int(y / rules.resolution)
-    return rules.prices[min(max(row, 0), rows - 1), min(max(column, 0), columns - 1)]  # type: ignore[no-any-return]
 
 
 @borrowing
