@@ -128,6 +128,7 @@ class DwaPlanner(Planner):
         self._turn = TurnInPlace(turns, turn_in_place_until, turn_in_place_ahead, limits.alpha_max)
         self._standing = Standing(None if robot.kinematics == "ackermann" else patience)  # which cannot turn on the spot
         self._way_out = WayOut(way_out_reach, limits, robot.holonomic)
+        self._rehearsed = False
         self._arrival = Arrival(Tolerances(xy_goal_tolerance, yaw_goal_tolerance, latch_xy_goal_tolerance), limits)
         self._period = robot.control_period
         self._sim_period = sim_period
@@ -159,6 +160,9 @@ class DwaPlanner(Planner):
         reachable = dynamic_window(state[3:], settings.limits, lapse)
         too_long = self._standing.too_long(observation.pose, observation.stamp)
         approached = _approached(speeds)
+        if not self._rehearsed:
+            self._way_out.rehearse(observation.pose, window, settings.body, grids.goal)
+            self._rehearsed = True
         if too_long and not approached and not self._way_out.begun:
             self._way_out.begin(observation.stamp, observation.pose, window, settings.body, grids.goal)
         out = self._way_out.velocity(observation.stamp, observation.pose, reachable, settings.roll_out.sim_time)

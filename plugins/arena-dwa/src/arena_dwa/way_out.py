@@ -111,6 +111,10 @@ class WayOut:
         """Whether a line is being driven."""
         return self._line is not None
 
+    def rehearse(self, pose: Pose, window: Window, body: Body, goal: NDArray[np.int32]) -> None:
+        """Look for a line of no length, so that the search is compiled before a control step needs it."""
+        best_line(window, body, goal, (pose.x, pose.y, math.cos(pose.theta), math.sin(pose.theta)), 0.0, self._sideways, False)
+
     def begin(self, stamp: float, pose: Pose, window: Window, body: Body, goal: NDArray[np.int32]) -> None:
         """Look for a line from ``pose`` (``map``)."""
         start = pose.x, pose.y, math.cos(pose.theta), math.sin(pose.theta)
