@@ -87,7 +87,8 @@ class Recoveries:
         self._tried += 1
         self._due_at = stamp + self._rules.retry_time
         if behaviour not in AT_ONCE:
-            self._active, self._from, self._until, self._turned = behaviour, pose, stamp + self._longest(behaviour), 0.0
+            self._active, self._from, self._until = behaviour, pose, stamp + self._longest(behaviour)
+            self._turned, self._side = 0.0, 0.0
         return Begun(behaviour, {"clear": 0.0, "clear_far": self._rules.clear_beyond}.get(behaviour), event)
 
     def command(self, pose: Pose, stamp: float, local_map: Callable[[], Costmap], waypoint: Pose) -> Twist | None:
@@ -113,14 +114,15 @@ class Recoveries:
         return None if far or speed <= 0.0 else Twist(-speed)
 
     def _turning(self, pose: Pose, waypoint: Pose) -> Twist | None:
-        """Turn on towards where the waypoint was when the turn began."""
+        """Turn on to the side on which the waypoint was when the turn began."""
         turned = float(wrap_angle(pose.theta - self._from.theta))
         self._turned += float(wrap_angle(turned - self._turned))
         if abs(self._turned) >= self._rules.turn_angle:
             return None
-        bearing = math.atan2(waypoint.y - self._from.y, waypoint.x - self._from.x)
-        side = math.copysign(1.0, float(wrap_angle(bearing - self._from.theta)))
-        return Twist(0.0, 0.0, side * min(self._rules.turn_speed, self._robot.limits.wz_max))
+        if self._side == 0.0:
+            bearing = math.atan2(waypoint.y - pose.y, waypoint.x - pose.x)
+            self._side = math.copysign(1.0, float(wrap_angle(bearing - pose.theta)))
+        return Twist(0.0, 0.0, self._side * min(self._rules.turn_speed, self._robot.limits.wz_max))
 
     def _is_free(self, costmap: Costmap, pose: Pose, command: Twist) -> bool:
         """Tell whether the body, a little further on this motion, touches nothing that it does not touch already."""

@@ -85,6 +85,13 @@ def test_turn_turns_to_the_waypoints_side_by_its_angle():
     assert recoveries.command(HERE, 10.0, window, Pose(0.0, -2.0)).wz == -1.0
 
 
+def test_a_turn_keeps_its_side_though_the_waypoint_moves():
+    recoveries = only("turn")
+    recoveries.begin(HERE, 0.0)
+    recoveries.begin(HERE, 10.0)
+    assert [recoveries.command(HERE, 10.0 + PERIOD * k, window, Pose(0.0, y)).wz for k, y in enumerate((2.0, -2.0))] == [1.0, 1.0]
+
+
 def test_a_whole_turn_is_possible():
     poses = drive(only("turn", turn_angle=2.0 * math.pi))
     assert len(poses) - 1 == pytest.approx(2.0 * math.pi / PERIOD, abs=2)
