@@ -1,18 +1,30 @@
-# make demo | test | lint | bench | policies | wheels: each sets up .venv by itself when it is missing or older than what it is made from.
+# Each target sets up .venv by itself when it is missing or older than what it is made from.
 .DEFAULT_GOAL := help
 ROBOTS := turtlebot3 jackal robotino
-.PHONY: help demo test lint bench clean setup wheels policies
+# What needs more than Python: a marker in pyproject.toml, a case in scripts/setup and scripts/NAME.txt, a name here. make test-NAME runs it.
+APART := browser
+.PHONY: help demo test long lint bench clean setup wheels dist policies fuzz coverage docs $(APART:%=test-%)
 PYTHON ?= python3
+PLUGIN ?=
+WORKERS ?= logical
+FUZZ_EXAMPLES ?= 4200
 BIN := .venv/bin
-SOURCES := pyproject.toml constraints.txt $(wildcard plugins/*/pyproject.toml)
+SOURCES := pyproject.toml constraints.txt scripts/tools.txt $(wildcard plugins/*/pyproject.toml)
+PYTEST := $(BIN)/pytest -n $(WORKERS) --dist worksteal
 
 help:
 	@echo "make demo   run the smoke experiment and print where its report is"
-	@echo "make test   run all tests"
+	@echo "make test   run all tests, as many at a time as there are cores; WORKERS=N: N at a time; PLUGIN=arena-dwa: those of that package"
+	@echo "make test-browser  open the report's page and the documentation in chromium (installs it)"
+	@echo "make coverage  run all tests and tell which lines none of them reaches"
+	@echo "make long   the long studies: every fault at every moment, a sweep killed again and again, 10,000 episodes in one worker, how often intervals hold the truth"
 	@echo "make lint   ruff, mypy, import-linter"
+	@echo "make docs   build the documentation into site/"
+	@echo "make fuzz   a hundred thousand spoilt files for all readers (half an hour); FUZZ_EXAMPLES=N: N for each"
 	@echo "make bench  speed against named peers (installs the peers)"
 	@echo "make policies  train every policy that comes with a package, two at a time; goes on where it was cut off"
 	@echo "make wheels build wheels and try them in an empty environment"
+	@echo "make dist   build the wheels of a release into dist/"
 
 setup: .venv/.complete
 
@@ -20,17 +32,37 @@ setup: .venv/.complete
 	PYTHON=$(PYTHON) scripts/setup
 	@touch $@
 
+.venv/.%: .venv/.complete scripts/%.txt
+	scripts/setup $*
+	@touch $@
+
 demo: setup
 	$(BIN)/arena run experiment=smoke
 
 test: setup
-	$(BIN)/pytest
+	$(PYTEST) $(PLUGIN:%=plugins/%)
+
+$(APART:%=test-%): test-%: .venv/.%
+	$(BIN)/pytest -m $* $(wildcard tests/$* plugins/*/tests/$*)
+
+coverage: setup
+	$(PYTEST) --cov --cov-report=term --cov-report=html:build/coverage $(PLUGIN:%=plugins/%)
+
+long: setup
+	$(BIN)/pytest -m long
+	ARENA_REPLICATIONS=1000 $(BIN)/pytest -s plugins/arena-metrics/tests/test_interval_coverage.py
 
 lint: setup
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
-	$(BIN)/lint-imports
+	$(BIN)/python scripts/contracts.py
+
+docs: .venv/.docs
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
+
+fuzz: setup
+	FUZZ_EXAMPLES=$(FUZZ_EXAMPLES) $(BIN)/pytest tests/fuzz -q -s
 
 bench: setup
 	scripts/setup bench
@@ -39,9 +71,12 @@ bench: setup
 wheels: setup
 	scripts/try_wheels
 
+dist: setup
+	for folder in . plugins/*/; do (cd $$folder && $(CURDIR)/$(BIN)/python -m hatchling build -t wheel -d $(CURDIR)/dist) || exit 1; done
+
 policies: setup
 	for planner in rosnav gring gring_as_released navrep; do printf "$$planner %s\n" $(ROBOTS); done | OMP_NUM_THREADS=1 xargs -P 2 -L 1 scripts/train_policy
 	for planner in navrep_v_only aio; do printf "$$planner %s\n" $(ROBOTS); done | OMP_NUM_THREADS=1 xargs -P 2 -L 1 scripts/train_policy  # last: they use the world models and the policies of others
 
 clean:
-	rm -rf .venv dist build
+	rm -rf .venv dist build site

@@ -1,19 +1,9 @@
 """The public core of the arena suite: values, interfaces and hook specifications for plugins and notebooks."""
 
-from arena_core.addresses import local_path
-from arena_core.benchmark import Benchmark, build_benchmark, build_metrics
-from arena_core.configuration import compose, option_files, plain
-from arena_core.conversion import read_settings
-from arena_core.episode import (
-    Contact,
-    EpisodeRecord,
-    EpisodeStart,
-    Event,
-    Outcome,
-    Scenario,
-    WorldState,
-)
-from arena_core.errors import (
+from arena_core.base.addresses import local_path
+from arena_core.base.arrays import read_array, read_arrays
+from arena_core.base.cells import harmless
+from arena_core.base.errors import (
     ArenaError,
     BrokenPlugin,
     ConfigurationError,
@@ -26,25 +16,37 @@ from arena_core.errors import (
     NoValidCommand,
     RunFolderError,
     UnknownComponent,
+    one_line,
 )
-from arena_core.geometry import Footprint, Pose, Twist, wrap_angle
-from arena_core.hookspecs import Register, hookimpl
-from arena_core.interfaces import (
+from arena_core.base.files import is_file, read_bytes, read_json, read_table, read_text, read_yaml
+from arena_core.base.limits import LIMITS
+from arena_core.base.notices import tell
+from arena_core.base.random_streams import generator, stream_key
+from arena_core.cli.candidates import complete_overrides
+from arena_core.cli.words import Words, is_key_value, key_value, read_words
+from arena_core.config.binding import read_settings
+from arena_core.config.configuration import compose, option_files, plain
+from arena_core.config.registry import Registry, load_registry
+from arena_core.contracts.hookspecs import Register, hookimpl
+from arena_core.contracts.interfaces import (
     OFF_PATH,
     WAYPOINT_FOUND,
     WAYPOINT_TIMEOUT,
     Command,
     Executor,
+    Finished,
     GlobalPlanner,
     Job,
     Listing,
     Localizer,
     LocalMap,
+    Lost,
     Metric,
     MetricPack,
     PathBatch,
     PedestrianModel,
     Planner,
+    Reporter,
     RobotBatch,
     Simulator,
     Snapshot,
@@ -54,7 +56,7 @@ from arena_core.interfaces import (
     Waypoints,
     WorldSource,
 )
-from arena_core.learning import (
+from arena_core.contracts.learning import (
     EarlierScans,
     ObservationBatch,
     ObservationEncoder,
@@ -64,18 +66,33 @@ from arena_core.learning import (
     Situation,
     Transition,
 )
-from arena_core.navigator import NAVIGATOR_KEYS
-from arena_core.notices import tell
-from arena_core.obstacles import with_obstacles
-from arena_core.parameters import Bounds, Fraction, NonNegative, NonNegativeInt, Positive, PositiveInt
-from arena_core.recording import find_runs, read_record, write_bytes_whole, write_text_whole
-from arena_core.registry import Registry, load_registry
-from arena_core.robot import Lidar, OdometryModel, Robot, VelocityLimits, make_robot
-from arena_core.sensing import NO_TRACKS, LaserScan, Observation, Odometry, PoseEstimate, Sensors, Tracks
-from arena_core.staging import Staging
-from arena_core.streams import generator, stream_key
-from arena_core.success import succeeded
-from arena_core.world import (
+from arena_core.loop.episode_loop import CommandQueue, EpisodeLoop, Verdicts
+from arena_core.loop.execution import Timing, mission_of, run_episode
+from arena_core.loop.guide import Guide, Mission, ReplanRules, View
+from arena_core.loop.navigator import NAVIGATOR_KEYS, Decision, Navigator
+from arena_core.loop.recording import check_inside, find_runs, read_record, write_bytes_whole, write_text_whole
+from arena_core.runs.api import Run, Runs, run
+from arena_core.runs.benchmark import Benchmark, build_benchmark, build_guide, build_metrics
+from arena_core.runs.rows import COLUMNS as EPISODE_COLUMNS
+from arena_core.runs.rows import TEXT, evaluate, metric_column
+from arena_core.runs.text_columns import aligned
+from arena_core.values.episode import (
+    Contact,
+    EpisodeRecord,
+    EpisodeStart,
+    Event,
+    Outcome,
+    Scenario,
+    WorldState,
+)
+from arena_core.values.geometry import Footprint, Pose, Twist, wrap_angle
+from arena_core.values.obstacles import with_obstacles
+from arena_core.values.parameters import Bounds, Count, Fraction, Horizon, NonNegative, NonNegativeInt, Positive, PositiveInt, Samples, Step
+from arena_core.values.robot import Lidar, OdometryModel, Robot, VelocityLimits, make_robot
+from arena_core.values.sensing import NO_TRACKS, LaserScan, Observation, Odometry, PoseEstimate, Sensors, Tracks
+from arena_core.values.staging import Staging
+from arena_core.values.success import COLLISIONS_ALLOWED, succeeded
+from arena_core.values.world import (
     ABSENT,
     FREE,
     INSCRIBED,
@@ -97,13 +114,17 @@ __version__ = "0.1.0"
 
 __all__ = [
     "ABSENT",
+    "COLLISIONS_ALLOWED",
+    "EPISODE_COLUMNS",
     "FREE",
     "INSCRIBED",
     "LETHAL",
+    "LIMITS",
     "NAVIGATOR_KEYS",
     "NO_TRACKS",
     "OCCUPIED",
     "OFF_PATH",
+    "TEXT",
     "UNKNOWN",
     "WAYPOINT_FOUND",
     "WAYPOINT_TIMEOUT",
@@ -112,21 +133,28 @@ __all__ = [
     "Bounds",
     "BrokenPlugin",
     "Command",
+    "CommandQueue",
     "ConfigurationError",
     "Contact",
     "ContractViolation",
     "Costmap",
+    "Count",
     "Crowd",
+    "Decision",
     "DuplicateComponent",
     "EarlierScans",
+    "EpisodeLoop",
     "EpisodeRecord",
     "EpisodeStart",
     "Event",
     "Executor",
+    "Finished",
     "Footprint",
     "Fraction",
     "Gait",
     "GlobalPlanner",
+    "Guide",
+    "Horizon",
     "ImpossibleScenario",
     "InputFileError",
     "InvalidCommand",
@@ -136,8 +164,11 @@ __all__ = [
     "Listing",
     "LocalMap",
     "Localizer",
+    "Lost",
     "Metric",
     "MetricPack",
+    "Mission",
+    "Navigator",
     "NoPath",
     "NoValidCommand",
     "NonNegative",
@@ -163,10 +194,15 @@ __all__ = [
     "PositiveInt",
     "Register",
     "Registry",
+    "ReplanRules",
+    "Reporter",
     "Reward",
     "Robot",
     "RobotBatch",
+    "Run",
     "RunFolderError",
+    "Runs",
+    "Samples",
     "ScanMemory",
     "Scenario",
     "Sensors",
@@ -174,31 +210,58 @@ __all__ = [
     "Situation",
     "Snapshot",
     "Staging",
+    "Step",
     "TaskMode",
+    "Timing",
     "Tracker",
     "Tracks",
     "Transition",
     "Twist",
     "UnknownComponent",
     "VelocityLimits",
+    "Verdicts",
+    "View",
     "WaypointGenerator",
     "Waypoints",
+    "Words",
     "World",
     "WorldSource",
     "WorldState",
+    "aligned",
     "build_benchmark",
+    "build_guide",
     "build_metrics",
+    "check_inside",
+    "complete_overrides",
     "compose",
+    "evaluate",
     "find_runs",
     "generator",
+    "harmless",
     "hookimpl",
+    "is_file",
+    "is_key_value",
+    "key_value",
     "load_registry",
     "local_path",
     "make_robot",
+    "metric_column",
+    "mission_of",
+    "one_line",
     "option_files",
     "plain",
+    "read_array",
+    "read_arrays",
+    "read_bytes",
+    "read_json",
     "read_record",
     "read_settings",
+    "read_table",
+    "read_text",
+    "read_words",
+    "read_yaml",
+    "run",
+    "run_episode",
     "stream_key",
     "succeeded",
     "tell",

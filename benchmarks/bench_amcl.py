@@ -14,12 +14,12 @@ from arena_core import OccupancyGrid, Pose
 from arena_kernels.distance import grid_distance
 from arena_kernels.grids import stack_grids
 from arena_kernels.raycast import make_beams, scan_grids
-from arena_navigation.amcl import free_space
-from arena_navigation.amcl_filter import Recovery, Resampling, begin, cloud, filter_update
-from arena_navigation.amcl_laser import KEEP_ALL
-from arena_navigation.amcl_motion import Alphas, Motion, motion
-from arena_navigation.amcl_resampling import Limits
-from arena_navigation.amcl_sensor import Distances, LikelihoodField
+from arena_navigation.amcl.filter import Recovery, Resampling, begin, cloud, filter_update
+from arena_navigation.amcl.laser import KEEP_ALL
+from arena_navigation.amcl.localizer import free_space
+from arena_navigation.amcl.motion import Alphas, Motion, motion
+from arena_navigation.amcl.resampling import Limits
+from arena_navigation.amcl.sensor import Distances, LikelihoodField
 
 PARTICLES, BEAMS, CALLS, REPEATS = 500, 60, 200, 9
 Floats = NDArray[np.float64]

@@ -15,7 +15,7 @@ from arena_core import INSCRIBED, LaserScan, OccupancyGrid, PathBatch, Pose
 from arena_core.testing import component, robot
 from arena_kernels.grids import stack_grids
 from arena_kernels.raycast import make_beams, scan_grids
-from arena_navigation.inflation import InflatedCosts, Inflation
+from arena_navigation.planning.inflation import InflatedCosts, Inflation
 
 QUERIES, UPDATES, REPEATS = 10, 100, 9
 START, GOALS = (10, 10), ((389, 389), (389, 388))  # two goals in turn: no query can use the search of the one before

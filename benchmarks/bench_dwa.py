@@ -11,8 +11,8 @@ import numpy as np
 from timing import interleave
 
 from arena_dwa.map_grid import map_grids
-from arena_dwa.parameters import Approach, Body, Limits, MapGrids, RollOut, Scales, Settings
 from arena_dwa.search import cheapest_sample
+from arena_dwa.settings import Approach, Body, Limits, MapGrids, RollOut, Scales, Settings
 from arena_dwa.window import axis_samples, dynamic_window
 from arena_kernels.distance import distance_field
 from arena_kernels.window import Window, outline_of

@@ -10,11 +10,11 @@ import time
 from pathlib import Path
 from typing import Any
 
-from arena_core.benchmark import Benchmark, build_benchmark
-from arena_core.configuration import compose, plain
-from arena_core.evaluate import evaluate
-from arena_core.recording import write_record
-from arena_core.registry import load_registry
+from arena_core.config.configuration import compose, plain
+from arena_core.config.registry import load_registry
+from arena_core.loop.recording import write_record
+from arena_core.runs.benchmark import Benchmark, build_benchmark
+from arena_core.runs.rows import evaluate
 
 EPISODES = 5
 MEMORY = """

@@ -28,7 +28,7 @@ from arena_core import (
     World,
     load_registry,
 )
-from arena_core.configuration import compose, plain
+from arena_core.config.configuration import compose, plain
 
 PEOPLE, STEP, BATCH, REPEATS = 10, 0.1, 64, 7
 GOALS = {"navground ORCA + lidar": 0.6, "ir-sim social force": 1 / 200}

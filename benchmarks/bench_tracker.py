@@ -14,7 +14,7 @@ from timing import interleave
 from arena_core import LaserScan, OccupancyGrid, Pose, Tracker
 from arena_core.testing import component
 from arena_kernels.distance import grid_distance
-from arena_navigation.tracking_filter import POSITION, correct, predict
+from arena_navigation.tracking.filter import POSITION, correct, predict
 
 PEOPLE = 10
 STEPS = 40  # a timing

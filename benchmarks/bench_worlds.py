@@ -14,9 +14,9 @@ from timing import interleave
 
 from arena_core import FREE, OCCUPIED, OccupancyGrid
 from arena_core.testing import component
-from arena_worlds.canvas import Canvas
-from arena_worlds.generated import Generated
-from arena_worlds.measures import measures_of
+from arena_worlds.commands.measures import measures_of
+from arena_worlds.generators.canvas import Canvas
+from arena_worlds.generators.generated import Generated
 
 KINDS, GOAL_MS, REPEATS = ("indoor", "outdoor", "rooms", "cellular"), 150.0, 15
 SIZE = ("world.width=25", "world.height=25", "world.resolution=0.05")

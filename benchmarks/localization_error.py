@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import Localizer, OccupancyGrid, Pose, PoseEstimate, Robot, Sensors, generator, wrap_angle
-from arena_core.benchmark import build_benchmark
-from arena_core.configuration import compose, plain
-from arena_core.registry import Registry, load_registry
+from arena_core.config.configuration import compose, plain
+from arena_core.config.registry import Registry, load_registry
+from arena_core.runs.benchmark import build_benchmark
 
 EXACT = Pose(0.0, 0.0, 0.0)
 
@@ -85,8 +85,8 @@ def build(preset: str, robot: Robot, registry: Registry) -> Localizer:
     """Build a localiser from its preset, with overrides after blanks; ROS's own values get the motion model that a ROS user would set."""
     name, *changes = preset.split()
     node = dict(plain(compose([f"localizer={name}", *(f"localizer.{change}" for change in changes)]))["localizer"])
-    if node.get("odom_model_type") == "diff" and robot.holonomic:
-        node["odom_model_type"] = "omni"
+    if node.get("odom", {}).get("model_type") == "diff" and robot.holonomic:
+        node["odom"]["model_type"] = "omni"
     localizer: Localizer = registry.build("localizer", node, robot=robot)
     return localizer
 

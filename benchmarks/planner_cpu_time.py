@@ -14,8 +14,8 @@ from time import process_time
 import numpy as np
 
 from arena_core import Observation, Twist, load_registry
-from arena_core.benchmark import build_benchmark
-from arena_core.configuration import compose, plain
+from arena_core.config.configuration import compose, plain
+from arena_core.runs.benchmark import build_benchmark
 
 ROBOTS = ("turtlebot3", "jackal", "robotino")
 RUN = ("world=warehouse", "task.pedestrians=10", "localizer=ground_truth", "executor=serial")

@@ -27,7 +27,7 @@ from arena_core import (
     plain,
     read_record,
 )
-from arena_core.obstacles import with_obstacles
+from arena_core.values.obstacles import with_obstacles
 
 STAND_RADIUS = 0.3  # m
 

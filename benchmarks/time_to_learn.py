@@ -25,7 +25,14 @@ from arena_gym.vector_environment import NavigationVectorEnv
 MARKS = (0.5, 0.8, 0.9)  # [-] of the latest episodes
 LATEST = 300  # [-] episodes
 LEVELS = ["~task.path", "~task.block", "~task.promote", "~task.fall_back"]  # of the recipe's own task
-TASK = ["task=random", *LEVELS, "task.pedestrians=2", "task.min_distance=5.0", "task.max_distance=15.0", "randomization.people=null"]
+TASK = [
+    "task=random",
+    *LEVELS,
+    "task.pedestrians=2",
+    "task.trip.min_distance=5.0",
+    "task.trip.max_distance=15.0",
+    "randomization.people=null",
+]
 
 
 class Watch(BaseCallback):

@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import EpisodeRecord
-from arena_core.benchmark import build_benchmark, build_metrics
-from arena_core.configuration import compose, plain
-from arena_core.registry import load_registry
-from arena_metrics.intervals import Estimate, difference
+from arena_core.config.configuration import compose, plain
+from arena_core.config.registry import load_registry
+from arena_core.runs.benchmark import build_benchmark, build_metrics
+from arena_metrics.comparisons import difference
+from arena_metrics.intervals import Estimate
 
 STILL = 0.05  # m that a robot which stands may shift
 COLUMNS = ("success", "collisions", "time", "detour", "reverse", "stand")
@@ -70,7 +71,7 @@ def line(world: str, robot: str, name: str, rows: FloatArray) -> str:
 
 
 def main() -> None:
-    """Print a Markdown table of both, and below each pair how tracker and none differ (95 % intervals; success Agresti-Min)."""
+    """Print a Markdown table of both, and below each pair how tracker and none differ (95 % intervals; success after Bonett and Price)."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("overrides", nargs="*", help="what `arena run` takes, for both: planner=teb ...")
     parser.add_argument("--world", action="append", help="may be given again")

@@ -26,9 +26,9 @@ from arena_core import (
     Tracks,
     Twist,
 )
-from arena_core.benchmark import build_benchmark
-from arena_core.configuration import compose, plain
-from arena_core.registry import load_registry
+from arena_core.config.configuration import compose, plain
+from arena_core.config.registry import load_registry
+from arena_core.runs.benchmark import build_benchmark
 
 NEAR = 5.0  # m from the robot: who is farther away is not counted
 VISIBLE = 5  # returns that a person must send to be in sight
@@ -210,7 +210,7 @@ def main() -> None:
         for robot in given.robot or ["turtlebot3", "jackal", "robotino"]:
             for localizer in given.localizer or ["ground_truth", "amcl"]:
                 for speed in given.speed or [0.3, 1.0, 1.5]:
-                    crowd = [f"task.pedestrians={given.people}", f"task.pedestrian_speed={speed}", f"seed={given.seed}"]
+                    crowd = [f"task.pedestrians={given.people}", f"task.people.speed={speed}", f"seed={given.seed}"]
                     found = list(drives([*world.split(), f"robot={robot}", f"localizer={localizer}", *crowd], given.episodes))
                     for tracker in given.tracker or ["kalman"]:
                         preset, *overrides = tracker.split()

@@ -12,9 +12,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from arena_core.testing import component
-from arena_worlds.generated import Generated
-from arena_worlds.measures import Measures, measures_of
-from arena_worlds.portrait import FLOOR, WALL
+from arena_worlds.commands.measures import Measures, measures_of
+from arena_worlds.commands.portrait import FLOOR, WALL
+from arena_worlds.generators.generated import Generated
 
 KINDS, SEEDS = ("indoor", "outdoor", "rooms", "cellular"), 20
 STEPS, SHOWN, SHOWN_SEED = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0), (0.2, 0.5, 0.8), 3

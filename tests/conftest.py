@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import os
 import sys
 from collections.abc import Callable, Iterator, Mapping
@@ -12,13 +13,14 @@ from textwrap import dedent
 import pytest
 from hypothesis import HealthCheck, settings
 
-from arena_core.cli import main
-from arena_core.run import _benchmark, _registry
+from arena_core import read_record
+from arena_core.cli.main import main
+from arena_core.config.plugins import _loaded
+from arena_core.runs.code_digest import _code
+from arena_core.runs.working import _benchmark, _registry
 
 settings.register_profile("suite", derandomize=True, deadline=None, suppress_health_check=list(HealthCheck))
 settings.load_profile("suite")
-
-DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,9 @@ def arena(capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tm
 
 def _forget_plugins() -> None:
     _registry.cache_clear()
+    _loaded.cache_clear()
     _benchmark.cache_clear()
+    _code.cache_clear()
 
 
 @dataclass(frozen=True)
@@ -98,9 +102,63 @@ def third_party(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Thi
         del sys.modules[name]
 
 
-@pytest.fixture(scope="session")
-def data() -> Path:
-    """Return the folder of real maps, scenarios and recordings; skip where it is not present."""
-    if not DATA.is_dir():
-        pytest.skip(f"real data is not there: {DATA}")
-    return DATA
+FAULTY = 4  # the episode that a fault befalls
+TEN = (
+    *("planner=misbehaving", "robot=jackal", "world=empty", "world.width=8", "world.height=8", "task.pedestrians=0"),
+    *("localizer=ground_truth", "report=false", "episodes=10"),
+)
+BUDGETS = ("executor.budgets.command=20", "executor.budgets.memory=1")  # those of time are for faults that hang: a machine may be busy
+
+
+@dataclass(frozen=True)
+class Kept:
+    """What a run left: its rows by episode, without what depends on the wall clock, and its records by name."""
+
+    rows: dict[int, dict[str, str]]
+    records: dict[str, bytes]
+
+    @classmethod
+    def of(cls, folder: str) -> Kept:
+        """Read a run's folder."""
+        with Path(folder, "episodes.csv").open(newline="") as file:
+            rows = {int(row["episode"]): {k: v for k, v in row.items() if not k.startswith("planning_")} for row in csv.DictReader(file)}
+        return cls(rows, {path.name: path.read_bytes() for path in sorted(Path(folder, "records").glob("*"))})
+
+
+@dataclass(frozen=True)
+class Misbehaving:
+    """Ten short episodes with ``tests/planners/misbehaving.py``; a fault befalls the fifth alone. ``whole`` is the run without one."""
+
+    arena: Callable[..., Answer]
+    monkeypatch: pytest.MonkeyPatch
+    whole: Kept
+    goal: str
+
+    def run(self, folder: str, *words: str, fault: str = "", moment: str = "") -> Answer:
+        """Run with a fault."""
+        self.befall(fault, moment)
+        return self.arena("run", *self.words(folder), *words)
+
+    def words(self, folder: str) -> list[str]:
+        """Return what the command line says of such a run."""
+        return [*TEN, *BUDGETS, f"hydra.run.dir={folder}"]
+
+    def befall(self, fault: str, moment: str) -> None:
+        """Let the next run have a fault, in whatever process it is."""
+        for name, value in (("FAULT", fault), ("MOMENT", moment), ("GOAL", self.goal)):
+            self.monkeypatch.setenv(name, value)
+
+
+_whole: list[tuple[Kept, str]] = []  # made once in a session
+
+
+@pytest.fixture
+def misbehaving(third_party: ThirdParty, arena: Callable[..., Answer], monkeypatch: pytest.MonkeyPatch) -> Misbehaving:
+    """Offer the misbehaving planner, and what it does when it behaves."""
+    planner = Path(__file__).with_name("planners") / "misbehaving.py"
+    third_party.package("misbehaving", planner.read_text(), {"planner/misbehaving": "name: misbehaving\n"})
+    if not _whole:
+        assert arena("run", *TEN, "executor=serial", "hydra.run.dir=reference").status == 0
+        x, y, _ = read_record(Path(f"reference/records/{FAULTY:04d}.npz")).meta["scenario"]["goal"]
+        _whole.append((Kept.of("reference"), f"{x:.6f} {y:.6f}"))
+    return Misbehaving(arena, monkeypatch, *_whole[0])

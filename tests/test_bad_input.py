@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from arena_core import recording
+from arena_core.loop import recording
 
 QUICK = (
     *("planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=8", "world.height=8"),
@@ -60,7 +60,7 @@ def write_scenario(content=PROBLEM):
     [
         ("planner=pure_persuit", "unknown planner 'pure_persuit'; did you mean pure_pursuit? (possible: "),
         ("robot=segway", "unknown robot 'segway' (possible: "),
-        ("metrics=[si,other]", "unknown metrics 'other' (possible: barn, paper_legacy, si)"),
+        ("metrics=[si,other]", "unknown metrics 'other' (possible: barn, paper_legacy, paper_published, si)"),
         ("experiment=smoek", "unknown experiment 'smoek'; did you mean smoke? (possible: "),
         ("planner.gian=2", "planner has no key gian; did you mean gain? (possible: gain, "),
         ("+planner.colour=red", "planner has no parameter colour (allowed: speed, turn_in_place_from, gain)"),
@@ -316,7 +316,7 @@ def test_a_damaged_record_is_named_when_a_run_is_continued(arena):
 def test_ctrl_c_keeps_what_is_finished_and_the_run_can_be_continued(arena, executor):
     words = [*QUICK, "episodes=500", f"executor={executor}", *(["executor.workers=2"] if executor == "processes" else [])]
     process = subprocess.Popen(
-        [sys.executable, "-m", "arena_core.cli", "run", *words],
+        [sys.executable, "-m", "arena_core.cli.main", "run", *words],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 from arena_core import load_registry
-from arena_core.benchmark import build_benchmark
-from arena_core.configuration import compose, plain
+from arena_core.config.configuration import compose, plain
+from arena_core.runs.benchmark import build_benchmark
 
 BARN = Path(__file__).parents[2] / "shared" / "data" / "barn"
 POST = """<model name='post{k}'><static>1</static><pose>{x} {y} 0 0 0 0</pose><link name='link'><collision name='collision'>

@@ -3,8 +3,8 @@ import copy
 import pytest
 
 from arena_core import ConfigurationError, load_registry
-from arena_core.benchmark import build_benchmark, config_hash
-from arena_core.configuration import compose, plain
+from arena_core.config.configuration import compose, plain
+from arena_core.runs.benchmark import build_benchmark, config_hash
 
 WORDS = ("planner=pure_pursuit", "world=empty", "localizer=ground_truth")
 
@@ -69,3 +69,7 @@ def test_metric_packs_come_with_the_default_one_first():
 
 def test_a_run_without_metrics_is_possible():
     assert build_benchmark(plain(compose([*WORDS, "metrics=[]"])), load_registry()).metrics == {}
+
+
+def test_a_composed_configuration_can_be_built_as_it_is(config):
+    assert build_benchmark(compose(WORDS), load_registry()).config == config

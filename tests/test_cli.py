@@ -5,13 +5,13 @@ import sys
 import pytest
 
 import arena_core
-from arena_core.cli import main
+from arena_core.cli.main import main
 
 ELSEWHERE = ("numba", "torch", "casadi", "pandas", "matplotlib", "scipy", "shapely", "seaborn", "hydra")
 
 LOUD = """
     from arena_core import Command, hookimpl
-    from arena_core.errors import ArenaError, RunStopped
+    from arena_core.base.errors import ArenaError, RunStopped
 
     class Loud(Command):
         help = "says what it is told"
@@ -38,7 +38,7 @@ def loud(third_party):
 
 
 def arena_process(*words, **settings):
-    return subprocess.run([sys.executable, "-m", "arena_core.cli", *words], capture_output=True, text=True, timeout=60, **settings)
+    return subprocess.run([sys.executable, "-m", "arena_core.cli.main", *words], capture_output=True, text=True, timeout=60, **settings)
 
 
 @pytest.mark.parametrize(
@@ -81,7 +81,7 @@ def test_a_broken_plugin_is_one_line(third_party, arena):
 
 
 def test_listing_loads_no_heavy_library(tmp_path):
-    code = f"import sys; from arena_core.cli import main; main(['list']); print([m for m in {ELSEWHERE} if m in sys.modules])"
+    code = f"import sys; from arena_core.cli.main import main; main(['list']); print([m for m in {ELSEWHERE} if m in sys.modules])"
     answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True, cwd=tmp_path)
     assert answer.stdout.splitlines()[-1] == "[]"
 
@@ -90,7 +90,7 @@ def test_output_that_nobody_reads_is_no_error(tmp_path):
     read, write = os.pipe()
     os.close(read)
     answer = subprocess.run(
-        [sys.executable, "-m", "arena_core.cli", "list"], stdout=write, stderr=subprocess.PIPE, timeout=60, cwd=tmp_path
+        [sys.executable, "-m", "arena_core.cli.main", "list"], stdout=write, stderr=subprocess.PIPE, timeout=60, cwd=tmp_path
     )
     os.close(write)
     assert (answer.returncode, answer.stderr) == (141, b"")

@@ -3,7 +3,7 @@ from hydra import initialize
 from hydra.core.global_hydra import GlobalHydra
 
 from arena_core import ConfigurationError, DuplicateComponent
-from arena_core.configuration import compose, conf_directory, plain, search_path
+from arena_core.config.configuration import compose, conf_directory, plain, search_path
 
 PLUGIN = """
     from arena_core import hookimpl

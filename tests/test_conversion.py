@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from arena_core import Bounds, ConfigurationError, Planner, Positive, PositiveInt, Robot
-from arena_core.conversion import build, convert, parameters
+from arena_core.config.binding import build, convert, parameters
 from arena_core.testing import robot
 
 

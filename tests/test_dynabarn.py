@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from arena_core import load_registry
-from arena_core.benchmark import build_benchmark
-from arena_core.configuration import compose, plain
+from arena_core.config.configuration import compose, plain
+from arena_core.runs.benchmark import build_benchmark
 
 CLASSIC = ("dwa", "teb", "mpc", "mppi", "orca", "pure_pursuit")
 LEARNED = ("rosnav", "gring", "navrep", "navrep_v_only", "aio")

@@ -3,13 +3,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from arena_core import Contact, Crowd, Pose, PoseEstimate, Simulator, Snapshot, Twist
-from arena_core.execution import CommandQueue, Timing, joined, judge, run_episode
-from arena_core.navigator import NO_TIME, Decision, Spent
-from arena_core.recording import Recorder
+from arena_core.loop.execution import Timing, run_episode
+from arena_core.loop.navigator import NO_TIME, Decision, Spent
+from arena_core.loop.recording import Recorder
 from arena_core.testing import robot, scan, scenario
 from arena_core.testing.samples import IDEAL
 
@@ -76,62 +74,8 @@ def episode(brain=None, simulator=None, timing=IDEAL, problem=None, stop_on_coll
     return run_episode(problem, simulator or Glide(), brain or Brain(), timing, recorder, stop_on_collision)
 
 
-@given(steps=st.integers(1, 10), delays=st.lists(st.integers(0, 35), min_size=1, max_size=20))
-def test_commands_act_when_their_delay_is_over_and_none_that_was_overtaken_comes_back(steps, delays):
-    queue, acted = CommandQueue(), []
-    for k, delay in enumerate(delays):
-        queue.send(Twist(k + 1.0), k * steps + delay)
-        acted += [command.vx for command, ticks in queue.segments(k * steps, (k + 1) * steps) for _ in range(ticks)]
-    sent = [(k * steps, k * steps + delay) for k, delay in enumerate(delays)]
-    due = [[k + 1.0 for k, (since, at) in enumerate(sent) if since <= tick and at <= tick] for tick in range(len(delays) * steps)]
-    assert acted == [commands[-1] if commands else 0.0 for commands in due]
-
-
-@given(begin=st.integers(0, 5), length=st.integers(1, 20), at=st.integers(0, 30))
-def test_segments_are_never_empty_and_fill_the_interval(begin, length, at):
-    queue = CommandQueue()
-    queue.send(Twist(1.0), at)
-    ticks = [n for _, n in queue.segments(begin, begin + length)]
-    assert min(ticks) >= 1
-    assert sum(ticks) == length
-
-
 def decision(arrived):
     return Decision(Twist(0.0), PoseEstimate(Pose(0.0, 0.0), np.zeros((3, 3))), Pose(0.0, 0.0), None, arrived, (), NO_TIME)
-
-
-@pytest.mark.parametrize(
-    ("arrived", "x", "stamp", "contacts", "stop_on_collision", "outcome"),
-    [
-        (True, 1.5, 5.0, (), False, "goal_reached"),
-        (True, 1.5 - 0.54, 5.0, (), False, "goal_reached"),
-        (True, 1.5 - 0.56, 5.0, (), False, "false_arrival"),
-        (True, 1.5, 60.0, (), False, "goal_reached"),
-        (True, 1.5, 5.0, (TOUCH,), True, "goal_reached"),
-        (False, 1.5, 5.0, (), False, None),
-        (False, 0.0, 59.9, (), False, None),
-        (False, 0.0, 60.0, (), False, "time_out"),
-        (False, 0.0, 5.0, (TOUCH,), False, None),
-        (False, 0.0, 5.0, (TOUCH,), True, "collision"),
-        (False, 0.0, 60.0, (TOUCH,), True, "collision"),
-    ],
-)
-def test_an_episode_ends_as_the_table_says(arrived, x, stamp, contacts, stop_on_collision, outcome):
-    simulator = Glide()
-    state = replace(simulator.reset([scenario()]).state(0), stamp=stamp, pose=Pose(x, 0.0), contacts=contacts)
-    assert judge(scenario(), state, decision(arrived), stop_on_collision) == outcome
-
-
-def test_joining_keeps_the_last_state_all_contacts_and_the_whole_time_in_contact():
-    simulator = Glide()
-    simulator.reset([scenario()])
-    simulator.contacts = (TOUCH,)
-    states = [simulator.advance(np.array(((1.0, 0.0, 0.0),)), n).state(0) for n in (2, 3)]
-    whole = joined(states)
-    assert (whole.pose, whole.stamp) == (states[1].pose, states[1].stamp)
-    assert whole.contacts == (TOUCH, TOUCH)
-    assert whole.contact_time == pytest.approx(0.05)
-    assert joined(states[:1]) is states[0]
 
 
 def test_a_drive_to_the_goal_is_recorded_step_by_step():

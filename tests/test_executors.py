@@ -1,19 +1,29 @@
 import multiprocessing
 import os
 import signal
+import subprocess
+import sys
 import time
 from contextlib import closing
 
 import pytest
 
-from arena_core import ConfigurationError, Job
-from arena_core.errors import RunStopped
-from arena_core.executors import ProcessExecutor, SerialExecutor
-from arena_core.registry import load_registry
+from arena_core import ConfigurationError, Job, Lost
+from arena_core.base.errors import RunFolderError
+from arena_core.config.registry import load_registry
+from arena_core.runs.budgets import Budgets, Watch
+from arena_core.runs.executors import ProcessExecutor, SerialExecutor
 from arena_core.testing import check, robot
 from arena_core.testing.checks import echo
 
 JOBS = [Job({}, "", episode) for episode in range(5)]
+BUDGETS = ("first_command", "command", "episode", "memory")
+GENEROUS = Budgets(600.0, 60.0, 600.0, 4.0)
+TIGHT = Budgets(8.0, 5.0, 15.0, 0.6)
+
+
+def processes(workers=2, budgets=GENEROUS):
+    return ProcessExecutor(workers, budgets)
 
 
 def rows(executor, work=echo, jobs=JOBS):
@@ -25,7 +35,7 @@ def numbers(executor, work=echo, jobs=JOBS):
     return [row["episode"] for row in rows(executor, work, jobs)]
 
 
-@pytest.mark.parametrize("executor", [SerialExecutor(), ProcessExecutor(2)])
+@pytest.mark.parametrize("executor", [SerialExecutor(), processes()])
 def test_keeps_the_contract_of_an_executor(executor):
     assert check("executor", executor, robot())
 
@@ -43,91 +53,248 @@ def test_serial_runs_in_order_and_only_what_is_asked_for():
 
 
 def test_processes_give_the_rows_that_serial_gives():
-    assert sorted(numbers(ProcessExecutor(2))) == numbers(SerialExecutor())
-
-
-def test_a_single_job_needs_no_worker():
-    assert [row["pid"] for row in ProcessExecutor(8).map(lambda job: {"pid": os.getpid()}, JOBS[:1])] == [os.getpid()]
+    assert sorted(numbers(processes())) == numbers(SerialExecutor())
 
 
 def test_no_job_gives_no_row():
-    assert numbers(ProcessExecutor(2), jobs=[]) == []
-
-
-def test_workers_stay_warm_from_one_call_to_the_next(third_party):
-    third_party.write("dying.py", DYING)
-    import dying
-
-    with closing(ProcessExecutor(1)) as one, closing(ProcessExecutor(2)) as two:
-        assert {row["pid"] for row in one.map(dying.say_where, JOBS)} == {os.getpid()}
-        list(two.map(dying.say_where, JOBS))
-        workers = {child.pid for child in multiprocessing.active_children()}
-        assert {row["pid"] for row in two.map(dying.say_where, JOBS[:1])} <= workers
-    assert not [child for child in multiprocessing.active_children() if child.is_alive()]
+    assert numbers(processes(), jobs=[]) == []
 
 
 def test_without_a_number_there_is_one_worker_a_core():
-    assert ProcessExecutor(None).workers == os.cpu_count()
+    assert processes(None).workers == os.cpu_count()
 
 
 @pytest.mark.parametrize("workers", [0, -1, 1.5, "many"])
 def test_an_impossible_number_of_workers_is_named(workers):
     with pytest.raises(ConfigurationError, match=r"executor\.workers is .*; allowed: "):
-        load_registry().build("executor", {"name": "processes", "workers": workers})
+        load_registry().build("executor", {"name": "processes", "workers": workers, "budgets": dict.fromkeys(BUDGETS)})
 
 
-DYING = """
+@pytest.mark.parametrize("budget", BUDGETS)
+def test_an_impossible_budget_is_named(budget):
+    budgets = {**dict.fromkeys(BUDGETS), budget: 0}
+    with pytest.raises(ConfigurationError, match=rf"executor\.budgets\.{budget} is 0; allowed: > 0"):
+        load_registry().build("executor", {"name": "processes", "workers": 1, "budgets": budgets})
+
+
+WORK = """
     import os
     import signal
+    import sys
+    import threading
     import time
 
-    def work(job):
+    from arena_core.base.errors import RunFolderError
+    from arena_core.base.pulse import pulse
+
+    def where(job):
+        return {"episode": job.episode, "pid": os.getpid(), "parent": os.getppid()}
+
+    def bad(job):
         if job.episode == 2:
-            os._exit(9)
-        return {"episode": job.episode}
+            BAD[job.config["bad"]]()
+        return where(job)
 
-    def say_where(job):
-        return {"pid": os.getpid()}
+    def once(job):
+        if job.episode == 2 and not os.path.exists(job.folder):
+            open(job.folder, "w").close()
+            os.kill(os.getpid(), signal.SIGKILL)
+        return where(job)
 
-    def leaves_ctrl_c_alone(job):
-        return {"episode": job.episode, "alone": signal.getsignal(signal.SIGINT) is signal.SIG_IGN}
+    def hang_later():
+        for _ in range(5):
+            pulse.beat()
+        time.sleep(1000)
 
-    def interrupt(job):
-        if job.episode == 1:
-            os.kill(os.getppid(), signal.SIGINT)
-            os.kill(os.getpid(), signal.SIGINT)
-            time.sleep(0.2)
-        return {"episode": job.episode}
+    def never_end():
+        while True:
+            pulse.beat()
+            time.sleep(0.01)
+
+    def grow():
+        kept = []
+        while True:
+            kept.append(bytearray(10_000_000))
+            time.sleep(0.001)
+
+    def fork():
+        if os.fork() == 0:
+            pulse.finish()
+
+    def fork_and_hang():
+        if os.fork() == 0:
+            time.sleep(1000)
+
+    def full():
+        raise RunFolderError("cannot write it: No space left on device")
+
+    def ignore_everything():
+        for number in (signal.SIGTERM, signal.SIGINT, signal.SIGALRM):
+            signal.signal(number, lambda *_: None)
+        time.sleep(1000)
+
+    def still(job):
+        open(os.path.join(job.folder, str(os.getpid())), "w").close()
+        if job.episode % 2:
+            time.sleep(1000)
+        while True:
+            pass
+
+    BAD = {
+        "exit": lambda: os._exit(3),
+        "exit as if all were well": lambda: os._exit(0),
+        "segfault": lambda: os.kill(os.getpid(), signal.SIGSEGV),
+        "abort": os.abort,
+        "pipe": lambda: os.closerange(3, 100),
+        "sys.exit": lambda: sys.exit(5),
+        "hang": lambda: time.sleep(1000),
+        "deadlock": lambda: (lambda lock: (lock.acquire(), lock.acquire()))(threading.Lock()),
+        "hang later": hang_later,
+        "never end": never_end,
+        "grow": grow,
+        "ignore": ignore_everything,
+        "fork": fork,
+        "fork and hang": fork_and_hang,
+        "full": full,
+        "chdir": lambda: os.chdir("/"),
+        "handlers": lambda: signal.signal(signal.SIGUSR1, lambda *_: None),
+        "stdout": lambda: os.close(1),
+        "print": lambda: sys.stdout.close(),
+    }
 """
 
 
-def test_a_worker_that_dies_stops_the_run_with_one_line(third_party):
-    third_party.write("dying.py", DYING)
-    import dying
+@pytest.fixture
+def working(third_party):
+    third_party.write("working.py", WORK)
+    import working
 
-    with pytest.raises(RunStopped, match=r"a worker process died .*finished episodes are kept, resume=true continues"):
-        numbers(ProcessExecutor(2), dying.work)
-
-
-def test_workers_leave_ctrl_c_to_the_main_process(third_party):
-    third_party.write("dying.py", DYING)
-    import dying
-
-    assert all(row["alone"] for row in rows(ProcessExecutor(2), dying.leaves_ctrl_c_alone))
+    return working
 
 
-def test_ctrl_c_reaches_the_main_process_and_leaves_no_worker_behind(third_party):
-    third_party.write("dying.py", DYING)
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # whatever started the tests may have it ignored
-    import dying
+def of(bad):
+    return [Job({"bad": bad}, "", episode) for episode in range(5)]
 
-    def run():
-        numbers(ProcessExecutor(2), dying.interrupt)
-        time.sleep(5.0)  # the signal may come after the last row
 
-    try:
-        with pytest.raises(KeyboardInterrupt):
-            run()
-    finally:
-        signal.signal(signal.SIGINT, before)
-    assert not [child for child in multiprocessing.active_children() if child.is_alive()]
+def left():
+    return [child for child in multiprocessing.active_children() if child.is_alive()]
+
+
+def gone(pid):
+    """Tell whether a process ends within a while."""
+    for _ in range(600):
+        try:
+            os.kill(pid, 0)
+        except ProcessLookupError:
+            return True
+        with open(f"/proc/{pid}/stat") as file:
+            if file.read().rpartition(")")[2].split()[0] == "Z":  # an orphan that nobody has collected yet
+                return True
+        time.sleep(0.05)
+    return False
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("bad", "workers", "reason"),
+    [
+        ("exit", 1, "worker died: exit status 3"),
+        ("exit as if all were well", 2, "worker died: exit status 0"),
+        ("segfault", 1, "worker died: SIGSEGV"),
+        ("abort", 2, "worker died: SIGABRT"),
+        ("pipe", 1, "worker died: exit status 1"),
+        ("hang", 1, "no first command within 8 s"),
+        ("deadlock", 2, "no first command within 8 s"),
+        ("hang later", 2, "no command within 5 s"),
+        ("never end", 1, "not over within 15 s"),
+        ("grow", 2, "more than 0.6 GB"),
+        ("ignore", 1, "no first command within 8 s"),
+    ],
+)
+def test_whatever_a_job_does_costs_that_job_alone(working, workers, bad, reason):
+    answers = rows(processes(workers, TIGHT), working.bad, of(bad))
+    assert [answer.reason for answer in answers if isinstance(answer, Lost)] == [reason]
+    assert [answer.job.episode for answer in answers if isinstance(answer, Lost)] == [2]
+    assert sorted(answer["episode"] for answer in answers if not isinstance(answer, Lost)) == [0, 1, 3, 4]
+    assert not left()
+
+
+def test_a_worker_that_somebody_killed_once_costs_nothing(working, tmp_path):
+    jobs = [Job({}, str(tmp_path / "killed"), episode) for episode in range(5)]
+    assert sorted(numbers(processes(1), working.once, jobs)) == [0, 1, 2, 3, 4]
+    assert (tmp_path / "killed").exists()
+
+
+def test_workers_stay_warm_from_one_call_to_the_next(working):
+    with closing(processes(1)) as executor:
+        pids = {row["pid"] for jobs in (JOBS, JOBS[:1]) for row in executor.map(working.where, jobs)}
+        assert len(pids) == 1
+        assert pids != {os.getpid()}
+        checked = {row["pid"] for row in executor.prepare(working.where, JOBS)}
+        assert checked == pids
+    assert not left()
+
+
+@pytest.mark.parametrize("bad", ["chdir", "handlers", "stdout", "print"])
+def test_a_process_that_a_job_has_changed_is_not_used_again(working, bad):
+    pids = [row["pid"] for row in rows(processes(1), working.bad, of(bad))]
+    assert len(pids) == 5
+    assert len({*pids[:3]}) == len({*pids[3:]}) == 1
+    assert pids[2] != pids[3]
+
+
+def test_a_forked_child_that_comes_back_gives_no_second_row(working):
+    assert sorted(numbers(processes(1), working.bad, of("fork"))) == [0, 1, 2, 3, 4]
+
+
+def test_what_a_job_has_forked_ends_with_its_worker(working):
+    with closing(processes(1)) as executor:
+        (worker,) = {row["pid"] for row in executor.map(working.bad, of("fork and hang"))}
+        with open(f"/proc/{worker}/task/{worker}/children") as file:
+            (child,) = map(int, file.read().split())
+    assert gone(child)
+
+
+def test_a_job_that_ends_with_sys_exit_is_lost_with_that_word(working):
+    answers = rows(processes(1), working.bad, of("sys.exit"))
+    assert [answer.reason for answer in answers if isinstance(answer, Lost)] == ["SystemExit: 5"]
+
+
+def test_what_work_raises_is_raised(working):
+    with pytest.raises(RunFolderError, match="cannot write it: No space left on device"):
+        rows(processes(2), working.bad, of("full"))
+    assert not left()
+
+
+def test_time_in_which_the_supervisor_sleeps_counts_for_nobody():
+    watch = Watch(Budgets(None, 2.5, None, None))
+    assert watch.look(2, 0.1, 0) is None
+    assert watch.look(2, 3600.0, 0) is None
+    assert [watch.look(2, 0.9, 0) for _ in range(2)] == [None, "no command within 2.5 s"]
+
+
+SUPERVISOR = """
+import sys
+from arena_core import Job
+from arena_core.runs.budgets import Budgets
+from arena_core.runs.executors import ProcessExecutor
+import working
+
+if __name__ == "__main__":
+    for _ in ProcessExecutor(2, Budgets(None, None, None, None)).map(working.still, [Job({}, sys.argv[1], k) for k in range(2)]):
+        pass
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
+def test_workers_end_when_their_parent_has_gone_whatever_they_are_at(working, third_party, tmp_path, number):
+    third_party.write("supervisor.py", SUPERVISOR)
+    (tmp_path / "pids").mkdir()
+    words = [sys.executable, str(third_party.folder / "supervisor.py"), str(tmp_path / "pids")]
+    parent = subprocess.Popen(words, env=third_party.environment)
+    while len(pids := [int(path.name) for path in (tmp_path / "pids").iterdir()]) < 2:
+        assert parent.poll() is None
+        time.sleep(0.05)
+    parent.send_signal(number)
+    parent.wait()
+    assert all(gone(pid) for pid in pids)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy import ndimage
 
 from arena_core import OccupancyGrid, Pose
-from arena_core.world import free_area
+from arena_core.values.world import free_area
 
 
 @settings(derandomize=True, deadline=None, max_examples=60)

@@ -4,7 +4,7 @@ import signal
 
 import pytest
 
-from arena_core.interrupt import interrupts
+from arena_core.base.ctrl_c import interrupts
 
 
 @pytest.fixture(autouse=True)

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from arena_core import Pose, Simulator, Twist
-from arena_core.benchmark import build_benchmark
-from arena_core.configuration import compose, plain
-from arena_core.recording import CONTACT_KINDS
-from arena_core.registry import load_registry
+from arena_core.config.configuration import compose, plain
+from arena_core.config.registry import load_registry
+from arena_core.loop.recording import CONTACT_KINDS
+from arena_core.runs.benchmark import build_benchmark
 
 NOWHERE = Pose(math.nan, math.nan, math.nan)
 PERSON = CONTACT_KINDS.index("person")

@@ -1,6 +1,10 @@
+import time
+from pathlib import Path
+
 import pytest
 
-from arena_core.listing import _parameters
+from arena_core import InputFileError
+from arena_core.config.presets import read_preset
 
 PLUGIN = """
     from arena_core import hookimpl
@@ -20,11 +24,12 @@ defaults:
   - _self_
 speed: 0.5     # [m/s] how fast (Someone 1999, table 2)
 limit: null    # [rad/s] turning; null: the robot's own
-mode: "a b"    # [-] which way
+mode: "a #b"   # [-] which way
 plain: 3
 remark: 4      # no unit here
-weights:
+weights:       # of the critics
   path: 32.0   # [-] nearness to the path
+body: {corners: [[0, 1], [2, 3]]}  # [m] an outline
 """
 
 
@@ -33,24 +38,89 @@ def steady(third_party):
     third_party.package("steady", PLUGIN, {"planner/steady": NUMBERS, "planner/steady_slow": "name: steady\nspeed: 0.1  # [m/s] slow\n"})
 
 
-def test_defaults_units_and_sources_are_read_from_the_comments():
-    assert list(_parameters(NUMBERS)) == [
+def parameters(preset):
+    return [(".".join(p.path), p.value, p.unit, p.text) for p in preset.parameters.values()]
+
+
+def write(folder, **texts):
+    for name, text in texts.items():
+        (folder / f"{name}.yaml").write_text(text)
+    return {name: folder / f"{name}.yaml" for name in texts}
+
+
+def test_defaults_units_and_sources_are_read_from_values_and_comments(tmp_path):
+    preset = read_preset("steady", write(tmp_path, steady=NUMBERS))
+    assert (preset.about, preset.component) == ("A planner that does one thing.", "steady")
+    assert parameters(preset) == [
         ("speed", "0.5", "m/s", "how fast (Someone 1999, table 2)"),
         ("limit", "null", "rad/s", "turning; null: the robot's own"),
-        ("mode", '"a b"', "-", "which way"),
+        ("mode", '"a #b"', "-", "which way"),
         ("plain", "3", "", ""),
         ("remark", "4", "", "no unit here"),
-        ("weights", "", "", ""),
-        ("  path", "32.0", "-", "nearness to the path"),
+        ("weights", "", "", "of the critics"),
+        ("weights.path", "32.0", "-", "nearness to the path"),
+        ("body", "", "m", "an outline"),
+        ("body.corners", "[[0, 1], [2, 3]]", "", ""),
     ]
+
+
+def test_a_preset_has_what_it_inherits_with_the_texts_of_its_base(tmp_path):
+    careful = "# Slower.\ndefaults: [steady, _self_]\nspeed: 0.1\nweights: {path: 40.0}\nmode: c  # [-] another\n"
+    hasty = "defaults:\n  - _self_\n  - careful\nspeed: 9.0\n"
+    files = write(tmp_path, steady=NUMBERS, careful=careful, hasty=hasty)
+    preset = read_preset("careful", files)
+    assert (preset.about, preset.component) == ("Slower.", "steady")
+    values = {name: (value, text) for name, value, _, text in parameters(preset)}
+    assert values["speed"] == ("0.1", "how fast (Someone 1999, table 2)")
+    assert values["weights.path"] == ("40.0", "nearness to the path")
+    assert values["mode"] == ("c", "another")
+    assert values["plain"] == ("3", "")
+    assert {p.path: p.value for p in read_preset("hasty", files).parameters.values()}[("speed",)] == "0.1"
+
+
+def test_options_that_inherit_from_each_other_have_an_end(tmp_path):
+    files = write(tmp_path, a="defaults: [b]\nx: 1\n", b="defaults: [a]\ny: 2\n")
+    assert parameters(read_preset("a", files)) == [("y", "2", "", ""), ("x", "1", "", "")]
+
+
+@pytest.mark.parametrize(("text", "said"), [("a: [", "is no YAML"), ("- a\n", "is no mapping")])
+def test_a_file_that_is_no_mapping_is_named(tmp_path, text, said):
+    with pytest.raises(InputFileError, match=rf"broken.yaml: {said}.*; allowed: a mapping of keys and values"):
+        read_preset("broken", write(tmp_path, broken=text))
 
 
 def test_one_kind_is_listed_with_distribution_presets_parameters_and_units(steady, arena):
     answer = arena("list", "planner")
     assert answer.status == 0
-    assert "  steady                 steady 1.2.3   presets: steady_slow\n" in answer.out
+    assert ["steady", "steady", "1.2.3", "presets:", "steady_slow"] in [line.split() for line in answer.out.splitlines()]
+    assert "    steady: A planner that does one thing.\n" in answer.out
     line = next(line for line in answer.out.splitlines() if "how fast" in line)
     assert line.split(maxsplit=3) == ["speed", "0.5", "m/s", "how fast (Someone 1999, table 2)"]
+
+
+def test_experiments_are_listed_with_what_they_are(arena):
+    Path("conf/experiment").mkdir(parents=True)
+    Path("conf/experiment/ours.yaml").write_text("# @package _global_\n# What our paper cites.\nepisodes: 3\n")
+    answer = arena("list", "experiment")
+    assert answer.status == 0
+    lines = dict(line.split(maxsplit=1) for line in answer.out.splitlines())
+    assert lines["experiment=ours"] == "What our paper cites."
+    assert lines["experiment=smoke"].startswith("A first look")
+    assert "ours" in arena("list", "experiment", "--names").out.split()
+
+
+def test_every_option_of_every_group_says_what_it_is(arena):
+    lines = arena("list", "preset").out.splitlines()
+    assert [line for line in lines if len(line.split()) < 3] == []
+    named = {line.split()[0] for line in lines}
+    assert {"planner=teb_as_released", "robot=jackal", "people=lifelike", "experiment=smoke", "scenario=arena/crossing_low"} <= named
+    assert not any("_tuning" in name for name in named)
+
+
+def test_listing_reads_all_options_in_a_fraction_of_a_second(arena):
+    began = time.process_time()
+    arena("list")
+    assert time.process_time() - began < 1.0
 
 
 def test_names_alone_come_one_a_line(steady, arena):

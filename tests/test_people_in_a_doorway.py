@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arena_core.benchmark import build_benchmark
-from arena_core.configuration import compose, plain
-from arena_core.registry import load_registry
+from arena_core.config.configuration import compose, plain
+from arena_core.config.registry import load_registry
+from arena_core.runs.benchmark import build_benchmark
 
 SCENES = Path(__file__).parent / "scenes" / "two_people_in_a_doorway.json"
 ROOM = ("world=empty", "world.width=7", "world.height=5", "localizer=ground_truth", "task=scenario", f"task.path={SCENES}")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from arena_core import LETHAL, ConfigurationError, Costmap, NoValidCommand, Path, Pose, Tracks, load_registry
-from arena_core.navigator import checked
+from arena_core.loop.navigator import checked
 from arena_core.testing import component, free_costmap, observation, planner, robot
 
 BODY = robot()

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from arena_core import ConfigurationError, load_registry
-from arena_core.listing import presets
+from arena_core.cli.listing import presets
 from arena_core.testing import check, component
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "planners.md"

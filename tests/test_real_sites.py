@@ -1,4 +1,4 @@
-"""Whole runs on maps and scenarios of real sites."""
+"""Whole runs on maps and scenarios of sites: drawn ones, and where they are there, real ones."""
 
 import csv
 import json
@@ -6,15 +6,29 @@ from pathlib import Path
 
 import pytest
 
+TOP = Path(__file__).resolve().parents[1]
+SITES = {
+    "drawn": (TOP / "tests" / "data", "maps/hall/map.yaml", "scenarios/hall_obs03.json", 3),
+    "real": (TOP.parent / "shared" / "data", "maps/turtlebot3/map.yaml", "scenarios/small_warehouse_obs05.json", 5),
+}
+
+
+@pytest.fixture(params=SITES)
+def site(request):
+    """Return folder of maps, a map, a scenario file and how many people are in it."""
+    folder, site, scenario, people = SITES[request.param]
+    if not folder.is_dir():
+        pytest.skip(f"real data is not there: {folder}")
+    return folder / "maps", folder / site, folder / scenario, people
+
 
 def rows():
     with Path("run/episodes.csv").open(newline="") as file:
         return list(csv.DictReader(file))
 
 
-def test_a_real_map_can_be_driven_on_among_people(arena, data):
-    site = data / "maps/turtlebot3/map.yaml"
-    words = ("planner=dwa", "robot=turtlebot3", "world=ros_map", f"world.path={site}", "task=random", "task.pedestrians=5", "episodes=2")
+def test_a_map_of_a_site_can_be_driven_on_among_people(arena, site):
+    words = ("planner=dwa", "robot=turtlebot3", "world=ros_map", f"world.path={site[1]}", "task=random", "task.pedestrians=5", "episodes=2")
     answer = arena("run", *words, "executor=serial", "report=false", "hydra.run.dir=run")
     assert answer.status == 0
     assert [row["n_pedestrians"] for row in rows()] == ["5", "5"]
@@ -22,12 +36,12 @@ def test_a_real_map_can_be_driven_on_among_people(arena, data):
 
 
 @pytest.mark.slow
-def test_a_scenario_of_another_tool_runs_on_its_map(arena, data):
-    scenario = data / "scenarios/small_warehouse_obs05.json"
-    words = ("planner=dwa", "robot=jackal", "world=scenario_map", f"world.maps={data / 'maps'}", "task=scenario", f"task.path={scenario}")
+def test_a_scenario_of_another_tool_runs_on_its_map(arena, site):
+    maps, _, scenario, people = site
+    words = ("planner=dwa", "robot=jackal", "world=scenario_map", f"world.maps={maps}", "task=scenario", f"task.path={scenario}")
     answer = arena("run", *words, "episodes=1", "executor=serial", "report=false", "hydra.run.dir=run")
     assert answer.status == 0, answer.errors
-    assert (rows()[0]["n_pedestrians"], rows()[0]["error"]) == ("5", "")
+    assert (rows()[0]["n_pedestrians"], rows()[0]["error"]) == (str(people), "")
 
 
 @pytest.mark.slow

@@ -10,9 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
-from arena_core import ABSENT, EpisodeRecord, InputFileError, OccupancyGrid, Pose, RunFolderError, recording
-from arena_core.navigator import NO_TIME
-from arena_core.recording import (
+from arena_core import ABSENT, EpisodeRecord, InputFileError, OccupancyGrid, Pose, RunFolderError
+from arena_core.loop import recording
+from arena_core.loop.navigator import NO_TIME
+from arena_core.loop.recording import (
     Recorder,
     find_runs,
     read_record,
@@ -47,7 +48,8 @@ def test_a_record_is_read_back_as_it_was_written(tmp_path):
 )
 def test_any_array_and_any_text_survive(tmp_path_factory, floats, text):
     folder = tmp_path_factory.mktemp("run")
-    write_record(folder, 0, EpisodeRecord({"x": floats}, {"format": recording.FORMAT, "text": text}))
+    sample = record(steps=2)
+    write_record(folder, 0, EpisodeRecord({**sample.arrays, "x": floats}, {**sample.meta, "text": text}))
     read = read_record(folder / "records" / "0000.npz")
     assert np.array_equal(read["x"], floats, equal_nan=True)
     assert read.meta["text"] == text
@@ -85,7 +87,8 @@ def test_scans_are_kept_only_when_asked_for():
     view = sensors(Pose(0.0, 0.0), robot())
     for keep in (False, True):
         recorder = Recorder(scenario(), robot(), {}, keep_scans=keep)
-        recorder.add(None, view, decision)
+        recorder.sense(None, view)
+        recorder.add(decision)
         assert len(recorder._scans) == keep
 
 
@@ -109,7 +112,7 @@ def test_wall_times_are_in_a_file_of_their_own(tmp_path):
         (b"", "damaged"),
         (b"no npz at all", "damaged"),
         (b"PK\x03\x04 cut off", "damaged"),
-        (None, "no such file"),
+        (None, "cannot be read"),
     ],
 )
 def test_a_damaged_record_is_named(tmp_path, content, reason):

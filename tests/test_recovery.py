@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 
 from arena_core import ConfigurationError, Pose, compose, plain
-from arena_core.benchmark import build_benchmark
-from arena_core.recovery import STAND, Recoveries, RecoveryRules, body, touched
-from arena_core.registry import load_registry
+from arena_core.config.registry import load_registry
+from arena_core.loop.recovery import STAND, Recoveries, RecoveryRules, body, touched
+from arena_core.runs.benchmark import build_benchmark
 from arena_core.testing import free_costmap, robot
-from arena_core.world import LETHAL
+from arena_core.values.world import LETHAL
 
 RULES = RecoveryRules(["clear", "clear_far", "turn", "back_up", "wait"], 0.5, 10.0, 3.0, 3.0, 5.0, 1.5, 1.0, 0.3, 0.15, 0.5, 0.4, 60.0)
 HERE, AHEAD = Pose(0.0, 0.0, 0.0), Pose(0.0, 2.0)  # the waypoint is to the left

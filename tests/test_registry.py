@@ -14,9 +14,9 @@ from arena_core import (
     Twist,
     UnknownComponent,
     hookimpl,
-    hookspecs,
 )
-from arena_core.registry import HOOKS, INTERFACES, Registry, load_registry
+from arena_core.config.registry import HOOKS, INTERFACES, Registry, load_registry
+from arena_core.contracts import hookspecs
 from arena_core.testing import robot
 
 
@@ -89,8 +89,8 @@ def test_an_unknown_name_lists_what_is_installed_and_suggests_the_nearest():
 
 
 def test_where_nothing_is_installed_the_error_says_so():
-    with pytest.raises(UnknownComponent, match=r"unknown planner 'dwa' \(possible: none installed\)"):
-        registry().component("planner", "dwa")
+    with pytest.raises(UnknownComponent, match=r"unknown planner 'calm' \(possible: none installed\)"):
+        registry().component("planner", "calm")
 
 
 def test_a_lazy_factory_is_imported_only_when_it_is_used(third_party):

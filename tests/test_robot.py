@@ -1,11 +1,12 @@
+import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from arena_core import ConfigurationError, Pose, make_robot
-from arena_core.robot import FootprintShape
 from arena_core.testing import robot
+from arena_core.values.robot import FootprintShape
 
 SAMPLE = robot()
 FIGURES = {
@@ -55,3 +56,19 @@ def test_figures_that_contradict_each_other_are_named(change, message):
 def test_beams_run_counter_clockwise_from_the_first_angle():
     lidar = replace(SAMPLE.lidar, beams=4, angle_min=-1.0, angle_increment=0.5, mount=Pose(0.1, 0.0))
     assert np.allclose(lidar.angles(), [-1.0, -0.5, 0.0, 0.5])
+
+
+def test_limits_that_are_not_wanted_otherwise_are_the_robots_own():
+    assert SAMPLE.limits_with(vx_max=None, wz_max=None) == SAMPLE.limits
+    assert SAMPLE.limits_with(vx_max=9, ax_max=None) == replace(SAMPLE.limits, vx_max=9.0)
+
+
+def test_only_a_robot_that_moves_sideways_plans_to():
+    assert SAMPLE.limits_with(vy_max=0.4).vy_max == 0.0
+    assert robot("omnidirectional").limits_with(vy_max=0.4).vy_max == 0.4
+
+
+def test_only_a_robot_that_steers_has_a_turn_radius():
+    car = robot("ackermann")
+    assert SAMPLE.turn_radius == 0.0
+    assert car.turn_radius == car.wheelbase / math.tan(car.steering_max)

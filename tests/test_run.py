@@ -108,7 +108,7 @@ def test_a_run_without_its_provenance_cannot_be_evaluated(done, arena):
     Path("run/provenance.json").unlink()
     answer = arena("evaluate", "run")
     assert answer.status == 2
-    assert "cannot read run/provenance.json" in answer.line
+    assert "run/provenance.json: cannot be read" in answer.line
 
 
 def test_runs_of_a_sweep_are_evaluated_together(done, arena):

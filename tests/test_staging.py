@@ -10,8 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from arena_core import ConfigurationError, Staging, succeeded
-from arena_core.rounds import Run, rounds
+from arena_core.runs.code_digest import Code
+from arena_core.runs.schedule import OpenRun, rounds
 from arena_core.testing import record
+
+CODE = Code("00000000", {})
 
 RULE = Staging(levels=4, start=0, block=20, promote=0.85, fall_back=0.6)
 
@@ -59,7 +62,7 @@ class World:
 
 
 def run_of(episodes, staging):
-    return Run({"episodes": episodes}, Path("run"), {}, staging)
+    return OpenRun({"episodes": episodes}, Path("run"), {}, staging, CODE)
 
 
 def stages(run):
@@ -87,7 +90,7 @@ def test_a_good_planner_rises_and_a_failing_one_falls_back():
 
 def test_runs_advance_side_by_side_and_those_without_levels_at_once():
     rule = Staging(levels=3, start=0, block=2, promote=0.85, fall_back=0.6)
-    staged, plain = run_of(3, rule), Run({"episodes": 3}, Path("plain"), {}, None)
+    staged, plain = run_of(3, rule), OpenRun({"episodes": 3}, Path("plain"), {}, None, CODE)
     asked = []
     for jobs in rounds([staged, plain]):
         asked.append([(job.folder, job.episode, job.stage) for job in jobs])

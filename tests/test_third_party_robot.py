@@ -68,3 +68,36 @@ def test_drives_to_its_goal(scout, arena):
     with Path("run/episodes.csv").open(newline="") as file:
         (row,) = csv.DictReader(file)
     assert (row["robot"], row["outcome"]) == ("scout", "goal_reached")
+
+
+OWN = """
+defaults:
+  - jackal
+  - _self_
+
+limits:
+  vx_max: 0.8  # [m/s]
+"""
+
+
+def test_a_robot_of_ones_own_folder_carries_its_own_name_without_a_package(arena):
+    for path, text in {"robot/scout_mini": OWN, "world/hall": "defaults:\n  - empty\n  - _self_\nwidth: 9.0\nheight: 9.0\n"}.items():
+        Path("conf", path).parent.mkdir(parents=True, exist_ok=True)
+        Path("conf", f"{path}.yaml").write_text(text)
+    words = (
+        "planner=dwa",
+        "robot=scout_mini",
+        "world=hall",
+        "localizer=ground_truth",
+        "task.pedestrians=0",
+        "episodes=1",
+        "executor=serial",
+    )
+    answer = arena("run", *words, "hydra.run.dir=run")
+    assert answer.status == 0
+    assert any("untuned for scout_mini" in line for line in answer.errors)
+    with Path("run/episodes.csv").open(newline="") as file:
+        (row,) = csv.DictReader(file)
+    assert (row["robot"], row["world"]) == ("scout_mini", "hall")
+    assert "scout_mini" in Path("run/report/index.html").read_text()
+    assert "robot=scout_mini" in arena("list", "preset").out

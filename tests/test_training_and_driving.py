@@ -6,8 +6,8 @@ from onnx import TensorProto, helper, numpy_helper
 
 from arena_aio.planner import Aio
 from arena_core import ObservationBatch, Planner, ScanMemory, Twist, compose, load_registry, plain
-from arena_core.benchmark import build_benchmark
-from arena_core.execution import _mission
+from arena_core.loop.execution import mission_of
+from arena_core.runs.benchmark import build_benchmark
 from arena_gym.environment import NavigationEnv
 from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.card import PolicyCard, sha256, write_card
@@ -93,16 +93,17 @@ def write_switch(path, parts):
     write_card(path.with_suffix(".json"), PolicyCard(*made_for, members=parts.switch.members, every=parts.switch.every))
 
 
-def drive(planner, scenario, robot, steps):
-    """Let a benchmark's navigator drive a scenario by a planner for so many control steps."""
-    benchmark = build_benchmark(plain(compose([f"robot={robot}", "world=indoor", *COMMON, *BRAIN])), load_registry())
+def drive(planner, scenario, robot, steps, brain=BRAIN):
+    """Let a benchmark's navigator drive a scenario by a planner for so many control steps; return it."""
+    benchmark = build_benchmark(plain(compose([f"robot={robot}", "world=indoor", *COMMON, *brain])), load_registry())
     navigator, simulator = benchmark.navigator, benchmark.simulator
     navigator.planner = planner
     snapshot = simulator.reset([scenario])
-    navigator.reset(_mission(scenario))
+    navigator.reset(mission_of(scenario))
     for _ in range(steps):
         command = navigator.command(snapshot.sensors(0))
         snapshot = simulator.advance(command.array()[None], round(navigator.control_period / simulator.inner_step))
+    return navigator
 
 
 @pytest.mark.parametrize("encoder", ["rosnav", "rosnav_sectors", "gring", "gring_as_released", "aio"])
@@ -115,6 +116,22 @@ def test_navigator_shows_a_planner_what_the_environment_showed(robot, encoder):
 
     planner = Replay(parts.encoder, parts.scale.commands(actions))
     drive(planner, problem.scenario, robot, len(actions))
+    assert len(planner.seen) == len(actions)
+    assert all((seen == before).all() for seen, before in zip(planner.seen, shown, strict=False))
+
+
+@pytest.mark.parametrize("robot", ["turtlebot3", "robotino"])
+def test_robots_that_localise_and_plan_anew_in_training_see_what_they_would_in_a_benchmark(robot):
+    overrides = [*COMMON, "environment.collisions_to_end=null", "guide=navigator", "guide.replan.period=0.7", "guide.replan.gain=0"]
+    env = NavigationEnv(robot=robot, observation="gring", overrides=overrides)
+    actions = np.random.default_rng(0).uniform(-1.0, 1.0, (40, *env.action_space.shape)).astype(np.float32)
+    shown = [env.reset(seed=0)[0], *(env.step(action)[0] for action in actions)]
+    parts, batch = env.batch.parts, env.batch
+    assert (batch.seen.poses != batch._loop.snapshot.poses).all()
+
+    planner = Replay(parts.encoder, parts.scale.commands(actions))
+    navigator = drive(planner, batch.episodes[0].problem.scenario, robot, len(actions), ["replan.period=0.7", "replan.gain=0", *BRAIN[-2:]])
+    assert not np.array_equal(navigator._path.poses, batch.episodes[0].problem.path.poses)  # it has planned anew on the way
     assert len(planner.seen) == len(actions)
     assert all((seen == before).all() for seen, before in zip(planner.seen, shown, strict=False))
 

@@ -25,14 +25,20 @@ def test_first_example_drives_100_random_steps():
 def test_examples_of_overrides_can_be_made():
     names = {}
     smaller = EXAMPLES[1].replace("num_envs=64", "num_envs=2").replace('"environment.worlds=32"', SMALL)
-    exec(f"import gymnasium, arena_gym.envs\n{smaller}{EXAMPLES[2].replace('[', '[' + SMALL, 1)}", names)
+    exec(f"import gymnasium, arena_gym.envs\n{smaller}{EXAMPLES[3].replace('[', '[' + SMALL, 1)}", names)
     assert names["envs"].reset(seed=0)[0].shape == (2, names["envs"].single_observation_space.shape[0])
     names["env"].reset(seed=0)
 
 
+def test_the_example_of_a_picture_is_one():
+    names = {}
+    exec(f"import gymnasium, arena_gym.envs\n{EXAMPLES[2]}", names)
+    assert names["picture"].shape[2] == 3
+
+
 def test_own_reward_and_encoder_hold_their_contracts():
     names = {}
-    exec(EXAMPLES[3], names)
+    exec(EXAMPLES[4], names)
     body = robot()
     assert check("reward", names["Hurry"](10.0, 0.1), body)
     assert check("observation_encoder", names["Compass"](body), body)

@@ -1,7 +1,6 @@
 """For authors of plugins: samples to test with, and the contract test of every kind of component."""
 
 from arena_core.testing.checks import CHECKS, check
-from arena_core.testing.command import CheckCommand
 from arena_core.testing.samples import (
     component,
     free_costmap,
@@ -20,7 +19,6 @@ from arena_core.testing.views import boxes_costmap, tracked, view
 
 __all__ = [
     "CHECKS",
-    "CheckCommand",
     "boxes_costmap",
     "check",
     "component",

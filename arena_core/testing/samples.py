@@ -9,18 +9,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core.configuration import compose, plain
-from arena_core.episode import Contact, EpisodeRecord, EpisodeStart, Event, Scenario, WorldState
-from arena_core.execution import Timing
-from arena_core.geometry import FloatArray, Footprint, Pose, Twist
-from arena_core.interfaces import Planner
-from arena_core.navigator import NO_TIME, Decision, Spent
-from arena_core.recording import Recorder
-from arena_core.registry import load_registry
-from arena_core.robot import Kinematics, Lidar, OdometryModel, Robot, VelocityLimits
-from arena_core.sensing import NO_TRACKS, LaserScan, Observation, Odometry, PoseEstimate, Sensors
-from arena_core.streams import generator
-from arena_core.world import ABSENT, LETHAL, Costmap, OccupancyGrid, Path, Pedestrians, PedestrianSpec, World
+from arena_core.base.frozen import frozen
+from arena_core.base.random_streams import generator
+from arena_core.config.configuration import compose, plain
+from arena_core.config.registry import load_registry
+from arena_core.contracts.interfaces import Planner
+from arena_core.loop.execution import Timing
+from arena_core.loop.navigator import NO_TIME, Decision, Spent
+from arena_core.loop.recording import Recorder
+from arena_core.loop.shown import shown
+from arena_core.values.episode import Contact, EpisodeRecord, EpisodeStart, Event, Scenario, WorldState
+from arena_core.values.geometry import FloatArray, Footprint, Pose, Twist
+from arena_core.values.robot import Kinematics, Lidar, OdometryModel, Robot, VelocityLimits
+from arena_core.values.sensing import NO_TRACKS, LaserScan, Observation, Odometry, PoseEstimate, Sensors
+from arena_core.values.world import ABSENT, LETHAL, Costmap, OccupancyGrid, Path, Pedestrians, PedestrianSpec, World
 
 IDEAL = Timing("ideal", 0.0, 1.0)
 ROOM_SIDE = 10.0  # m
@@ -111,15 +113,12 @@ def observation(
     goal = goal or Pose(pose.x + 3.0 * math.cos(pose.theta), pose.y + 3.0 * math.sin(pose.theta), pose.theta)
     waypoint = waypoint or Pose(pose.x + 2.0 * math.cos(pose.theta), pose.y + 2.0 * math.sin(pose.theta), pose.theta)
     window = costmap or free_costmap(pose)
-    return Observation(
-        stamp,
-        pose,
-        np.zeros((3, 3)),
-        twist or Twist(0.0),
-        scan(pose, body, stamp=stamp),
+    return shown(
+        Sensors(stamp, scan(pose, body, stamp=stamp), Odometry(stamp, pose, twist or Twist(0.0))),
+        PoseEstimate(pose, np.zeros((3, 3))),
         goal,
         waypoint,
-        straight_path(pose, goal),
+        Path(frozen(straight_path(pose, goal).poses)),
         room() if known else None,
         lambda: window,
         lambda: NO_TRACKS,
@@ -152,7 +151,8 @@ def record(steps: int = 31, contact: bool = False, leaves: bool = False) -> Epis
         path = straight_path(problem.start, problem.goal) if k == 0 else None
         events = () if path is None else (Event(0.0, "replan", "start"),)
         decision = Decision(Twist(1.0), estimate, problem.goal, path, False, events, Spent(1e-3, 1e-3, 2e-3))
-        recorder.add(state, sensors(state.pose, body, state.stamp), decision)
+        recorder.sense(state, sensors(state.pose, body, state.stamp))
+        recorder.add(decision)
     final = Decision(Twist(0.0), PoseEstimate(states[-1].pose, np.zeros((3, 3))), problem.goal, None, True, (), NO_TIME)
     return recorder.finish(states[-1], "goal_reached", "", final)
 

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from arena_core.geometry import FloatArray, Pose, Twist
-from arena_core.sensing import NO_TRACKS, LaserScan, Observation, Tracks
-from arena_core.world import LETHAL, Costmap, Path
+from arena_core.values.geometry import FloatArray, Pose, Twist
+from arena_core.values.sensing import NO_TRACKS, LaserScan, Observation, Tracks
+from arena_core.values.world import LETHAL, Costmap, Path
 
 Box = tuple[float, float, float, float]  # x_min, x_max, y_min, y_max in m
 AHEAD = tuple((0.1 * k, 0.0) for k in range(26))  # a straight path along x

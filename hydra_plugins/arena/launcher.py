@@ -1,5 +1,6 @@
 """The launcher of `arena run -m`: every (job, episode) pair of the batch goes into one queue."""
 
+import logging
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -15,40 +16,52 @@ class ArenaLauncher(Launcher):
 
     def setup(self, *, hydra_context: HydraContext, task_function: TaskFunction, config: DictConfig) -> None:
         """Keep what Hydra hands over before a launch."""
-        from arena_core.commands import RunTask
+        from arena_core.cli.commands import RunTask
 
         self.hydra_context = hydra_context
         if not isinstance(task_function, RunTask):
             raise TypeError("hydra/launcher=arena launches `arena run -m` alone")
         self.task = task_function
         self.config = config
+        logging.getLogger("optuna").setLevel(logging.WARNING)  # a sweeper that prints lines of its own
 
     def launch(self, job_overrides: Sequence[Sequence[str]], initial_job_idx: int) -> Sequence[JobReturn]:
-        """Run the batch; each job's return value is the exit status of the whole batch."""
-        from arena_core.run import RunRequest
+        """Run the batch, or show it; each job's return value is its objective, else the exit status of the whole batch."""
+        from arena_core.cli.commands import Shown, request
 
         setup_globals()
+        if self.task.show:
+            for i, overrides in enumerate(job_overrides):
+                self.task.show.show(initial_job_idx + i, overrides, self._composed(list(overrides), initial_job_idx + i))
+            raise Shown
         prepared = [self._prepare(list(overrides), initial_job_idx + i) for i, overrides in enumerate(job_overrides)]
-        status = self.task.run([RunRequest(job.cfg, Path(job.return_value), _choices(job)) for job in prepared])
-        for job in prepared:
-            job.return_value = status
+        told = self.task.run([request(job.cfg, job.hydra_cfg) for job in prepared])
+        if self.task.error is not None:
+            raise self.task.error
+        for i, (job, value) in enumerate(zip(prepared, told, strict=True)):
+            job.return_value = value
+            if wanted := job.cfg and job.cfg.objective:
+                print(f"trial {initial_job_idx + i}: {wanted} {value}")
         return prepared
 
-    def _prepare(self, overrides: list[str], number: int) -> JobReturn:
-        """Compose one job and let Hydra make its folder; the job's return value is that folder."""
+    def _composed(self, overrides: list[str], number: int) -> DictConfig:
+        """Compose one job."""
         config = self.hydra_context.config_loader.load_sweep_config(self.config, overrides)
         with open_dict(config):
             config.hydra.job.id = number
             config.hydra.job.num = number
+        return config
+
+    def _prepare(self, overrides: list[str], number: int) -> JobReturn:
+        """Compose one job and let Hydra make its folder; the job's return value is that folder."""
+        from arena_core.base.folders import new_folders
+
+        config = self._composed(overrides, number)
+        new_folders.expect(Path(str(config.hydra.sweep.dir)) / str(config.hydra.sweep.subdir))
         job = run_job(_folder, config, "hydra.sweep.dir", "hydra.sweep.subdir", self.hydra_context)
         if job.status == JobStatus.FAILED:
             raise job._return_value
         return job
-
-
-def _choices(job: JobReturn) -> dict[str, str | None]:
-    assert job.hydra_cfg is not None, "a job that ran has its configuration"
-    return dict(job.hydra_cfg.hydra.runtime.choices)
 
 
 def _folder(config: Any) -> str:

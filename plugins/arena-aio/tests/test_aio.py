@@ -15,7 +15,7 @@ from onnx import TensorProto, helper, numpy_helper
 
 from arena_aio.planner import Aio
 from arena_core import NAVIGATOR_KEYS, ConfigurationError, Planner, Twist, compose, load_registry, plain, testing
-from arena_core.cli import main
+from arena_core.cli.main import main
 from arena_gym.building import compose_environment
 from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.card import PolicyCard, sha256, write_card
@@ -167,10 +167,11 @@ def test_member_of_another_configuration_is_told(here):
     robot = testing.component("robot", "jackal")
     write_policy(here, robot, {})
     assert mine(robot).untuned == ()
-    changed = mine(robot, "planner.members.dwa.sim_time=0.5")
+    changed = mine(robot, "planner.members.dwa.roll_out.sim_time=0.5")
     assert changed.untuned == ("aio: member dwa is not as it was when the policy was trained",)
-    whole = next(key for key, value in MEMBERS["dwa"].items() if isinstance(value, float) and value == int(value))
-    assert mine(robot, f"planner.members.dwa.{whole}={int(MEMBERS['dwa'][whole])}").untuned == ()  # the same number
+    bias = MEMBERS["dwa"]["critics"]["path_distance_bias"]
+    assert isinstance(bias, float)
+    assert mine(robot, f"planner.members.dwa.critics.path_distance_bias={int(bias)}").untuned == ()  # the same number
 
 
 def test_member_that_the_policy_does_not_know_is_refused(here):

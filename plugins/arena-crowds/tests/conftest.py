@@ -21,6 +21,7 @@ settings.load_profile("suite")
 RACKS = tuple((3.0 + 4.0 * k, low, 4.0 + 4.0 * k, low + 6.0) for k in range(4) for low in (3.0, 11.0))
 NOWHERE = (-100.0, -100.0, 0.0)
 STEP = 0.05  # s
+STREET = Path(__file__).parents[3] / "tests" / "data" / "pedestrians" / "street" / "obsmat.txt"
 ZARA = Path(__file__).parents[4] / "shared" / "data" / "pedestrians" / "ucy" / "zara01" / "obsmat.txt.gz"
 
 
@@ -94,6 +95,12 @@ def stage() -> Stage:
 @pytest.fixture
 def orca() -> PedestrianModel:
     return component("pedestrians", "orca")  # type: ignore[no-any-return]
+
+
+@pytest.fixture(scope="session", params=["drawn", "zara01"])
+def street(request: pytest.FixtureRequest) -> Path:
+    """Return a recording of people in a street, as UCY's obsmat: a drawn one, and zara01 where it is there."""
+    return STREET if request.param == "drawn" else request.getfixturevalue("zara")  # type: ignore[no-any-return]
 
 
 @pytest.fixture(scope="session")

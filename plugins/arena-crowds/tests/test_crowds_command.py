@@ -2,8 +2,8 @@ import csv
 
 import pytest
 
-from arena_core.cli import main
-from arena_crowds import door
+from arena_core.cli.main import main
+from arena_crowds.validation import door
 
 
 def test_an_experiment_writes_a_table_and_a_picture(monkeypatch, tmp_path, capsys):
@@ -23,7 +23,7 @@ def test_an_experiment_writes_a_table_and_a_picture(monkeypatch, tmp_path, capsy
     ("arguments", "says"),
     [
         (["doors"], "has no experiment 'doors' (possible: speed_density, lanes, door, rollout)"),
-        (["door", "widths=2"], "has no key 'widths' (possible: pedestrians, recordings, out)"),
+        (["door", "widths=2"], "there is no key widths; allowed: arena crowd validate"),
         (["rollout"], "rollout needs a recording; allowed: recordings=DIR"),
         (["rollout", "recordings=/nowhere"], "/nowhere/ucy/zara01/obsmat.txt.gz"),
         (["speed_density", "recordings=/nowhere"], "/nowhere: no juelich/uo-*.txt below it"),

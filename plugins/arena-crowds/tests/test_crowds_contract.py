@@ -7,9 +7,9 @@ import pytest
 
 from arena_core import ABSENT, ContractViolation, Gait
 from arena_core.testing import check, robot
-from arena_crowds.orca import OrcaCrowd
-from arena_crowds.replay import ReplayedCrowd
-from arena_crowds.walkers import STANDING
+from arena_crowds.orca.crowd import OrcaCrowd
+from arena_crowds.orca.walkers import STANDING
+from arena_crowds.replay.crowd import ReplayedCrowd
 
 GAIT = Gait(0.05, 0.17, 0.11, 1.34, 0.0065, 0.75, 0.3)
 

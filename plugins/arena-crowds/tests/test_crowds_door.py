@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from arena_crowds import door
-from arena_crowds.command import model
-from arena_crowds.door import PEOPLE, SIDE, WALL, evacuation, flow, passing_times
-from arena_crowds.walks import walk
+from arena_crowds.validation import door
+from arena_crowds.validation.command import model
+from arena_crowds.validation.door import PEOPLE, SIDE, WALL, evacuation, flow, passing_times
+from arena_crowds.validation.walks import walk
 
 
 def test_the_flow_is_that_of_a_steady_stream():

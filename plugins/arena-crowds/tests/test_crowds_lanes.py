@@ -3,9 +3,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from arena_crowds import lanes
-from arena_crowds.command import model
-from arena_crowds.lanes import CORRIDOR, MEASURED, lane_order, measure
+from arena_crowds.validation import lanes
+from arena_crowds.validation.command import model
+from arena_crowds.validation.lanes import CORRIDOR, MEASURED, lane_order, measure
 
 
 def test_lanes_without_strangers_are_in_order_one():

@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arena_core.cli import main
+from arena_core.cli.main import main
 from arena_core.testing import component
-from arena_crowds.measure import rate_interval, ratio_interval
-from arena_crowds.measured_runs import Extent, benchmark_of, stood
-from arena_crowds.phases import Phased
-from arena_crowds.walked import Walked, free_area, waypoint_spans
+from arena_crowds.validation.measure import rate_interval, ratio_interval
+from arena_crowds.validation.measured_runs import Extent, benchmark_of, stood
+from arena_crowds.validation.phases import Phased
+from arena_crowds.validation.walked import Walked, free_area, waypoint_spans
 
 
 @pytest.fixture
@@ -88,8 +88,8 @@ def test_a_measurement_writes_a_table_records_and_tracks(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        (["warehouse"], "arena crowd measure warehouse; allowed"),
-        (["minutes=0"], "minutes=0; allowed: a number above 0"),
+        (["warehouse"], "arguments are warehouse; allowed: arena crowd measure"),
+        (["minutes=0"], "minutes is 0; allowed: > 0"),
         (["world=ware"], "ware"),
     ],
 )

@@ -1,5 +1,3 @@
-import gzip
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -7,7 +5,7 @@ from hypothesis import strategies as st
 
 from arena_core import ABSENT, ConfigurationError, ImpossibleScenario, InputFileError, local_path
 from arena_core.testing import component
-from arena_crowds.recordings import read_recording
+from arena_crowds.replay.recordings import read_recording
 
 
 def replay(*overrides):
@@ -23,11 +21,12 @@ def two_walks(tmp_path):
     return path
 
 
-def test_people_are_where_they_were_recorded(stage, zara):
-    rows = np.loadtxt(gzip.decompress(zara.read_bytes()).decode().splitlines())
-    model = replay(f"path={zara}", "format=obsmat", "start_time=0.0")
+def test_people_are_where_they_were_recorded(stage, street):
+    rows = np.loadtxt(street)
+    rows = rows[np.argsort(rows[:, 0], kind="stable")]
+    model = replay(f"path={street}", "format=obsmat", "start_time=0.0")
     crowd = model.reset(np.zeros(1, np.int64), [stage.scenario(stage.hall(20, 20))], 1)
-    frame, seen = 1, 0
+    frame, seen = rows[0, 0], 0
     for tick in range(1201):
         if tick % 8 == 0:
             there = {int(row[1]): row[[2, 4]] for row in rows if row[0] == frame}
@@ -38,7 +37,7 @@ def test_people_are_where_they_were_recorded(stage, zara):
             assert np.isnan(people.positions[~present]).all()
             frame, seen = frame + 10, seen + len(there)
         crowd = model.step(crowd, stage.robots(), np.full(1, tick), 0.05)
-    assert seen > 500
+    assert seen > 300
 
 
 @pytest.mark.parametrize("interpolation", ["cubic", "linear"])

@@ -2,10 +2,10 @@ import numpy as np
 import pytest
 
 from arena_core import Crowd, PedestrianModel
-from arena_crowds import rollout
-from arena_crowds.recordings import read_recording
+from arena_crowds.orca.walkers import Walkers
+from arena_crowds.replay.recordings import read_recording
 from arena_crowds.slots import no_crowd, with_worlds
-from arena_crowds.walkers import Walkers
+from arena_crowds.validation import rollout
 
 
 class Drifters(PedestrianModel):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from arena_core import read_record
-from arena_core.cli import main
+from arena_core.cli.main import main
 from arena_core.testing import component
 
 

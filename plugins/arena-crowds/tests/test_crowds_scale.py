@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 
 from arena_core import InputFileError, tell
 from arena_core.testing import component
-from arena_crowds.recordings import read_recording
+from arena_crowds.replay.recordings import read_recording
 
+CORRIDOR = Path(__file__).resolve().parents[3] / "tests" / "data" / "pedestrians" / "corridor" / "uo-corridor.txt"
 JUELICH = Path(__file__).resolve().parents[4] / "shared" / "data" / "pedestrians" / "juelich"
 needs_juelich = pytest.mark.skipif(not JUELICH.is_dir(), reason="the recorded trajectories are not beside the repository")
 
@@ -106,19 +107,27 @@ def test_where_nobody_moves_the_name_of_a_published_recording_tells(tmp_path: Pa
         read_recording(written(tmp_path, still, "elsewhere/obsmat.txt"), "obsmat")
 
 
-def test_the_real_zara_recording_tells_its_rate_also_when_its_frames_are_numbered_as_those_of_eth(zara: Path, tmp_path: Path) -> None:
-    assert read_recording(zara, "obsmat").duration == pytest.approx(360.4)
-    lines = [line.split() for line in gzip.decompress(zara.read_bytes()).decode().splitlines()]
+def test_a_recording_tells_its_rate_also_when_its_frames_are_numbered_as_those_of_eth(street: Path, tmp_path: Path) -> None:
+    duration = np.ptp(np.loadtxt(street)[:, 0]) / 25.0  # 360.4 s of zara01
+    assert read_recording(street, "obsmat").duration == pytest.approx(duration)
+    lines = [[f"{value:.9g}" for value in line] for line in np.loadtxt(street)]
     numbered = [[str(0.6 * float(line[0])), *line[1:]] for line in lines]  # every 6 frames in place of every 10
     path = written(tmp_path, "\n".join(map(" ".join, numbered)), "eth.txt")
-    assert read_recording(path, "obsmat").duration == pytest.approx(360.4)  # 15 frames a second
+    assert read_recording(path, "obsmat").duration == pytest.approx(duration)  # 15 frames a second
 
 
-@needs_juelich
-def test_the_real_juelich_recordings_are_read_by_their_names_and_in_metres_by_their_headers(tmp_path: Path, capsys) -> None:
-    source = JUELICH / "uo-050-180-180.txt"
+@pytest.mark.parametrize(
+    ("source", "speed"),
+    [
+        pytest.param(CORRIDOR, 1.320, id="drawn"),
+        pytest.param(JUELICH / "uo-050-180-180.txt", 1.374, id="real", marks=needs_juelich),
+    ],
+)
+def test_juelich_recordings_are_read_by_their_names_and_in_metres_by_their_headers(
+    source: Path, speed: float, tmp_path: Path, capsys
+) -> None:
     in_cm = read_recording(source, "juelich")
-    assert in_cm.median_speed() == pytest.approx(1.374, abs=0.001)
+    assert in_cm.median_speed() == pytest.approx(speed, abs=0.001)
     lines = [line.split() for line in source.read_text().splitlines()]
     in_m = [" ".join((*line[:2], *(str(float(value) / 100.0) for value in line[2:]))) for line in lines]
     path = written(tmp_path, "# framerate: 16\n# id frame x/m y/m z/m\n" + "\n".join(in_m))

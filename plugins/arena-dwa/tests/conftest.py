@@ -4,43 +4,39 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from importlib.resources import files
+from functools import cache
 from typing import Any
 
 import numpy as np
 import pytest
-import yaml
 from numpy.typing import NDArray
+from omegaconf import OmegaConf
 
-from arena_core import Costmap, EpisodeStart, Footprint, Observation, Pose, Robot, VelocityLimits
+from arena_core import Costmap, EpisodeStart, Footprint, Observation, Pose, Robot, VelocityLimits, compose, load_registry, plain
 from arena_core.testing import component, view
 from arena_dwa.planner import DwaPlanner
 from arena_kernels.distance import distance_field
 
-NAVIGATOR_KEYS = ("control_period", "replan", "recoveries")  # not the planner's
 ROBOTS: dict[str, Robot] = {name: component("robot", name) for name in ("turtlebot3", "jackal", "robotino", "jackal_ackermann")}
 ROBOTS["stranger"] = replace(
     ROBOTS["jackal"], name="stranger", footprint=Footprint.circle(0.3), limits=VelocityLimits(-0.2, 0.8, 0.0, 1.5, 0.8, 0.0, 2.0)
 )
 
 
-def preset_values(preset: str, robot: str) -> dict[str, Any]:
-    """Read a preset and its tuning for a robot, as Hydra merges them."""
-    folder = files("arena_dwa.conf") / "planner"
-    values = yaml.safe_load((folder / f"{preset}.yaml").read_text())
-    tunings = {"dwa": "dwa_tuning", "dwa_as_released": "dwa_as_released_tuning"}[preset]
-    tuning = folder / tunings / f"{robot}.yaml"
-    if tuning.is_file():
-        values |= yaml.safe_load(tuning.read_text())
-    return {key: value for key, value in values.items() if key not in ("defaults", "name", *NAVIGATOR_KEYS)}
+@cache
+def preset(name: str, robot: str) -> Any:
+    """Return a preset with its tuning for a robot, as ``arena run`` composes it."""
+    tuned = [] if robot == "stranger" else [f"robot={robot}"]
+    return compose([f"planner={name}", *tuned], "component")["planner"]
 
 
 @pytest.fixture(scope="session")
 def build() -> Callable[..., DwaPlanner]:
-    """Give a function that builds and resets a planner: robot's name, preset, changed values."""
+    """Give a function that builds and resets a planner: robot's name, preset, changed values of each group of parameters."""
 
-    def _build(robot: str = "turtlebot3", preset: str = "dwa", **changes: Any) -> DwaPlanner:
-        planner = DwaPlanner(ROBOTS[robot], **(preset_values(preset, robot) | changes))
+    def _build(robot: str = "turtlebot3", name: str = "dwa", **changes: Any) -> DwaPlanner:
+        node = plain(OmegaConf.merge(preset(name, robot), changes))
+        planner: DwaPlanner = load_registry().build("planner", node, robot=ROBOTS[robot])
         planner.reset(EpisodeStart(None, Pose(0.0, 0.0), 0.1, np.random.default_rng(0)))
         return planner
 

@@ -3,10 +3,10 @@ import pytest
 
 from arena_core import Costmap, Pose, Twist
 from arena_dwa.approach import ClosingSpeeds, approach_cost, lack
-from arena_dwa.parameters import Approach, Body
+from arena_dwa.settings import Approach, Body
 from arena_dwa.trajectory import stand_at
 from arena_kernels.distance import distance_field
-from arena_kernels.window import Window, outline_of
+from arena_kernels.window import outline_of, window_of
 
 DISC = Body(outline_of(None, 0.113, 0.113, 0.05), 0.03, 0.25, 0.2)
 CRITIC = Approach(1.0, 2.0, 0.4)
@@ -19,7 +19,7 @@ def speeds_of(costmap, *positions_x, lapse=0.9):
     for k, x in enumerate(positions_x):
         window = costmap((x, x + 0.3, -0.3, 0.3))
         speeds = memory.update(0.1 * k, window)
-    return speeds, Window(window.costs, window.distance, window.resolution, *window.origin_xy.tolist())
+    return speeds, window_of(window)
 
 
 def test_box_that_comes_nearer_closes_at_its_speed_before_it_and_not_behind(costmap):
@@ -80,7 +80,7 @@ def test_lack_is_none_at_the_margin_and_one_in_contact():
 
 def test_planner_makes_way_for_what_comes_at_it(build, costmap, observe):
     def last_command(scale):
-        planner = build(approach_scale=scale)
+        planner = build(approach={"scale": scale})
         for k in range(10):
             x = 1.2 - 0.04 * k
             command = planner.compute_velocity(observe(costmap((x, x + 0.4, -0.3, 0.3)), Pose(0.0, 0.0), AHEAD, Twist(0.0), stamp=0.1 * k))

@@ -5,8 +5,9 @@ import numpy as np
 import pytest
 
 from arena_core import Pose, Twist
-from arena_dwa.arrival import Arrival, Tolerances
-from arena_dwa.parameters import Limits
+from arena_dwa.arrival import Arrival
+from arena_dwa.parameters import GoalParameters
+from arena_dwa.settings import Limits
 
 LIMITS = Limits(-0.22, 0.22, 0.0, 2.75, 0.11, 0.22, 1.37, 2.5, 0.0, 3.2, 0.0)
 PATH = np.array(((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)))
@@ -14,12 +15,12 @@ REST = np.zeros(3)
 
 
 def arrival(latched: bool) -> Arrival:
-    return Arrival(Tolerances(0.1, 0.17, latched), LIMITS)
+    return Arrival(GoalParameters(0.1, 0.17, latched), LIMITS)
 
 
 def test_away_from_the_end_the_path_is_driven():
     assert arrival(False).velocity(Pose(0.8, 0.0), REST, PATH, 0.0, 0.1) is None
-    assert Arrival(Tolerances(None, 0.17, False), LIMITS).velocity(Pose(1.0, 0.0), REST, PATH, 1.0, 0.1) is None
+    assert Arrival(GoalParameters(None, 0.17, False), LIMITS).velocity(Pose(1.0, 0.0), REST, PATH, 1.0, 0.1) is None
 
 
 def test_robot_brakes_first_and_then_turns_to_the_goals_heading():
@@ -51,7 +52,7 @@ def test_a_latched_robot_that_slips_away_goes_on_turning_until_there_is_a_new_pa
 
 @pytest.mark.parametrize("robot", ["turtlebot3", "jackal", "robotino"])
 def test_as_released_ends_at_the_goals_heading(robot, build, costmap, observe):
-    planner, pose, twist = build(robot, preset="dwa_as_released", xy_goal_tolerance=0.3), Pose(0.9, 0.05), Twist(0.0)
+    planner, pose, twist = build(robot, name="dwa_as_released", goal={"xy_tolerance": 0.3}), Pose(0.9, 0.05), Twist(0.0)
     goal, path = Pose(1.0, 0.0, 2.5), [(0.1 * k, 0.0) for k in range(11)]
     for _ in range(100):
         twist = planner.compute_velocity(replace(observe(costmap(), pose, path, twist), goal=goal))

@@ -4,8 +4,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arena_dwa.map_grid import UNSEEN, blocked_cells, cost_fields, interpolated, map_grids, path_cells, spread
-from arena_dwa.parameters import Body, Scales
-from arena_kernels.window import Window, outline_of
+from arena_dwa.settings import Body, Scales
+from arena_kernels.window import outline_of, window_of
 
 BODY = Body(outline_of(None, 0.113, 0.113, 0.05), 0.03, 0.25, 0.2)
 
@@ -15,10 +15,6 @@ GOAL_ONLY = Scales(0.0, 2.0, 0.0, True, 0.325, 0.0, 0.0, 0.0)
 
 def goal_distance(grids, window, x, y, of_front=False):
     return interpolated(cost_fields(grids, window, GOAL_ONLY, False)[int(of_front)], window, x, y)
-
-
-def window_of(costmap):
-    return Window(costmap.costs, costmap.distance, costmap.resolution, *costmap.origin_xy.tolist())
 
 
 def path(*points):

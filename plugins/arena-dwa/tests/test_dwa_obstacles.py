@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from arena_dwa.obstacles import REJECTED, obstacle_cost, outline_growth
-from arena_dwa.parameters import Body, Limits, RollOut
+from arena_dwa.settings import Body, Limits, RollOut
 from arena_dwa.trajectory import stand_at
-from arena_kernels.window import Window, clearance, outline_of
+from arena_kernels.window import clearance, outline_of, window_of
 
 LIMITS = Limits(-0.22, 0.22, 0.0, 2.84, 0.0, 0.22, 0.0, 2.5, 0.0, 3.2, 0.0)
 ROLL_OUT = RollOut(1.5, 0.05, 0.2, 0.2, 20, 0, 40)
@@ -14,10 +14,6 @@ DISC = Body(outline_of(None, 0.113, 0.113, 0.05), 0.03, 0.25, 0.2)
 JACKAL = np.array([[0.21, -0.165], [0.21, 0.165], [-0.21, 0.165], [-0.21, -0.165]])
 BOX = Body(outline_of(JACKAL, math.hypot(0.21, 0.165), 0.165, 0.05), 0.02, 0.25, 0.2)
 ORIGIN = stand_at(0.0, 0.0, 0.0)
-
-
-def window_of(costmap):
-    return Window(costmap.costs, costmap.distance, costmap.resolution, *costmap.origin_xy.tolist())
 
 
 def cost(window, body, sample, pose=(0.0, 0.0, 0.0), mean=False):

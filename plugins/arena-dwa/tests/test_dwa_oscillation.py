@@ -2,10 +2,11 @@ import numpy as np
 
 from arena_core import Pose, Twist
 from arena_dwa.oscillation import OscillationFlags, oscillates
+from arena_dwa.parameters import OscillationParameters
 
 
 def flags_after(*commands, still_below=0.0):
-    flags = OscillationFlags(0.05, 0.2, 2.0, still_below)
+    flags = OscillationFlags(OscillationParameters(0.05, 0.2, 2.0), still_below)
     for command in commands:
         flags.note(0.0, Pose(0.0, 0.0), Twist(*command))
     return flags

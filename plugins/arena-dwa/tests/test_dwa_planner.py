@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from arena_core import ConfigurationError, EpisodeStart, NoValidCommand, Pose, Twist
 from arena_dwa.map_grid import cost_fields, map_grids
-from arena_dwa.parameters import Body, Scales
-from arena_kernels.window import Window, outline_of
+from arena_dwa.settings import Body, Scales
+from arena_kernels.window import outline_of, window_of
 
 AHEAD = [(0.1 * k, 0.0) for k in range(40)]
 
@@ -50,7 +50,7 @@ def test_mirrored_scene_gives_the_mirrored_command(build, costmap, observe):
 
 
 def test_robot_turns_toward_a_path_behind_it(build, costmap, observe):
-    planner, pose, twist = build(), Pose(0.0, 0.0), Twist(0.0)
+    planner, pose, twist = build(turn_in_place={"begin": 1.8}), Pose(0.0, 0.0), Twist(0.0)
     for _ in range(50):
         twist = planner.compute_velocity(observe(costmap(), pose, [(-x, y) for x, y in AHEAD], twist))
         pose = pose.compose(_arc(twist, 0.1))
@@ -73,7 +73,7 @@ def test_robot_stops_before_a_wall_that_closes_the_way(build, costmap, observe):
 
 def test_no_valid_command_when_every_sample_collides(build, costmap, observe):
     ring = costmap((-0.2, 0.2, 0.12, 0.3), (-0.2, 0.2, -0.3, -0.12), (0.12, 0.3, -0.3, 0.3), (-0.3, -0.12, -0.3, 0.3))
-    planner = build(preset="dwa_as_released")
+    planner = build(name="dwa_as_released")
     with pytest.raises(NoValidCommand, match="dwa"):
         planner.compute_velocity(observe(ring, Pose(0.0, 0.0), AHEAD, Twist(0.0)))
 
@@ -85,7 +85,7 @@ def test_holonomic_robot_strafes_where_that_is_useful(build, costmap, observe):
 
 
 def test_as_released_cannot_creep(build, costmap, observe):
-    planner = build(preset="dwa_as_released")
+    planner = build(name="dwa_as_released")
     for y in np.linspace(-0.4, 0.4, 9):
         box = costmap((0.35, 0.6, y - 0.2, y + 0.2))
         command = planner.compute_velocity(observe(box, Pose(0.0, 0.0), AHEAD, Twist(0.1)))
@@ -121,13 +121,13 @@ def test_chosen_command_can_always_be_braked_before_a_collision(build, inflate, 
 
 
 def test_minimum_speed_above_the_maximum_is_refused(build):
-    with pytest.raises(ConfigurationError, match=r"trans_min is 0\.3"):
-        build(trans_min=0.3)
+    with pytest.raises(ConfigurationError, match=r"limits\.trans_min is 0\.3"):
+        build(limits={"trans_min": 0.3})
 
 
 def test_a_robotino_as_released_starts_because_its_window_is_longer_than_its_period(build, costmap, observe):
     at_20_hz = EpisodeStart(None, Pose(0.0, 0.0), 0.05, np.random.default_rng(0))
-    planner, standing = build("robotino", preset="dwa_as_released"), build("robotino", preset="dwa_as_released", sim_period=None)
+    planner, standing = build("robotino", name="dwa_as_released"), build("robotino", name="dwa_as_released", roll_out={"sim_period": None})
     planner.reset(at_20_hz)
     standing.reset(at_20_hz)
     rest = observe(costmap(), Pose(0.0, 0.0), AHEAD, Twist(0.0))
@@ -140,8 +140,7 @@ def test_a_robotino_as_released_starts_because_its_window_is_longer_than_its_per
 
 def test_the_alignment_critic_is_off_near_the_paths_end(costmap):
     scales, body = Scales(32.0, 20.0, 0.0, True, 0.325, 0.0, 0.0, 0.0), Body(outline_of(None, 0.113, 0.113, 0.05), 0.01, 0.25, 0.2)
-    free = costmap((2.0, 2.1, 2.0, 2.1))
-    window = Window(free.costs, free.distance, 0.05, *free.origin_xy.tolist())
+    window = window_of(costmap((2.0, 2.1, 2.0, 2.1)))
     grids = map_grids(window, body, np.array([(0.1 * k, 0.0, 0.0) for k in range(10)]), 0.0, 0.0, 0.325)
     on, off = (cost_fields(grids, window, scales, aligning)[1] for aligning in (True, False))
     beside = 70, 65  # half a metre off the path

@@ -5,10 +5,10 @@ import pytest
 
 from arena_core import Pose
 from arena_dwa.map_grid import map_grids
-from arena_dwa.parameters import Body
+from arena_dwa.settings import Body
 from arena_dwa.standing import Standing
 from arena_dwa.way_out import best_line
-from arena_kernels.window import Window, outline_of
+from arena_kernels.window import outline_of, window_of
 
 DISC = Body(outline_of(None, 0.113, 0.113, 0.05), 0.08, 0.25, 0.2)
 BAR = Body(outline_of(np.array(((0.3, -0.1), (0.3, 0.1), (-0.3, 0.1), (-0.3, -0.1))), 0.32, 0.1, 0.05), 0.02, 0.25, 0.2)
@@ -16,7 +16,7 @@ PATH = np.array([(0.1 * k, 0.0, 0.0) for k in range(25)])
 
 
 def line_out(costmap, body: Body, theta: float, sideways: bool = False, backwards: bool = True) -> tuple[float, float, float]:
-    window = Window(costmap.costs, costmap.distance, 0.05, *costmap.origin_xy.tolist())
+    window = window_of(costmap)
     grids = map_grids(window, body, PATH, 0.0, 0.0, 0.325)
     return best_line(window, body, grids.goal, (0.0, 0.0, math.cos(theta), math.sin(theta)), 0.5, sideways, backwards)
 

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_dwa.parameters import Limits
+from arena_dwa.settings import Limits
 from arena_dwa.window import axis_samples, driven, dynamic_window, turn_samples
 
 LIMITS = Limits(-0.3, 0.8, 0.4, 1.5, 0.0, 0.8, 0.0, 1.0, 0.7, 2.0, 0.0)

@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arena_core import Pose
+from arena_dwa.parameters import TurnParameters
 from arena_dwa.turning import TurnInPlace, path_bearing
 
 PATH = np.column_stack((np.linspace(0.0, 4.0, 81), np.zeros(81), np.zeros(81)))
@@ -13,7 +14,7 @@ ANY = np.array(((-0.25, 0.25), (0.0, 0.0), (-0.32, 0.32)))
 
 
 def turn(begin=1.8):
-    return TurnInPlace(begin, 0.2, 0.5, 3.2)
+    return TurnInPlace(TurnParameters(begin, 0.2, 0.5), True, 3.2)
 
 
 def test_robot_that_faces_the_path_is_left_alone():

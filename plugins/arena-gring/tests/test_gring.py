@@ -12,7 +12,7 @@ import pytest
 from onnx import TensorProto, helper, numpy_helper
 
 from arena_core import ConfigurationError, NoValidCommand, Path, Pose, read_settings, testing
-from arena_core.cli import main
+from arena_core.cli.main import main
 from arena_gym.building import compose_environment
 from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.card import PolicyCard, sha256, write_card
@@ -113,7 +113,9 @@ def test_robot_without_a_policy_is_told_how_to_get_one():
 
 def test_range_that_is_no_number_gets_no_command(tmp_path):
     seen = corner()
-    seen.scan.ranges[3] = np.nan
+    ranges = seen.scan.ranges.copy()
+    ranges[3] = np.nan
+    seen = dataclasses.replace(seen, scan=dataclasses.replace(seen.scan, ranges=ranges))
     with pytest.raises(NoValidCommand):
         driving(tmp_path, "gring", testing.robot()).compute_velocity(seen)
 

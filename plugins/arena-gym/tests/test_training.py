@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from arena_core import ConfigurationError, ObservationBatch, ObservationField, Pose, Twist, testing
-from arena_core.cli import main
+from arena_core.cli.main import main
 
 pytest.importorskip("torch", reason="training needs the extra arena-gym[train]")
 
@@ -27,7 +27,7 @@ defaults:
 
 planner: beginner
 world: {width: 5.0, height: 5.0}
-task: {pedestrians: 0, min_distance: 1.5, max_distance: 4.0, time_limit: 20.0}
+task: {pedestrians: 0, trip: {min_distance: 1.5, max_distance: 4.0}, time_limit: 20.0}
 environment: {worlds: 1, problems_per_world: 64}
 observation_encoder: {sectors: 16}
 training:
@@ -194,7 +194,7 @@ def test_goal_after_a_collision_is_no_success():
     from arena_gym.training.worlds_in_step import WorldsInStep
     from arena_gym.vector_environment import NavigationVectorEnv
 
-    near = ["task.min_distance=3.05", "task.max_distance=4.0", "task.goal_radius=3.0", "task.pedestrians=0", "action.vx_min=null"]
+    near = ["task.trip.min_distance=3.05", "task.trip.max_distance=4.0", "task.goal_radius=3.0", "task.pedestrians=0", "action.vx_min=null"]
     small = ["world.width=8", "world.height=8", "environment.worlds=2", "environment.collisions_to_end=null"]
     env = NavigationVectorEnv(2, overrides=[*near, *small])
     worlds, ends = WorldsInStep(env, 0), {}

@@ -4,8 +4,19 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from arena_core import Costmap, Footprint
 from arena_kernels.distance import distance_field
-from arena_kernels.window import LETHAL, Window, clearance, distance_at, outline_of, points_along, without_discs
+from arena_kernels.window import (
+    LETHAL,
+    Window,
+    clearance,
+    distance_at,
+    footprint_outline,
+    outline_of,
+    points_along,
+    window_of,
+    without_discs,
+)
 
 BOX = np.array([[0.21, -0.165], [0.21, 0.165], [-0.21, 0.165], [-0.21, -0.165]])
 PLACES = st.floats(-1.7, 1.7)  # the whole outline lies in the window of 4 m
@@ -61,3 +72,18 @@ def test_outline_points_lie_on_the_edges_without_gaps():
     on_edge = np.isclose(np.abs(points[:, 0]), 0.21) | np.isclose(np.abs(points[:, 1]), 0.165)
     assert on_edge.all()
     assert (np.hypot(*(np.roll(points, -1, axis=0) - points).T) <= 0.05 + 1e-9).all()
+
+
+def test_a_costmap_becomes_the_window_that_holds_its_arrays():
+    plain = window_with((40, 60))
+    window = window_of(Costmap(plain.costs, plain.distance, plain.resolution, np.array((plain.origin_x, plain.origin_y))))
+    assert window.costs is plain.costs
+    assert window.distance is plain.distance
+    assert window[2:] == plain[2:]
+
+
+def test_a_footprint_becomes_an_outline_without_gaps_of_a_cell_or_a_circle():
+    box, disc = footprint_outline(Footprint.polygon(BOX.tolist())), footprint_outline(Footprint.circle(0.2))
+    gaps = np.hypot(*(box.points_xy - np.roll(box.points_xy, 1, axis=0)).T)
+    assert gaps.max() <= 0.05 + 1e-12
+    assert (disc.radius, len(disc.points_xy)) == (0.2, 0)

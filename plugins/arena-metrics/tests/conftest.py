@@ -14,9 +14,8 @@ import pytest
 import yaml
 from numpy.typing import ArrayLike
 
-from arena_core import EpisodeRecord, Metric
+from arena_core import EPISODE_COLUMNS, EpisodeRecord, Metric
 from arena_metrics.paper_legacy import PaperLegacyMetrics
-from arena_metrics.runs import IDENTIFICATION
 from arena_metrics.si import SiMetrics
 
 RecordMaker = Callable[..., EpisodeRecord]
@@ -144,9 +143,17 @@ def write_run(
     only: Sequence[str] = (),
     stages: Sequence[int] = (),
     block: int | None = None,
+    problems: int = 0,
+    code: str = "",
+    parts: Mapping[str, str] | None = None,
+    fails: Sequence[int] = (),
 ) -> Path:
-    """Write a run's folder as ``arena run`` leaves it; the robot drives straight lines, and reaches the goal in even episodes."""
-    base = columns(planner, robot, people, sim_time)
+    """Write a run's folder as ``arena run`` leaves it; the robot drives straight lines, and reaches the goal in even episodes.
+
+    With ``problems`` the episodes are those of a file, in turn. In ``fails`` the goal is not reached, in all others then it is.
+    """
+    base = columns(planner, robot, people, sim_time) | {"code": code} | ({"task": "scenario", "scenario_hash": "h"} if problems else {})
+    name = (lambda i: f"p{i % problems}/{i // problems:04d}") if problems else (lambda i: f"random/{i:04d}")
     levels = dict(enumerate(stages))
     config = {
         "planner": {"name": planner, "sim_time": sim_time},
@@ -160,32 +167,42 @@ def write_run(
         {**base, "episode": i, "seed": seed, "n_pedestrians": "", "outcome": "error", "error": "NoPath: <none>"}
         if i in errors
         else _episode_row(
-            folder, {**base, "scenario": f"random/{i:04d}", "stage": levels.get(i, ""), "episode": i, "seed": seed}, packs, records
+            folder, {**base, "scenario": name(i), "stage": levels.get(i, ""), "episode": i, "seed": seed}, packs, records, fails
         )
         for i in range(episodes)
     ]
     provenance = {"config_hash": base["config_hash"], "seed": seed, "episodes": episodes, "config": config, "commit": "abc123"}
     provenance |= {"versions": {"arena-core": "0.1.0", "zlib": "1"}, "python": "3.11", "machine": {"system": "test"}}
+    provenance |= {"code": {"digest": code, "parts": dict(parts or {})}} if code else {}
     (folder / "provenance.json").write_text(json.dumps(provenance))
     names = [m.name if pack == "si" else f"{pack}.{m.name}" for pack in packs for m in PACKS[pack]]
     names = [name for name in names if not only or name in only]
     with (folder / "episodes.csv").open("w", newline="") as file:
-        writer = csv.DictWriter(file, [*IDENTIFICATION, *names], restval="", extrasaction="ignore", lineterminator="\n")
+        writer = csv.DictWriter(
+            file,
+            [*(column for column in EPISODE_COLUMNS if code or column != "code"), *names],
+            restval="",
+            extrasaction="ignore",
+            lineterminator="\n",
+        )
         writer.writeheader()
         writer.writerows({k: "" if v != v else v for k, v in row.items()} for row in rows)
     return folder
 
 
-def _episode_row(folder: Path, base: dict[str, Any], packs: Sequence[str], records: bool) -> dict[str, Any]:
+def _episode_row(folder: Path, base: dict[str, Any], packs: Sequence[str], records: bool, fails: Sequence[int]) -> dict[str, Any]:
     episode, people = base["episode"], base["n_pedestrians"]
     pose = straight(length=4.0 + 0.5 * episode, speed=0.5)
-    outcome = "goal_reached" if episode % 2 == 0 else "time_out"
+    reached = episode not in fails if fails else episode % 2 == 0
+    outcome = "goal_reached" if reached else "time_out"
     walking = np.tile(np.linspace((1.0, 2.0), (3.0, 2.0), len(pose))[:, None], (1, people, 1)).astype(np.float32)
-    meta = {"outcome": outcome, "columns": base, "world": {"name": "hall", "grid": "worlds/hall.npz"}}
+    meta = {"outcome": outcome, "columns": base, "world": {"name": "hall", "grid": "worlds/hall.npz"}, "config": {}}
     crowd = {"pedestrian_ids": np.arange(people, dtype=np.int32), "pedestrian_positions": walking}
+    crowd |= {"pedestrian_radii": np.full(people, 0.3), "pedestrian_velocities": np.zeros_like(walking)}
     hit = {
         "contact_stamp": [1.0],
         "contact_kind": [episode % 3],
+        "contact_person": [0],
         "contact_speed": [0.2],
         "contact_caused": [True],
         "contact_position": [[1, 0]],

@@ -7,8 +7,9 @@ import pytest
 
 from arena_core import InputFileError
 from arena_metrics.cells import cells_of
-from arena_metrics.intervals import difference, estimate
-from arena_metrics.pairs import paired_table
+from arena_metrics.comparisons import after_holm, compare, difference
+from arena_metrics.intervals import estimate
+from arena_metrics.pairs import p_text, paired_tables
 from arena_metrics.report import ReportCommand
 from arena_metrics.runs import metric_columns, pooled, read_runs
 from arena_metrics.summary import summarise
@@ -16,9 +17,10 @@ from arena_metrics.summary import summarise
 FEW = ("success", "collisions", "path_length")
 
 
-def table_of(folder, baseline=None):
+def tables_of(folder, baseline=None):
     runs = read_runs([folder])
-    return paired_table(summarise(cells_of(pooled(runs)[0]), metric_columns(runs)), baseline)
+    tables = paired_tables(summarise(cells_of(pooled(runs)[0]), metric_columns(runs)), baseline)
+    return {table.caption.partition(",")[0].partition(" [")[0]: table for table in tables}
 
 
 def test_pairs_find_a_difference_that_is_smaller_than_the_scatter():
@@ -34,20 +36,96 @@ def test_pair_counts_only_where_both_are_defined():
     assert difference([1.0, np.nan, 3.0, 5.0], [0.0, 1.0, np.nan, 2.0]).n == 2
 
 
-def test_interval_of_paired_proportions_is_that_of_agresti_and_min():
-    ours = np.array([1.0] * 18 + [0.0] * 12)
-    theirs = np.array([1.0] * 10 + [0.0] * 8 + [1.0] * 2 + [0.0] * 10)
-    found = difference(ours, theirs, proportion=True)
-    won, lost, n = 8.5, 2.5, 32
-    half = 1.959964 * math.sqrt(won + lost - (won - lost) ** 2 / n) / n
-    assert found.mean == pytest.approx(0.2)
-    assert (found.low, found.high) == pytest.approx(((won - lost) / n - half, (won - lost) / n + half), abs=1e-6)
+def wins(won, lost, alike):
+    """Return successes of two planners that differ in so many pairs."""
+    return np.array([1.0] * won + [0.0] * lost + [1.0] * alike), np.array([0.0] * won + [1.0] * lost + [1.0] * alike)
+
+
+def test_interval_of_paired_proportions_is_that_of_bonett_and_price():
+    found = difference(*wins(12, 2, 16), proportion=True)
+    won, lost, n = 13 / 32, 3 / 32, 32
+    half = 1.959964 * math.sqrt((won + lost - (won - lost) ** 2) / n)
+    assert found.mean == pytest.approx(1 / 3)
+    assert (found.low, found.high) == pytest.approx((won - lost - half, won - lost + half), abs=1e-6)
 
 
 def test_equal_proportions_are_not_certain_to_be_equal():
     found = difference(np.ones(30), np.ones(30), proportion=True)
     assert found.mean == 0.0
     assert found.low < 0.0 < found.high
+
+
+def test_p_of_success_is_mcnemars_exact_one():
+    assert compare(*wins(6, 0, 9), True).p == pytest.approx(2 * 0.5**6)
+    assert compare(*wins(7, 2, 30), True).p == pytest.approx(2 * (1 + 9 + 36) / 2**9)
+    assert compare(*wins(0, 0, 15), True).p == 1.0
+
+
+@pytest.mark.parametrize(("won", "lost", "alike"), [(6, 0, 9), (5, 0, 5), (7, 2, 30), (3, 3, 9), (0, 0, 8), (5, 1, 4)])
+def test_flipping_signs_by_problem_is_mcnemars_test_where_nothing_is_repeated(won, lost, alike):
+    ours, theirs = wins(won, lost, alike)
+    repeated = compare(np.append(ours, 1.0), np.append(theirs, 1.0), True, [*range(len(ours)), 0])  # one more pair, that says nothing
+    assert repeated.p == pytest.approx(compare(ours, theirs, True).p)
+
+
+@pytest.mark.parametrize("lost", range(6))
+def test_interval_and_exact_test_say_the_same(lost):
+    for won in range(16 - lost):
+        found = compare(*wins(won, lost, 15 - won - lost), True)
+        assert (found.p > 0.05) == (found.difference.low <= 0.0 <= found.difference.high)
+
+
+def test_repeats_of_a_problem_do_not_make_a_difference_surer():
+    ours, theirs = wins(4, 1, 3)
+    once = compare(ours, theirs, True)
+    often = compare(np.repeat(ours, 20), np.repeat(theirs, 20), True, [i for i in range(8) for _ in range(20)])
+    assert often.p == pytest.approx(once.p)
+    assert often.difference.high - often.difference.low >= 0.95 * (once.difference.high - once.difference.low)
+    assert often.difference.problems == 8
+    assert compare(np.repeat(ours, 20), np.repeat(theirs, 20), True).p < 1e-6  # so it would look without the problems
+
+
+def test_figures_are_no_surer_for_repeats_either():
+    random = np.random.default_rng(4)
+    steps = random.normal(0.4, 1.0, 8)
+    once, often = compare(steps, np.zeros(8)), compare(np.repeat(steps, 9), np.zeros(72), "figure", [i for i in range(8) for _ in range(9)])
+    assert (often.p, often.difference.low, often.difference.high) == pytest.approx((once.p, once.difference.low, once.difference.high))
+
+
+def test_fewer_than_five_problems_say_nothing_of_others():
+    found = compare(np.ones(40), np.zeros(40), True, [i // 10 for i in range(40)])
+    assert (found.difference.mean, found.difference.problems, found.difference.has_interval) == (1.0, 4, False)
+    assert math.isnan(found.p)
+    assert not found.told_apart
+
+
+def test_holm_multiplies_the_least_p_by_the_number_of_comparisons():
+    family = [compare(*wins(won, 0, 20), True) for won in (8, 6, 2)]
+    few = compare(np.ones(3), np.zeros(3), True)
+    adjusted = after_holm([*family, few])
+    assert [one.holm for one in adjusted[:3]] == pytest.approx([3 * 2 / 2**8, 2 * 2 / 2**6, 0.5])
+    assert [one.told_apart for one in adjusted] == [True, False, False, False]
+    assert adjusted[3] is few
+
+
+def test_effect_is_cohens():
+    assert compare(*wins(6, 2, 4), True).effect == pytest.approx(0.25)
+    assert compare([1.0, 2.0, 3.0, 4.0, 5.0], np.zeros(5)).effect == pytest.approx(3.0 / np.std([1, 2, 3, 4, 5], ddof=1))
+
+
+def test_how_many_more_episodes_would_tell_follows_from_how_many_pairs_differ():
+    few, many = compare(*wins(2, 2, 16), True), compare(*wins(8, 8, 4), True)
+    assert 0.0 < few.more < many.more
+    z = 1.959964 * math.sqrt(5 / 22) + 0.841621 * math.sqrt(5 / 22 - 0.01)
+    assert few.more == pytest.approx((z / 0.1) ** 2 - 20, abs=1e-3)
+    assert compare(*wins(15, 15, 970), True).more == 0.0
+
+
+@pytest.mark.parametrize(
+    ("p", "text"), [(0.0004, "< .001"), (0.0042, ".004"), (0.031, ".031"), (0.62, ".62"), (0.999, "1"), (math.nan, "–")]
+)
+def test_p_is_written_short(p, text):
+    assert p_text(p) == text
 
 
 def test_difference_from_itself_has_the_opposite_sign_of_its_mirror():
@@ -59,28 +137,43 @@ def test_difference_from_itself_has_the_opposite_sign_of_its_mirror():
 def test_every_other_planner_is_compared_under_its_own_condition(run_folder, tmp_path):
     for planner in ("dwa", "mpc", "teb"):
         for people in (5, 10):
-            run_folder(tmp_path / f"{planner}{people}", planner=planner, people=people, episodes=4)
-    table = table_of(tmp_path)
+            run_folder(tmp_path / f"{planner}{people}", planner=planner, people=people, episodes=6)
+    table = tables_of(tmp_path)["success"]
     assert [row[:2] for row in table.rows] == [[f"{n} people", f"{p} − dwa"] for n in (5, 10) for p in ("mpc", "teb")]
-    assert table.rows[0][2].startswith("+0 [")
-    assert table.rows[0][2].endswith("(4)")
-    assert [row[1] for row in table_of(tmp_path, "teb").rows[:2]] == ["dwa − teb", "mpc − teb"]
+    assert dict(zip(table.head, table.rows[0], strict=True)) | {"p": ".."} == {
+        **{"condition": "5 people", "difference": "mpc − dwa", "mean [95 % interval]": "+0 [−35, +35]", "p": "..", "p after Holm": "1"},
+        **{"effect": "+0.00", "higher / lower": "0 / 0", "pairs": "6", "problems": "6"},
+    }
+    assert [row[1] for row in tables_of(tmp_path, "teb")["success"].rows[:2]] == ["dwa − teb", "mpc − teb"]
 
 
 def test_scenarios_that_only_one_drove_are_no_pairs(run_folder, tmp_path):
     run_folder(tmp_path / "a", planner="dwa", episodes=6)
     run_folder(tmp_path / "b", planner="teb", episodes=4, errors=(1,))
-    assert table_of(tmp_path).rows[0][1].endswith("(3)")
+    tables = tables_of(tmp_path)
+    assert tables["success"].rows[0][-2:] == ["3", "3"]
+    assert tables["success"].rows[0][1:3] == ["+0", "–"]  # too few for an interval
+    assert tables["path length"].rows[0][-2:] == ["2", "2"]
+
+
+def test_path_time_and_smoothness_pair_what_both_succeeded_in_and_success_pairs_all(run_folder, tmp_path):
+    for planner in ("dwa", "teb"):
+        run_folder(tmp_path / planner, planner=planner, episodes=8)
+    captions = {name: table.caption for name, table in tables_of(tmp_path).items()}
+    both = {name for name, caption in captions.items() if caption.endswith("pairs of episodes in which both succeeded")}
+    assert both == {"time to goal", "path length", "jerk"}
+    assert all(caption.endswith("pairs of all episodes") for name, caption in captions.items() if name not in both)
+    assert tables_of(tmp_path)["path length"].rows[0][-2:] == ["4", "4"]
 
 
 def test_staged_episodes_are_no_pairs(run_folder, tmp_path):
     for planner in ("dwa", "teb"):
         run_folder(tmp_path / planner, planner=planner, stages=(0, 0, 1))
-    assert table_of(tmp_path) is None
+    assert tables_of(tmp_path) == {}
 
 
 def test_without_a_rival_there_is_no_table(run_folder, tmp_path):
-    assert table_of(run_folder(tmp_path / "a")) is None
+    assert tables_of(run_folder(tmp_path / "a")) == {}
 
 
 def test_report_holds_the_pairs_and_refuses_an_unknown_baseline(run_folder, tmp_path):

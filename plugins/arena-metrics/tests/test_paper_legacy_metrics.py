@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from arena_metrics.paper_legacy import goal_row, recorded_rows
+from arena_metrics.paper_legacy import PaperLegacyMetrics, goal_row, recorded_rows
 
 
 def far_goal(**changes):
@@ -132,3 +132,37 @@ def test_rows_up_to_a_jump_are_dropped(legacy, record_of):
 def test_rows_with_a_speed_component_of_three_are_dropped(legacy, record_of):
     record = record_of(**forward([0.5, 3.0, 2.999, 0.5, 0.5]))
     assert legacy["velocity"](record) == pytest.approx((0.5 + 2.999 + 0.5) / 3)
+
+
+@pytest.fixture(scope="module")
+def published(preset_of):
+    return {metric.name: metric.compute for metric in PaperLegacyMetrics(**preset_of("paper_published")).metrics()}
+
+
+def test_published_rows_are_of_all_digits(published, record_of):
+    record = record_of(**forward([0.1234, 0.1234, 0.1234, 0.1234]))
+    assert published["velocity"](record) == pytest.approx(0.1234, abs=1e-12)
+    assert published["path_length"](record) == pytest.approx(2 * 0.4 * 0.1234, abs=1e-12)
+
+
+def test_published_rows_keep_jumps_and_high_speeds(published, record_of):
+    parts = forward([0.5, 3.5, 0.5, 0.5, 0.5, 0.5])
+    parts["poses"][3:, 0] += 10.0
+    record = record_of(**parts)
+    assert published["path_length"](record) == pytest.approx(0.2 + 1.4 + 10.2 + 0.2)
+    assert published["velocity"](record) == pytest.approx((4 * 0.5 + 3.5) / 5)
+    assert published["time"](record) == pytest.approx(4 * 0.4)
+
+
+def test_published_rows_differ_from_the_script_by_rounding_and_cleaning_alone(published, legacy, record_of, round_trip):
+    """Where all values have three decimals and nothing is cleaned, the two are one."""
+    record = record_of(round_trip(radius=2.0), dt=0.4, meta=far_goal())
+    for name in ("pose", "twist", "stamp", "scan_min"):
+        record.arrays[name][:] = record[name].round(3)
+    assert {name: compute(record) for name, compute in published.items()} == {name: compute(record) for name, compute in legacy.items()}
+
+
+def test_presets_differ_in_these_keys_alone(preset_of):
+    ours, theirs = preset_of("paper_published"), preset_of("paper_legacy")
+    assert {key for key in theirs if ours[key] != theirs[key]} == {"decimals", "speed_max", "jump_max"}
+    assert ours.keys() == theirs.keys()

@@ -79,11 +79,11 @@ def test_path_metrics_are_summarised_over_all_and_over_successful_episodes(run_f
 
 
 def test_headline_holds_means_intervals_and_n(run_folder, tmp_path):
-    table = headline(summary_of(run_folder(tmp_path / "a", episodes=4, errors=[2])))
+    table = headline(summary_of(run_folder(tmp_path / "a", episodes=8, errors=[2])))
     row = dict(zip(table.head, table.rows[0], strict=True))
-    assert row["n"] == "4"
-    assert row["success [%]"].startswith("33 [6 – 79] (n=3)")
-    assert row["path length [m], successful"] == "4.00 (n=1)"
+    assert row["n"] == "8"
+    assert row["success [%]"].startswith("43 [16 – 75] (n=7)")
+    assert row["path length [m], successful"] == "5.67 (n=3)"
 
 
 def test_other_packs_have_tables_of_their_own(run_folder, tmp_path):
@@ -99,6 +99,23 @@ def test_columns_of_a_pack_that_is_not_installed_are_shown_without_unit(run_fold
     (folder / "episodes.csv").write_text("\n".join([text[0] + ",foreign.calm", *(line + ",1.5" for line in text[1:])]) + "\n")
     column = metric_columns(read_runs([folder]))[-1]
     assert (column.name, column.pack, column.unit) == ("foreign.calm", "foreign", "")
+
+
+def test_texts_are_counted_in_the_tables_and_shown_with_each_episode(run_folder, tmp_path, capsys):
+    folder = run_folder(tmp_path / "a", episodes=6)
+    text = (folder / "episodes.csv").read_text().splitlines()
+    sides = ["left", "left", "right", "", "left", "right"]
+    rows = [f"{line},{side}" for line, side in zip(text[1:], sides, strict=True)]
+    (folder / "episodes.csv").write_text("\n".join([text[0] + ",foreign.side", *rows]) + "\n")
+    summary = summary_of(folder)
+    assert [column.name for column in summary.texts] == ["foreign.side"]
+    assert metric_tables(summary, "all")[-1].rows == [["side", "", "left (3), right (2)"]]
+    assert ReportCommand().run([str(folder), "--no-figures"]) == 0
+    page = (folder / "report" / "index.html").read_text()
+    assert page.count("<td>left</td>") == 3
+    (folder / "episodes.csv").write_text("\n".join([text[0] + ",foreign.side", *rows[:-1], f"{text[-1]},7"]) + "\n")
+    with pytest.raises(InputFileError, match=r"episodes.csv: line 2: could not convert string to float: 'left'; allowed: numbers"):
+        read_runs([folder])
 
 
 def test_pack_that_was_evaluated_afterwards_is_described_by_its_preset(run_folder, tmp_path):
@@ -121,13 +138,13 @@ def test_markdown_and_latex_escape_what_they_must(run_folder, tmp_path):
 
 
 def test_summary_of_rows_equals_that_of_the_table(run_folder, tmp_path, pack_metrics):
-    folder = run_folder(tmp_path / "a", errors=[1])
+    folder = run_folder(tmp_path / "a", episodes=7, errors=[1])
     rows = [dict(row) for row in read_runs([folder])[0].rows]
     write_summary(rows, pack_metrics, tmp_path / "summary.csv")
     with (tmp_path / "summary.csv").open() as file:
         lines = list(csv.DictReader(file))
     success = next(line for line in lines if line["metric"] == "success")
-    assert (success["n"], success["mean"], success["interval"], success["unit"]) == ("2", "1.0", "Wilson", "0/1")
+    assert (success["n"], success["mean"], success["interval"], success["unit"]) == ("6", repr(4 / 6), "Agresti-Coull", "0/1")
     assert {line["over"] for line in lines if line["metric"] == "path_length"} == {"all", "successful"}
     assert len(columns_of(pack_metrics)) == len({line["metric"] for line in lines})
 
@@ -254,7 +271,7 @@ def test_broken_provenance_is_named(run_folder, tmp_path):
 def test_missing_map_is_named(run_folder, tmp_path):
     folder = run_folder(tmp_path / "a")
     (folder / "worlds" / "hall.npz").unlink()
-    with pytest.raises(InputFileError, match=r"hall\.npz: no such file"):
+    with pytest.raises(InputFileError, match=r"hall\.npz: cannot be read"):
         report(folder)
 
 

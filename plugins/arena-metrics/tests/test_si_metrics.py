@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_metrics.motion import curvatures, resample_by_length, velocities_map
+from arena_metrics.motion import curvatures, resample_by_length, touched_spans, velocities_map
 
 GEOMETRY = ["path_length", "curvature_mean", "curvature_max", "curvature_min", "curvature_normalised", "angle_over_length", "roughness"]
 
@@ -124,6 +124,56 @@ def test_contacts_are_counted_timed_and_their_speed_is_the_greatest(si, record_o
     assert si["impact_speed"](record) == pytest.approx(0.7)
 
 
+def test_contacts_are_told_apart_by_what_was_touched_and_who_caused_them(si, record_of, straight_line):
+    record = record_of(straight_line(), **contacts(5, [True, True, False, True, False]), contact_kind=np.array([0, 1, 2, 2, 2], np.int8))
+    assert si["collisions_static"](record) == 2.0
+    assert si["collisions_people"](record) == 3.0
+    assert si["collisions_people_caused"](record) == 1.0
+    assert si["collisions"](record) == si["collisions_static"](record) + si["collisions_people"](record)
+
+
+def test_share_of_time_in_reverse_is_that_of_the_backward_twist(si, record_of, straight_line):
+    """10 s, of which rows 3.0 .. 5.0 s go back: 2.0 s and half a step at either end."""
+    pose = straight_line(length=5.0, speed=0.5)
+    vx = np.where((np.arange(101) >= 30) & (np.arange(101) <= 50), -0.1, 0.5)
+    record = record_of(pose, twist=np.stack((vx, 0 * vx, 0 * vx), axis=1))
+    assert si["reverse_share"](record) == pytest.approx(0.21)
+    assert si["reverse_share"](record_of(pose)) == 0.0
+    assert si["reverse_share"](record_of(pose, twist=np.tile([-0.01, 0.0, 0.3], (101, 1)))) == 0.0
+    assert math.isnan(si["reverse_share"](record_of(pose[:1])))
+
+
+def test_a_blow_counts_as_a_jerk_and_is_left_out_of_the_one_without_contact(si, record_of, straight_line):
+    """0.6 m/s, stopped at 2.0 s by a wall that is touched in the steps that end at 2.1 s and 2.2 s; the jerk is all in the blow."""
+    pose = straight_line(length=3.6, speed=0.6)
+    vx = np.where(np.arange(61) > 20, 0.0, 0.6)
+    seconds = np.zeros(61)
+    seconds[21:23] = 0.1
+    blow = record_of(pose, twist=np.stack((vx, 0 * vx, 0 * vx), axis=1), contact_time=seconds)
+    assert si["jerk"](blow) > 0.5
+    assert si["jerk_without_contact"](blow) == 0.0
+    untouched = record_of(pose, twist=blow["twist"])
+    assert si["jerk_without_contact"](untouched) == si["jerk"](untouched)
+
+
+def test_jerk_without_contact_is_undefined_where_the_robot_always_touches(si, record_of, straight_line):
+    pose = straight_line()
+    assert math.isnan(si["jerk_without_contact"](record_of(pose, contact_time=np.full(len(pose), 0.1))))
+
+
+@pytest.mark.parametrize(("step", "left_out"), [(1, 1), (20, 2), (21, 2), (22, 2), (60, 1)])
+def test_a_step_in_contact_takes_the_triples_that_share_time_with_it(si, record_of, straight_line, step, left_out):
+    """Triples of 0.2 s begin at 0.0, 0.2 .. 5.6 s; a speed of t^2 has a jerk of 2 m/s^3 in each, but for what the mark adds."""
+    rows = np.arange(61)
+    seconds = np.zeros(61)
+    seconds[step] = 0.05
+    record = record_of(np.zeros((61, 3)), twist=np.stack((0.01 * rows**2, 0 * rows, 0 * rows), axis=1), contact_time=seconds)
+    begins = 0.2 * np.arange(29)
+    shares = (begins < 0.1 * step - 1e-9) & (begins + 0.4 > 0.1 * (step - 1) + 1e-9)
+    assert np.count_nonzero(touched_spans(record, begins, begins + 0.4)) == np.count_nonzero(shares) == left_out
+    assert si["jerk_without_contact"](record) == pytest.approx(2.0)
+
+
 def test_impact_speed_is_undefined_without_contact(si, record_of, straight_line):
     assert math.isnan(si["impact_speed"](record_of(straight_line())))
 
@@ -208,8 +258,19 @@ def test_planning_time_is_in_milliseconds_and_undefined_without_timing(si, recor
     assert math.isnan(si["planning_cpu_p99"](record))
     record.timing["planner_cpu_seconds"] = np.linspace(0.0, 0.1, 101)
     assert si["planning_cpu_p99"](record) == pytest.approx(99.0)
+    assert si["planning_cpu_mean"](record) == pytest.approx(50.0)
     record.timing.clear()
     assert math.isnan(si["planning_time_mean"](record))
+
+
+def test_times_of_local_map_and_tracker_stand_apart_and_are_undefined_in_older_records(si, record_of, straight_line):
+    record = record_of(straight_line())
+    parts = {"local_map": 0.004, "local_map_cpu": 0.008, "tracker": 0.001, "tracker_cpu": 0.002, "navigator": 0.01, "navigator_cpu": 0.03}
+    assert all(math.isnan(si[name](record)) for name in si if name.startswith(("planning_local", "planning_tracker", "planning_navigator")))
+    record.timing.update({f"{part}_seconds": np.array([0.0, 2.0 * seconds]) for part, seconds in parts.items()})
+    names = ("planning_local_map_time", "planning_local_map_cpu", "planning_tracker_time", "planning_tracker_cpu")
+    assert [si[name](record) for name in names] == pytest.approx([4.0, 8.0, 1.0, 2.0])
+    assert (si["planning_navigator_time"](record), si["planning_navigator_cpu"](record)) == pytest.approx((10.0, 30.0))
 
 
 def test_localization_error_is_the_mean_over_steps_with_an_estimate(si, record_of, straight_line):

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from importlib.resources import files
+from functools import cache
 from typing import Any
 
 import numpy as np
 import pytest
-import yaml
 
-from arena_core import Costmap, EpisodeStart, Observation, Pose, Robot, Tracks
+from arena_core import NAVIGATOR_KEYS, Costmap, EpisodeStart, Observation, Pose, Robot, Tracks, compose, plain
 from arena_core.testing import boxes_costmap, component, tracked, view
 from arena_mpc.parameters import Grid, Limits, Obstacles, SolverSettings, Weights
 from arena_mpc.planner import MpcPlanner
@@ -19,14 +18,15 @@ ROBOTS: dict[str, Robot] = {name: component("robot", name) for name in ("turtleb
 GROUPS = {"limits": Limits, "grid": Grid, "weights": Weights, "obstacles": Obstacles, "solver": SolverSettings}
 
 
+@cache
+def preset_node(preset: str, robot: str) -> dict[str, Any]:
+    """Return a preset with its tuning for a robot, as ``arena run`` composes it."""
+    return plain(compose([f"planner={preset}", f"robot={robot}"], "component")["planner"])
+
+
 def preset_values(preset: str, robot: str) -> dict[str, Any]:
-    """Read a preset and its tuning for a robot, as Hydra merges them."""
-    folder = files("arena_mpc.conf") / "planner"
-    values = yaml.safe_load((folder / f"{preset}.yaml").read_text())
-    tuning = folder / ("mpc_as_released_tuning" if preset == "mpc_as_released" else "mpc_tuning") / f"{robot}.yaml"
-    if tuning.is_file():
-        values = merged(values, yaml.safe_load(tuning.read_text()))
-    return {key: value for key, value in values.items() if key not in ("defaults", "name", "control_period", "replan", "recoveries")}
+    """Return what of a preset the planner is told."""
+    return {key: value for key, value in preset_node(preset, robot).items() if key not in ("name", *NAVIGATOR_KEYS)}
 
 
 def merged(values: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:
@@ -81,6 +81,5 @@ def observe() -> Callable[..., Observation]:
 
 @pytest.fixture(scope="session")
 def released() -> dict[str, Any]:
-    """Give the released preset as its file has it, and what of it the planner is told."""
-    whole = yaml.safe_load((files("arena_mpc.conf") / "planner" / "mpc_as_released.yaml").read_text())
-    return {**whole, "planner": preset_values("mpc_as_released", "jackal")}
+    """Give the released preset, and what of it the planner is told."""
+    return {**preset_node("mpc_as_released", "jackal"), "planner": preset_values("mpc_as_released", "jackal")}

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from arena_core import NO_TRACKS, Footprint
 from arena_core.testing import tracked
 from arena_kernels.distance import distance_field
-from arena_kernels.window import Window
+from arena_kernels.window import Window, footprint_outline
 from arena_mpc.corridor import FREE, boundary_cells, half_planes
 from arena_mpc.detours import detours
-from arena_mpc.footprint import Discs, exact_outline, free_until
+from arena_mpc.footprint import Discs, free_until
 from arena_mpc.guess import drive_along, shifted
 from arena_mpc.interior_point import available, compiled_problem
 from arena_mpc.moving import FAR, first_hit, relevant_movers
@@ -164,8 +164,8 @@ def test_plan_is_checked_between_its_stages():
     lethal = np.zeros((120, 120), np.bool_)
     lethal[:, 80] = True
     poses = np.array(((0.0, 0.0, 0.0), (2.0, 0.0, 0.0)))
-    assert free_until(_window(lethal), exact_outline(Footprint.circle(0.1)), poses, 0.0) == pytest.approx(0.45, abs=0.04)
-    assert free_until(_window(np.zeros((120, 120), np.bool_)), exact_outline(Footprint.circle(0.1)), poses, 0.0) == 1.0
+    assert free_until(_window(lethal), footprint_outline(Footprint.circle(0.1)), poses, 0.0) == pytest.approx(0.45, abs=0.04)
+    assert free_until(_window(np.zeros((120, 120), np.bool_)), footprint_outline(Footprint.circle(0.1)), poses, 0.0) == 1.0
 
 
 @pytest.mark.parametrize(("step", "stages"), [(0.3, 25), (0.2, 20), (0.1, 15)])

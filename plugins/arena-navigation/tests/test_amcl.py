@@ -1,3 +1,4 @@
+import json
 import math
 from dataclasses import replace
 from itertools import pairwise
@@ -20,11 +21,11 @@ from arena_core import (
     VelocityLimits,
     generator,
 )
-from arena_core.configuration import compose, plain
-from arena_core.registry import load_registry
+from arena_core.config.configuration import compose, plain
+from arena_core.config.registry import load_registry
 from arena_kernels.grids import stack_grids
 from arena_kernels.raycast import make_beams, scan_grids
-from arena_navigation.amcl import AmclLocalizer
+from arena_navigation.amcl.localizer import AmclLocalizer
 
 LIDAR = Lidar(180, -2.0, 0.022, 0.1, 8.0, 0.1, 0.01, Pose(0.1, 0.0, 0.05))
 ROBOT = Robot(
@@ -36,7 +37,7 @@ ROBOT = Robot(
     OdometryModel(0.02, 0.1, 0.01, 0.01, 0.001),
     0.1,
 )
-EXACT = {"initial_cov_xx": 0.0, "initial_cov_yy": 0.0, "initial_cov_aa": 0.0}
+EXACT = {"initial.cov_xx": 0.0, "initial.cov_yy": 0.0, "initial.cov_aa": 0.0}
 ANYWHERE = Pose(-3.0, 5.0, 0.8)
 LEFT, RIGHT = Pose(1.2, 1.7, -1.2), Pose(4.3, 2.9, -1.2)  # in the room
 
@@ -56,8 +57,10 @@ def corridor(origin):
     return OccupancyGrid(data, 0.05, origin)
 
 
-def localizer(preset="amcl", robot=ROBOT, **changed):
-    node = {**plain(compose([f"localizer={preset}"]))["localizer"], **changed}
+def localizer(preset="amcl", robot=ROBOT, changed=()):
+    """Return a localiser with changed values, by their place in its YAML."""
+    words = [f"localizer.{key}={json.dumps(value)}" for key, value in dict(changed).items()]
+    node = plain(compose([f"localizer={preset}", *words]))["localizer"]
     return load_registry().build("localizer", node, robot=robot)
 
 
@@ -113,10 +116,10 @@ def test_drifting_odometry_is_corrected(preset, turn):
 
 
 MODELS = [
-    {"laser_model_type": "beam"},
-    {"laser_model_type": "likelihood_field"},
-    {"laser_model_type": "likelihood_field_prob"},
-    {"laser_model_type": "likelihood_field_prob", "do_beamskip": True},
+    {"laser.model_type": "beam"},
+    {"laser.model_type": "likelihood_field"},
+    {"laser.model_type": "likelihood_field_prob"},
+    {"laser.model_type": "likelihood_field_prob", "beam_skip.enabled": True},
 ]
 
 
@@ -125,7 +128,7 @@ MODELS = [
 def test_every_sensor_model_corrects_odometry_and_does_so_again(preset, drift, model):
     grid = room()
     poses, measured = round_trip(grid, drift=drift)
-    chosen = localizer(preset, **model)
+    chosen = localizer(preset, changed=model)
     estimates = run(chosen, grid, poses[0], measured)
     assert errors(estimates, poses)[20:].mean() < 0.1
     again = run(chosen, grid, poses[0], measured)
@@ -133,8 +136,8 @@ def test_every_sensor_model_corrects_odometry_and_does_so_again(preset, drift, m
 
 
 def test_beam_skipping_with_another_model_is_refused():
-    with pytest.raises(ConfigurationError, match="do_beamskip is true with beam; allowed: laser_model_type likelihood_field_prob"):
-        localizer(laser_model_type="beam", do_beamskip=True)
+    with pytest.raises(ConfigurationError, match=r"beam_skip\.enabled is true with beam; allowed: laser\.model_type likelihood_field_prob"):
+        localizer(changed={"laser.model_type": "beam", "beam_skip.enabled": True})
 
 
 def test_as_ros_corrects_the_pose_only_where_it_resamples():
@@ -161,14 +164,14 @@ def test_an_unknown_world_is_refused():
 
 
 def test_more_particles_at_least_than_at_most_are_refused():
-    with pytest.raises(ConfigurationError, match=r"min_particles is 600; allowed: at most max_particles 500"):
-        localizer(min_particles=600, max_particles=500)
+    with pytest.raises(ConfigurationError, match=r"particles\.min is 600; allowed: at most max 500"):
+        localizer(changed={"particles.min": 600, "particles.max": 500})
 
 
 def test_estimate_moves_with_odometry_between_filter_updates():
     grid = room()
     poses, measured = round_trip(grid, steps=40)
-    estimates = run(localizer(update_min_d=0.5, update_min_a=1.0), grid, poses[0], measured)
+    estimates = run(localizer(changed={"update.min_d": 0.5, "update.min_a": 1.0}), grid, poses[0], measured)
     held = 0
     for (a, b), (first, second) in zip(pairwise(estimates), pairwise(measured), strict=True):
         if np.array_equal(a.covariance, b.covariance):  # no filter update in between
@@ -216,7 +219,7 @@ def test_a_scan_is_matched_at_its_own_stamp():
 def test_odometry_older_than_the_step_is_carried_on_by_its_twist():
     grid = room()
     true = grid.origin.compose(Pose(1.0, 1.0, 0.3))
-    chosen = localizer(update_min_d=9.0, update_min_a=9.0)
+    chosen = localizer(changed={"update.min_d": 9.0, "update.min_a": 9.0})
     first = sensors(grid, 0.0, true, Pose(0.0, 0.0))
     late = sensors(grid, 0.0, true, Pose(0.0, 0.0), Twist(1.0, 0.0, 0.0))
     later = replace(late, stamp=0.12, odometry=replace(late.odometry, stamp=0.1, pose=Pose(0.1, 0.0)))
@@ -240,14 +243,14 @@ def test_nothing_depends_on_where_the_map_frame_lies(origin):
     here, there = room(), room(origin)
     poses, measured = round_trip(here, steps=40)
     moved = [origin.compose(here.origin.relative(pose)) for pose in poses]
-    chosen = localizer(**EXACT)
+    chosen = localizer(changed=EXACT)
     estimates, others = run(chosen, here, poses[0], measured), run(chosen, there, moved[0], measured)
     for a, b in zip(estimates, others, strict=True):
         assert_same_pose(here.origin.relative(a.pose), origin.relative(b.pose), abs=0.005)
 
 
 def test_the_start_is_as_uncertain_as_configured_along_the_map_axes():
-    chosen = localizer(initial_cov_xx=0.09, initial_cov_yy=0.01, initial_cov_aa=0.04)
+    chosen = localizer(changed={"initial.cov_xx": 0.09, "initial.cov_yy": 0.01, "initial.cov_aa": 0.04})
     chosen.reset(room(), Pose(1.0, 6.0, 0.4), generator(0, "room", "localizer"))
     particles = chosen.particles
     assert particles.shape == (5000, 3)
@@ -267,7 +270,7 @@ def test_in_a_corridor_the_estimate_is_unsure_along_it_and_sure_across():
 
 def test_an_unsure_pose_keeps_more_particles():
     def kept(grid, poses, measured):
-        chosen = localizer(min_particles=50, initial_cov_xx=1.0, initial_cov_yy=1.0)
+        chosen = localizer(changed={"particles.min": 50, "initial.cov_xx": 1.0, "initial.cov_yy": 1.0})
         run(chosen, grid, poses[0], measured)
         return len(chosen.particles)
 
@@ -281,10 +284,10 @@ def test_a_kidnapped_robot_finds_itself_again_with_recovery_alone():
     grid = room()
     _, before = round_trip(grid, steps=60)
     poses, after = round_trip(grid, steps=300, start=RIGHT, begin=60)
-    given = {"short_beam_distance": None, "min_particles": 2000}
-    start, recovery = grid.origin.compose(LEFT), {"recovery_alpha_slow": 0.001, "recovery_alpha_fast": 0.2}
-    lost = run(localizer(**given), grid, start, before + after)[60:]
-    found = run(localizer(**given, **recovery), grid, start, before + after)[60:]
+    given = {"laser.short_beam_distance": None, "particles.min": 2000}
+    start, recovery = grid.origin.compose(LEFT), {"recovery.alpha_slow": 0.001, "recovery.alpha_fast": 0.2}
+    lost = run(localizer(changed=given), grid, start, before + after)[60:]
+    found = run(localizer(changed={**given, **recovery}), grid, start, before + after)[60:]
     assert errors(lost, poses)[-50:].min() > 1.0
     assert errors(found, poses)[-50:].max() < 0.2
 
@@ -305,7 +308,7 @@ def test_a_scan_without_hits_changes_nothing_but_what_odometry_says():
     measured = [sensors(grid, 0.1 * k, true, Pose(0.1 * k, 0.0)) for k in range(10)]
     for each in measured:
         each.scan.ranges[:] = np.inf
-    last = run(localizer(**EXACT), grid, true, measured)[-1]
+    last = run(localizer(changed=EXACT), grid, true, measured)[-1]
     assert_same_pose(last.pose, true.compose(Pose(0.9, 0.0)), abs=0.05)
     assert np.isfinite(last.covariance).all()
 

@@ -3,9 +3,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_navigation.amcl_clusters import best_cluster, label_clusters
-from arena_navigation.amcl_filter import cloud
-from arena_navigation.amcl_histogram import add, bin_key, clear, find, histogram
+from arena_navigation.amcl.clusters import best_cluster, label_clusters
+from arena_navigation.amcl.filter import cloud
+from arena_navigation.amcl.histogram import add, bin_key, clear, find, histogram
 
 poses_list = st.lists(st.tuples(st.floats(-3, 3), st.floats(-3, 3), st.floats(-3.14159, 3.14159)), min_size=1, max_size=60)
 

@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arena_core import Pose
-from arena_navigation.amcl_directions import wrapped, write_directions
-from arena_navigation.amcl_motion import Alphas, motion, move
+from arena_navigation.amcl.directions import wrapped, write_directions
+from arena_navigation.amcl.motion import Alphas, motion, move
 
 ALPHAS = Alphas(0.1, 0.02, 0.03, 0.004, 0.05)
 EXACT = Alphas(0.0, 0.0, 0.0, 0.0, 0.0)

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from arena_core import LaserScan, OccupancyGrid, Pose
 from arena_kernels.grids import stack_grids
 from arena_kernels.raycast import make_beams, scan_grids
-from arena_navigation.amcl_beams import measured_ranges
-from arena_navigation.amcl_laser import own_frame
-from arena_navigation.amcl_ranges import Mixture, View, match_ranges, range_likelihood
+from arena_navigation.amcl.beams import measured_ranges
+from arena_navigation.amcl.laser import own_frame
+from arena_navigation.amcl.ranges import Mixture, View, match_ranges, range_likelihood
 
 ROS = Mixture(0.95, 0.1, 0.05, 0.05, 0.2, 0.1)
 BOOK = Mixture(0.6, 0.2, 0.1, 0.1, 0.1, 2.0)

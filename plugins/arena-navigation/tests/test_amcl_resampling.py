@@ -5,8 +5,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import chi2, norm
 
-from arena_navigation.amcl_histogram import bin_key, histogram
-from arena_navigation.amcl_resampling import (
+from arena_navigation.amcl.histogram import bin_key, histogram
+from arena_navigation.amcl.resampling import (
     FreeSpace,
     Limits,
     _holder,

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from arena_core import LaserScan, OccupancyGrid, Pose
 from arena_kernels.distance import grid_distance
 from arena_kernels.grids import stack_grids
-from arena_navigation.amcl_beams import beam_ends, predicted, thinned
-from arena_navigation.amcl_sensor import Distances, LikelihoodField, match, reweigh, shell_distance, surface_distance
+from arena_navigation.amcl.beams import beam_ends, predicted, thinned
+from arena_navigation.amcl.sensor import Distances, LikelihoodField, match, reweigh, shell_distance, surface_distance
 
 SURFACE, CELLS = Distances(True, True), Distances(False, False)
 PROB = LikelihoodField(True, 0.8, 0.2, 0.1, 2.0, SURFACE, 0.5, 10.0)

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from arena_core import OccupancyGrid, Pose
-from arena_navigation.amcl_laser import KEEP_ALL
-from arena_navigation.amcl_sensor import Distances, LikelihoodField, match
-from arena_navigation.amcl_skipping import NearMap, Skipping, converged, skip_beams
+from arena_navigation.amcl.laser import KEEP_ALL
+from arena_navigation.amcl.sensor import Distances, LikelihoodField, match
+from arena_navigation.amcl.skipping import NearMap, Skipping, converged, skip_beams
 
 CELLS = Distances(False, True)
 MODEL = LikelihoodField(True, 0.95, 0.05, 0.2, 2.0, CELLS, 1.0, 10.0)

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from arena_core import INSCRIBED, LETHAL, ConfigurationError, Footprint, NoPath, OccupancyGrid, Path, Pose
 from arena_core.testing import component, robot, room
-from arena_navigation.astar import AstarPlanner
-from arena_navigation.inflation import InflatedCosts, Inflation
+from arena_navigation.planning.astar import AstarPlanner
+from arena_navigation.planning.inflation import InflatedCosts, Inflation
 
 BODY = robot()
 RADIUS = BODY.footprint.inscribed_radius

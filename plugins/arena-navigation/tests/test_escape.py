@@ -1,7 +1,7 @@
 import numpy as np
 
 from arena_core import INSCRIBED, LETHAL
-from arena_navigation.escape import free_cells_near, ways_out
+from arena_navigation.planning.escape import free_cells_near, ways_out
 
 
 def test_a_free_start_is_its_own_way_out() -> None:

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arena_core import INSCRIBED, LETHAL, ConfigurationError, OccupancyGrid, Pose
-from arena_navigation.inflation import NO_INFORMATION, InflatedCosts, Inflation
+from arena_navigation.planning.inflation import NO_INFORMATION, InflatedCosts, Inflation
 
 RESOLUTION = 0.05
 

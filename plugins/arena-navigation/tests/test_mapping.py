@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from arena_core import INSCRIBED, LaserScan, OccupancyGrid, Pose
 from arena_core.testing import component, robot, room, scan
-from arena_navigation.rolling import RollingMap
+from arena_navigation.local_map.rolling import RollingMap
 
 BODY = robot()
 GOAL = Pose(0.0, 0.0)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from arena_core import LaserScan, Pose
-from arena_navigation.marks import NEVER, Beams, Reach, take_in
+from arena_navigation.local_map.marks import NEVER, Beams, Reach, take_in
 
 RESOLUTION = 0.05
 SIZE = 60

@@ -3,7 +3,7 @@ import math
 import pytest
 
 from arena_core import Odometry, Pose, Twist
-from arena_navigation.odometry_history import KEPT, OdometryHistory
+from arena_navigation.amcl.odometry_history import KEPT, OdometryHistory
 
 
 def history(*messages):

@@ -10,9 +10,9 @@ from scipy.ndimage import distance_transform_edt
 
 from arena_core import LETHAL, Costmap, LaserScan, OccupancyGrid, Pose
 from arena_core.testing import component, robot, room, scan
-from arena_navigation.evidence import Evidence
-from arena_navigation.inflation import Inflation
-from arena_navigation.rolling import RollingMap
+from arena_navigation.local_map.evidence import Evidence
+from arena_navigation.local_map.rolling import RollingMap
+from arena_navigation.planning.inflation import Inflation
 
 BODY = robot()
 RADIUS = BODY.footprint.inscribed_radius

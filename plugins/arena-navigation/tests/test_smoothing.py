@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from arena_core import INSCRIBED, LETHAL
-from arena_navigation.search import CostToGo, MoveCosts
-from arena_navigation.smoothing import line_cost, refine
+from arena_navigation.planning.search import CostToGo, MoveCosts
+from arena_navigation.planning.smoothing import line_cost, refine
 
 WEIGHTS = 50.0 + 0.8 * np.arange(256.0)
 Costs = NDArray[np.uint8]

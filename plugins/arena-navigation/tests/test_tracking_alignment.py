@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 from arena_core import Pose
 from arena_core.testing import component, robot, room
 from arena_core.testing import scan as room_scan
-from arena_navigation.marks import Beams
-from arena_navigation.tracking_alignment import Alignment, carry, slip
-from arena_navigation.tracking_returns import KnownPlane, PastScans
+from arena_navigation.local_map.marks import Beams
+from arena_navigation.tracking.alignment import Alignment, carry, slip
+from arena_navigation.tracking.returns import KnownPlane, PastScans
 
 LOOSE = Alignment(1.0, 1.0, 0.01, 0.2, 0.05, 180)
 NOBODY = np.empty((0, 3))

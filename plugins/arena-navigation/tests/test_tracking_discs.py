@@ -6,11 +6,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arena_core import OccupancyGrid, Pose
-from arena_navigation.marks import Beams
-from arena_navigation.tracking_clusters import Cut
-from arena_navigation.tracking_discs import PoseDoubt, Rules, Scratch, Shape, find_discs
-from arena_navigation.tracking_legs import Legs
-from arena_navigation.tracking_returns import Doubt, KnownPlane, PastScans
+from arena_navigation.local_map.marks import Beams
+from arena_navigation.tracking.clusters import Cut
+from arena_navigation.tracking.discs import PoseDoubt, Rules, Scratch, Shape, find_discs
+from arena_navigation.tracking.legs import Legs
+from arena_navigation.tracking.returns import Doubt, KnownPlane, PastScans
 
 SHAPE = Shape(0.3, 0.1, 0.1, 0.6, 0.01, 0.05)
 RULES = Rules(8.0, 0.2, Doubt(0.1, 0.1, 0.02, 0.05, 0.6), Cut(0.15, 2.0, 0.08, 3), SHAPE, PoseDoubt(0.0, 0.0), Legs(0.35, 0.0))

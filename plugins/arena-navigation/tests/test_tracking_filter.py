@@ -4,8 +4,8 @@ from filterpy.kalman import KalmanFilter
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_navigation.tracking_discs import Discs
-from arena_navigation.tracking_filter import POSITION, VELOCITY, correct, correct_radii, place_by_radii, predict
+from arena_navigation.tracking.discs import Discs
+from arena_navigation.tracking.filter import POSITION, VELOCITY, correct, correct_radii, place_by_radii, predict
 
 DENSITY = 0.7
 

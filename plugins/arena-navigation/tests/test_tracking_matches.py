@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_navigation.tracking_matches import matched
+from arena_navigation.tracking.matches import matched
 
 
 def scene(seed, tracks, discs):

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from arena_core import OFF_PATH, WAYPOINT_FOUND, WAYPOINT_TIMEOUT, ConfigurationError, Path, PathBatch, WaypointGenerator, Waypoints
 from arena_core.testing import component
-from arena_navigation.waypoints import SpatialHorizon, Subsample
+from arena_navigation.planning.waypoints import SpatialHorizon, Subsample
 
 Generator = TypeVar("Generator", bound=WaypointGenerator)
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from arena_core import load_registry, testing
-from arena_core.cli import main
+from arena_core.cli.main import main
 from arena_gym.building import compose_environment
 from arena_policies.encoding import columns
 from arena_policies.policy import load_policy

@@ -8,7 +8,7 @@ import shutil
 import pytest
 
 from arena_core import ArenaError, testing
-from arena_core.cli import main
+from arena_core.cli.main import main
 from arena_policies.policy import load_policy
 
 
@@ -113,13 +113,13 @@ def test_policy_without_memory_is_no_policy_of_the_planner_with_one(made):
         (["record", "device=abacus"], "device"),
         (["record", "resume=perhaps"], "resume"),
         (["all", "resume"], "resume"),
-        (["evidence"], "allowed: policy=, out="),
-        (["evidence", "policy"], "allowed: policy=, out="),
-        (["evidence", "policy="], "allowed: policy=, out="),
-        (["evidence", "out=none", "episodes=many"], "episodes is many"),
-        (["evidence", "out=none", "episodes=0"], "episodes is 0; allowed: a whole number from 2 on"),
-        (["evidence", "out=none", "seed=-1"], "seed is -1"),
-        (["evidence", "policy=none.onnx"], "none.json: no such file"),
+        (["evidence"], "policy and out are missing; allowed: arena navrep evidence"),
+        (["evidence", "policy"], "arguments are policy; allowed: arena navrep evidence"),
+        (["evidence", "policy="], "policy is empty; allowed: arena navrep evidence"),
+        (["evidence", "out=none", "episodes=many"], "episodes is 'many'; allowed: a whole number"),
+        (["evidence", "out=none", "episodes=0"], "episodes is 0; allowed: >= 2"),
+        (["evidence", "out=none", "seed=-1"], "seed is -1; allowed: >= 0"),
+        (["evidence", "policy=none.onnx"], "none.json: cannot be read"),
         (["evidence", "out=none"], "vision"),
     ],
 )

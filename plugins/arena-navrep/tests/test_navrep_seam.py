@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from arena_core import ConfigurationError, ObservationBatch, Pose, Twist, compose, load_registry, plain, testing
-from arena_core.benchmark import build_benchmark
-from arena_core.execution import _mission
+from arena_core.loop.execution import mission_of
+from arena_core.runs.benchmark import build_benchmark
 from arena_gym.environment import NavigationEnv
 from arena_gym.vector_environment import NavigationVectorEnv
 from arena_navrep.world_model import load_part
@@ -101,7 +102,7 @@ def test_controller_recalls_on_the_robot_what_it_recalled_in_training(made):
     navigator, simulator, policy = benchmark.navigator, benchmark.simulator, benchmark.navigator.planner._policy
     for _ in range(2):  # the second time with another episode in its past
         snapshot, recalled = simulator.reset([problem.scenario]), []
-        navigator.reset(_mission(problem.scenario))
+        navigator.reset(mission_of(problem.scenario))
         for _ in range(30):
             command = navigator.command(snapshot.sensors(0))
             recalled.append(policy._recalled[0].copy())
@@ -135,7 +136,7 @@ def test_observation_that_is_no_number_leaves_the_memory_as_it_was(made):
     policy.command(view, Twist(0.0))
     before = policy._recalled.copy()
     blind = testing.observation(body=made.robot)
-    blind.scan.ranges[:] = np.nan
+    blind = replace(blind, scan=replace(blind.scan, ranges=np.full_like(blind.scan.ranges, np.nan)))
     with pytest.raises(Exception, match="not finite"):
         policy.command(blind, Twist(0.0))
     assert (policy._recalled == before).all()

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from arena_core import ConfigurationError, testing
-from arena_core.cli import main
+from arena_core.cli.main import main
 from arena_gym.building import compose_environment
 from arena_navrep.prediction import Sequences, prediction_errors
 from arena_navrep.rollouts import Rollouts, read_rollouts, write_rollouts
@@ -225,7 +225,7 @@ def test_rollouts_are_read_as_they_were_written(tmp_path):
     assert read.scans == pytest.approx(np.concatenate([one.scans for one in written], axis=1), abs=1e-3)
     assert (read.begins == np.concatenate([one.begins for one in written], axis=1)).all()
     (tmp_path / "rollouts" / "test_01.npz").write_bytes(b"PK")
-    with pytest.raises(Exception, match=r"test_01\.npz: holds no roll-outs"):
+    with pytest.raises(Exception, match=r"test_01\.npz: damaged"):
         read_rollouts(tmp_path, "test", 2)
 
 

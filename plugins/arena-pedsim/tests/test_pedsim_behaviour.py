@@ -6,9 +6,12 @@ import numpy as np
 import pytest
 
 from arena_core import ConfigurationError
-from arena_pedsim.behaviour import KEYS, check_behaviour
+from arena_pedsim.states.behaviour import KEYS, check_behaviour
 
-SCENARIOS = Path(__file__).parents[4] / "shared" / "data" / "scenarios"
+TOP = Path(__file__).parents[3]
+SCENARIOS = [
+    path for data in (TOP / "tests" / "data", TOP.parent / "shared" / "data") for path in sorted((data / "scenarios").rglob("*.json"))
+]
 NOT_BEHAVIOUR = {"name", "id", "pos", "yaml_file", "number_of_peds", "vmax", "waypoints"}
 
 
@@ -39,10 +42,7 @@ def test_a_queue_at_a_waypoint_that_is_not_there_is_named(stage, make_model):
 
 
 def test_all_keys_of_released_scenarios_are_known(stage):
-    files = sorted(SCENARIOS.rglob("*.json"))
-    if not files:
-        pytest.skip(f"no scenarios in {SCENARIOS}")
-    agents = [agent for file in files for agent in json.loads(file.read_text()).get("pedsim_agents", [])]
+    agents = [agent for file in SCENARIOS for agent in json.loads(file.read_text()).get("pedsim_agents", [])]
     assert agents
     for agent in agents:
         check_behaviour(stage.person(0, (0, 0), **{key: value for key, value in agent.items() if key not in NOT_BEHAVIOUR}))

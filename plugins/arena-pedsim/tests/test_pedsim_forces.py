@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from arena_pedsim.forces import sight_weight, social_force, wall_force
+from arena_pedsim.forces.forces import sight_weight, social_force, wall_force
 
 near = st.floats(-4.0, 4.0)
 pace = st.floats(-1.5, 1.5)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from arena_pedsim.state_table import state_names
+from arena_pedsim.states.state_table import state_names
 
 NAMES = state_names()
 STEP = 0.05  # s

@@ -3,7 +3,7 @@ import pytest
 
 from arena_core import ConfigurationError, Crowd, ImpossibleScenario
 from arena_core.testing import check, robot
-from arena_pedsim.states import STANDING, WALKING
+from arena_pedsim.state_ids import STANDING, WALKING
 
 
 def test_the_contract_of_pedestrian_models_holds(make_model):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from arena_core import ConfigurationError
-from arena_pedsim.states import APPROACHING_ROBOT, BLOCKING_ROBOT, SHYING_FROM_ROBOT, WALKING
+from arena_pedsim.state_ids import APPROACHING_ROBOT, BLOCKING_ROBOT, SHYING_FROM_ROBOT, WALKING
 
 HERE = (6.0, 4.0)  # where the robot stands
 KINDS = ["curious", "scared", "threatening"]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from arena_core import Scenario
-from arena_pedsim.state_table import NEEDS, state_names, state_table
+from arena_pedsim.states.state_table import NEEDS, state_names, state_table
 
 NAMES = state_names()
 REACTIONS = {"approaching_robot", "shying_from_robot", "blocking_robot"}  # begin and end elsewhere

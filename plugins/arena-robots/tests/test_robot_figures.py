@@ -10,8 +10,8 @@ import pytest
 import yaml
 
 from arena_core import Lidar, OdometryModel, Pose, Robot, VelocityLimits, make_robot
-from arena_core.hookspecs import Factory
-from arena_core.robot import FootprintShape
+from arena_core.contracts.hookspecs import Factory
+from arena_core.values.robot import FootprintShape
 from arena_robots import ROBOTS, config_package, register_robots
 
 CONF = files("arena_robots.conf") / "robot"

@@ -7,7 +7,7 @@ from importlib import resources
 import pytest
 
 from arena_core import ConfigurationError, testing
-from arena_core.cli import main
+from arena_core.cli.main import main
 
 ROBOTS = ("turtlebot3", "jackal", "robotino")
 POLICIES = resources.files("arena_rosnav") / "policies"

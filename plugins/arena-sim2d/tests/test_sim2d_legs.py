@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from arena_core import OccupancyGrid, PedestrianSpec, Pose, Scenario, Simulator, Snapshot, World
-from arena_core.configuration import compose, plain
-from arena_core.registry import load_registry
+from arena_core.config.configuration import compose, plain
+from arena_core.config.registry import load_registry
 
 HALL = np.zeros((160, 160), np.int8)
 HALL[:2] = HALL[-2:] = HALL[:, :2] = HALL[:, -2:] = 100

@@ -8,11 +8,11 @@ import pytest
 
 from arena_core import InputFileError, Pose
 from arena_core.testing import component
-from arena_tasks.arena_tools import STANDS
-from arena_tasks.flatland_model import SOLID
-from arena_tasks.problem import PersonDefaults, Problem, noted
-from arena_tasks.published_models import published_models
-from arena_tasks.scenario_file import read_scenarios
+from arena_tasks.scenario_files.arena_tools import STANDS
+from arena_tasks.scenario_files.flatland_model import SOLID
+from arena_tasks.scenario_files.problem import PersonDefaults, Problem, noted
+from arena_tasks.scenario_files.published_models import published_models
+from arena_tasks.scenario_files.scenario_file import read_scenarios
 
 DEFAULTS = PersonDefaults(0.5, 0.3)
 PERSON: dict[str, Any] = {

@@ -9,13 +9,14 @@ import pytest
 
 from arena_core import InputFileError, Pose, WorldSource
 from arena_core.testing import component
-from arena_tasks.arena_tools import STANDS
-from arena_tasks.flatland_model import NOWHERE, SENSOR, SOLID
-from arena_tasks.problem import PersonDefaults
-from arena_tasks.scenario_file import read_scenarios, save_scenarios
-from arena_tasks.scenario_task import ScenarioTask
+from arena_tasks.scenario_files.arena_tools import STANDS
+from arena_tasks.scenario_files.flatland_model import NOWHERE, SENSOR, SOLID
+from arena_tasks.scenario_files.problem import PersonDefaults
+from arena_tasks.scenario_files.scenario_file import read_scenarios, save_scenarios
+from arena_tasks.scenario_files.scenario_task import ScenarioTask
 
 DATA = Path(__file__).parents[3].parent / "shared" / "data"
+DRAWN = Path(__file__).parents[3] / "tests" / "data"
 needs_data = pytest.mark.skipif(not DATA.is_dir(), reason="the collection of public maps and scenarios is not at ../shared/data")
 DEFAULTS = PersonDefaults(0.5, 0.3)
 AGENT: dict[str, Any] = {
@@ -39,7 +40,12 @@ GOOD: dict[str, Any] = {
     "map_path": "/somewhere/map.yaml",
     "format": "arena-tools",
 }
-REAL = [("small_warehouse_obs05", "small_warehouse/map.yaml", 5), ("map5_obs05", "map5/map.yaml", 5)]
+SITES = [
+    pytest.param(DRAWN, "hall_obs03", "hall/map.yaml", 3, id="drawn"),
+    pytest.param(DATA, "small_warehouse_obs05", "arena_bench/small_warehouse/map.yaml", 5, id="small_warehouse", marks=needs_data),
+    pytest.param(DATA, "map5_obs05", "arena_bench/map5/map.yaml", 5, id="map5", marks=needs_data),
+]
+site = pytest.mark.parametrize(("data", "name", "map_name", "count"), SITES)
 
 
 def write(folder: Path, content: object) -> Path:
@@ -172,45 +178,50 @@ def test_what_cannot_be_kept_is_refused(tmp_path: Path, content: object, message
         read_scenarios(write(tmp_path, content), DEFAULTS)
 
 
-def world(name: str) -> WorldSource:
-    return component("world", "ros_map", [f"world.path={DATA / 'maps' / 'arena_bench' / name}"])  # type: ignore[no-any-return]
+def world(path: Path) -> WorldSource:
+    return component("world", "ros_map", [f"world.path={path}"])  # type: ignore[no-any-return]
 
 
-@needs_data
-@pytest.mark.parametrize(("name", "map_name", "count"), REAL)
-def test_published_scenario_lies_in_free_cells_of_its_map(name: str, map_name: str, count: int) -> None:
-    (problem,) = read_scenarios(DATA / "scenarios" / f"{name}.json", DEFAULTS)
+@site
+def test_published_scenario_lies_in_free_cells_of_its_map(data: Path, name: str, map_name: str, count: int) -> None:
+    (problem,) = read_scenarios(data / "scenarios" / f"{name}.json", DEFAULTS)
     assert len(problem.pedestrians) == count
-    grid = world(map_name).world(0, 0).grid
+    grid = world(data / "maps" / map_name).world(0, 0).grid
     ends = np.array([(problem.start.x, problem.start.y), (problem.goal.x, problem.goal.y)])
     places = np.vstack((ends, *(np.vstack((person.position_xy, person.waypoints_xy)) for person in problem.pedestrians)))
     assert len(places) >= 2 + 3 * count
     assert (grid.data[tuple(grid.cells(places).T)] == 0).all()
 
 
-@needs_data
 @pytest.mark.parametrize("robot", ["turtlebot3", "jackal", "robotino", "jackal_ackermann"])
-@pytest.mark.parametrize(("name", "map_name", "count"), REAL)
-def test_published_scenario_can_be_run_by_every_robot(name: str, map_name: str, count: int, robot: str) -> None:
+@site
+def test_published_scenario_can_be_run_by_every_robot(data: Path, name: str, map_name: str, count: int, robot: str) -> None:
     body = component("robot", robot)
-    task = ScenarioTask(body, world(map_name), str(DATA / "scenarios" / f"{name}.json"), 0.3, 0.3, 0.3, 180.0)
+    task = ScenarioTask(body, world(data / "maps" / map_name), str(data / "scenarios" / f"{name}.json"), 0.3, 0.3, 0.3, 180.0)
     assert len(task.scenario(0, 0).pedestrians) == count
 
 
-@needs_data
-def test_published_scenario_survives_our_own_format(tmp_path: Path) -> None:
-    source = DATA / "scenarios" / "small_warehouse_obs05.json"
-    task = ScenarioTask(component("robot", "jackal"), world("small_warehouse/map.yaml"), str(source), 0.3, 0.3, 0.3, 180.0)
+@site
+def test_published_scenario_survives_our_own_format(tmp_path: Path, data: Path, name: str, map_name: str, count: int) -> None:
+    source = data / "scenarios" / f"{name}.json"
+    task = ScenarioTask(component("robot", "jackal"), world(data / "maps" / map_name), str(source), 0.3, 0.3, 0.3, 180.0)
     scenario = task.scenario(0, 0)
     save_scenarios(tmp_path / "ours.json", [scenario])
     (again,) = read_scenarios(tmp_path / "ours.json", DEFAULTS)
-    assert (again.start, again.goal, again.time_limit) == (Pose(-3.71, 9.21), Pose(1.73, -9.57), 180.0)
+    ends = [Pose(*json.loads(source.read_text())[key]) for key in ("robot_position", "robot_goal")]
+    assert (again.start, again.goal, again.time_limit, len(again.pedestrians)) == (*ends, 180.0, count)
     assert [p.waypoints_xy.tolist() for p in again.pedestrians] == [p.waypoints_xy.tolist() for p in scenario.pedestrians]
     assert [p.behaviour for p in again.pedestrians] == [p.behaviour for p in scenario.pedestrians]
 
 
-@needs_data
-def test_example_of_arena_tools_is_read() -> None:
-    (problem,) = read_scenarios(DATA / "scenarios/arena_rosnav_configs/examples/example_scenario.json", DEFAULTS)
-    assert [p.max_speed for p in problem.pedestrians] == [1.0, 1.0]
+@pytest.mark.parametrize(
+    ("path", "count"),
+    [
+        pytest.param(DRAWN / "scenarios/hall_vehicles.json", 3, id="drawn"),
+        pytest.param(DATA / "scenarios/arena_rosnav_configs/examples/example_scenario.json", 2, id="real", marks=needs_data),
+    ],
+)
+def test_vehicles_of_arena_tools_are_read(path: Path, count: int) -> None:
+    (problem,) = read_scenarios(path, DEFAULTS)
+    assert [p.max_speed for p in problem.pedestrians] == [1.0] * count
     assert problem.pedestrians[0].behaviour["type"] == "vehicle"

@@ -8,7 +8,7 @@ import pytest
 import yaml
 
 from arena_core import ConfigurationError, ImpossibleScenario, OccupancyGrid, PedestrianSpec, Pose, World, WorldSource, testing
-from arena_tasks.barn_task import BarnTask
+from arena_tasks.random.barn_task import BarnTask
 
 GRID = OccupancyGrid(np.zeros((120, 60), np.int8), 0.15, Pose(-5.0, 0.0))
 

@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 from arena_core import ImpossibleScenario, tell
-from arena_core.cli import main
+from arena_core.cli.main import main
 from arena_core.testing import component, robot
-from arena_tasks.scenario_task import ScenarioTask
+from arena_tasks.scenario_files.scenario_task import ScenarioTask
 
 WORLD = ["world=empty", "world.width=12", "world.height=12"]
 
@@ -69,8 +69,11 @@ def test_what_was_read_otherwise_is_said(tmp_path: Path, capsys) -> None:
     [
         (["gone.json", *WORLD], "gone.json: cannot be read"),
         (["gone.json"], "gone.json: cannot be read"),
-        ([], "arena scenario check has 0 files; allowed: FILE"),
-        (["a.json", "planner=dwa"], "arena scenario check: planner=dwa; allowed: KEY=VALUE of world, robot, pedestrians, task"),
+        ([], "arguments are none; allowed: arena scenario check FILE"),
+        (
+            ["a.json", "planner=dwa"],
+            "there is no key planner; allowed: arena scenario check FILE [world=... robot=... pedestrians=... task.KEY=...]",
+        ),
         (["a.json", "robot=tank"], "tank"),
     ],
 )

@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from arena_core import InputFileError, Pose
-from arena_tasks.problem import PersonDefaults, Problem
-from arena_tasks.scenario_file import read_scenario_file, read_scenarios, save_scenarios
+from arena_tasks.scenario_files.problem import PersonDefaults, Problem
+from arena_tasks.scenario_files.scenario_file import read_scenario_file, read_scenarios, save_scenarios
 
 DEFAULTS = PersonDefaults(0.5, 0.3)
 DISC: dict[str, Any] = {

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arena_core import OccupancyGrid, Pose
-from arena_tasks.free_space import FreeSpace
+from arena_tasks.random.free_space import FreeSpace
 
 EXACT = settings(derandomize=True, deadline=None, max_examples=50)
 

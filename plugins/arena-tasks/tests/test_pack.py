@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from arena_core import InputFileError, Pose, UnknownComponent, World, WorldSource, compose, load_registry, testing
-from arena_core.cli import main
-from arena_tasks.pack import PACK_FILE, checked_pack, read_pack
-from arena_tasks.packing import make_pack
-from arena_tasks.scenario_task import ScenarioTask
+from arena_core.cli.main import main
+from arena_tasks.commands.packing import make_pack
+from arena_tasks.scenario_files.pack import PACK_FILE, checked_pack, read_pack
+from arena_tasks.scenario_files.scenario_task import ScenarioTask
 
 EXACT = settings(derandomize=True, deadline=None, suppress_health_check=list(HealthCheck))
 MAP = {"image": "room.png", "resolution": 0.05, "origin": [-5.0, -5.0, 0.0], "negate": 0, "occupied_thresh": 0.65, "free_thresh": 0.196}
@@ -105,7 +105,9 @@ def test_changed_file_is_one_line_before_anything_runs(folder: Path, changed: st
 def test_missing_file_is_one_line(folder: Path, change: Callable[[Path], object]) -> None:
     pack("lab")
     change(folder / "scenarios" / "tuesday.json")
-    with pytest.raises(InputFileError, match=r"tuesday\.json: cannot be read \(No such file or directory\), but pack\.yaml lists it"):
+    with pytest.raises(
+        InputFileError, match=r"tuesday\.json: cannot be read \(No such file or directory\); allowed: a file as pack\.yaml lists it"
+    ):
         task(folder / "scenarios" / "monday.json")
 
 

@@ -1,15 +1,15 @@
 """Obstacles that are on no map stand where the robot still gets through, and change nothing where there are none."""
 
 from dataclasses import replace
+from functools import cache
 from hashlib import blake2b
-from importlib.resources import files
 from typing import Any
 
 import numpy as np
 import pytest
-import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from omegaconf import OmegaConf
 
 from arena_core import (
     ConfigurationError,
@@ -17,15 +17,18 @@ from arena_core import (
     ImpossibleScenario,
     OccupancyGrid,
     Pose,
+    Registry,
     Robot,
     World,
     WorldSource,
+    compose,
+    load_registry,
+    plain,
     testing,
     with_obstacles,
 )
-from arena_tasks import config_package
-from arena_tasks.free_space import FreeSpace
-from arena_tasks.random_task import RandomTask
+from arena_tasks.random.free_space import FreeSpace
+from arena_tasks.random.random_task import RandomTask
 
 EXACT = settings(derandomize=True, deadline=None, max_examples=20)
 GOLDEN = "7ab0fcd3321f1b3e"  # of three scenarios without obstacles
@@ -52,18 +55,22 @@ def corridors(width: float = 2.0, resolution: float = 0.1) -> OccupancyGrid:
 CORRIDORS = corridors()
 
 
+@cache
+def usual() -> tuple[Registry, Any]:
+    return load_registry(), compose(["task=random"], "component")["task"]
+
+
 def make(grid: OccupancyGrid = CORRIDORS, robot: Robot | None = None, **changes: object) -> RandomTask:
-    figures: dict[str, Any] = yaml.safe_load((files(config_package()) / "task" / "random.yaml").read_text())
-    parameters = {**figures, **changes}
-    assert parameters.pop("name") == "random"
-    return RandomTask(robot=robot or testing.robot(), world=Fixed(grid), **parameters)
+    registry, figures = usual()
+    task: RandomTask = registry.build("task", plain(OmegaConf.merge(figures, changes)), robot=robot or testing.robot(), world=Fixed(grid))
+    return task
 
 
 @EXACT
 @given(st.integers(0, 2**31), st.integers(0, 50), st.sampled_from(["along_route", "anywhere"]), st.floats(0.1, 0.35))
 def test_every_promise_is_kept(seed: int, index: int, placement: str, radius: float) -> None:
     robot = replace(testing.robot(), footprint=Footprint.circle(radius))
-    scenario = make(robot=robot, placement=placement, obstacles=6, pedestrians=2).scenario(seed, index)
+    scenario = make(robot=robot, placement=placement, obstacles={"count": 6}, pedestrians=2).scenario(seed, index)
     assert len(scenario.obstacles) == 6
     ends = np.array([(p.x, p.y) for p in (scenario.start, scenario.goal)])
     centres = np.array([o.vertices_xy[0] if o.radius else o.vertices_xy.mean(axis=0) for o in scenario.obstacles])
@@ -81,7 +88,8 @@ def test_every_promise_is_kept(seed: int, index: int, placement: str, radius: fl
 
 def test_obstacles_are_discs_and_simple_polygons_of_the_asked_size() -> None:
     def drawn(share: float) -> list[Any]:
-        return [o for index in range(5) for o in make(polygons=share, obstacles=5, pedestrians=0).scenario(0, index).obstacles]
+        task = make(obstacles={"polygons": share, "count": 5}, pedestrians=0)
+        return [o for index in range(5) for o in task.scenario(0, index).obstacles]
 
     assert all(o.radius > 0.0 for o in drawn(0.0))
     for polygon in drawn(1.0):
@@ -97,7 +105,7 @@ def test_obstacles_along_the_route_stand_in_the_robots_way() -> None:
     def nearest(placement: str) -> float:
         found = []
         for index in range(8):
-            scenario = make(testing.room(24.0), placement=placement, obstacles=3, pedestrians=0).scenario(1, index)
+            scenario = make(testing.room(24.0), placement=placement, obstacles={"count": 3}, pedestrians=0).scenario(1, index)
             line = np.linspace((scenario.start.x, scenario.start.y), (scenario.goal.x, scenario.goal.y), 200)
             found += [np.hypot(*(line - o.vertices_xy.mean(axis=0)).T).min() for o in scenario.obstacles]
         return float(np.mean(found))
@@ -118,37 +126,38 @@ def test_without_obstacles_scenarios_are_what_they_were() -> None:
 
 
 def test_obstacles_change_neither_start_nor_goal() -> None:
-    few, many = (make(obstacles=count).scenario(4, 2) for count in (0, 5))
+    few, many = (make(obstacles={"count": count}).scenario(4, 2) for count in (0, 5))
     assert (few.start, few.goal) == (many.start, many.goal)
 
 
 def test_more_obstacles_are_the_same_ones_and_others() -> None:
-    few, many = (make(obstacles=count, pedestrians=0).scenario(4, 2) for count in (2, 5))
+    few, many = (make(obstacles={"count": count}, pedestrians=0).scenario(4, 2) for count in (2, 5))
     assert [o.vertices_xy.tolist() for o in few.obstacles] == [o.vertices_xy.tolist() for o in many.obstacles[:2]]
 
 
 def test_only_people_who_come_again_say_so() -> None:
-    assert [p.behaviour for p in make(respawn=True, pedestrians=2).scenario(0, 0).pedestrians] == [{"respawn": "random"}] * 2
+    assert [p.behaviour for p in make(people={"respawn": True}, pedestrians=2).scenario(0, 0).pedestrians] == [{"respawn": "random"}] * 2
     assert [p.behaviour for p in make(pedestrians=1).scenario(0, 0).pedestrians] == [{}]
 
 
 def test_shares_of_the_people_are_children_and_elders_and_all_else_is_as_without() -> None:
-    usual, mixed = (make(testing.room(24.0), pedestrians=40, **shares).scenario(0, 0) for shares in ({}, {"children": 0.3, "elders": 0.2}))
+    shares: list[dict[str, float]] = [{}, {"children": 0.3, "elders": 0.2}]
+    usual_people, mixed = (make(testing.room(24.0), pedestrians=40, people=people).scenario(0, 0) for people in shares)
     types = [p.behaviour.get("type") for p in mixed.pedestrians]
     assert (0.1 < types.count("child") / 40 < 0.5, 0.05 < types.count("elder") / 40 < 0.4, types.count(None) > 10) == (True,) * 3
-    assert [p.position_xy.tolist() for p in usual.pedestrians] == [p.position_xy.tolist() for p in mixed.pedestrians]
-    with pytest.raises(ConfigurationError, match=r"task\.elders is 0\.5; allowed: up to 0\.4"):
-        make(children=0.6, elders=0.5)
+    assert [p.position_xy.tolist() for p in usual_people.pedestrians] == [p.position_xy.tolist() for p in mixed.pedestrians]
+    with pytest.raises(ConfigurationError, match=r"task\.people\.elders is 0\.5; allowed: up to 0\.4"):
+        make(people={"children": 0.6, "elders": 0.5})
 
 
 def test_too_many_obstacles_say_what_to_lower() -> None:
-    with pytest.raises(ImpossibleScenario, match=r"obstacle \d+ of 90 found no place in 100 tries; lower task\.obstacles or"):
-        make(testing.room(4.0), obstacles=90, tries=1).scenario(0, 0)
+    with pytest.raises(ImpossibleScenario, match=r"obstacle \d+ of 90 found no place in 100 tries; lower task\.obstacles\.count or"):
+        make(testing.room(4.0), obstacles={"count": 90}, tries=1).scenario(0, 0)
 
 
 def test_radii_that_contradict_each_other_are_refused() -> None:
     with pytest.raises(
         ConfigurationError,
-        match=r"task\.obstacle_radius_min is 0\.5 and obstacle_radius_max 0\.3; allowed",
+        match=r"task\.obstacles\.radius_min is 0\.5 and radius_max 0\.3; allowed",
     ):
-        make(obstacle_radius_min=0.5)
+        make(obstacles={"radius_min": 0.5})

@@ -1,22 +1,38 @@
 """Random scenarios keep their promises, and are pure functions of seed and index."""
 
 from dataclasses import replace
+from functools import cache
 from importlib.resources import files
 from typing import Any
 
 import numpy as np
 import pytest
-import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from omegaconf import OmegaConf
 
-from arena_core import ConfigurationError, Footprint, ImpossibleScenario, OccupancyGrid, Pose, Robot, Scenario, World, WorldSource, testing
+from arena_core import (
+    ConfigurationError,
+    Footprint,
+    ImpossibleScenario,
+    OccupancyGrid,
+    Pose,
+    Registry,
+    Robot,
+    Scenario,
+    World,
+    WorldSource,
+    compose,
+    load_registry,
+    plain,
+    testing,
+)
 from arena_core.testing import check
 from arena_kernels.ways import Ways
 from arena_tasks import config_package, register_task_modes
-from arena_tasks.free_space import FreeSpace
-from arena_tasks.random_task import RandomTask
-from arena_tasks.route import find_route
+from arena_tasks.random.free_space import FreeSpace
+from arena_tasks.random.random_task import RandomTask
+from arena_tasks.random.route import find_route
 
 EXACT = settings(derandomize=True, deadline=None, max_examples=25)
 
@@ -43,14 +59,15 @@ def hall(size: float = 20.0, resolution: float = 0.1) -> OccupancyGrid:
 HALL = hall()
 
 
-def figures() -> dict[str, Any]:
-    return dict(yaml.safe_load((files(config_package()) / "task" / "random.yaml").read_text()))
+@cache
+def usual() -> tuple[Registry, Any]:
+    return load_registry(), compose(["task=random"], "component")["task"]
 
 
 def make(grid: OccupancyGrid = HALL, robot: Robot | None = None, **changes: object) -> RandomTask:
-    parameters = {**figures(), **changes}
-    assert parameters.pop("name") == "random"
-    return RandomTask(robot=robot or testing.robot(), world=Fixed(grid), **parameters)
+    registry, figures = usual()
+    task: RandomTask = registry.build("task", plain(OmegaConf.merge(figures, changes)), robot=robot or testing.robot(), world=Fixed(grid))
+    return task
 
 
 def text(scenario: Scenario) -> str:
@@ -110,10 +127,10 @@ def test_people_start_on_the_way_to_their_first_waypoint() -> None:
 
 
 def test_rounds_along_the_route_come_to_it_and_rounds_anywhere_may_not() -> None:
-    def farthest(placement: str, **changes: object) -> float:
+    def farthest(placement: str, **rounds: object) -> float:
         found = []
         for index in range(10):
-            scenario = make(placement=placement, crossing=0.0, **changes).scenario(2, index)
+            scenario = make(placement=placement, rounds={"crossing": 0.0, **rounds}).scenario(2, index)
             way = find_route(HALL, 0.16, *(np.array((end.x, end.y)) for end in (scenario.start, scenario.goal)))
             for person in scenario.pedestrians:
                 round_way = np.vstack(HALL.derive(Ways).round(person.waypoints_xy, 0.3))
@@ -130,7 +147,7 @@ def test_crossing_people_walk_across_the_way_and_others_along_it(crossing: float
     ratios = []
     for index in range(10):
         # a free hall: the route is a straight line, so along and across can be told apart
-        scenario = make(testing.room(20.0), crossing=crossing, waypoints_max=2, leg_max=6.0).scenario(0, index)
+        scenario = make(testing.room(20.0), rounds={"crossing": crossing, "waypoints_max": 2, "leg_max": 6.0}).scenario(0, index)
         dx, dy = scenario.goal.x - scenario.start.x, scenario.goal.y - scenario.start.y
         for person in scenario.pedestrians:
             leg = person.waypoints_xy[1] - person.waypoints_xy[0]
@@ -147,8 +164,8 @@ def test_people_do_not_change_start_and_goal() -> None:
 def test_small_world_gets_shorter_trips_unless_that_is_forbidden() -> None:
     small = testing.room(6.0)
     assert make(small, pedestrians=1).scenario(0, 0).start.distance(make(small, pedestrians=1).scenario(0, 0).goal) >= 2.5
-    with pytest.raises(ImpossibleScenario, match=r"random/0000 in world fixed: no goal 10 \.\. 20 m .* lower task\.min_distance"):
-        make(small, shrink_to_world=False).scenario(0, 0)
+    with pytest.raises(ImpossibleScenario, match=r"random/0000 in world fixed: no goal 10 \.\. 20 m .* lower task\.trip\.min_distance"):
+        make(small, trip={"shrink_to_world": False}).scenario(0, 0)
 
 
 def test_unreachable_goals_are_drawn_again() -> None:
@@ -156,7 +173,7 @@ def test_unreachable_goals_are_drawn_again() -> None:
     data[:, 95:105] = 100  # the hall in two halves
     grid = OccupancyGrid(data, HALL.resolution, Pose(0.0, 0.0))
     for index in range(10):
-        scenario = make(grid, min_distance=3.0).scenario(0, index)
+        scenario = make(grid, trip={"min_distance": 3.0}).scenario(0, index)
         assert (scenario.start.x < 10.0) == (scenario.goal.x < 10.0)
 
 
@@ -176,7 +193,7 @@ def test_nobody_is_placed_on_unknown_cells() -> None:
         (OccupancyGrid(np.full((9, 9), 100), 0.1, Pose(0.0, 0.0)), {}, "no cell is free with 0.40 m around it"),
         (OccupancyGrid(np.full((9, 9), -1), 0.1, Pose(0.0, 0.0)), {}, "no cell is free"),
         (testing.room(4.0), {"pedestrians": 60}, r"person \d+ of 60 found no place .* lower task\.pedestrians"),
-        (HALL, {"pedestrian_radius": 9.0}, r"no cell is free with 9\.05 m around it for people; lower task\.pedestrian_radius"),
+        (HALL, {"people": {"radius": 9.0}}, r"no cell is free with 9\.05 m around it for people; lower task\.people\.radius"),
     ],
 )
 @pytest.mark.parametrize("placement", ["along_route", "anywhere"])
@@ -189,13 +206,16 @@ def test_impossible_request_says_what_did_not_fit(grid: OccupancyGrid, changes: 
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"waypoints_min": 1}, r"task\.waypoints_min is 1"),
-        ({"waypoints_min": 6}, r"task\.waypoints_min is 6 and waypoints_max 4; allowed: 2 <= waypoints_min <= waypoints_max"),
-        ({"leg_min": 11.0}, r"task\.leg_min is 11 and leg_max 10; allowed: leg_min <= leg_max"),
-        ({"group_min": 1}, r"task\.group_min is 1 and group_max 3"),
-        ({"obstacle_radius_min": 0.5}, r"task\.obstacle_radius_min is 0\.5 and obstacle_radius_max 0\.3"),
-        ({"pedestrian_speed_spread": 0.4}, r"task\.pedestrian_speed_spread is 0\.4; allowed: below 0\.4"),
-        ({"min_distance": 30.0}, r"task\.min_distance is 30; allowed: up to max_distance, 20 m"),
+        ({"rounds": {"waypoints_min": 1}}, r"task\.rounds\.waypoints_min is 1"),
+        (
+            {"rounds": {"waypoints_min": 6}},
+            r"task\.rounds\.waypoints_min is 6 and waypoints_max 4; allowed: 2 <= waypoints_min <= waypoints_max",
+        ),
+        ({"rounds": {"leg_min": 11.0}}, r"task\.rounds\.leg_min is 11 and leg_max 10; allowed: leg_min <= leg_max"),
+        ({"groups": {"size_min": 1}}, r"task\.groups\.size_min is 1 and size_max 3"),
+        ({"obstacles": {"radius_min": 0.5}}, r"task\.obstacles\.radius_min is 0\.5 and radius_max 0\.3"),
+        ({"people": {"speed_spread": 0.4}}, r"task\.people\.speed_spread is 0\.4; allowed: below 0\.4"),
+        ({"trip": {"min_distance": 30.0}}, r"task\.trip\.min_distance is 30; allowed: up to max_distance, 20 m"),
     ],
 )
 def test_contradictions_are_refused_before_anything_runs(changes: dict[str, Any], message: str) -> None:

@@ -9,7 +9,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from arena_core import OccupancyGrid, Pose
-from arena_tasks.route import _Prices, find_route
+from arena_tasks.random.route import _Prices, find_route
 
 EXACT = settings(derandomize=True, deadline=None, max_examples=60)
 

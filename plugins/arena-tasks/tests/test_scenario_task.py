@@ -10,7 +10,7 @@ import pytest
 
 from arena_core import ConfigurationError, ImpossibleScenario, OccupancyGrid, Pose, Robot, World, WorldSource, testing
 from arena_core.testing import check
-from arena_tasks.scenario_task import ScenarioTask
+from arena_tasks.scenario_files.scenario_task import ScenarioTask
 
 ROOM = testing.room(10.0)  # its centre is the origin
 

@@ -11,9 +11,9 @@ import yaml
 
 from arena_core import ConfigurationError, InputFileError, World, WorldSource, testing
 from arena_core.testing import check, component
-from arena_tasks.curriculum import built_in, read_curriculum
-from arena_tasks.random_task import RandomTask
-from arena_tasks.staged_task import StagedTask
+from arena_tasks.random.curriculum import built_in, read_curriculum
+from arena_tasks.random.random_task import RandomTask
+from arena_tasks.random.staged_task import StagedTask
 
 LEVEL = {"difficulty": None, "obstacles": 0, "pedestrians": 0, "pedestrian_speed": 0.3, "speed_share": 1.0}
 
@@ -114,7 +114,7 @@ def test_content_of_the_curriculum_has_a_name(tmp_path: Path) -> None:
         ({0: {k: v for k, v in LEVEL.items() if k != "pedestrians"}}, r"levels\.0\.pedestrians is missing"),
         ({0: {**LEVEL, "people": 3}}, r"levels\.0\.people is unknown; allowed: difficulty, obstacles, "),
         ({0: {**LEVEL, "difficulty": 1.1}}, r"levels\.0\.difficulty is 1\.1; allowed: a number >= 0 and <= 1"),
-        ({0: LEVEL, 1: {**LEVEL, "obstacles": -1}}, r"levels\.1\.obstacles is -1; allowed: a whole number 0 \.\. 10000"),
+        ({0: LEVEL, 1: {**LEVEL, "obstacles": -1}}, r"levels\.1\.obstacles is -1; allowed: a whole number 0 \.\. 1000"),
         ({0: {**LEVEL, "pedestrians": 2.5}}, r"levels\.0\.pedestrians is 2\.5; allowed: a whole number"),
         ({0: {**LEVEL, "pedestrian_speed": 0}}, r"levels\.0\.pedestrian_speed is 0; allowed: a number > 0"),
         ({0: {**LEVEL, "speed_share": 1.5}}, r"levels\.0\.speed_share is 1\.5; allowed: a number > 0 and <= 1"),

@@ -9,7 +9,7 @@ import pytest
 
 from arena_core import Costmap, EpisodeStart, Observation, Planner, Pose, Robot, Tracks
 from arena_core.testing import boxes_costmap, component, tracked, view
-from arena_kernels.window import Window
+from arena_kernels.window import Window, window_of
 
 
 @pytest.fixture(scope="session")
@@ -31,8 +31,7 @@ def window(costmap: Callable[..., Costmap]) -> Callable[..., Window]:
     """Give a function that makes the window of such a costmap."""
 
     def _window(*boxes: tuple[float, float, float, float]) -> Window:
-        made = costmap(*boxes)
-        return Window(made.costs, made.distance, made.resolution, *made.origin_xy.tolist())
+        return window_of(costmap(*boxes))
 
     return _window
 

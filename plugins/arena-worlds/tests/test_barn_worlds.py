@@ -11,11 +11,12 @@ from hypothesis import strategies as st
 
 from arena_core import ConfigurationError, InputFileError, OccupancyGrid, Pose
 from arena_kernels.distance import distance_field
-from arena_worlds.barn import BarnWorlds, read_reference_path, world_files
-from arena_worlds.sdf import read_sdf
-from arena_worlds.solids import Solids, grid_of
+from arena_worlds.formats.barn import BarnWorlds, read_reference_path, world_files
+from arena_worlds.formats.sdf import read_sdf
+from arena_worlds.formats.solids import Solids, grid_of
 
 BARN = Path(__file__).parents[3].parent / "shared" / "data" / "barn"
+DRAWN = Path(__file__).parents[3] / "tests" / "data" / "barn"
 needs_barn = pytest.mark.skipif(not BARN.is_dir(), reason="the worlds of the BARN challenge are not at ../shared/data/barn")
 MODEL = """<model name='{name}'><static>{static}</static><pose frame=''>{pose}</pose>
 <link name='link'><collision name='collision'><geometry>{shape}</geometry></collision></link></model>"""
@@ -176,11 +177,11 @@ def test_reference_path_that_is_missing_or_pickled_is_refused(tmp_path: Path) ->
         read_reference_path(tmp_path / "path_0.npy")
 
 
-@needs_barn
-def test_every_world_is_closed_on_three_sides_and_its_reference_path_is_free() -> None:
-    worlds = source(BARN / "world_files", margin=5.0)
-    files = world_files(BARN / "world_files")
-    assert len(files) == 25
+@pytest.mark.parametrize(("folder", "number"), [(DRAWN, 2), pytest.param(BARN, 25, marks=needs_barn)], ids=["drawn", "real"])
+def test_every_world_is_closed_on_three_sides_and_its_reference_path_is_free(folder: Path, number: int) -> None:
+    worlds = source(folder / "world_files", margin=5.0)
+    files = world_files(folder / "world_files")
+    assert len(files) == number
     for k, file in enumerate(files):
         world = worlds.world(0, k)
         assert world.name == f"barn/{file.name.split('.')[0]}"
@@ -197,11 +198,11 @@ def test_every_world_is_closed_on_three_sides_and_its_reference_path_is_free() -
         assert world.grid.occupied[tuple(world.grid.cells(walls).T)].all()
 
 
-@needs_barn
-def test_world_0_has_its_cylinders_and_no_more() -> None:
-    solids = read_sdf(BARN / "world_files" / "world_0.world.gz")
-    assert len(solids.cylinders) == 209
+@pytest.mark.parametrize(("folder", "number"), [(DRAWN, 230), pytest.param(BARN, 209, marks=needs_barn)], ids=["drawn", "real"])
+def test_world_0_has_its_cylinders_and_no_more(folder: Path, number: int) -> None:
+    solids = read_sdf(folder / "world_files" / "world_0.world.gz")
+    assert len(solids.cylinders) == number
     assert len(solids.boxes) == 0
     assert (solids.cylinders[:, 2] == 0.075).all()
     grid = grid_of(solids, 0.025, 5.0)
-    assert grid.occupied.sum() == 209 * 32  # a disc of three cells' radius, between cells
+    assert grid.occupied.sum() == number * 32  # a disc of three cells' radius, between cells

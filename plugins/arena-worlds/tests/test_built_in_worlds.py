@@ -12,9 +12,9 @@ from scipy import ndimage
 
 from arena_core import FREE, ConfigurationError, OccupancyGrid, WorldSource
 from arena_worlds import config_package, register_worlds
-from arena_worlds.empty import EmptyRoom
-from arena_worlds.lab import Lab
-from arena_worlds.warehouse import Warehouse
+from arena_worlds.generators.empty import EmptyRoom
+from arena_worlds.generators.lab import Lab
+from arena_worlds.generators.warehouse import Warehouse
 
 EXACT = settings(derandomize=True, deadline=None, max_examples=25)
 SOURCES: dict[str, type] = {"empty": EmptyRoom, "warehouse": Warehouse, "lab": Lab}

@@ -10,9 +10,9 @@ import pytest
 import yaml
 
 from arena_core import ConfigurationError, InputFileError, PedestrianSpec, World, load_registry, testing
-from arena_worlds.animation import read_animation
-from arena_worlds.command import WorldCommand
-from arena_worlds.dynabarn import DynabarnWorlds
+from arena_worlds.commands.command import WorldCommand
+from arena_worlds.formats.animation import read_animation
+from arena_worlds.generators.dynabarn import DynabarnWorlds
 
 MODEL = """
     <model name='{name}'>

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from arena_core import InputFileError, OccupancyGrid, Pose, tell
-from arena_worlds.merged import merged
-from arena_worlds.ros_map import load_map
-from arena_worlds.site_file import read_site
+from arena_worlds.formats.merged import merged
+from arena_worlds.formats.ros_map import load_map
+from arena_worlds.formats.site_file import read_site
 
 cells = arrays.arrays(np.int8, st.tuples(st.integers(1, 9), st.integers(1, 9)), elements=st.sampled_from((-1, 0, 50, 100)))
 poses = st.builds(Pose, st.floats(-5, 5), st.floats(-5, 5), st.floats(-3, 3))

@@ -12,8 +12,8 @@ from omegaconf import OmegaConf
 from scipy import ndimage
 
 from arena_core import FREE, ConfigurationError, OccupancyGrid, compose, load_registry
-from arena_worlds.cellular import smoothed
-from arena_worlds.generated import Generated
+from arena_worlds.generators.cellular import smoothed
+from arena_worlds.generators.generated import Generated
 from arena_worlds.reachable import keep_reachable
 from arena_worlds.widths import widths_of
 

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from arena_core import InputFileError
-from arena_worlds.map_image import occupancy
-from arena_worlds.map_yaml import MapFile, Mode
+from arena_worlds.formats.map_image import occupancy
+from arena_worlds.formats.map_yaml import MapFile, Mode
 
 EXACT = settings(derandomize=True, deadline=None, max_examples=80)
 

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from arena_core import ConfigurationError, OccupancyGrid, Pose, RunFolderError
-from arena_worlds.map_writer import write_map
-from arena_worlds.ros_map import load_map
+from arena_worlds.formats.map_writer import write_map
+from arena_worlds.formats.ros_map import load_map
 
 EXACT = settings(derandomize=True, deadline=None, max_examples=60)
 SHAPES = arrays.array_shapes(min_dims=2, max_dims=2, max_side=12)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from arena_core import InputFileError
-from arena_worlds.map_yaml import read_map_yaml
+from arena_worlds.formats.map_yaml import read_map_yaml
 
 EXACT = settings(derandomize=True, deadline=None, max_examples=100)
 GOOD: dict[str, Any] = {

@@ -8,8 +8,8 @@ from scipy import ndimage, sparse
 from scipy.sparse import csgraph
 
 from arena_core import ConfigurationError, OccupancyGrid, Pose
-from arena_worlds.measures import SIGHT, measures_of
-from arena_worlds.ways import DIAGONAL, STRAIGHT, UNREACHED, climb, join_levels, way_lengths
+from arena_worlds.commands.measures import SIGHT, measures_of
+from arena_worlds.commands.ways import DIAGONAL, STRAIGHT, UNREACHED, climb, join_levels, way_lengths
 
 EXACT = settings(derandomize=True, deadline=None, max_examples=40)
 SEEDS = st.integers(0, 2**31)

@@ -4,7 +4,7 @@ import pytest
 
 from arena_core import ConfigurationError, World, WorldSource
 from arena_core.testing import component, room
-from arena_worlds.mixed import MixedWorlds
+from arena_worlds.generators.mixed import MixedWorlds
 
 
 class Numbered(WorldSource):

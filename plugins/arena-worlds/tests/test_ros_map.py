@@ -1,4 +1,4 @@
-"""Real maps load, and the same file gives the same grid."""
+"""Maps load, drawn ones and real ones, and the same file gives the same grid."""
 
 import os
 import shutil
@@ -9,9 +9,10 @@ import pytest
 from PIL import Image
 
 from arena_core import ConfigurationError, InputFileError, Pose
-from arena_worlds.ros_map import RosMap, load_map
+from arena_worlds.formats.ros_map import RosMap, load_map
 
 MAPS = Path(__file__).parents[3].parent / "shared" / "data" / "maps"
+DRAWN = Path(__file__).parents[3] / "tests" / "data" / "maps"
 needs_maps = pytest.mark.skipif(not MAPS.is_dir(), reason="the collection of public maps is not at ../shared/data/maps")
 LOADABLE = [
     "aws_bookstore/turtlebot3_waffle_pi/map.yaml",
@@ -32,6 +33,17 @@ LOADABLE = [
     "navrep/markmaze.yaml",
     "turtlebot3/map.yaml",
 ]
+LETTER = """\
+.....####.
+........#.
+.#......#.
+.#........
+.#........
+.#####....
+.#........
+.#........
+.######...
+.........."""
 # navigation2's nav2_map_server tests: the 10 x 10 map's occupied cells, first row at the bottom
 TESTMAP = """\
 ..........
@@ -59,36 +71,45 @@ def test_every_map_of_the_collection_is_tried() -> None:
     assert offered == {name for name in LOADABLE if name.endswith(".yaml")}
 
 
-@needs_maps
-@pytest.mark.parametrize("name", LOADABLE)
-def test_real_map_loads(name: str) -> None:
-    grid = load_map(MAPS / name)
+def both(drawn: list[str], real: list[str]) -> list[object]:
+    """Return the maps of both collections as parameters."""
+    there = [pytest.param(DRAWN / name, id=f"drawn-{name}") for name in drawn]
+    return [*there, *(pytest.param(MAPS / name, id=f"real-{name}", marks=needs_maps) for name in real)]
+
+
+@pytest.mark.parametrize("path", both(["hall/map.yaml", "letter/letter.yaml", "flatland/map.world.yaml", "flatland"], LOADABLE))
+def test_map_of_a_site_loads(path: Path) -> None:
+    grid = load_map(path)
     assert set(np.unique(grid.data).tolist()) <= {-1, 0, 100}
     assert (grid.data == 0).any()
-    assert grid.occupied.any() != (name == "navrep/crowdmove1.yaml")  # that one is a blank sheet
-    assert 0.04 <= grid.resolution <= 0.16
+    assert grid.occupied.any() != (path.name == "crowdmove1.yaml")  # that one is a blank sheet
+    assert 0.04 <= grid.resolution <= 0.25
 
 
-@needs_maps
-def test_known_cells_of_the_test_map() -> None:
-    grid = load_map(MAPS / "nav2/testmap.yaml")
-    assert "\n".join("".join("#" if value == 100 else "." for value in row) for row in grid.data.tolist()) == TESTMAP
+@pytest.mark.parametrize(
+    ("path", "cells"),
+    [
+        pytest.param(DRAWN / "letter/letter.yaml", LETTER, id="drawn"),
+        pytest.param(MAPS / "nav2/testmap.yaml", TESTMAP, id="real", marks=needs_maps),
+    ],
+)
+def test_known_cells_of_a_map(path: Path, cells: str) -> None:
+    grid = load_map(path)
+    assert "\n".join("".join("#" if value == 100 else "." for value in row) for row in grid.data.tolist()) == cells
     assert set(np.unique(grid.data).tolist()) == {0, 100}
     assert grid.origin == Pose(2.0, 3.0, 1.0)
 
 
-@needs_maps
-@pytest.mark.parametrize("image", ["testmap.pgm", "testmap.bmp"])
-def test_png_pgm_and_bmp_give_the_same_map(tmp_path: Path, image: str) -> None:
-    shutil.copy(MAPS / "nav2" / image, tmp_path)
-    text = (MAPS / "nav2/testmap.yaml").read_text().replace("testmap.png", image)
-    (tmp_path / "map.yaml").write_text(text)
-    assert (load_map(tmp_path / "map.yaml").data == load_map(MAPS / "nav2/testmap.yaml").data).all()
+@pytest.mark.parametrize("ending", ["pgm", "bmp"])
+@pytest.mark.parametrize("path", both(["letter/letter.yaml"], ["nav2/testmap.yaml"]))
+def test_png_pgm_and_bmp_give_the_same_map(tmp_path: Path, path: Path, ending: str) -> None:
+    shutil.copy(path.with_suffix(f".{ending}"), tmp_path)
+    (tmp_path / "map.yaml").write_text(path.read_text().replace(f"{path.stem}.png", f"{path.stem}.{ending}"))
+    assert (load_map(tmp_path / "map.yaml").data == load_map(path).data).all()
 
 
-@needs_maps
-def test_flatland_world_is_the_map_of_its_layers() -> None:
-    folder = MAPS / "arena_bench/map5/arena-tools"
+@pytest.mark.parametrize("folder", both(["flatland"], ["arena_bench/map5/arena-tools"]))
+def test_flatland_world_is_the_map_of_its_layers(folder: Path) -> None:
     assert (
         load_map(folder / "map.world.yaml").data.tolist() == load_map(folder).data.tolist() == load_map(folder / "map.yaml").data.tolist()
     )
@@ -111,11 +132,10 @@ def test_flatland_world_without_a_map_is_refused(tmp_path: Path, text: str, said
         load_map(tmp_path)
 
 
-@needs_maps
 def test_yaml_whose_image_is_missing_is_refused(tmp_path: Path) -> None:
-    shutil.copy(MAPS / "nav2/depot.yaml", tmp_path)
-    with pytest.raises(InputFileError, match=r"depot\.yaml: image depot\.pgm is not there"):
-        load_map(tmp_path / "depot.yaml")
+    shutil.copy(DRAWN / "hall/map.yaml", tmp_path)
+    with pytest.raises(InputFileError, match=r"map\.yaml: image map\.pgm is not there"):
+        load_map(tmp_path / "map.yaml")
 
 
 def test_cells_lie_where_origin_and_yaw_put_them(tmp_path: Path) -> None:

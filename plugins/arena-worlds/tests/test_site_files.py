@@ -5,6 +5,7 @@ import itertools
 import json
 import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,19 +15,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
-from arena_core import ConfigurationError, InputFileError, OccupancyGrid, Pose, compose
-from arena_core.cli import main
-from arena_worlds.file_world import FileWorld
-from arena_worlds.map_writer import write_map
-from arena_worlds.picture import read_picture, write_picture
-from arena_worlds.ros_map import load_map
-from arena_worlds.scenario_map import ScenarioMap, find_map
-from arena_worlds.site_file import site_grid
-from arena_worlds.warehouse import Warehouse
+from arena_core import LIMITS, ConfigurationError, InputFileError, OccupancyGrid, Pose, compose
+from arena_core.cli.main import main
+from arena_worlds.formats.file_world import FileWorld
+from arena_worlds.formats.map_writer import write_map
+from arena_worlds.formats.picture import read_picture, write_picture
+from arena_worlds.formats.ros_map import load_map
+from arena_worlds.formats.scenario_map import ScenarioMap, find_map
+from arena_worlds.formats.site_file import site_grid
+from arena_worlds.generators.warehouse import Warehouse
 
 DATA = Path(__file__).parents[3].parent / "shared" / "data"
+DRAWN = Path(__file__).parents[3] / "tests" / "data"
 needs_data = pytest.mark.skipif(not DATA.is_dir(), reason="the collection of public maps and scenarios is not at ../shared/data")
-PICTURES = sorted(path for ending in ("png", "pgm", "bmp") for path in (DATA / "maps").rglob(f"*.{ending}"))
+PICTURES = sorted(path for ending in ("png", "pgm", "bmp") for data in (DRAWN, DATA) for path in (data / "maps").rglob(f"*.{ending}"))
 CELLS = np.array([[0, 100, -1, 0], [0, 0, 100, 100]], np.int8)
 
 
@@ -57,8 +59,7 @@ def test_shares_of_occupancy_become_walls_from_65_on(tmp_path: Path) -> None:
     assert read_picture(tmp_path / "w.png", 0.1).data.tolist() == [[0, 0, 100, 100]]
 
 
-@needs_data
-@pytest.mark.parametrize("path", PICTURES, ids=lambda path: str(path.relative_to(DATA)))
+@pytest.mark.parametrize("path", PICTURES, ids=lambda path: "/".join(path.parts[-3:]))
 def test_every_picture_of_the_collection_is_a_world(path: Path) -> None:
     found = FileWorld(str(path), 0.05, 1.0, True).world(0, 0).grid
     with Image.open(path) as image:
@@ -95,15 +96,15 @@ def test_what_came_as_cylinders_stays_cylinders(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["a.yaml"], "has 1 files; allowed: IN OUT"),
-        (["a.yaml", "b.sdf", "c.sdf"], "has 3 files"),
+        (["a.yaml"], "arguments are a.yaml; allowed: arena world convert IN OUT"),
+        (["a.yaml", "b.sdf", "c.sdf"], "arguments are a.yaml b.sdf c.sdf"),
         (["a.yaml", "b.stl"], "ends in '.stl'; allowed: a file that ends in .yaml, .png"),
         (["a.stl", "b.sdf"], "ends in '.stl'; allowed: a folder with a map"),
-        (["a.yaml", "b.sdf", "hight=3"], "hight is no key of arena world convert; allowed: height"),
-        (["a.yaml", "b.sdf", "height=0"], "height is '0'; allowed: a number > 0"),
-        (["a.yaml", "b.sdf", "height=high"], "height is 'high'; allowed: a number > 0"),
+        (["a.yaml", "b.sdf", "hight=3"], "there is no key hight; did you mean height? allowed: "),
+        (["a.yaml", "b.sdf", "height=0"], "height is 0; allowed: > 0"),
+        (["a.yaml", "b.sdf", "height=high"], "height is 'high'; allowed: a number"),
         (["gone.yaml", "b.sdf"], "gone.yaml: cannot be read"),
-        (["gone.png", "b.sdf"], "gone.png: is no image"),
+        (["gone.png", "b.sdf"], "gone.png: cannot be read"),
         (["b.sdf", "c.yaml"], "b.sdf: cannot be read"),
         (["w.sdf", "c.yaml", "resolution=0.2"], "resolution is 0.2; allowed: up to the smallest radius or side of a solid, 0.1 m"),
     ],
@@ -149,7 +150,7 @@ def test_world_file_needs_a_path() -> None:
 
 
 def test_a_picture_of_too_many_pixels_is_refused_before_it_is_unpacked(tmp_path: Path, monkeypatch) -> None:
-    monkeypatch.setattr("arena_worlds.map_image.LARGEST", 7)
+    monkeypatch.setattr("arena_worlds.formats.map_image.LIMITS", replace(LIMITS, cells=7))
     write_picture(tmp_path / "w.png", OccupancyGrid(CELLS, 0.1, Pose(0.0, 0.0)))
     with pytest.raises(InputFileError, match=r"w\.png: has 4 x 2 pixels; allowed: 7 in all"):
         read_picture(tmp_path / "w.png", 0.05)
@@ -239,10 +240,16 @@ def test_a_spoilt_scenario_is_refused_in_one_line(tmp_path_factory: pytest.TempP
     assert "\n" not in str(error.value)
 
 
-@needs_data
-@pytest.mark.parametrize(("name", "place"), [("map5_obs05", "map5"), ("small_warehouse_obs05", "small_warehouse")])
-def test_maps_of_published_scenarios_are_found_in_the_collection(name: str, place: str) -> None:
-    assert find_map(DATA / "scenarios" / f"{name}.json", DATA / "maps") == DATA / "maps" / "arena_bench" / place / "map.yaml"
+@pytest.mark.parametrize(
+    ("data", "name", "place"),
+    [
+        pytest.param(DRAWN, "hall_obs03", "hall", id="drawn"),
+        pytest.param(DATA, "map5_obs05", "arena_bench/map5", id="map5", marks=needs_data),
+        pytest.param(DATA, "small_warehouse_obs05", "arena_bench/small_warehouse", id="small_warehouse", marks=needs_data),
+    ],
+)
+def test_maps_of_published_scenarios_are_found_in_the_collection(data: Path, name: str, place: str) -> None:
+    assert find_map(data / "scenarios" / f"{name}.json", data / "maps") == data / "maps" / place / "map.yaml"
 
 
 KEYS = ["image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh", "mode", "layers"]
@@ -271,8 +278,8 @@ def test_a_yaml_of_endless_aliases_is_refused_at_once(tmp_path: Path) -> None:
         *(f"{new}: &{new} [*{old}, *{old}]" for old, new in zip("abcdefghijklmnopqrst", "bcdefghijklmnopqrstu", strict=True)),
     ]
     (tmp_path / "map.yaml").write_text("\n".join([*lines, "image: *u", "resolution: *u", ""]))
-    with pytest.raises(InputFileError, match="image is"):
+    with pytest.raises(InputFileError, match="it has aliases"):
         load_map(tmp_path / "map.yaml")
-    (tmp_path / "map.yaml").write_text("#" * 1_000_001)
+    (tmp_path / "map.yaml").write_text("#" * (LIMITS.yaml_bytes + 1))
     with pytest.raises(InputFileError, match="larger than"):
         load_map(tmp_path / "map.yaml")

@@ -10,11 +10,11 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from arena_core import compose, load_registry
-from arena_core.cli import main
-from arena_worlds.generate import parameters
-from arena_worlds.map_writer import write_map
-from arena_worlds.portrait import LONG_SIDE, portrait
-from arena_worlds.ros_map import load_map
+from arena_core.cli.main import main
+from arena_worlds.commands.generate import parameters
+from arena_worlds.commands.portrait import LONG_SIDE, portrait
+from arena_worlds.formats.map_writer import write_map
+from arena_worlds.formats.ros_map import load_map
 
 KINDS = ("indoor", "outdoor", "rooms", "cellular")
 
@@ -89,20 +89,20 @@ def test_large_maps_make_pictures_of_the_same_size() -> None:
 @pytest.mark.parametrize(
     ("words", "line"),
     [
-        (["generate"], "kind is missing; allowed: kind=indoor, ... (arena list world)"),
-        (["generate", "kind=indoor"], "out is missing; allowed: out=DIR or FILE.yaml"),
+        (["generate"], "kind is missing; allowed: arena world generate kind=indoor out=DIR|FILE.yaml"),
+        (["generate", "kind=indoor"], "out is missing; allowed: arena world generate kind=indoor out=DIR|FILE.yaml"),
         (["generate", "kind=indor", "out=x"], "unknown world 'indor'; did you mean indoor? (possible: "),
-        (["generate", "kind=indoor", "out=x", "seed=one"], "seed is 'one'; allowed: a whole number of at least 0"),
+        (["generate", "kind=indoor", "out=x", "seed=one"], "seed is 'one'; allowed: a whole number"),
         (["generate", "kind=indoor", "out=x", "difficulty=2"], "world.difficulty is 2; allowed: 0 .. 1"),
         (["generate", "kind=indoor", "out=x", "doors=2"], "world has no key doors; did you mean draws? (possible: by_difficulty, "),
         (["generate", "kind=indoor", "out=x", "robot_radius=9"], "world.by_difficulty.corridor_width gives 2: no free space for the robot"),
         (["generate", "kind=outdoor", "out=x", "robot_radius=9"], "world outdoor: no free space for the robot"),
-        (["generate", "kind=indoor", "kind=rooms", "out=x"], "kind=rooms is given twice; allowed: KEY=VALUE, each key once"),
-        (["generate", "indoor"], "indoor cannot be read; allowed: KEY=VALUE, each key once"),
-        (["measure"], "arena world measure has 0 files; allowed: MAP.yaml [robot_radius=M]"),
+        (["generate", "kind=indoor", "kind=rooms", "out=x"], "kind is given twice; allowed: each key once"),
+        (["generate", "indoor"], "arguments are indoor; allowed: arena world generate"),
+        (["measure"], "arguments are none; allowed: arena world measure MAP.yaml [robot_radius="),
         (["measure", "none.yaml"], "none.yaml: cannot be read (No such file or directory)"),
-        (["measure", "none.yaml", "robot=1"], "arena world measure has no key robot; allowed: "),
-        (["measure", "none.yaml", "robot_radius=-1"], "none.yaml: cannot be read"),
+        (["measure", "none.yaml", "robot=1"], "there is no key robot; allowed: arena world measure MAP.yaml"),
+        (["measure", "none.yaml", "robot_radius=-1"], "robot_radius is -1; allowed: > 0"),
         (["draw"], "arena world has no subcommand 'draw' (possible: convert, generate, measure)"),
     ],
 )

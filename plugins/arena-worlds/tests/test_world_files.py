@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from arena_core import FREE, OCCUPIED, InputFileError, OccupancyGrid, Pose, wrap_angle
-from arena_worlds.mjcf import read_mjcf
-from arena_worlds.mjcf_writer import mjcf_text
+from arena_worlds.formats.mjcf import read_mjcf
+from arena_worlds.formats.mjcf_writer import mjcf_text
+from arena_worlds.formats.sdf import read_sdf
+from arena_worlds.formats.sdf_writer import sdf_text
+from arena_worlds.formats.solids import Solids, grid_of, solids_of
 from arena_worlds.rectangles import rectangles
-from arena_worlds.sdf import read_sdf
-from arena_worlds.sdf_writer import sdf_text
-from arena_worlds.solids import Solids, grid_of, solids_of
 
 masks = arrays.arrays(bool, st.tuples(st.integers(1, 12), st.integers(1, 12)))
 origins = st.builds(Pose, st.floats(-50, 50), st.floats(-50, 50), st.floats(-math.pi, math.pi))

@@ -10,7 +10,18 @@ from tempfile import TemporaryDirectory
 from typing import ClassVar
 
 from arena_aio.planner import Aio
-from arena_core import Benchmark, Command, ConfigurationError, EpisodeRecord, build_benchmark, compose, load_registry, plain, succeeded
+from arena_core import (
+    Benchmark,
+    Command,
+    ConfigurationError,
+    EpisodeRecord,
+    build_benchmark,
+    complete_overrides,
+    compose,
+    load_registry,
+    plain,
+    succeeded,
+)
 
 USAGE = "usage: arena choices planner=aio robot=NAME [episodes=15] [seed=0] [KEY=VALUE ...]"
 
@@ -41,6 +52,10 @@ class ChoicesCommand(Command):
             successes.append(succeeded(record))
         print("\n".join(_lines(chosen, successes, collisions)))
         return failed
+
+    def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
+        """Return overrides, those of a run."""
+        return complete_overrides(words, word)
 
 
 def _episodes(benchmark: Benchmark) -> Iterator[EpisodeRecord]:

@@ -7,15 +7,15 @@ from arena_core import Register, hookimpl
 def register_pedestrian_models(register: Register) -> None:
     """Offer nobody, people as ORCA agents, recorded people, and what moves by a timetable."""
     register("none", "arena_crowds.nobody:Nobody")
-    register("orca", "arena_crowds.orca:OrcaCrowd")
-    register("replay", "arena_crowds.replay:ReplayedCrowd")
-    register("timetable", "arena_crowds.timetable:TimetableCrowd")
+    register("orca", "arena_crowds.orca.crowd:OrcaCrowd")
+    register("replay", "arena_crowds.replay.crowd:ReplayedCrowd")
+    register("timetable", "arena_crowds.replay.timetable:TimetableCrowd")
 
 
 @hookimpl
 def register_commands(register: Register) -> None:
     """Offer the validation of crowd models."""
-    register("crowd", "arena_crowds.command:CrowdCommand")
+    register("crowd", "arena_crowds.validation.command:CrowdCommand")
 
 
 @hookimpl

@@ -7,7 +7,7 @@ from collections import deque
 import numpy as np
 
 from arena_core import Costmap
-from arena_dwa.parameters import Approach, Body, FieldArray
+from arena_dwa.settings import Approach, Body, FieldArray
 from arena_dwa.trajectory import Stand, arc, moved
 from arena_kernels.compiled import compiled
 from arena_kernels.window import Window, clearance

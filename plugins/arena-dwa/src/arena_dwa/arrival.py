@@ -3,33 +3,25 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import Pose, wrap_angle
-from arena_dwa.parameters import FloatArray, Limits
+from arena_dwa.parameters import GoalParameters
+from arena_dwa.settings import FloatArray, Limits
 
 STOPPED = 0.1  # m/s and rad/s; slower counts as standing (ROS: trans_stopped_vel, theta_stopped_vel)
 
 
-class Tolerances(NamedTuple):
-    """How near the path's end (m) the robot stops and turns, None: never; until it faces the goal's heading within ``yaw`` (rad).
+class Arrival:
+    """Brakes nearer to the path's end than ``xy_tolerance`` m (None: never), and turns on the spot to the goal's heading.
 
-    ``latched``: once so near it stays with the turn, though it may slip away again, until there is a new path.
+    Once so near it stays with the turn, with ``latch_xy_tolerance``, though it may slip away again, until there is a new path.
     """
 
-    xy: float | None
-    yaw: float
-    latched: bool
-
-
-class Arrival:
-    """Brakes near the path's end and turns on the spot to the goal's heading."""
-
-    def __init__(self, tolerances: Tolerances, limits: Limits) -> None:
-        self._tolerances = tolerances
+    def __init__(self, goal: GoalParameters, limits: Limits) -> None:
+        self._goal = goal
         self._limits = limits
         self.clear()
 
@@ -47,19 +39,19 @@ class Arrival:
             self._turning = False
             return None
         left = float(wrap_angle(heading - pose.theta))
-        if abs(left) <= self._tolerances.yaw:
+        if abs(left) <= self._goal.yaw_tolerance:
             return np.zeros(3)
         still = math.hypot(twist[0], twist[1]) <= STOPPED and abs(twist[2]) <= STOPPED
         self._turning = self._turning or still
         return self._turned(left, float(twist[2]), lapse) if self._turning else self._braked(twist, lapse)
 
     def _arrived(self, pose: Pose, path: FloatArray) -> bool:
-        if self._tolerances.xy is None:
+        if self._goal.xy_tolerance is None:
             return False
         if path is not self._path:  # a new plan ends the latch, as move_base's do
             self._path, self._there = path, False
         end = Pose(float(path[-1, 0]), float(path[-1, 1]))
-        self._there = (self._there and self._tolerances.latched) or pose.distance(end) <= self._tolerances.xy
+        self._there = (self._there and self._goal.latch_xy_tolerance) or pose.distance(end) <= self._goal.xy_tolerance
         return self._there
 
     def _braked(self, twist: NDArray[np.float64], lapse: float) -> FloatArray:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_dwa.parameters import Body, FieldArray, FloatArray, MapGrids, Scales
+from arena_dwa.settings import Body, FieldArray, FloatArray, MapGrids, Scales
 from arena_kernels.compiled import compiled
 from arena_kernels.window import Window
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from arena_dwa.parameters import Body, Limits, RollOut
+from arena_dwa.settings import Body, Limits, RollOut
 from arena_dwa.trajectory import Stand, arc, moved
 from arena_kernels.compiled import compiled
 from arena_kernels.window import Window, clearance

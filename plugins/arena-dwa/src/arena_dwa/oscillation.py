@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import Pose, Twist
+from arena_dwa.parameters import OscillationParameters
 from arena_kernels.compiled import compiled
 
 FORWARD, LEFT, TURN = 0, 1, 2
@@ -25,10 +26,9 @@ class OscillationFlags:
     After ``reset_time`` s (None: never, as in ROS) they fall as well: a robot that waits would else never turn back.
     """
 
-    def __init__(self, reset_dist: float, reset_angle: float, reset_time: float | None, still_below: float) -> None:
-        self._reset_dist = reset_dist
-        self._reset_angle = reset_angle
-        self._reset_time = math.inf if reset_time is None else reset_time
+    def __init__(self, resets: OscillationParameters, still_below: float) -> None:
+        self._resets = resets
+        self._reset_time = math.inf if resets.reset_time is None else resets.reset_time
         self._still_below = still_below
         self.clear()
 
@@ -57,4 +57,4 @@ class OscillationFlags:
 
     def _is_over(self, began: float, where: Pose, stamp: float, pose: Pose) -> bool:
         turned = abs(where.relative(pose).theta)
-        return where.distance(pose) > self._reset_dist or turned > self._reset_angle or stamp - began > self._reset_time
+        return where.distance(pose) > self._resets.reset_dist or turned > self._resets.reset_angle or stamp - began > self._reset_time

@@ -1,95 +1,108 @@
-"""What the compiled search is told: tuples of plain numbers and arrays, in SI units."""
+"""The planner's parameters as its YAML groups them; every key has its unit and source there."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import Annotated, Literal
 
-import numpy as np
-from numpy.typing import NDArray
-
-from arena_kernels.window import Outline
-
-FloatArray = NDArray[np.float64]
-FieldArray = NDArray[np.float32]
+from arena_core import Bounds, Count, Horizon, NonNegative, Positive, Samples, Step
 
 
-class Limits(NamedTuple):
-    """Speeds (m/s, rad/s), accelerations (m/s^2, rad/s^2) and the least turning radius (m, 0 unless Ackermann).
+@dataclass(frozen=True, slots=True)
+class LimitParameters:
+    """What the robot may do; null is the robot's own limit."""
 
-    A sample slower than ``trans_min`` *and* turning slower than ``theta_min`` is not driven.
-    """
-
-    vx_min: float
-    vx_max: float
-    vy_max: float
-    wz_max: float
-    trans_min: float
-    trans_max: float
-    theta_min: float
-    ax_max: float
-    ay_max: float
-    alpha_max: float
-    turn_radius: float
+    vx_min: Annotated[float, Bounds(high=0.0)] | None
+    vx_max: Positive | None
+    vy_max: NonNegative | None
+    wz_max: Positive | None
+    trans_min: NonNegative
+    trans_max: Positive | None
+    theta_min: NonNegative
+    ax_max: Positive | None
+    ay_max: NonNegative | None
+    alpha_max: Positive | None
 
 
-class RollOut(NamedTuple):
-    """How many velocities are tried and how far each is followed: s, m and rad between two poses, samples an axis."""
+@dataclass(frozen=True, slots=True)
+class RollOutParameters:
+    """Which velocities are tried, and how far each is followed."""
 
-    sim_time: float
-    sim_granularity: float
-    angular_sim_granularity: float
-    stop_time_buffer: float
-    vx_samples: int
-    vy_samples: int
-    vth_samples: int
-
-
-class Body(NamedTuple):
-    """The robot's outline, and the padding (m) that it keeps.
-
-    The outline grows with speed above ``scaling_speed`` (m/s), by the fraction ``max_scaling_factor`` at full speed.
-    """
-
-    outline: Outline
-    padding: float
-    scaling_speed: float
-    max_scaling_factor: float
+    sim_period: Positive | None
+    sim_time: Horizon
+    sim_granularity: Step
+    angular_sim_granularity: Step
+    vx_samples: Samples
+    vy_samples: Count
+    vth_samples: Samples
+    stop_time_buffer: Annotated[float, Bounds(low=0.0, high=100.0)]
 
 
-class Scales(NamedTuple):
-    """The weights of the critics, in the units of ROS's dwa_local_planner where it has them."""
+@dataclass(frozen=True, slots=True)
+class FootprintParameters:
+    """The gap that is kept around the robot's body."""
 
-    path_distance_bias: float
-    goal_distance_bias: float
-    occdist_scale: float
-    occdist_mean: bool
-    forward_point_distance: float
-    twirling_scale: float
-    reverse_scale: float
-    escape_scale: float
+    padding: NonNegative
+    scaling_speed: NonNegative
+    max_scaling_factor: NonNegative
 
 
-class Approach(NamedTuple):
-    """The approach critic: its weight, how far ahead it looks (s), and the gap it wants to keep (m)."""
+@dataclass(frozen=True, slots=True)
+class CriticParameters:
+    """What the critics weigh; 0 takes one out."""
 
-    scale: float
-    time: float
-    margin: float
-
-
-class Settings(NamedTuple):
-    """All that does not change from step to step."""
-
-    limits: Limits
-    roll_out: RollOut
-    body: Body
-    scales: Scales
-    approach: Approach
+    path_distance_bias: NonNegative
+    goal_distance_bias: NonNegative
+    occdist_scale: NonNegative
+    occdist_over: Literal["max", "mean"]
+    forward_point_distance: NonNegative
+    twirling_scale: NonNegative
+    reverse_scale: NonNegative
+    escape_scale: NonNegative
 
 
-class MapGrids(NamedTuple):
-    """Steps from the path, the local goal and the goal of the robot's front: the window's cells with a border of one, flat."""
+@dataclass(frozen=True, slots=True)
+class ApproachParameters:
+    """The critic of what comes nearer."""
 
-    path: NDArray[np.int32]
-    goal: NDArray[np.int32]
-    goal_front: NDArray[np.int32]
+    scale: NonNegative
+    time: Positive
+    margin: Positive
+    lapse: Positive
+    speed_min: NonNegative
+    speed_max: NonNegative
+
+
+@dataclass(frozen=True, slots=True)
+class OscillationParameters:
+    """When a change of direction may be taken back."""
+
+    reset_dist: NonNegative
+    reset_angle: NonNegative
+    reset_time: Positive | None
+
+
+@dataclass(frozen=True, slots=True)
+class GoalParameters:
+    """Stopping at the path's end and turning to the goal's heading."""
+
+    xy_tolerance: Positive | None
+    yaw_tolerance: Positive
+    latch_xy_tolerance: bool
+
+
+@dataclass(frozen=True, slots=True)
+class TurnParameters:
+    """Turning on the spot towards a path that lies behind."""
+
+    begin: Positive | None
+    end: NonNegative
+    ahead: NonNegative
+
+
+@dataclass(frozen=True, slots=True)
+class WayOutParameters:
+    """The turn and the straight line that lead out of a local minimum."""
+
+    patience: Positive | None
+    reach: Positive

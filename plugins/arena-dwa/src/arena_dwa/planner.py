@@ -3,39 +3,35 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, ClassVar, Literal
+from typing import ClassVar
 
 import numpy as np
 
-from arena_core import (
-    Bounds,
-    ConfigurationError,
-    EpisodeStart,
-    NonNegative,
-    NonNegativeInt,
-    NoValidCommand,
-    Observation,
-    Planner,
-    Positive,
-    PositiveInt,
-    Robot,
-    Twist,
-)
+from arena_core import EpisodeStart, NoValidCommand, Observation, Planner, Robot, Twist
 from arena_dwa.approach import ClosingSpeeds
-from arena_dwa.arrival import Arrival, Tolerances
+from arena_dwa.arrival import Arrival
 from arena_dwa.map_grid import map_grids
 from arena_dwa.obstacles import REJECTED, obstacle_cost
 from arena_dwa.oscillation import OscillationFlags
-from arena_dwa.parameters import Approach, Body, FieldArray, FloatArray, Limits, RollOut, Scales, Settings
+from arena_dwa.parameters import (
+    ApproachParameters,
+    CriticParameters,
+    FootprintParameters,
+    GoalParameters,
+    LimitParameters,
+    OscillationParameters,
+    RollOutParameters,
+    TurnParameters,
+    WayOutParameters,
+)
 from arena_dwa.search import cheapest_sample
+from arena_dwa.settings import FieldArray, FloatArray, settings_of
 from arena_dwa.standing import Standing
 from arena_dwa.trajectory import stand_at
 from arena_dwa.turning import TurnInPlace
 from arena_dwa.way_out import WayOut
 from arena_dwa.window import dynamic_window
-from arena_kernels.window import Window, clearance, outline_of
-
-OUTLINE_SPACING = 0.05  # m, the side of a usual costmap cell: no cell slips between two points
+from arena_kernels.window import Window, clearance, window_of
 
 
 class DwaPlanner(Planner):
@@ -46,92 +42,27 @@ class DwaPlanner(Planner):
     def __init__(
         self,
         robot: Robot,
-        vx_min: Annotated[float, Bounds(high=0.0)] | None,
-        vx_max: Positive | None,
-        vy_max: NonNegative | None,
-        wz_max: Positive | None,
-        trans_min: NonNegative,
-        trans_max: Positive | None,
-        theta_min: NonNegative,
-        ax_max: Positive | None,
-        ay_max: NonNegative | None,
-        alpha_max: Positive | None,
-        sim_period: Positive | None,
-        sim_time: Positive,
-        sim_granularity: Positive,
-        angular_sim_granularity: Positive,
-        vx_samples: PositiveInt,
-        vy_samples: NonNegativeInt,
-        vth_samples: PositiveInt,
-        path_distance_bias: NonNegative,
-        goal_distance_bias: NonNegative,
-        occdist_scale: NonNegative,
-        occdist_over: Literal["max", "mean"],
-        forward_point_distance: NonNegative,
-        twirling_scale: NonNegative,
-        reverse_scale: NonNegative,
-        escape_scale: NonNegative,
-        approach_scale: NonNegative,
-        approach_time: Positive,
-        approach_margin: Positive,
-        approach_lapse: Positive,
-        approach_speed_min: NonNegative,
-        approach_speed_max: NonNegative,
-        stop_time_buffer: NonNegative,
-        footprint_padding: NonNegative,
-        scaling_speed: NonNegative,
-        max_scaling_factor: NonNegative,
-        oscillation_reset_dist: NonNegative,
-        oscillation_reset_angle: NonNegative,
-        oscillation_reset_time: Positive | None,
-        xy_goal_tolerance: Positive | None,
-        yaw_goal_tolerance: Positive,
-        latch_xy_goal_tolerance: bool,
-        turn_in_place_from: Positive | None,
-        turn_in_place_until: NonNegative,
-        turn_in_place_ahead: NonNegative,
-        patience: Positive | None,
-        way_out_reach: Positive,
+        limits: LimitParameters,
+        roll_out: RollOutParameters,
+        footprint: FootprintParameters,
+        critics: CriticParameters,
+        approach: ApproachParameters,
+        oscillation: OscillationParameters,
+        goal: GoalParameters,
+        turn_in_place: TurnParameters,
+        way_out: WayOutParameters,
     ) -> None:
-        own = robot.limits
-        limits = Limits(
-            vx_min=_or(vx_min, own.vx_min),
-            vx_max=_or(vx_max, own.vx_max),
-            vy_max=_or(vy_max, own.vy_max) if robot.holonomic else 0.0,
-            wz_max=_or(wz_max, own.wz_max),
-            trans_min=trans_min,
-            trans_max=_or(trans_max, max(own.vx_max, own.vy_max)),
-            theta_min=theta_min,
-            ax_max=_or(ax_max, own.ax_max),
-            ay_max=_or(ay_max, own.ay_max),
-            alpha_max=_or(alpha_max, own.alpha_max),
-            turn_radius=_turn_radius(robot),
-        )
-        if trans_min > limits.trans_max:
-            raise ConfigurationError(f"dwa: trans_min is {trans_min}; allowed: at most trans_max {limits.trans_max} (m/s)")
-        roll_out = RollOut(sim_time, sim_granularity, angular_sim_granularity, stop_time_buffer, vx_samples, vy_samples, vth_samples)
-        body = _body(robot, footprint_padding, scaling_speed, max_scaling_factor)
-        scales = Scales(
-            path_distance_bias,
-            goal_distance_bias,
-            occdist_scale,
-            occdist_over == "mean",
-            forward_point_distance,
-            twirling_scale,
-            reverse_scale,
-            escape_scale,
-        )
-        self._settings = Settings(limits, roll_out, body, scales, Approach(approach_scale, approach_time, approach_margin))
-        self._closing = ClosingSpeeds(approach_lapse, approach_speed_min, approach_speed_max)
-        self._oscillation = OscillationFlags(oscillation_reset_dist, oscillation_reset_angle, oscillation_reset_time, trans_min)
-        turns = turn_in_place_from if robot.kinematics == "differential" else None
-        self._turn = TurnInPlace(turns, turn_in_place_until, turn_in_place_ahead, limits.alpha_max)
-        self._standing = Standing(None if robot.kinematics == "ackermann" else patience)  # which cannot turn on the spot
-        self._way_out = WayOut(way_out_reach, limits, robot.holonomic)
+        self._settings = settings_of(robot, limits, roll_out, footprint, critics, approach)
+        in_force = self._settings.limits
+        self._closing = ClosingSpeeds(approach.lapse, approach.speed_min, approach.speed_max)
+        self._oscillation = OscillationFlags(oscillation, still_below=in_force.trans_min)
+        self._turn = TurnInPlace(turn_in_place, robot.kinematics == "differential", in_force.alpha_max)
+        self._standing = Standing(None if robot.kinematics == "ackermann" else way_out.patience)  # which cannot turn on the spot
+        self._way_out = WayOut(way_out.reach, in_force, robot.holonomic)
         self._rehearsed = False
-        self._arrival = Arrival(Tolerances(xy_goal_tolerance, yaw_goal_tolerance, latch_xy_goal_tolerance), limits)
+        self._arrival = Arrival(goal, in_force)
         self._period = robot.control_period
-        self._sim_period = sim_period
+        self._sim_period = roll_out.sim_period
 
     def reset(self, episode: EpisodeStart) -> None:
         """Forget the directions driven before."""
@@ -145,10 +76,10 @@ class DwaPlanner(Planner):
 
     def compute_velocity(self, observation: Observation) -> Twist:
         """Return the cheapest admissible velocity of the window; raise NoValidCommand when every one is rejected."""
-        window, state, path = _window(observation), _state(observation), observation.path.poses
+        window, state, path = window_of(observation.local_map), _state(observation), observation.path.poses
         if len(path) == 0:
             raise NoValidCommand("dwa: the path is empty")
-        lapse = _or(self._sim_period, self._period)
+        lapse = self._period if self._sim_period is None else self._sim_period
         at_goal = self._arrival.velocity(observation.pose, state[3:], path, observation.goal.theta, lapse)
         if at_goal is not None:
             if not self._is_free(window, state, at_goal):
@@ -195,27 +126,6 @@ def _approached(speeds: FieldArray) -> bool:
     """Tell whether something comes nearer to the robot, which stands in the middle of the window."""
     rows, columns = speeds.shape
     return bool(speeds[rows // 2, columns // 2] > 0.0)
-
-
-def _or(value: float | None, otherwise: float) -> float:
-    return float(otherwise if value is None else value)
-
-
-def _turn_radius(robot: Robot) -> float:
-    return robot.wheelbase / math.tan(robot.steering_max) if robot.kinematics == "ackermann" else 0.0
-
-
-def _body(robot: Robot, padding: float, scaling_speed: float, max_scaling_factor: float) -> Body:
-    footprint = robot.footprint
-    vertices = None if footprint.is_circle else footprint.vertices_xy
-    outline = outline_of(vertices, footprint.radius, footprint.inscribed_radius, OUTLINE_SPACING)
-    return Body(outline, padding, scaling_speed, max_scaling_factor)
-
-
-def _window(observation: Observation) -> Window:
-    costmap = observation.local_map
-    x, y = costmap.origin_xy.tolist()
-    return Window(costmap.costs, costmap.distance, float(costmap.resolution), x, y)
 
 
 def _state(observation: Observation) -> FloatArray:

@@ -11,7 +11,7 @@ from arena_dwa.approach import approach_cost
 from arena_dwa.map_grid import cost_fields, interpolated
 from arena_dwa.obstacles import REJECTED, obstacle_cost
 from arena_dwa.oscillation import oscillates
-from arena_dwa.parameters import FieldArray, FloatArray, MapGrids, Settings
+from arena_dwa.settings import FieldArray, FloatArray, MapGrids, Settings
 from arena_dwa.trajectory import arc, moved, stand_at
 from arena_dwa.window import axis_samples, driven, turn_samples
 from arena_kernels.compiled import compiled

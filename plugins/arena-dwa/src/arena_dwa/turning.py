@@ -7,16 +7,20 @@ import math
 import numpy as np
 
 from arena_core import Pose, wrap_angle
-from arena_dwa.parameters import FloatArray
+from arena_dwa.parameters import TurnParameters
+from arena_dwa.settings import FloatArray
 
 
 class TurnInPlace:
-    """Narrows the dynamic window to a turn towards the path from one bearing on until another, as Nav2's rotation shim does."""
+    """Narrows the dynamic window to a turn towards the path from one bearing on until another, as Nav2's rotation shim does.
 
-    def __init__(self, begin: float | None, end: float, ahead: float, alpha_max: float) -> None:
-        self._begin = begin
-        self._end = end
-        self._ahead = ahead
+    Only a ``differential`` robot does: others have better ways to drive to what lies behind.
+    """
+
+    def __init__(self, bearings: TurnParameters, differential: bool, alpha_max: float) -> None:
+        self._begin = bearings.begin if differential else None
+        self._end = bearings.end
+        self._ahead = bearings.ahead
         self._alpha_max = alpha_max
         self._turning = False
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from arena_core import Pose, wrap_angle
 from arena_dwa.map_grid import bordered_index, clamped_index
 from arena_dwa.obstacles import least_gap
-from arena_dwa.parameters import Body, FloatArray, Limits
+from arena_dwa.settings import Body, FloatArray, Limits
 from arena_dwa.trajectory import Stand, moved
 from arena_kernels.compiled import compiled
 from arena_kernels.window import Window, clearance

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from arena_dwa.parameters import FloatArray, Limits
+from arena_dwa.settings import FloatArray, Limits
 from arena_kernels.compiled import compiled
 
 REST = 1e-9  # speeds below this are none

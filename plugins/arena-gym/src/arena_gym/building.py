@@ -7,12 +7,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from arena_core import (
+    Guide,
     ObservationEncoder,
     Registry,
     Reward,
     Robot,
     Simulator,
     WaypointGenerator,
+    build_guide,
     compose,
     load_registry,
     plain,
@@ -42,7 +44,8 @@ class SwitchParts:
 class Parts:
     """What an environment is made of; ``config`` is the composed configuration in plain containers.
 
-    With ``switch`` an action chooses a planner, else it is a velocity.
+    With ``switch`` an action chooses a planner, else it is a velocity. With ``make_guide`` each robot localises and plans by a guide of its
+    own; without, it knows its pose and keeps the path that was planned at first.
     """
 
     config: Mapping[str, Any]
@@ -56,6 +59,7 @@ class Parts:
     settings: EnvironmentSettings
     randomization: Randomization
     switch: SwitchParts | None
+    make_guide: Callable[[], Guide] | None
 
 
 def compose_environment(overrides: Sequence[str] = (), primary: str = "environment", **choices: str | None) -> dict[str, Any]:
@@ -81,7 +85,21 @@ def build_parts(config: Mapping[str, Any], registry: Registry | None = None) -> 
         settings=settings,
         randomization=read_settings(config["randomization"], Randomization, "randomization"),
         switch=_switch(config, registry, robot),
+        make_guide=_guides(config, registry, robot),
     )
+
+
+def _guides(config: Mapping[str, Any], registry: Registry, robot: Robot) -> Callable[[], Guide] | None:
+    """Return what makes a guide as a benchmark has them, one of which is made at once so that errors are said now; None without."""
+    if config.get("guide") is None:
+        return None
+    brain = {**{name: config[name] for name in ("global_planner", "waypoints")}, **config["guide"]}
+
+    def make_guide() -> Guide:
+        return build_guide(brain, registry, robot)
+
+    make_guide()
+    return make_guide
 
 
 def _switch(config: Mapping[str, Any], registry: Registry, robot: Robot) -> SwitchParts | None:

@@ -48,7 +48,7 @@ class SwitchedBatch(NavigationBatch):
             assert place is not None
             commands[slot] = self._drivers[slot].drive(int(chosen[slot]), *place)
         step = self.drive(commands)
-        self.steps, self.collisions = np.where(driving, self.steps, steps), np.where(driving, self.collisions, collisions)
+        self.steps, self._loop.collisions = np.where(driving, self.steps, steps), np.where(driving, self.collisions, collisions)
         self._places = [(self.seen, slot) for slot in range(self.worlds)]
         return step
 

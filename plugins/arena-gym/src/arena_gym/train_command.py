@@ -7,10 +7,11 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import ClassVar
 
-from arena_core import Command, ConfigurationError
+from arena_core import Command, ConfigurationError, complete_overrides, load_registry, option_files, read_words
 from arena_gym.building import compose_environment
 
-USAGE = "usage: arena train planner=NAME robot=NAME [seed=0] [total_steps=N] [device=cpu] [out=DIR] [resume=true] [KEY=VALUE ...]"
+USAGE = "arena train planner=NAME robot=NAME [seed=0] [total_steps=N] [device=cpu] [out=DIR] [resume=true] [KEY=VALUE ...]"
+OWN = ("planner", "out", "resume")
 NEEDED = ("torch", "stable_baselines3", "onnx", "onnxscript", "tensorboard", "rich")
 
 
@@ -22,20 +23,23 @@ class TrainCommand(Command):
     def run(self, arguments: Sequence[str]) -> int:
         """Train, and write policy, card, curve and logs to a folder."""
         if any(word in ("-h", "--help") for word in arguments):
-            print(USAGE)
+            print(f"usage: {USAGE}")
             return 0
         _check_installed()
-        words = [word for word in arguments if not word.startswith(("out=", "resume=", "planner="))]
-        given = dict(word.split("=", 1) for word in arguments if word.startswith(("out=", "resume=", "planner=")))
-        recipe = [f"recipe={given['planner']}"] if "planner" in given else []
-        config = compose_environment([*recipe, *words], primary="train")
-        folder = Path(given.get("out") or f"trainings/{config['planner']}_{config['robot']['name']}_{config['seed']}")
-        resume = given.get("resume", "false")
-        if resume not in ("true", "false"):
-            raise ConfigurationError(f"resume is {resume}; allowed: true, false")
+        words = read_words(USAGE, arguments, keys=OWN, overrides=None)
+        recipe = [f"recipe={words.keys['planner']}"] if "planner" in words.keys else []
+        resume = words.value("resume", bool, False)
+        config = compose_environment([*recipe, *words.overrides], primary="train")
+        folder = Path(words.keys.get("out", f"trainings/{config['planner']}_{config['robot']['name']}_{config['seed']}"))
         from arena_gym.training.session import run_training
 
-        return run_training(config, folder, resume == "true")
+        return run_training(config, folder, resume)
+
+    def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
+        """Return the planners that have a recipe, and overrides."""
+        if word.startswith("planner="):
+            return [f"planner={recipe}" for recipe in option_files("recipe", load_registry().manager)]
+        return [*(f"{key}=" for key in OWN), "resume=true", *complete_overrides(words, word, primary="train")]
 
 
 def _check_installed() -> None:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from arena_gym.batch import Step
 from arena_gym.building import Parts, build_parts, compose_environment
 from arena_gym.environment import SEEDS
+from arena_gym.rendering import MODES, Frame, Renderer
 from arena_gym.reports import final_report, start_report
 from arena_gym.spaces import action_space, observation_space
 from arena_gym.switched_batch import make_batch
@@ -29,7 +30,7 @@ class NavigationVectorEnv(VectorEnv[Observations, Observations, NDArray[Any]]):
     its end, and ``infos`` of the beginning of the next.
     """
 
-    metadata = {"render_modes": [], "autoreset_mode": AutoresetMode.SAME_STEP}  # noqa: RUF012 - gymnasium's own form
+    metadata = {"render_modes": list(MODES), "render_fps": 10, "autoreset_mode": AutoresetMode.SAME_STEP}  # noqa: RUF012 - gymnasium's own form
 
     def __init__(
         self,
@@ -41,6 +42,7 @@ class NavigationVectorEnv(VectorEnv[Observations, Observations, NDArray[Any]]):
         observation: str | None = None,
         overrides: Sequence[str] = (),
         parts: Parts | None = None,
+        render_mode: str | None = None,
     ) -> None:
         super().__init__()
         if parts is None:
@@ -48,6 +50,8 @@ class NavigationVectorEnv(VectorEnv[Observations, Observations, NDArray[Any]]):
             parts = build_parts(config)
         self.batch = make_batch(parts, num_envs)
         self.num_envs = num_envs
+        self.render_mode = render_mode
+        self._renderer = Renderer(self.batch, render_mode) if render_mode is not None else None
         self.single_observation_space = observation_space(self.batch.parts.encoder)
         self.single_action_space = action_space(self.batch.parts)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
@@ -59,6 +63,7 @@ class NavigationVectorEnv(VectorEnv[Observations, Observations, NDArray[Any]]):
         """Begin the first episodes of the seeds ``seed``, ``seed + 1``, ... or of those listed."""
         super().reset(seed=seed if isinstance(seed, int) else None)
         observations = self.batch.reset(self._seeds(seed))
+        self._show()
         return observations, self._beginnings(range(self.num_envs))
 
     def set_stage(self, stage: int) -> None:
@@ -70,7 +75,23 @@ class NavigationVectorEnv(VectorEnv[Observations, Observations, NDArray[Any]]):
         step = self.batch.step(actions)
         slots = np.flatnonzero(step.terminated | step.truncated)
         infos = self._begin_next(step, slots) if len(slots) else {}
+        self._show()
         return step.observations, step.rewards, step.terminated, step.truncated, infos
+
+    def render(self) -> tuple[Frame, ...] | None:
+        """Return a picture of each world, (H, W, 3) bytes, in mode ``rgb_array``; in mode ``human`` every step shows the first world."""
+        if self._renderer is None or self.render_mode != "rgb_array":
+            return None
+        return tuple(self._renderer.frame(slot) for slot in range(self.num_envs))
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Close the window, if there is one."""
+        if self._renderer is not None:
+            self._renderer.close()
+
+    def _show(self) -> None:
+        if self._renderer is not None:
+            self._renderer.show()
 
     def _begin_next(self, step: Step, slots: NDArray[np.int64]) -> dict[str, Any]:
         """Begin the next episodes of these slots, in place in ``step.observations``; return the infos of both."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import sys
 from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
@@ -71,7 +72,7 @@ class _KernelCache(FunctionCache):
 
     def __init__(self, kernel: Callable[..., Any]) -> None:
         super().__init__(kernel)  # type: ignore[no-untyped-call]
-        self._cache_file._source_stamp = (stamp(Path(inspect.getfile(kernel)).parent), stamp(Path(__file__).parent))
+        self._cache_file._source_stamp = (stamp(_package_of(kernel)), stamp(Path(__file__).parent))
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return what was compiled for a signature, None if there is nothing, or only what names types that have moved since."""
@@ -82,8 +83,14 @@ class _KernelCache(FunctionCache):
             return None
 
 
+def _package_of(kernel: Callable[..., Any]) -> Path:
+    """Return the folder of the kernel's whole package, all of its shelves included; its file's folder where it is in none."""
+    package = sys.modules.get(kernel.__module__.partition(".")[0])
+    return Path(next(iter(getattr(package, "__path__", ())), Path(inspect.getfile(kernel)).parent))
+
+
 @lru_cache
 def stamp(folder: Path) -> tuple[tuple[str, int, int], ...]:
-    """Return name, time of change and size of every module in a folder."""
-    files = ((path.name, path.stat()) for path in sorted(folder.glob("*.py")))
+    """Return name, time of change and size of every module at or below a folder."""
+    files = ((str(path.relative_to(folder)), path.stat()) for path in sorted(folder.rglob("*.py")))
     return tuple((name, status.st_mtime_ns, status.st_size) for name, status in files)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from arena_kernels.distance import distance_field
 
 LETHAL = 254  # the cost of a cell that holds an obstacle, as in costmap_2d
 HALF_DIAGONAL = 0.7072  # of a cell, rounded up
+OUTLINE_SPACING = 0.05  # m, the side of a usual costmap cell: no cell slips between two points
 
 
 class Window(NamedTuple):
@@ -34,6 +35,58 @@ class Outline(NamedTuple):
     radius: float
     inscribed_radius: float
     points_xy: NDArray[np.float64]
+
+
+class CostmapFields(Protocol):
+    """What a window is made of: the fields of ``arena_core.Costmap``."""
+
+    @property
+    def costs(self) -> NDArray[np.uint8]:
+        """The costs (H, W)."""
+
+    @property
+    def distance(self) -> NDArray[np.float32]:
+        """The distances (H, W), m."""
+
+    @property
+    def resolution(self) -> float:
+        """The side of a cell, m."""
+
+    @property
+    def origin_xy(self) -> NDArray[np.float64]:
+        """The lower left corner (2,), m."""
+
+
+class FootprintFields(Protocol):
+    """What an outline is made of: the fields of ``arena_core.Footprint``."""
+
+    @property
+    def is_circle(self) -> bool:
+        """Whether it is a circle."""
+
+    @property
+    def vertices_xy(self) -> NDArray[np.float64]:
+        """A polygon's corners (N, 2), m."""
+
+    @property
+    def radius(self) -> float:
+        """The radius of the circle about it, m."""
+
+    @property
+    def inscribed_radius(self) -> float:
+        """The radius of the circle inside it, m."""
+
+
+def window_of(costmap: CostmapFields) -> Window:
+    """Return a costmap as kernels take it."""
+    x, y = costmap.origin_xy.tolist()
+    return Window(costmap.costs, costmap.distance, float(costmap.resolution), x, y)
+
+
+def footprint_outline(footprint: FootprintFields) -> Outline:
+    """Return a robot's outline, with points ``OUTLINE_SPACING`` m apart at most."""
+    vertices = None if footprint.is_circle else footprint.vertices_xy
+    return outline_of(vertices, footprint.radius, footprint.inscribed_radius, OUTLINE_SPACING)
 
 
 def outline_of(vertices_xy: NDArray[np.float64] | None, radius: float, inscribed_radius: float, spacing: float) -> Outline:
@@ -64,7 +117,9 @@ def without_discs(window: Window, positions_xy: NDArray[np.float64], radii: NDAr
     costs = window.costs.copy()
     if clear_discs(costs, window.resolution, window.origin_x, window.origin_y, positions_xy, radii, float(margin)) == 0:
         return window
-    return window._replace(costs=costs, distance=distance_field(costs >= LETHAL, window.resolution))
+    distance = distance_field(costs >= LETHAL, window.resolution)
+    costs.flags.writeable = distance.flags.writeable = False  # as in the window that a planner is shown: kernels are compiled once
+    return window._replace(costs=costs, distance=distance)
 
 
 @borrowing

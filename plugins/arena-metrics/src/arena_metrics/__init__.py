@@ -18,6 +18,12 @@ def register_commands(register: Register) -> None:
 
 
 @hookimpl
+def register_reporters(register: Register) -> None:
+    """Offer the report."""
+    register("report", "arena_metrics.report:Report")
+
+
+@hookimpl
 def config_package() -> str:
     """Name the configuration package."""
     return "arena_metrics.conf"

@@ -1,11 +1,12 @@
-"""Cells: episodes of one composed configuration, named by what differs between the cells shown."""
+"""Cells: episodes of one composed configuration and one state of the code, named by what differs between the cells shown."""
 
 from __future__ import annotations
 
 import json
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from arena_metrics.runs import Episode
@@ -24,15 +25,19 @@ FACTORS = {  # columns that tell cells apart, in the order in which a reader wan
 }
 SCENARIO = "scenario"  # the option of a pack; the column of that name is a single problem
 VARIANT = "variant"
-NOT_SHOWN = ("choices", "seed", "episodes", "executor", "resume", "report", "metrics", "recording", "experiment")
+NOT_SHOWN = ("choices", "seed", "episodes", "executor", "resume", "report", "objective", "metrics", "recording", "experiment", "code")
 NAMED_KEYS = 3  # differing keys that a variant's name spells out
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cell:
-    """One cell: its hash, its episodes in order, its configuration, and its value of every factor."""
+    """One cell: its hash, its code, its episodes in order, its configuration, and its value of every factor.
+
+    The hash is that of the configuration, and names the code too where one configuration was run with several.
+    """
 
     hash: str
+    code: str
     episodes: Sequence[Episode]
     config: Mapping[str, Any]
     factors: Mapping[str, str]
@@ -40,6 +45,10 @@ class Cell:
     def values(self, column: str) -> list[float]:
         """Return a metric of every episode, NaN where it is not defined or was not computed."""
         return [float(episode.row.get(column, float("nan"))) for episode in self.episodes]
+
+    def texts(self, column: str) -> Counter[str]:
+        """Return how many episodes have each text of a metric, in the order of the texts."""
+        return Counter(sorted(text for episode in self.episodes if (text := str(episode.row.get(column) or ""))))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,11 +81,12 @@ def _spoken(factor: str, value: str) -> str:
 
 
 def cells_of(episodes: Sequence[Episode]) -> Cells:
-    """Group episodes by their composed configuration and name the groups."""
-    groups: dict[str, list[Episode]] = {}
+    """Group episodes by their composed configuration and their code, and name the groups."""
+    groups: dict[tuple[str, str], list[Episode]] = {}
     for episode in episodes:
-        groups.setdefault(episode.row["config_hash"], []).append(episode)
-    plain = [_cell(name, sorted(group, key=lambda e: (e.row["seed"], e.row["episode"]))) for name, group in groups.items()]
+        groups.setdefault((episode.row["config_hash"], episode.row.get("code", "")), []).append(episode)
+    codes = Counter(name for name, _ in groups)
+    plain = [_cell(name, code, codes[name] > 1, group) for (name, code), group in groups.items()]
     cells = sorted(_with_variants(plain), key=lambda cell: [_natural(cell.factors[f]) for f in _sort_order()])
     varying = [f for f in [*FACTORS.values(), SCENARIO, VARIANT] if len({cell.factors[f] for cell in cells}) > 1]
     common = {f: value for f, value in cells[0].factors.items() if f != VARIANT and f not in varying and value}
@@ -94,11 +104,14 @@ def _natural(text: str) -> list[tuple[int, float, str]]:
     return [(0, float(part), "") if part[0].isdigit() else (1, 0.0, part) for part in parts]
 
 
-def _cell(name: str, episodes: Sequence[Episode]) -> Cell:
+def _cell(name: str, code: str, several: bool, group: Sequence[Episode]) -> Cell:
+    """Make a cell; ``several`` says that its configuration was run with other code too."""
+    episodes = sorted(group, key=lambda e: (e.row["seed"], e.row["episode"]))
     config = episodes[0].run.provenance.get("config", {})
     factors = {title: next((e.row[column] for e in episodes if e.row[column]), "") for column, title in FACTORS.items()}
     scenario = str(config.get("choices", {}).get("scenario", ""))
-    return Cell(name, episodes, config, {**factors, FACTORS["n_pedestrians"]: _people(episodes, config), SCENARIO: scenario, VARIANT: ""})
+    own = {FACTORS["n_pedestrians"]: _people(episodes, config), SCENARIO: scenario, VARIANT: f"code {code or 'unknown'}" if several else ""}
+    return Cell(f"{name}-{code or 'unknown'}" if several else name, code, episodes, config, {**factors, **own})
 
 
 def _people(episodes: Sequence[Episode], config: Mapping[str, Any]) -> str:
@@ -113,15 +126,14 @@ def _with_variants(cells: Sequence[Cell]) -> Iterator[Cell]:
     """Name the configuration keys that differ between cells which are otherwise called alike."""
     alike: dict[tuple[str, ...], list[Cell]] = {}
     for cell in cells:
-        alike.setdefault(tuple(cell.factors.values()), []).append(cell)
+        alike.setdefault(tuple(value for factor, value in cell.factors.items() if factor != VARIANT), []).append(cell)
     for group in alike.values():
         differing = differences([cell.config for cell in group]) if len(group) > 1 else {}
         for i, cell in enumerate(group):
             variant = ", ".join(f"{_short(key, differing)}={values[i]}" for key, values in list(differing.items())[:NAMED_KEYS])
-            more = len(differing) > NAMED_KEYS or (len(group) > 1 and not differing)
-            yield Cell(
-                cell.hash, cell.episodes, cell.config, {**cell.factors, VARIANT: f"{variant} {cell.hash[:4]}".strip() if more else variant}
-            )
+            more = len(differing) > NAMED_KEYS or (not differing and len({other.episodes[0].row["config_hash"] for other in group}) > 1)
+            named = f"{variant} {cell.hash[:4]}".strip() if more else variant
+            yield replace(cell, factors={**cell.factors, VARIANT: ", ".join(filter(None, (named, cell.factors[VARIANT])))})
 
 
 def _short(key: str, others: Mapping[str, Any]) -> str:

@@ -12,6 +12,7 @@ import numpy as np
 
 from arena_metrics.cells import Cells
 from arena_metrics.intervals import estimate
+from arena_metrics.problems import labels
 from arena_metrics.runs import Column
 from arena_metrics.summary import successful
 from arena_metrics.tables import unit_text
@@ -109,6 +110,7 @@ def _frame(cells: Cells, column: Column) -> pd.DataFrame:
                 "condition": cells.condition(cell, without=["people"]),
                 "people": [max(episode.row["n_pedestrians"], 0) for episode in cell.episodes],
                 "success": successful(cell, column.pack),
+                "problem": labels(cell),
                 "value": np.array(cell.values(column.name)) * (100.0 if column.proportion else 1.0),
             }
         )
@@ -187,7 +189,7 @@ def _draw(axes: Axes, data: pd.DataFrame, column: Column, planners: Sequence[str
         palette={planner: _colour(i) for i, planner in enumerate(planners)},
         markers=[_marker(i) for i in range(len(planners))],
         dodge=spread or False,
-        errorbar=_interval(column),
+        errorbar=_interval(column, data),
         err_kws={"linewidth": 1.6},
         linestyle="-" if over_people else "none",
         linewidth=1.2,
@@ -201,12 +203,13 @@ def _draw(axes: Axes, data: pd.DataFrame, column: Column, planners: Sequence[str
         axes.tick_params(axis="x", rotation=30)
 
 
-def _interval(column: Column) -> Any:
-    """Return the function by which seaborn gets our intervals."""
+def _interval(column: Column, data: pd.DataFrame) -> Any:
+    """Return the function by which seaborn gets our intervals for the values of rows of ``data``."""
     scale = 100.0 if column.proportion else 1.0
+    kind = column.kind(data["value"])
 
-    def interval(values: Any) -> tuple[float, float]:
-        found = estimate(np.asarray(values, dtype=float) / scale, column.proportion)
+    def interval(values: pd.Series[float]) -> tuple[float, float]:
+        found = estimate(np.asarray(values, dtype=float) / scale, kind, list(data.loc[values.index, "problem"]))
         return (found.low * scale, found.high * scale) if found.has_interval else (found.mean * scale, found.mean * scale)
 
     return interval

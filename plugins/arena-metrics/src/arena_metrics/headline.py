@@ -12,9 +12,11 @@ import numpy as np
 from arena_metrics.cells import Cell, Cells
 from arena_metrics.intervals import Estimate, estimate
 from arena_metrics.levels import Climb, climbs
+from arena_metrics.problems import count, labels
 from arena_metrics.runs import Column, Row
 from arena_metrics.summary import Over, Summary
 from arena_metrics.tables import decimals, headline_columns, interval_text, mean_text, unit_text
+from arena_metrics.verdicts import verdicts
 
 OUTCOMES = {  # how an episode ended, in words, with the colour of its bar
     "clean": ("success, no collision", "#0072B2"),
@@ -57,6 +59,7 @@ class Line:
 
     name: str
     n: int
+    problems: int
     outcomes: Sequence[Segment]
     figures: Sequence[Figure]
 
@@ -115,7 +118,7 @@ def groups(summary: Summary) -> list[Group]:
         for cell in cells:
             of = [summary.get(cell, column, over) for column, over in columns]
             figures = [_figure(e, cell, c, p, s, b) for e, (c, _), p, s, b in zip(of, columns, places, scales, best, strict=True)]
-            lines.append(Line(summary.cells.planner(cell), len(cell.episodes), outcome_segments(cell), figures))
+            lines.append(Line(summary.cells.planner(cell), len(cell.episodes), count(cell), outcome_segments(cell), figures))
         found.append(Group(condition, lines))
     return found
 
@@ -153,13 +156,15 @@ def _percent(share: float) -> float | None:
     return round(100.0 * min(1.0, max(0.0, share)), 2) if math.isfinite(share) else None
 
 
-def answers(summary: Summary) -> list[str]:
+def answers(summary: Summary, baseline: str | None = None) -> list[str]:
     """Return the sentences that say what came out: of staged runs their levels, because all of them succeed about equally often."""
-    if all(column.name != "success" for column in summary.columns):
+    success = next((column for column in summary.columns if column.name == "success"), None)
+    if success is None:
         return []
     climbed = list(climbs(summary.cells))
     fixed = [cell for cell in summary.cells.cells if all(climb.cell is not cell for climb in climbed)]
-    return _successes(replace(summary, cells=replace(summary.cells, cells=fixed))) + _levels(summary.cells, climbed)
+    standing = replace(summary, cells=replace(summary.cells, cells=fixed))
+    return _successes(standing) + verdicts(standing.cells, success, baseline, SPOKEN) + _levels(summary.cells, climbed)
 
 
 def _levels(cells: Cells, climbed: Sequence[Climb]) -> list[str]:
@@ -182,7 +187,7 @@ def _successes(summary: Summary) -> list[str]:
 
 
 def _single(summary: Summary, cell: Cell) -> str:
-    found, strict = estimate(cell.values("success"), True), sum(v == 1.0 for v in cell.values("strict_success"))
+    found, strict = _pooled([cell]), sum(v == 1.0 for v in cell.values("strict_success"))
     succeeded = round(found.mean * found.n) if found.n else 0
     if not found.n:
         return f"{summary.cells.planner(cell)}: no episode could be judged."
@@ -192,7 +197,7 @@ def _single(summary: Summary, cell: Cell) -> str:
 
 
 def _spread(summary: Summary, planner: str) -> str:
-    means = [(estimate(cell.values("success"), True).mean, summary.cells.condition(cell)) for cell in summary.cells.cells]
+    means = [(_pooled([cell]).mean, summary.cells.condition(cell)) for cell in summary.cells.cells]
     known = sorted(pair for pair in means if math.isfinite(pair[0]))
     if not known:
         return f"{planner}: no episode could be judged."
@@ -217,4 +222,8 @@ def _ranking(cells: Cells, planners: Sequence[str]) -> str:
 
 
 def _pooled(cells: Iterable[Cell]) -> Estimate:
-    return estimate(np.concatenate([cell.values("success") for cell in cells]), True)
+    """Estimate the share of successes over cells, by problem and within worlds."""
+    pooled = list(cells)
+    worlds = [str(episode.row["world"]) for cell in pooled for episode in cell.episodes]
+    problems = [label for cell in pooled for label in labels(cell)]
+    return estimate(np.concatenate([cell.values("success") for cell in pooled]), True, problems, worlds)

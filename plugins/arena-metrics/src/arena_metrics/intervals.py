@@ -1,34 +1,39 @@
-"""How sure a mean is: 95 % intervals, bootstrapped (BCa) for figures and after Wilson for proportions."""
+"""How sure a mean is: 95 % intervals over problems, with methods that keep their word with few episodes (docs/report.md says why these).
+
+Figures: the studentised bootstrap of problems. Proportions: Agresti and Coull. Numbers of events: exact after Garwood.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from arena_core import generator
+from arena_metrics.clusters import MOST_RESAMPLED, Clusters, clusters
 
 FloatArray = NDArray[np.float64]
-Method = Literal["BCa bootstrap", "Wilson", "Agresti-Min", "none"]
+Labels = Sequence[Hashable]
+Kind = Literal["figure", "proportion", "count"]
+Method = Literal["studentised bootstrap", "Student's t", "Agresti-Coull", "Garwood", "Bonett-Price", "none"]
 
-RESAMPLES = 5000  # Efron and Tibshirani 1993, section 14.3, ask for 1000 or more
-Z95 = 1.959963984540054  # standard normal quantile of 0.975
+LEAST_PROBLEMS = 5  # with fewer, no interval and no test: their scatter says next to nothing
+TAIL = 0.025  # beyond each end of an interval
 
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """A mean over ``n`` episodes with its 95 % interval; ``low`` and ``high`` are NaN where there is none."""
+    """A mean over ``n`` episodes of ``problems`` problems with its 95 % interval; ``low`` and ``high`` are NaN where there is none."""
 
     mean: float
     low: float
     high: float
     n: int
     method: Method
+    problems: int
 
     @property
     def has_interval(self) -> bool:
@@ -36,108 +41,93 @@ class Estimate:
         return self.method != "none"
 
 
-def estimates(columns: Sequence[ArrayLike], proportions: Sequence[bool]) -> list[Estimate]:
-    """Estimate the mean of each column over the episodes in which it is defined (not NaN)."""
-    values = [_defined(column) for column in columns]
-    found: list[Estimate | None] = [_wilson(v) if share else None for v, share in zip(values, proportions, strict=True)]
-    open_by_length: dict[int, list[int]] = {}
-    for i, v in enumerate(values):
-        if found[i] is None:
-            open_by_length.setdefault(len(v), []).append(i)
-    for length, indices in open_by_length.items():
-        for i, estimate in zip(indices, _bootstrapped([values[i] for i in indices], length), strict=True):
-            found[i] = estimate
-    return [estimate for estimate in found if estimate is not None]
+def estimate(values: ArrayLike, kind: Kind | bool = "figure", problems: Labels | None = None, worlds: Labels | None = None) -> Estimate:
+    """Estimate a mean over the episodes in which it is defined (not NaN).
 
-
-def estimate(values: ArrayLike, proportion: bool = False) -> Estimate:
-    """Estimate one mean."""
-    return estimates([values], [proportion])[0]
-
-
-def difference(values: ArrayLike, baseline: ArrayLike, proportion: bool = False) -> Estimate:
-    """Estimate the mean of ``values - baseline`` over the pairs in which both are defined."""
-    differences = _defined(np.asarray(values, dtype=np.float64) - np.asarray(baseline, dtype=np.float64))
-    if len(differences) < 2:
-        return estimate(differences)
-    return _agresti_min(differences) if proportion else estimate(differences)
-
-
-def _agresti_min(differences: FloatArray) -> Estimate:
-    """Return the interval of a difference of paired proportions (Agresti and Min 2005): half a pair is added to each kind.
-
-    Unlike a bootstrap it is no point when all pairs are alike.
+    ``kind`` may be True for a proportion. ``problems`` and ``worlds`` are labels of the values: without them each is a problem of its own,
+    in one world.
     """
-    n = len(differences)
-    won, lost = (differences > 0.0).sum() + 0.5, (differences < 0.0).sum() + 0.5
-    centre = (won - lost) / (n + 2)
-    half = Z95 * math.sqrt(won + lost - (won - lost) ** 2 / (n + 2)) / (n + 2)
-    return Estimate(float(differences.mean()), max(-1.0, float(centre - half)), min(1.0, float(centre + half)), n, "Agresti-Min")
+    kept, sample = defined(values, problems, worlds)
+    n = len(kept)
+    if n == 0 or sample.problems < LEAST_PROBLEMS:
+        return Estimate(float(kept.mean()) if n else math.nan, math.nan, math.nan, n, "none", sample.problems)
+    if kind is True or kind == "proportion":
+        return _agresti_coull(kept, sample)
+    return _garwood(kept, sample) if kind == "count" else figure(sample, n, sample.error())
 
 
-def _defined(column: ArrayLike) -> FloatArray:
-    values = np.asarray(column, dtype=np.float64)
-    return values[np.isfinite(values)]
+def defined(values: ArrayLike, problems: Labels | None, worlds: Labels | None) -> tuple[FloatArray, Clusters]:
+    """Return the values that are numbers, and these by problem."""
+    every = np.asarray(values, dtype=np.float64)
+    there = np.flatnonzero(np.isfinite(every))
+    labels = (None if of is None else [of[int(i)] for i in there] for of in (problems, worlds))
+    return every[there], clusters(every[there], *labels)
 
 
-def _wilson(values: FloatArray) -> Estimate:
-    """Return the score interval of a proportion (Wilson 1927), which stays inside 0 .. 1 and is no point at 0 or 1."""
+def excess(values: FloatArray, sample: Clusters) -> float:
+    """Return how many times the variance of a mean exceeds that of as many independent episodes: Kish's design effect, at least 1.
+
+    Where all values are alike it cannot be known; then each problem counts once.
+    """
     n = len(values)
-    if n == 0:
-        return Estimate(math.nan, math.nan, math.nan, 0, "none")
-    p = float(values.mean())
-    if n == 1:
-        return Estimate(p, math.nan, math.nan, 1, "none")
-    spread = 1.0 + Z95**2 / n
-    centre = (p + Z95**2 / (2 * n)) / spread
-    half = Z95 * math.sqrt(p * (1.0 - p) / n + Z95**2 / (4 * n**2)) / spread
-    return Estimate(p, max(0.0, centre - half), min(1.0, centre + half), n, "Wilson")
+    if not sample.repeated:
+        return 1.0
+    alone = float(values.var(ddof=1)) / n
+    return max(1.0, sample.error() ** 2 / alone) if alone > 0.0 else n / sample.problems
 
 
-def _bootstrapped(columns: list[FloatArray], n: int) -> list[Estimate]:
-    """Estimate columns of equal length ``n`` together."""
-    if n < 2:
-        return [Estimate(float(v[0]) if n else math.nan, math.nan, math.nan, n, "none") for v in columns]
-    samples = np.stack(columns, axis=1)
-    low, high = bca(samples)
-    means = samples.mean(axis=0)
-    return [Estimate(float(m), float(a), float(b), n, "BCa bootstrap") for m, a, b in zip(means, low, high, strict=True)]
+def quantile(sample: Clusters) -> float:
+    """Return the quantile of 0.975 of a pivot: normal for single episodes, of Student's t for problems that were repeated."""
+    from scipy.special import ndtri, stdtrit
+
+    return float(stdtrit(sample.freedom, 1.0 - TAIL) if sample.repeated else ndtri(1.0 - TAIL))
 
 
-def bca(samples: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the bias-corrected and accelerated 95 % interval of the mean of each column of (n, M) samples.
+def _agresti_coull(values: FloatArray, sample: Clusters) -> Estimate:
+    """Return the interval of a proportion after Agresti and Coull (1998), about Wilson's centre and never narrower than his.
 
-    Efron 1987. Every call with the same n draws the same resamples (a stream of its own), so results do not depend on the order of calls.
+    Repeated problems count as the number of independent episodes that would be as sure (Korn and Graubard 1998).
     """
-    from scipy.special import ndtr, ndtri
-
-    means = samples.mean(axis=0)
-    centred = samples - means
-    resampled = np.sort(resample_weights(len(samples)) @ centred, axis=0)
-    tolerance = 1e-9 * np.abs(centred).max(axis=0)
-    below = (resampled < -tolerance).sum(axis=0) + 0.5 * (np.abs(resampled) <= tolerance).sum(axis=0)
-    bias = ndtri(np.clip(below / RESAMPLES, 1.0 / RESAMPLES, 1.0 - 1.0 / RESAMPLES))
-    squares = (centred**2).sum(axis=0)
-    acceleration = np.divide((centred**3).sum(axis=0), 6.0 * squares**1.5, out=np.zeros_like(squares), where=squares > 0.0)
-    low, high = (means + _quantiles(resampled, ndtr(bias + (bias + z) / (1.0 - acceleration * (bias + z)))) for z in (-Z95, Z95))
-    return low, high
+    n, z = len(values) / excess(values, sample), quantile(sample)
+    mean, wider = float(values.mean()), n + z**2
+    centre = (mean * n + z**2 / 2.0) / wider
+    half = z * math.sqrt(centre * (1.0 - centre) / wider)
+    return Estimate(mean, max(0.0, centre - half), min(1.0, centre + half), len(values), "Agresti-Coull", sample.problems)
 
 
-@lru_cache(maxsize=16)
-def resample_weights(n: int) -> FloatArray:
-    """Return the shares that each of ``n`` episodes has in each resample, shape (RESAMPLES, n)."""
-    drawn = generator(n, "report", "bootstrap").multinomial(n, np.full(n, 1.0 / n), size=RESAMPLES)
-    weights: FloatArray = drawn / n
-    weights.flags.writeable = False
-    return weights
+def _garwood(values: FloatArray, sample: Clusters) -> Estimate:
+    """Return the exact interval of a Poisson mean (Garwood 1936), for the number of events that would be as sure if they came singly.
+
+    Events that come in bunches, in an episode or a problem, count as fewer: divided by their variance over their mean, where that is more
+    than 1, which is itself an estimate (Student's t). Unlike a bootstrap it says something when there was no event at all.
+    """
+    from scipy.special import ndtri, stdtrit
+    from scipy.stats import chi2
+
+    n, mean = len(values), float(values.mean())
+    bunched = max(1.0, float(values.var(ddof=1)) / mean if mean > 0.0 else 1.0) * excess(values, sample)
+    if bunched > 1.0:
+        bunched *= (stdtrit(sample.freedom, TAIL) / ndtri(TAIL)) ** 2
+    events, per_event = n * mean / bunched, bunched / n
+    low = 0.5 * float(chi2.ppf(TAIL, 2.0 * events)) if events > 0.0 else 0.0
+    high = 0.5 * float(chi2.ppf(1.0 - TAIL, 2.0 * (events + 1.0)))
+    return Estimate(mean, per_event * low, per_event * high, n, "Garwood", sample.problems)
 
 
-def _quantiles(sorted_columns: FloatArray, shares: FloatArray) -> FloatArray:
-    """Return a quantile of its own for each sorted column, interpolated."""
-    position = np.clip(shares, 0.0, 1.0) * (len(sorted_columns) - 1)
-    under = np.floor(position).astype(np.int64)
-    over = np.minimum(under + 1, len(sorted_columns) - 1)
-    columns = np.arange(sorted_columns.shape[1])
-    lower, upper = sorted_columns[under, columns], sorted_columns[over, columns]
-    quantiles: FloatArray = lower + (position - under) * (upper - lower)
-    return quantiles
+def figure(sample: Clusters, n: int, error: float) -> Estimate:
+    """Return the studentised bootstrap interval of a mean (Hall 1988), on each side at least as wide as Student's t makes it.
+
+    ``error`` is the sample's own, or a greater one that Student's t then goes by.
+    """
+    from scipy.special import stdtrit
+
+    mean, half = sample.mean, float(stdtrit(sample.freedom, 1.0 - TAIL)) * error
+    if sample.problems > MOST_RESAMPLED or no_scatter(sample, sample.error()):
+        return Estimate(mean, mean - half, mean + half, n, "Student's t", sample.problems)
+    under, over = np.quantile(sample.pivots(), (TAIL, 1.0 - TAIL)) * sample.error()
+    return Estimate(mean, mean - max(float(over), half), mean + max(-float(under), half), n, "studentised bootstrap", sample.problems)
+
+
+def no_scatter(sample: Clusters, error: float) -> bool:
+    """Tell whether all problems have the same figure, but for rounding."""
+    return error <= 1e-12 * abs(sample.mean)

@@ -40,6 +40,13 @@ def longest_stand(record: EpisodeRecord, stand_radius: float) -> float:
     return longest
 
 
+def reverse_share(record: EpisodeRecord, standing_speed: float) -> float:
+    """Return the share of time in which the robot's front moved back faster than ``standing_speed`` m/s; NaN for no duration."""
+    back = (record["twist"][:, 0] < -standing_speed).astype(float)
+    periods = np.diff(record["stamp"])
+    return float((periods * 0.5 * (back[1:] + back[:-1])).sum() / periods.sum()) if len(periods) else math.nan
+
+
 def acceleration(record: EpisodeRecord, derivative_period: float) -> float:
     """Return the mean magnitude of the acceleration vector, m/s^2."""
     return _mean_derivative(record, derivative_period, order=1)
@@ -48,6 +55,24 @@ def acceleration(record: EpisodeRecord, derivative_period: float) -> float:
 def jerk(record: EpisodeRecord, derivative_period: float) -> float:
     """Return the mean magnitude of the jerk vector, m/s^3 (after Flash and Hogan 1985)."""
     return _mean_derivative(record, derivative_period, order=2)
+
+
+def jerk_without_contact(record: EpisodeRecord, derivative_period: float) -> float:
+    """Return the mean jerk over the triples of velocities during which the robot touched nothing, m/s^3; NaN where there is none."""
+    samples = velocities_map(record["stamp"], record["pose"], record["twist"], derivative_period)
+    begins = record["stamp"][0] + derivative_period * np.arange(len(samples) - 2)
+    free = ~touched_spans(record, begins, begins + 2.0 * derivative_period)
+    jerks = np.hypot(*np.diff(samples, n=2, axis=0).T)[free] / derivative_period**2
+    return float(jerks.mean()) if len(jerks) else math.nan
+
+
+def touched_spans(record: EpisodeRecord, begins: FloatArray, ends: FloatArray) -> NDArray[np.bool_]:
+    """Tell which spans of time (K,) share more than an instant with a control step in contact."""
+    stamps = record["stamp"]
+    before = np.concatenate(([0], np.cumsum(record["contact_time"][1:] > 0.0)))  # steps in contact up to each row
+    first = np.searchsorted(stamps, begins + 1e-6, side="right") - 1
+    last = np.searchsorted(stamps, ends - 1e-6, side="left")
+    return before[np.minimum(last, len(stamps) - 1)] > before[np.maximum(first, 0)]
 
 
 def _mean_derivative(record: EpisodeRecord, period: float, order: int) -> float:

@@ -9,6 +9,8 @@ import numpy as np
 from arena_core import EpisodeRecord, succeeded
 from arena_metrics.motion import polyline_length
 
+PERSON = 2  # contact_kind of a contact with a person
+
 
 def collisions(record: EpisodeRecord) -> float:
     """Count contacts by their rising edges."""
@@ -18,6 +20,21 @@ def collisions(record: EpisodeRecord) -> float:
 def collisions_caused(record: EpisodeRecord) -> float:
     """Count contacts in which the robot moved into the other."""
     return float(np.count_nonzero(record["contact_caused"]))
+
+
+def collisions_people(record: EpisodeRecord) -> float:
+    """Count contacts with people."""
+    return float(np.count_nonzero(record["contact_kind"] == PERSON))
+
+
+def collisions_people_caused(record: EpisodeRecord) -> float:
+    """Count contacts with people in which the robot moved into the person."""
+    return float(np.count_nonzero((record["contact_kind"] == PERSON) & record["contact_caused"]))
+
+
+def collisions_static(record: EpisodeRecord) -> float:
+    """Count contacts with walls and obstacles, which the robot always causes."""
+    return float(np.count_nonzero(record["contact_kind"] != PERSON))
 
 
 def contact_time(record: EpisodeRecord) -> float:
@@ -87,27 +104,6 @@ def replans(record: EpisodeRecord) -> float:
 def recoveries(record: EpisodeRecord) -> float:
     """Count the recovery behaviours that were tried."""
     return float(sum(event["kind"] == "recovery" for event in record.meta["events"]))
-
-
-def planning_time_mean(record: EpisodeRecord) -> float:
-    """Return the mean wall time of the local planner, ms; NaN without timing."""
-    seconds = record.timing.get("planner_seconds", np.empty(0))
-    return 1e3 * float(seconds.mean()) if len(seconds) else math.nan
-
-
-def planning_time_p95(record: EpisodeRecord) -> float:
-    """Return the 95th percentile of the local planner's wall time, ms; NaN without timing."""
-    return _percentile(record, "planner_seconds", 95.0)
-
-
-def planning_cpu_p99(record: EpisodeRecord) -> float:
-    """Return the 99th percentile of the local planner's CPU time, ms; NaN without timing."""
-    return _percentile(record, "planner_cpu_seconds", 99.0)
-
-
-def _percentile(record: EpisodeRecord, name: str, percent: float) -> float:
-    seconds = record.timing.get(name, np.empty(0))
-    return 1e3 * float(np.percentile(seconds, percent)) if len(seconds) else math.nan
 
 
 def localization_error(record: EpisodeRecord) -> float:

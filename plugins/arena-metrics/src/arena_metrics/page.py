@@ -8,10 +8,13 @@ from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from typing import Any
 
-from arena_metrics.cells import VARIANT, Cells, differences
+from arena_metrics.cells import VARIANT, Cell, Cells, differences
+from arena_metrics.codes import other_code
+from arena_metrics.drives import numbered
+from arena_metrics.endings import verdict
 from arena_metrics.figures import Image
 from arena_metrics.headline import OUTCOMES, Group, answers, groups, headings, outcome
-from arena_metrics.runs import IDENTIFICATION, Episode, Run
+from arena_metrics.runs import Episode, Run
 from arena_metrics.summary import Summary
 from arena_metrics.tables import BLOCK, Table, headline_columns, metric_tables
 
@@ -22,6 +25,7 @@ TITLE = ("planner", "robot", "world", "people")  # what the title of a single ce
 PICTURES_FIRST = 3  # most cells with which the pictures come ahead of the figures
 CELLS_IN_FULL = 4 * BLOCK  # cells whose every metric is on the page
 EPISODES = 600  # rows of the table of episodes
+BESIDE = ("collisions_people", "collisions_people_caused", "impact_speed", "goal_error")  # beside the headline's metrics of an episode
 KEYS = 80  # rows of the table of differing configuration keys
 CELLS_COMPARED = 12  # columns of that table
 PACKAGES = ("arena-", "numpy", "numba", "scipy", "shapely", "torch", "mujoco", "casadi", "ompl")
@@ -29,8 +33,11 @@ PACKAGES = ("arena-", "numpy", "numba", "scipy", "shapely", "torch", "mujoco", "
 
 def render(
     summary: Summary,
-    pairs: Table | None,
+    baseline: str | None,
+    pairs: Sequence[Table],
     levels: Table | None,
+    of_drives: Sequence[Table],
+    problems: Table | None,
     runs: Sequence[Run],
     repeats: int,
     figures: Sequence[Image],
@@ -44,16 +51,18 @@ def render(
     template = environment.from_string((files("arena_metrics") / "templates" / "report.html.j2").read_text(encoding="utf-8"))
     first = {column.name for column, _ in headline_columns(summary)}
     return template.render(
-        **_head(summary, runs, repeats),
+        **_head(summary, baseline, runs, repeats),
         style=(files("arena_metrics") / "templates" / "report.css").read_text(encoding="utf-8"),
         figures=[_embedded(image) for image in figures if image.name in first],
         more_figures=[_embedded(image) for image in figures if image.name not in first],
-        pictures=[_embedded(image, LARGE if len(pictures) == 1 else 1.0) for image in pictures[:PICTURES]],
-        more_pictures=[_embedded(image) for image in pictures[PICTURES:]],
+        pictures=[_picture(summary.cells, image, LARGE if len(pictures) == 1 else 1.0) for image in pictures[:PICTURES]],
+        more_pictures=[_picture(summary.cells, image) for image in pictures[PICTURES:]],
+        of_drives=of_drives,
         pictures_first=len(summary.cells.cells) <= PICTURES_FIRST,
         pictures_left_out=len(summary.cells.cells) - len(pictures),
         pairs=pairs,
         levels=levels,
+        problems=problems,
         climbing=[_embedded(image) for image in climbing],
         tables=_tables(summary),
         cells_in_full=CELLS_IN_FULL,
@@ -62,7 +71,7 @@ def render(
     )
 
 
-def _head(summary: Summary, runs: Sequence[Run], repeats: int) -> dict[str, Any]:
+def _head(summary: Summary, baseline: str | None, runs: Sequence[Run], repeats: int) -> dict[str, Any]:
     cells = summary.cells
     episodes = [episode for cell in cells.cells for episode in cell.episodes]
     shown, folded = _folded(groups(summary))
@@ -71,7 +80,8 @@ def _head(summary: Summary, runs: Sequence[Run], repeats: int) -> dict[str, Any]
         "common": {k: v for k, v in cells.common.items() if len(cells.cells) > 1 or k not in TITLE},
         "counts": {"runs": len(runs), "cells": len(cells.cells), "episodes": len(episodes), "repeats": repeats},
         "seeds": _numbers(sorted({episode.row["seed"] for episode in episodes})),
-        "answers": answers(summary),
+        "answers": answers(summary, baseline),
+        "other_code": other_code(cells),
         "untuned": sorted({note for run in runs for note in run.provenance.get("untuned") or []}),
         "headings": headings(summary),
         "groups": shown,
@@ -124,6 +134,19 @@ def _embedded(image: Image, scale: float = 1.0) -> dict[str, Any]:
     return {"name": image.name, "caption": image.caption, "width": round(scale * image.width), "data": base64.b64encode(image.png).decode()}
 
 
+def _picture(cells: Cells, image: Image, scale: float = 1.0) -> dict[str, Any]:
+    """Return the picture of a cell with its episodes, whose numbers it shows."""
+    cell = next(cell for cell in cells.cells if image.name == f"cell_{cell.hash}")
+    return {**_embedded(image, scale), "episodes": [_reference(cell, episode, label) for episode, label in numbered(cells, cell)]}
+
+
+def _reference(cell: Cell, episode: Episode, label: str) -> dict[str, Any]:
+    """Return an episode's number, the place of its row in the page, how it ended, and whether it was no success."""
+    row = episode.row
+    place = f"e-{cell.hash}-{row['seed']}-{row['episode']}"
+    return {"label": label, "place": place, "verdict": verdict(row), "failed": row.get("success") != 1.0}
+
+
 def _tables(summary: Summary) -> list[tuple[str, list[Table]]]:
     shown = summary.cells.cells[:CELLS_IN_FULL]
     return [
@@ -134,14 +157,21 @@ def _tables(summary: Summary) -> list[tuple[str, list[Table]]]:
 
 def _episodes(summary: Summary) -> dict[str, Any]:
     """Return the table of episodes: what identifies each, how it ended, and the headline's metrics."""
-    columns = [column for column, _ in headline_columns(summary)] + [c for c in summary.columns if c.name in ("goal_error", "impact_speed")]
-    rows = [(cell, episode) for cell in summary.cells.cells for episode in cell.episodes]
+    columns = [column for column, _ in headline_columns(summary)] + [c for c in summary.columns if c.name in BESIDE]
+    columns += summary.texts
+    rows = [
+        (cell, episode, _reference(cell, episode, label))
+        for cell in summary.cells.cells
+        for episode, label in numbered(summary.cells, cell)
+    ]
     return {"episode_columns": columns, "episode_rows": rows[:EPISODES], "episodes_left_out": max(0, len(rows) - EPISODES), "value": _value}
 
 
 def _value(episode: Episode, name: str) -> str:
-    number = episode.row.get(name, float("nan"))
-    return "–" if number != number else f"{number:.4g}"
+    value = episode.row.get(name, float("nan"))
+    if isinstance(value, str):
+        return value or "–"
+    return "–" if value != value else f"{value:.4g}"
 
 
 def _provenance(cells: Cells, runs: Sequence[Run]) -> dict[str, Any]:
@@ -165,10 +195,11 @@ def _provenance(cells: Cells, runs: Sequence[Run]) -> dict[str, Any]:
 
 def _run_facts(run: Run) -> Mapping[str, str]:
     known = run.provenance
-    hashes = dict.fromkeys(str(row[IDENTIFICATION[0]]) for row in run.rows)
+    hashes = dict.fromkeys(str(row["config_hash"]) for row in run.rows)
     return {
         "folder": str(run.folder),
         "cell": ", ".join(hashes) or str(known.get("config_hash", "–")),
+        "code": ", ".join(dict.fromkeys(str(row.get("code") or "–") for row in run.rows)) or "–",
         "seed": str(known.get("seed", "–")),
         "episodes": f"{len(run.rows)} of {known['episodes']}" if "episodes" in known else str(len(run.rows)),
         "commit": known.get("commit") or "–",

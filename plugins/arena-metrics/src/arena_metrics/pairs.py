@@ -2,44 +2,76 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Hashable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
 
 from arena_metrics.cells import FACTORS, Cell, Cells
-from arena_metrics.intervals import Estimate, difference
+from arena_metrics.comparisons import Comparison, after_holm, compare
+from arena_metrics.problems import problem
 from arena_metrics.runs import Column, Episode
-from arena_metrics.summary import Summary
+from arena_metrics.summary import Summary, success_column
 from arena_metrics.tables import Table, column_title, decimals, headline_columns
 
-PAIRED = ("collisions_caused",)  # beside the headline's metrics
+PAIRED = ("collisions_caused", "jerk")  # beside the headline's metrics
+HEAD = ["mean [95 % interval]", "p", "p after Holm", "effect", "higher / lower", "pairs", "problems"]
 
 
-def paired_table(summary: Summary, baseline: str | None = None) -> Table | None:
-    """Return one line a cell that has a baseline under its condition: mean difference [95 % interval] (pairs).
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """A metric of two planners on the same scenario, and whose problem in which world it is."""
 
-    ``baseline`` is a planner's preset, by default the first; None comes back where there is nothing to compare. An asterisk marks
-    an interval without 0.
+    ours: float
+    theirs: float
+    problem: Hashable
+    world: str
+
+
+def paired_tables(summary: Summary, baseline: str | None = None) -> list[Table]:
+    """Return a table for each metric, with one line a cell that has a baseline under its condition; none where nothing can be compared.
+
+    ``baseline`` is a planner's preset, by default the first. The lines of a table are one family of comparisons: an asterisk marks what
+    chance does not explain (p after Holm of 0.05 or less).
     """
-    columns = _columns(summary)
-    compared = [(cell, base) for group in conditions(summary.cells) for cell, base in _against(group, baseline)]
-    found = [[paired(cell, base, column) for column in columns] for cell, base in compared]
-    if not any(estimate.n for row in found for estimate in row):
-        return None
-    places = [decimals(row[i] for row in found) for i in range(len(columns))]
-    names = [[summary.cells.condition(cell), f"{summary.cells.planner(cell)} − {summary.cells.planner(base)}"] for cell, base in compared]
-    texts = [[_text(e, column, p) for e, column, p in zip(row, columns, places, strict=True)] for row in found]
-    first = 0 if any(condition for condition, _ in names) else 1  # a single condition needs no column
-    head = [*["condition", "difference"][first:], *(column_title(column) for column in columns)]
-    return Table(
-        "Differences on the same scenarios: mean [95 % interval] (pairs in which both are defined), * where the interval excludes 0",
-        head,
-        [[*name[first:], *row] for name, row in zip(names, texts, strict=True)],
-    )
+    couples = [(cell, base) for group in conditions(summary.cells) for cell, base in against(group, baseline)]
+    tables = [_table(summary.cells, couples, column) for column in _columns(summary)]
+    return [table for table in tables if table.rows]
+
+
+def compared(cells: Cells, columns: Sequence[Column], baseline: str | None = None) -> Iterator[dict[str, Any]]:
+    """Yield what each comparison found, one after the other: those of one metric are one family."""
+    couples = [(cell, base) for group in conditions(cells) for cell, base in against(group, baseline)]
+    for column in columns:
+        found = after_holm([comparison(pairs(cell, base, column), column) for cell, base in couples])
+        for (cell, base), one in zip(couples, found, strict=True):
+            difference = one.difference
+            yield {
+                **{"planner": cells.planner(cell), "baseline": cells.planner(base), "condition": cells.condition(cell)},
+                **{"metric": column.name, "unit": column.unit, "over": "both succeeded" if column.path_metric else "all"},
+                **{"difference": difference.mean, "low": difference.low, "high": difference.high, "p": one.p, "p_holm": one.holm},
+                **{"effect": one.effect, "higher": one.higher, "lower": one.lower, "pairs": difference.n, "problems": difference.problems},
+            }
+
+
+def _table(cells: Cells, couples: Sequence[tuple[Cell, Cell]], column: Column) -> Table:
+    found = after_holm([comparison(pairs(cell, base, column), column) for cell, base in couples])
+    places = decimals(one.difference for one in found)
+    several = any(cells.condition(cell) for cell, _ in couples)  # a single condition needs no column
+    rows = [
+        [*([cells.condition(cell)] if several else []), f"{cells.planner(cell)} − {cells.planner(base)}", *_texts(one, column, places)]
+        for (cell, base), one in zip(couples, found, strict=True)
+        if one.difference.n
+    ]
+    over = "episodes in which both succeeded" if column.path_metric else "all episodes"
+    return Table(f"{column_title(column)}, pairs of {over}", [*(["condition"] if several else []), "difference", *HEAD], rows)
 
 
 def _columns(summary: Summary) -> list[Column]:
-    """Return the headline's metrics and what belongs beside them."""
+    """Return the headline's metrics and what belongs beside them, but for what is no merit."""
     first = [column for column, _ in headline_columns(summary)]
-    return first + [column for column in summary.columns if column.name in PAIRED and column not in first]
+    shown = first + [column for column in summary.columns if column.name in PAIRED and column not in first]
+    return [column for column in shown if column.better != "neither"]
 
 
 def conditions(cells: Cells) -> Iterator[list[Cell]]:
@@ -52,34 +84,64 @@ def conditions(cells: Cells) -> Iterator[list[Cell]]:
     yield from groups.values()
 
 
-def _against(group: Sequence[Cell], baseline: str | None) -> Iterator[tuple[Cell, Cell]]:
+def against(group: Sequence[Cell], baseline: str | None) -> Iterator[tuple[Cell, Cell]]:
     """Yield the other cells of a condition with the baseline's."""
     named = [cell for cell in group if cell.factors["planner"] == baseline]
     base = (named or list(group))[0]
     yield from ((cell, base) for cell in group if cell is not base)
 
 
-def paired(cell: Cell, base: Cell, column: Column) -> Estimate:
-    """Estimate how much more of a metric a cell has than another on the scenarios that both drove."""
+def pairs(cell: Cell, base: Cell, column: Column) -> list[Pair]:
+    """Return a metric of both on the scenarios that both drove; one of the path only where both succeeded."""
     ours, theirs = _by_scenario(cell), _by_scenario(base)
     both = [name for name in ours if name in theirs]
-    values, baseline = ([float(of[name].row.get(column.name, float("nan"))) for name in both] for of in (ours, theirs))
-    return difference(values, baseline, column.proportion)
+    if column.path_metric:
+        both = [name for name in both if all(_succeeded(of[name], cells, column) for of, cells in ((ours, cell), (theirs, base)))]
+    return [
+        Pair(_value(ours[name], column), _value(theirs[name], column), problem(ours[name].row), str(ours[name].row["world"]))
+        for name in both
+    ]
 
 
-def _by_scenario(cell: Cell) -> dict[tuple[int, str], Episode]:
-    """Return the episodes that may have a pair; those of a staged task have none, because what a planner meets depends on how it did."""
+def comparison(found: Sequence[Pair], column: Column) -> Comparison:
+    """Compare over pairs, repeats of a problem being one problem and worlds strata."""
+    ours, theirs = [pair.ours for pair in found], [pair.theirs for pair in found]
+    return compare(ours, theirs, column.kind([*ours, *theirs]), [pair.problem for pair in found], [pair.world for pair in found])
+
+
+def _succeeded(episode: Episode, cell: Cell, column: Column) -> bool:
+    return float(episode.row.get(success_column(cell, column.pack), math.nan)) == 1.0
+
+
+def _value(episode: Episode, column: Column) -> float:
+    return float(episode.row.get(column.name, math.nan))
+
+
+def _by_scenario(cell: Cell) -> dict[tuple[int, str, str], Episode]:
+    """Return the episodes that may have a pair; those of a staged task have none, because what a planner meets depends on how it did.
+
+    Problems of other files or in other walls are no pair, whatever they are called.
+    """
     episodes = [episode for episode in cell.episodes if episode.row["scenario"] and episode.row["stage"] < 0]
-    return {(episode.row["seed"], episode.row["scenario"]): episode for episode in episodes}
+    return {(e.row["seed"], e.row["scenario"], e.row.get("scenario_hash", "")): e for e in episodes}
 
 
-def _text(estimate: Estimate, column: Column, places: int) -> str:
-    if estimate.n == 0:
+def _texts(one: Comparison, column: Column, places: int) -> list[str]:
+    found, scale = one.difference, 100.0 if column.proportion else 1.0
+    mean, low, high = (_signed(scale * x, 0 if column.proportion else places) for x in (found.mean, found.low, found.high))
+    interval = f" [{low}, {high}]{'*' if one.told_apart else ''}" if found.has_interval else ""
+    effect = _signed(one.effect, 2) if math.isfinite(one.effect) else "–"
+    return [mean + interval, p_text(one.p), p_text(one.holm), effect, f"{one.higher} / {one.lower}", str(found.n), str(found.problems)]
+
+
+def _signed(number: float, places: int) -> str:
+    return f"{number:+.{places}f}".replace("-", "−") if math.isfinite(number) else "–"
+
+
+def p_text(p: float) -> str:
+    """Return p with two digits that count, as psychologists write it."""
+    if not math.isfinite(p):
         return "–"
-    scale, places = (100.0, 0) if column.proportion else (1.0, places)
-    mean = f"{scale * estimate.mean:+.{places}f}".replace("-", "−")
-    if not estimate.has_interval:
-        return f"{mean} ({estimate.n})"
-    low, high = (f"{scale * end:+.{places}f}".replace("-", "−") for end in (estimate.low, estimate.high))
-    mark = "*" if estimate.low > 0.0 or estimate.high < 0.0 else ""
-    return f"{mean} [{low}, {high}]{mark} ({estimate.n})"
+    if p < 0.001:
+        return "< .001"
+    return f"{p:.{2 if p >= 0.0995 else 3}f}".lstrip("0") if p < 0.995 else "1"

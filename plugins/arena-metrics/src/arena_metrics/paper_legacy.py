@@ -2,6 +2,7 @@
 
 The definitions are those of arena-evaluation, ``02_evaluation/get_metrics_elias.py``, and are not in SI units: differences
 are per record (about 0.4 s) and never divided by time. Use ``si`` for everything else. docs/metrics.md lists every oddity.
+The preset ``paper_legacy`` rounds and cleans as that script does, ``paper_published`` does neither, as the published rows were made.
 """
 
 from __future__ import annotations
@@ -52,14 +53,14 @@ class PaperLegacyMetrics(MetricPack):
     def __init__(
         self,
         record_period: Positive,
-        decimals: NonNegativeInt,
+        decimals: NonNegativeInt | None,
         radii: Mapping[str, Positive],
         goal_distance: Positive,
         goal_check_period: Positive,
         time_out: Positive,
         collisions_allowed: NonNegativeInt,
-        speed_max: Positive,
-        jump_max: Positive,
+        speed_max: Positive | None,
+        jump_max: Positive | None,
     ) -> None:
         self._record_period = record_period
         self._decimals = decimals
@@ -141,10 +142,11 @@ def recorded_rows(stamps: FloatArray, period: float) -> list[int]:
     return kept
 
 
-def figures(record: EpisodeRecord, kept: list[int], decimals: int, radius: float) -> LegacyRows:
-    """Return the per-row figures of the recorded rows, all values rounded as the recorder did."""
-    pose, twist = record["pose"][kept].round(decimals), record["twist"][kept].round(decimals)
-    laser = record["scan_min"][kept].round(decimals)
+def figures(record: EpisodeRecord, kept: list[int], decimals: int | None, radius: float) -> LegacyRows:
+    """Return the per-row figures of the recorded rows, all values rounded as the recorder did, or not at all."""
+    stamp, pose, twist, laser = (record[name][kept] for name in ("stamp", "pose", "twist", "scan_min"))
+    if decimals is not None:
+        stamp, pose, twist, laser = (values.round(decimals) for values in (stamp, pose, twist, laser))
     hit = laser <= radius
     speed = np.hypot(twist[:, 0], twist[:, 1])
     area, ab, bc, ac = triangles(pose[:, :2])
@@ -152,7 +154,7 @@ def figures(record: EpisodeRecord, kept: list[int], decimals: int, radius: float
         curvature, roughness = 4.0 * area / (ab * bc * ac), 2.0 * area / ac**2
     acceleration = np.diff(speed)
     return LegacyRows(
-        time=record["stamp"][kept].round(decimals),
+        time=stamp,
         position=pose[:, :2],
         yaw=pose[:, 2],
         laser=laser,
@@ -171,11 +173,14 @@ def _padded(values: FloatArray, length: int) -> FloatArray:
     return np.concatenate((values, np.full(length - len(values), np.nan)))
 
 
-def cleaned(rows: LegacyRows, velocities_xy: FloatArray, speed_max: float, jump_max: float) -> LegacyRows:
-    """Drop the rows up to and with the first jump (a late odometry reset), then those with a velocity component too high."""
-    jumps = np.flatnonzero(np.hypot(*np.diff(rows.position, axis=0).T) > jump_max)
+def cleaned(rows: LegacyRows, velocities_xy: FloatArray, speed_max: float | None, jump_max: float | None) -> LegacyRows:
+    """Drop the rows up to and with the first jump (a late odometry reset), then those with a velocity component too high.
+
+    None for either limit drops nothing for it.
+    """
+    jumps = np.flatnonzero(np.hypot(*np.diff(rows.position, axis=0).T) > (math.inf if jump_max is None else jump_max))
     begin = int(jumps[0]) + 2 if len(jumps) else 0
-    slow = np.flatnonzero(velocities_xy.max(axis=1, initial=-math.inf) < speed_max)
+    slow = np.flatnonzero(velocities_xy.max(axis=1, initial=-math.inf) < (math.inf if speed_max is None else speed_max))
     return rows.keep(slow[slow >= begin])
 
 

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
-from arena_core import Command, InputFileError, write_bytes_whole, write_text_whole
+from arena_core import Command, InputFileError, Reporter, aligned, write_bytes_whole, write_text_whole
 
 if TYPE_CHECKING:
+    from arena_metrics.cells import Cells
+    from arena_metrics.drives import Drive
     from arena_metrics.figures import Image
     from arena_metrics.runs import Run
     from arena_metrics.summary import Summary
@@ -17,6 +19,30 @@ if TYPE_CHECKING:
 
 PICTURES = 12  # cells whose trajectories are drawn unless --pictures says otherwise
 PRINTED = 40  # rows of the headline that go to the terminal
+
+
+class Report(Reporter):
+    """Tables, figures and one page over runs, and how their planners differ."""
+
+    def report(self, folders: Sequence[Path], target: Path, baseline: str | None = None) -> None:
+        """Write the report and print its headline and place; a report inside the runs' own folder renews their summaries too."""
+        from arena_metrics.runs import read_runs
+
+        runs = read_runs(folders)
+        if target == folders[0] / "report":
+            _write_summaries(runs)
+        write_report(runs, target, baseline=baseline)
+
+    def compare(self, folders: Sequence[Path], baseline: str | None = None) -> list[dict[str, Any]]:
+        """Return a row for each planner, condition and metric: the mean difference to the baseline, its interval, p and effect."""
+        from arena_metrics.cells import cells_of
+        from arena_metrics.pairs import compared
+        from arena_metrics.runs import metric_columns, pooled, read_runs
+
+        runs = read_runs(folders)
+        cells = cells_of(pooled(runs)[0])
+        _check_baseline(cells, baseline)
+        return list(compared(cells, metric_columns(runs), baseline))
 
 
 class ReportCommand(Command):
@@ -29,12 +55,17 @@ class ReportCommand(Command):
         from arena_metrics.runs import read_runs
 
         given = _parser(self.__doc__).parse_args(list(arguments))
-        runs = read_runs(Path(directory) for directory in given.directories)
-        target = Path(given.out) if given.out else Path(given.directories[0]) / "report"
+        folders = [Path(directory) for directory in given.directories]
+        runs = read_runs(folders)
+        target = Path(given.out) if given.out else folders[0] / "report"
         if given.out is None:
             _write_summaries(runs)
         write_report(runs, target, given.pictures, figures=not given.no_figures, baseline=given.baseline)
         return 0
+
+    def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
+        """Return the options; folders are the shell's."""
+        return ["--out", "--pictures", "--baseline", "--no-figures"] if word.startswith("-") else ()
 
 
 def _parser(description: str | None) -> argparse.ArgumentParser:
@@ -56,7 +87,8 @@ def write_report(runs: Sequence[Run], target: Path, pictures: int = PICTURES, fi
     from arena_metrics.cells import cells_of
     from arena_metrics.levels import level_table
     from arena_metrics.page import render
-    from arena_metrics.pairs import paired_table
+    from arena_metrics.pairs import paired_tables
+    from arena_metrics.problem_table import problem_table
     from arena_metrics.runs import metric_columns, pooled
     from arena_metrics.summary import summarise
 
@@ -64,15 +96,21 @@ def write_report(runs: Sequence[Run], target: Path, pictures: int = PICTURES, fi
     if not episodes:
         raise InputFileError(f"{runs[0].folder / 'episodes.csv'}: holds no episode yet; allowed: a run with one finished episode or more")
     summary = summarise(cells_of(episodes), metric_columns(runs))
-    planners = sorted({cell.factors["planner"] for cell in summary.cells.cells})
-    if baseline is not None and baseline not in planners:
-        raise InputFileError(f"--baseline is {baseline}; allowed: {', '.join(planners)}")
-    pairs, levels = paired_table(summary, baseline), level_table(summary.cells)
-    _write_tables(summary, pairs, levels, target)
-    drawn = _draw(summary, pictures, target) if figures else ([], [], [])
-    write_text_whole(target / "index.html", render(summary, pairs, levels, runs, repeats, *drawn))
-    _print_headline(summary)
+    _check_baseline(summary.cells, baseline)
+    pairs, levels, problems = paired_tables(summary, baseline), level_table(summary.cells), problem_table(summary.cells, summary.columns)
+    _write_tables(summary, pairs, levels, problems, target)
+    drives = _drives(summary, pictures) if figures else {}
+    tables = _tables_of_drives(summary, drives, target)
+    drawn = _draw(summary, drives, target) if figures else ([], [], [])
+    write_text_whole(target / "index.html", render(summary, baseline, pairs, levels, tables, problems, runs, repeats, *drawn))
+    _print_headline(summary, baseline)
     print(f"report: {target / 'index.html'}")
+
+
+def _check_baseline(cells: Cells, baseline: str | None) -> None:
+    planners = sorted({cell.factors["planner"] for cell in cells.cells})
+    if baseline is not None and baseline not in planners:
+        raise InputFileError(f"baseline is {baseline}; allowed: {', '.join(planners)}")
 
 
 def _write_summaries(runs: Sequence[Run]) -> None:
@@ -88,52 +126,79 @@ def _write_summaries(runs: Sequence[Run]) -> None:
             write_text_whole(run.folder / "summary.csv", summary_csv(summarise(cells_of(episodes), columns)))
 
 
-def _write_tables(summary: Summary, pairs: Table | None, levels: Table | None, target: Path) -> None:
+def _write_tables(summary: Summary, pairs: Sequence[Table], levels: Table | None, problems: Table | None, target: Path) -> None:
     from arena_metrics.summary import summary_csv
-    from arena_metrics.tables import comma_separated, headline, latex, markdown, metric_tables
+    from arena_metrics.tables import headline, metric_tables
 
     write_text_whole(target / "summary.csv", summary_csv(summary))
-    tables: dict[str, list[Table]] = {
+    tables: dict[str, Sequence[Table]] = {
         "headline": [headline(summary)],
         "all_episodes": metric_tables(summary, "all"),
         "successful_episodes": metric_tables(summary, "successful"),
-        "paired_differences": [pairs] if pairs else [],
+        "paired_differences": pairs,
         "levels": [levels] if levels else [],
+        "problems": [problems] if problems else [],
     }
     for name, content in ((name, content) for name, content in tables.items() if content):
-        write_text_whole(target / "tables" / f"{name}.csv", comma_separated(content))
-        write_text_whole(target / "tables" / f"{name}.md", markdown(content))
-        write_text_whole(target / "tables" / f"{name}.tex", latex(content))
+        _write_table(target, name, content)
 
 
-def _draw(summary: Summary, pictures: int, target: Path) -> tuple[list[Image], list[Image], list[Image]]:
+def _write_table(target: Path, name: str, content: Sequence[Table]) -> None:
+    from arena_metrics.tables import comma_separated, latex, markdown
+
+    write_text_whole(target / "tables" / f"{name}.csv", comma_separated(content))
+    write_text_whole(target / "tables" / f"{name}.md", markdown(content))
+    write_text_whole(target / "tables" / f"{name}.tex", latex(content))
+
+
+def _drives(summary: Summary, pictures: int) -> dict[str, list[Drive]]:
+    """Read the records of the cells that are drawn, by the cells' hashes."""
+    from arena_metrics.drives import drives_of
+
+    return {cell.hash: drives_of(summary.cells, cell) for cell in summary.cells.cells[: max(0, pictures)]}
+
+
+def _tables_of_drives(summary: Summary, drives: Mapping[str, Sequence[Drive]], target: Path) -> list[Table]:
+    """Write and return what the records of the cells drawn say together: repeats of one problem, and planners on the same scenarios."""
+    from arena_metrics.repeats import distances_table, repeats_table
+
+    found = {"repeats": repeats_table(summary.cells, drives), "path_distances": distances_table(summary.cells, drives)}
+    known = {name: table for name, table in found.items() if table is not None}
+    for name, table in known.items():
+        _write_table(target, name, [table])
+    return list(known.values())
+
+
+def _draw(summary: Summary, drives: Mapping[str, Sequence[Drive]], target: Path) -> tuple[list[Image], list[Image], list[Image]]:
     """Draw and write the figures of all metrics (with one cell and nothing to compare: of the headline alone), pictures and levels."""
     from arena_metrics.figures import metric_figures, style
     from arena_metrics.levels import level_image
+    from arena_metrics.panels import layouts
     from arena_metrics.tables import headline_columns
     from arena_metrics.trajectories import cell_image
 
     cells = summary.cells
     columns = summary.columns if len(cells.cells) > 1 else [column for column, _ in headline_columns(summary)]
+    panels = layouts(cells, drives)
     with style():
         figures = list(metric_figures(cells, columns))
-        drawn = [cell_image(cells, cell) for cell in cells.cells[: max(0, pictures)]]
-        climbing = [level_image(cells)]
-    images, levels = ([image for image in found if image is not None] for found in (drawn, climbing))
+        images = [
+            cell_image(cells, cell, drives[cell.hash], panels[cells.condition(cell)]) for cell in cells.cells if drives.get(cell.hash)
+        ]
+        levels = [image for image in [level_image(cells)] if image is not None]
     for image in [*figures, *images, *levels]:
         write_bytes_whole(target / "figures" / f"{image.name}.png", image.png)
         write_bytes_whole(target / "figures" / f"{image.name}.pdf", image.pdf)
     return figures, images, levels
 
 
-def _print_headline(summary: Summary) -> None:
-    """Print the headline table with aligned columns."""
+def _print_headline(summary: Summary, baseline: str | None) -> None:
+    """Print the headline table with aligned columns, and what it answers."""
+    from arena_metrics.headline import answers
     from arena_metrics.tables import headline
 
     table = headline(summary)
-    rows = [table.head, *table.rows[:PRINTED]]
-    widths = [max(len(row[i]) for row in rows) for i in range(len(table.head))]
-    for row in rows:
-        print("  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip())
+    print("\n".join(aligned([table.head, *table.rows[:PRINTED]])))
     if len(table.rows) > PRINTED:
         print(f"... {len(table.rows) - PRINTED} more")
+    print("\n".join(answers(summary, baseline)))

@@ -2,27 +2,39 @@
 
 from __future__ import annotations
 
-import json
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from arena_core import ArenaError, InputFileError, Metric, build_metrics, compose, find_runs, load_registry
+from arena_core import (
+    EPISODE_COLUMNS,
+    TEXT,
+    ArenaError,
+    InputFileError,
+    Metric,
+    build_metrics,
+    compose,
+    find_runs,
+    load_registry,
+    metric_column,
+    read_json,
+    read_table,
+)
 
-IDENTIFICATION = [
-    *("config_hash", "planner", "preset", "robot", "simulator", "world", "task", "scenario", "scenario_hash", "stage", "n_pedestrians"),
-    *("pedestrian_model", "reaction", "localizer", "timing", "episode", "seed", "outcome", "error"),
-]
-LATER = ["scenario_hash", "stage"]  # texts too, which older tables lack
+if TYPE_CHECKING:
+    from arena_metrics.intervals import Kind
+
+LATER = "code"  # a column that older tables lack
 DEFAULT_PACK = "si"
 Row = Mapping[str, Any]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Run:
-    """One run's folder: its rows of episodes.csv (metrics as floats, NaN where empty) and its provenance."""
+    """One run's folder: its rows of episodes.csv (metrics as floats, NaN where empty, or as texts) and its provenance."""
 
     folder: Path
     rows: Sequence[Row]
@@ -46,6 +58,18 @@ class Column:
         return self.unit == "0/1"
 
     @property
+    def text(self) -> bool:
+        """Tell whether every value is a text."""
+        return self.unit == TEXT
+
+    def kind(self, values: Iterable[float]) -> Kind:
+        """Return what the values of all cells are: proportions, numbers of events where all are whole, else figures."""
+        if self.proportion:
+            return "proportion"
+        whole = all(value >= 0.0 and value == int(value) for value in values if math.isfinite(value))
+        return "count" if self.unit == "-" and whole else "figure"
+
+    @property
     def title(self) -> str:
         """Return the name for a reader."""
         return self.name.rpartition(".")[2].replace("_", " ")
@@ -54,50 +78,52 @@ class Column:
 def read_runs(directories: Iterable[Path]) -> list[Run]:
     """Read every run at or below the given folders once; raise InputFileError when there is none or a table is broken."""
     folders = {folder.resolve(): folder for directory in directories for folder in find_runs(directory)}
-    return [Run(folder, read_episodes(folder / "episodes.csv"), _provenance(folder)) for folder in folders.values()]
+    written = [Run(folder, _table(folder / "episodes.csv"), _provenance(folder)) for folder in folders.values()]
+    texts = {column.name for column in metric_columns(written) if column.text}
+    return [replace(run, rows=[_row(run.folder, n, row, texts) for n, row in enumerate(run.rows, start=2)]) for run in written]
 
 
-def read_episodes(path: Path) -> list[Row]:
-    """Read an episodes.csv; raise InputFileError (file, line, what is allowed)."""
-    import csv
+def _table(path: Path) -> list[Row]:
+    """Read an episodes.csv as it is written, all texts; raise InputFileError (file, what is allowed)."""
+    allowed = "a table that `arena run` or `arena evaluate` wrote"
+    columns, rows = read_table(path, allowed)
+    missing = [name for name in EPISODE_COLUMNS if name not in columns and name != LATER]
+    if missing:
+        raise InputFileError(f"{path}: lacks the column {missing[0]}; allowed: {allowed}")
+    return list(rows)
 
+
+def _row(folder: Path, line: int, written: Row, texts: Container[str]) -> Row:
+    """Return a row with its numbers as numbers; ``texts`` are the metrics that are none."""
     try:
-        with path.open(newline="", encoding="utf-8") as file:
-            reader = csv.DictReader(file, strict=True)
-            missing = [name for name in IDENTIFICATION if name not in (reader.fieldnames or [])]
-            if missing:
-                raise InputFileError(f"{path}: lacks the column {missing[0]}; allowed: a table that `arena run` or `arena evaluate` wrote")
-            return [_row(path, number, row) for number, row in enumerate(reader, start=2)]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputFileError(f"{path}: cannot be read ({error}); allowed: a table that `arena run` or `arena evaluate` wrote") from error
-
-
-def _row(path: Path, line: int, row: Mapping[str | None, Any]) -> Row:
-    if None in row or None in row.values():
-        raise InputFileError(f"{path}: line {line} has another number of fields than the header")
-    texts: dict[str, str] = {str(key): value for key, value in row.items()}
-    try:
-        metrics = {key: float(value) if value else math.nan for key, value in texts.items() if key not in (*IDENTIFICATION, *LATER)}
-        numbers = {key: int(texts[key]) for key in ("episode", "seed")}
-        numbers |= {key: int(texts[key]) if texts[key] else -1 for key in ("n_pedestrians", "stage")}
+        figures = [key for key in written if key not in EPISODE_COLUMNS and key not in texts]
+        metrics = {key: float(written[key]) if written[key] else math.nan for key in figures}
+        numbers = {key: int(written[key]) for key in ("episode", "seed")}
+        numbers |= {key: int(written[key]) if written[key] else -1 for key in ("n_pedestrians", "stage")}
     except ValueError as error:
         raise InputFileError(
-            f"{path}: line {line}: {error}; allowed: numbers in all metrics, episode, seed, stage and n_pedestrians"
+            f"{folder / 'episodes.csv'}: line {line}: {error}; allowed: numbers in all metrics, episode, seed, stage and n_pedestrians"
         ) from None
-    return {**texts, **metrics, **numbers}
+    return {**written, **metrics, **numbers}
 
 
 def _provenance(folder: Path) -> Mapping[str, Any]:
     path = folder / "provenance.json"
     if not path.exists():
         return {}
-    try:
-        provenance = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise InputFileError(f"{path}: cannot be read ({error}); allowed: JSON that `arena run` wrote") from error
-    if not isinstance(provenance, dict):
-        raise InputFileError(f"{path}: holds no mapping; allowed: JSON that `arena run` wrote")
-    return provenance
+    provenance = read_json(path, "JSON that `arena run` wrote")
+    for where, mapping in {"it": provenance, **_parts(provenance)}.items():
+        if not isinstance(mapping, dict):
+            raise InputFileError(f"{path}: {where} holds no mapping; allowed: JSON that `arena run` wrote")
+    return provenance  # type: ignore[no-any-return]
+
+
+def _parts(provenance: Any) -> dict[str, Any]:
+    """Return the parts of a provenance that must be mappings, as far as they are there."""
+    whole = provenance if isinstance(provenance, dict) else {}
+    config = whole.get("config", {})
+    inner = {f"config.{key}": config.get(key) or {} for key in ("choices", "metrics")} if isinstance(config, dict) else {}
+    return {"config": config, "versions": whole.get("versions", {}), "code": whole.get("code") or {}, **inner}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -114,53 +140,73 @@ class Episode:
 
 
 def pooled(runs: Iterable[Run]) -> tuple[list[Episode], int]:
-    """Return the episodes of all runs and how many were left out as repeats (same cell, seed and number as another)."""
+    """Return the episodes of all runs and how many were left out as repeats (same cell, code, seed and number as another)."""
     episodes: dict[tuple[Any, ...], Episode] = {}
     total = 0
     for run in runs:
         for row in run.rows:
-            episodes[row["config_hash"], row["seed"], row["episode"]] = Episode(row, run)
+            episodes[row["config_hash"], row.get("code", ""), row["seed"], row["episode"]] = Episode(row, run)
             total += 1
     return list(episodes.values()), total - len(episodes)
 
 
 def metric_columns(runs: Sequence[Run]) -> list[Column]:
     """Return every metric's column in the order of the tables, ``si`` first."""
-    names = dict.fromkeys(name for run in runs for row in run.rows[:1] for name in row if name not in (*IDENTIFICATION, *LATER))
+    names = dict.fromkeys(name for run in runs for row in run.rows[:1] for name in row if name not in EPISODE_COLUMNS)
     packs = {name: name.rpartition(".")[0] or DEFAULT_PACK for name in names}
     known = _described(runs, list(dict.fromkeys(packs.values())))
-    columns = [known.get(name, Column(name, pack, "", "neither", "", False)) for name, pack in packs.items()]
+    columns = [known[name] if name in known else _unknown(name, pack, runs) for name, pack in packs.items()]
     return sorted(columns, key=lambda column: (column.pack != DEFAULT_PACK, column.pack))
+
+
+def _unknown(name: str, pack: str, runs: Sequence[Run]) -> Column:
+    """Return the column of a pack that is not installed here: one of texts where no value is a number."""
+    values = [row[name] for run in runs for row in run.rows if row.get(name, "") != ""]
+    return Column(name, pack, TEXT if values and not any(map(_is_number, values)) else "", "neither", "", False)
+
+
+def _is_number(value: Any) -> bool:
+    try:
+        float(value)
+    except ValueError:
+        return False
+    return True
 
 
 def columns_of(packs: Mapping[str, Sequence[Metric]]) -> list[Column]:
     """Return the columns of metric packs; those of ``si`` carry no prefix."""
     return [
-        Column(m.name if pack == DEFAULT_PACK else f"{pack}.{m.name}", pack, m.unit, m.better, m.description, m.path_metric)
+        Column(metric_column(pack, m), pack, m.unit, m.better, m.description, m.path_metric)
         for pack, metrics in packs.items()
         for m in metrics
     ]
 
 
 def _described(runs: Sequence[Run], packs: Sequence[str]) -> dict[str, Column]:
-    """Return what these packs say about their columns, as configured in the runs; one that is not installed here is left out."""
+    """Return what these packs say about their columns; one that is not installed here is left out."""
     registry = load_registry()
     columns: dict[str, Column] = {}
     for pack in packs:
-        try:
-            node = _node(runs, pack)
-            columns.update({c.name: c for c in columns_of(build_metrics({"metrics": {pack: node}}, registry))})
-        except ArenaError:
-            continue  # its figures are shown without unit and description
+        for node in _nodes(runs, pack):
+            try:
+                columns |= {c.name: c for c in columns_of(build_metrics({"metrics": {pack: node()}}, registry))}
+                break
+            except ArenaError:
+                continue  # a run of an older version lacks keys; without any, its figures are shown without unit and description
     return columns
 
 
-def _node(runs: Sequence[Run], pack: str) -> Any:
-    """Return a pack's configuration: a run's own, or the preset where the pack was evaluated only afterwards."""
+def _nodes(runs: Sequence[Run], pack: str) -> Iterator[Callable[[], Any]]:
+    """Yield ways to a pack's configuration: a run's own, then the preset, where the pack was evaluated afterwards or has new keys."""
     for run in runs:
         metrics = run.provenance.get("config", {}).get("metrics") or {}
         if pack in metrics:
-            return metrics[pack]
+            yield partial(metrics.__getitem__, pack)
+            break
+    yield partial(_preset, pack)
+
+
+def _preset(pack: str) -> Any:
     from omegaconf import OmegaConf
 
     return OmegaConf.to_container(compose([f"metrics=[{pack}]"], "component").metrics[pack], resolve=True)

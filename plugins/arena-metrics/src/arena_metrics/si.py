@@ -7,7 +7,7 @@ from functools import partial
 from typing import Literal
 
 from arena_core import EpisodeRecord, Metric, MetricPack, Positive
-from arena_metrics import motion, outcome, proximity
+from arena_metrics import courses, motion, outcome, proximity, timing
 
 Better = Literal["higher", "lower", "neither"]
 
@@ -27,16 +27,24 @@ class SiMetrics(MetricPack):
         personal_space: Positive,
         encounter_distance: Positive,
         stand_radius: Positive,
+        standing_speed: Positive,
+        course_horizon: Positive,
+        course_time: Positive,
+        reaction_gain: Positive,
     ) -> None:
         self._path_step = path_step
         self._derivative_period = derivative_period
         self._personal_space = personal_space
         self._encounter_distance = encounter_distance
         self._stand_radius = stand_radius
+        self._standing_speed = standing_speed
+        self._course_horizon = course_horizon
+        self._course_time = course_time
+        self._reaction_gain = reaction_gain
 
     def metrics(self) -> Sequence[Metric]:
-        """Return outcome, motion, proximity and navigation metrics."""
-        return [*self._outcome(), *self._motion(), *self._proximity(), *self._navigation()]
+        """Return outcome, motion, proximity, navigation and timing metrics."""
+        return [*self._outcome(), *self._motion(), *self._proximity(), *self._navigation(), *_timing()]
 
     def _outcome(self) -> list[Metric]:
         return [
@@ -45,6 +53,11 @@ class SiMetrics(MetricPack):
             Metric("spl", "-", "higher", "success weighted by path length", outcome.spl),
             Metric("collisions", "-", "lower", "contacts with walls, obstacles and people", outcome.collisions),
             Metric("collisions_caused", "-", "lower", "contacts in which the robot moved into the other", outcome.collisions_caused),
+            Metric("collisions_people", "-", "lower", "contacts with people", outcome.collisions_people),
+            Metric(
+                "collisions_people_caused", "-", "lower", "those in which the robot moved into the person", outcome.collisions_people_caused
+            ),
+            Metric("collisions_static", "-", "lower", "contacts with walls and obstacles", outcome.collisions_static),
             Metric("contact_time", "s", "lower", "time in contact", outcome.contact_time),
             Metric("impact_speed", "m/s", "lower", "highest closing speed at a contact", outcome.impact_speed),
             Metric("goal_error", "m", "lower", "true distance to the goal at the end", outcome.goal_error),
@@ -53,11 +66,20 @@ class SiMetrics(MetricPack):
 
     def _motion(self) -> list[Metric]:
         step, period = self._path_step, self._derivative_period
+        reverse = partial(motion.reverse_share, standing_speed=self._standing_speed)
         return [
             _path("path_length", "m", "lower", "length of the true path", motion.path_length),
             _path("velocity", "m/s", "higher", "path length over time", motion.velocity),
             _path("acceleration", "m/s^2", "lower", "mean acceleration", partial(motion.acceleration, derivative_period=period)),
             _path("jerk", "m/s^3", "lower", "mean jerk", partial(motion.jerk, derivative_period=period)),
+            _path(
+                "jerk_without_contact",
+                "m/s^3",
+                "lower",
+                "mean jerk while nothing is touched",
+                partial(motion.jerk_without_contact, derivative_period=period),
+            ),
+            _path("reverse_share", "-", "lower", "share of time driven backwards", reverse),
             _path("curvature_mean", "1/m", "lower", "mean Menger curvature", partial(motion.curvature_mean, path_step=step)),
             _path("curvature_max", "1/m", "lower", "greatest Menger curvature", partial(motion.curvature_max, path_step=step)),
             _path("curvature_min", "1/m", "neither", "least Menger curvature", partial(motion.curvature_min, path_step=step)),
@@ -68,6 +90,14 @@ class SiMetrics(MetricPack):
 
     def _proximity(self) -> list[Metric]:
         intrusion = partial(proximity.personal_space_time, personal_space=self._personal_space)
+        collision = partial(courses.time_to_collision_min, course_horizon=self._course_horizon)
+        reaction = partial(
+            courses.reaction_distance,
+            course_horizon=self._course_horizon,
+            course_time=self._course_time,
+            reaction_gain=self._reaction_gain,
+            standing_speed=self._standing_speed,
+        )
         encounters = partial(proximity.encounters, encounter_distance=self._encounter_distance)
         return [
             _path("clearance_mean", "m", "higher", "mean distance from footprint to nearest thing", proximity.clearance_mean),
@@ -77,6 +107,10 @@ class SiMetrics(MetricPack):
             _path("clearance_people_min", "m", "higher", "least distance from footprint to a person", proximity.clearance_people_min),
             _path("personal_space_time", "s", "lower", "time within a person's personal space", intrusion),
             _path("encounters", "-", "neither", "times that a person came near", encounters),
+            _path("time_to_collision_min", "s", "higher", "least time to a collision with a person, straight on", collision),
+            _path(
+                "reaction_distance", "m", "neither", "distance at which the robot first reacts to people on a collision course", reaction
+            ),
             Metric("people_per_100m2", "-", "neither", "people present per 100 m2 of free ground", proximity.people_per_100m2),
         ]
 
@@ -88,7 +122,29 @@ class SiMetrics(MetricPack):
             Metric("recoveries", "-", "lower", "recovery behaviours tried", outcome.recoveries),
             Metric("longest_stand", "s", "lower", "longest time in one place", stand),
             Metric("localization_error", "m", "lower", "mean distance between estimated and true position", outcome.localization_error),
-            Metric("planning_time_mean", "ms", "lower", "mean wall time of the local planner", outcome.planning_time_mean),
-            Metric("planning_time_p95", "ms", "lower", "95th percentile of the local planner's wall time", outcome.planning_time_p95),
-            Metric("planning_cpu_p99", "ms", "lower", "99th percentile of the local planner's CPU time", outcome.planning_cpu_p99),
         ]
+
+
+def _timing() -> list[Metric]:
+    """Return what differs from run to run, all with one prefix: wall and CPU time of the planner, and of what else the navigator does."""
+    wall, cpu = "wall time", "CPU time, all threads,"
+    return [
+        Metric("planning_time_mean", "ms", "lower", f"mean {wall} of the local planner alone", partial(timing.mean, part="planner")),
+        Metric("planning_cpu_mean", "ms", "lower", f"mean {cpu} of the local planner alone", partial(timing.mean, part="planner_cpu")),
+        *(
+            Metric(
+                f"planning_{clock}_p{percent}",
+                "ms",
+                "lower",
+                f"{percent}th percentile of the local planner's {words}",
+                partial(timing.percentile, part=part, percent=percent),
+            )
+            for percent in (95, 99)
+            for clock, words, part in (("time", wall, "planner"), ("cpu", "CPU time", "planner_cpu"))
+        ),
+        *(
+            Metric(f"planning_{part}_{clock}", "ms", "lower", f"mean {words} of {what}", partial(timing.mean, part=f"{part}{suffix}"))
+            for part, what in (("local_map", "the local map"), ("tracker", "the tracker"), ("navigator", "the whole control step"))
+            for clock, words, suffix in (("time", wall, ""), ("cpu", cpu, "_cpu"))
+        ),
+    ]

@@ -12,21 +12,24 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Metric, write_text_whole
+from arena_core import Metric, harmless, write_text_whole
 from arena_metrics.cells import FACTORS, VARIANT, Cell, Cells, cells_of
-from arena_metrics.intervals import Estimate, estimates
+from arena_metrics.intervals import Estimate, Kind, estimate
+from arena_metrics.problems import labels
 from arena_metrics.runs import DEFAULT_PACK, Column, Episode, Run, columns_of
 
 Over = Literal["all", "successful"]
-HEADER = ["config_hash", "cell", *FACTORS.values(), VARIANT, "metric", "unit", "over", "n", "mean", "low", "high", "interval"]
+HEADER = ["config_hash", "code", "cell", *FACTORS.values(), VARIANT, "metric", "unit", "over"]
+HEADER += ["n", "problems", "mean", "low", "high", "interval"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Summary:
-    """All estimates: ``of[cell hash, column, over]``."""
+    """All estimates: ``of[cell hash, column, over]``; ``texts`` are the metrics of which there are none."""
 
     cells: Cells
     columns: Sequence[Column]
+    texts: Sequence[Column]
     of: Mapping[tuple[str, str, Over], Estimate]
 
     def get(self, cell: Cell, column: Column, over: Over = "all") -> Estimate:
@@ -35,27 +38,37 @@ class Summary:
 
 
 def summarise(cells: Cells, columns: Sequence[Column]) -> Summary:
-    """Estimate every metric in every cell."""
+    """Estimate every metric in every cell, unless it is a text."""
+    texts = [column for column in columns if column.text]
+    columns = [column for column in columns if not column.text]
     of: dict[tuple[str, str, Over], Estimate] = {}
+    kinds = {column.name: column.kind(value for cell in cells.cells for value in cell.values(column.name)) for column in columns}
     for cell in cells.cells:
-        of.update(_estimated(cell, columns, "all"))
-        of.update(_estimated(cell, [column for column in columns if column.path_metric], "successful"))
-    return Summary(cells, columns, of)
+        of.update(_estimated(cell, columns, "all", kinds))
+        of.update(_estimated(cell, [column for column in columns if column.path_metric], "successful", kinds))
+    return Summary(cells, columns, texts, of)
 
 
-def _estimated(cell: Cell, columns: Sequence[Column], over: Over) -> dict[tuple[str, str, Over], Estimate]:
-    values = [np.array(cell.values(column.name)) for column in columns]
-    if over == "successful":
-        values = [v[successful(cell, column.pack)] for v, column in zip(values, columns, strict=True)]
-    found = estimates(values, [column.proportion for column in columns])
-    return {(cell.hash, column.name, over): estimate for column, estimate in zip(columns, found, strict=True)}
+def _estimated(cell: Cell, columns: Sequence[Column], over: Over, kinds: Mapping[str, Kind]) -> dict[tuple[str, str, Over], Estimate]:
+    problems = labels(cell)
+    found: dict[tuple[str, str, Over], Estimate] = {}
+    for column in columns:
+        values = np.array(cell.values(column.name))
+        if over == "successful":
+            values = np.where(successful(cell, column.pack), values, np.nan)
+        found[cell.hash, column.name, over] = estimate(values, kinds[column.name], problems)
+    return found
 
 
 def successful(cell: Cell, pack: str) -> NDArray[np.bool_]:
     """Tell which episodes succeeded, by the pack's own word where it has one, else by that of ``si``."""
+    return np.equal(cell.values(success_column(cell, pack)), 1.0)
+
+
+def success_column(cell: Cell, pack: str) -> str:
+    """Return the column that says which episodes succeeded by a pack's own word, else by that of ``si``."""
     own = "success" if pack == DEFAULT_PACK else f"{pack}.success"
-    name = own if any(own in episode.row for episode in cell.episodes) else "success"
-    return np.equal(cell.values(name), 1.0)
+    return own if any(own in episode.row for episode in cell.episodes) else "success"
 
 
 def write_summary(rows: Sequence[Mapping[str, Any]], metrics: Mapping[str, Sequence[Metric]], path: Path) -> None:
@@ -72,9 +85,10 @@ def summary_csv(summary: Summary) -> str:
     writer.writerow(HEADER)
     by_name = {column.name: column for column in summary.columns}
     cells = {cell.hash: cell for cell in summary.cells.cells}
-    for (name, metric, over), estimate in summary.of.items():
+    for (name, metric, over), one in summary.of.items():
         cell, column = cells[name], by_name[metric]
-        figures = [repr(x) if x == x else "" for x in (estimate.mean, estimate.low, estimate.high)]
+        figures = [repr(x) if x == x else "" for x in (one.mean, one.low, one.high)]
         factors = [cell.factors[factor] for factor in (*FACTORS.values(), VARIANT)]
-        writer.writerow([name, summary.cells.name(cell), *factors, metric, column.unit, over, estimate.n, *figures, estimate.method])
+        identity = [name.removesuffix(f"-{cell.code or 'unknown'}"), cell.code, summary.cells.name(cell), *factors]
+        writer.writerow(map(harmless, [*identity, metric, column.unit, over, one.n, one.problems, *figures, one.method]))
     return text.getvalue()

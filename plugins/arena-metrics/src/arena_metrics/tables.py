@@ -5,11 +5,14 @@ from __future__ import annotations
 import csv
 import io
 import math
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from arena_core import harmless
 from arena_metrics.cells import VARIANT, Cell
 from arena_metrics.intervals import Estimate
+from arena_metrics.problems import count
 from arena_metrics.runs import DEFAULT_PACK, Column
 from arena_metrics.summary import Over, Summary
 
@@ -20,8 +23,10 @@ HEADLINE: dict[str, Over] = {  # what a reader asks first; lengths and times say
     "time_to_goal": "successful",
     "path_length": "successful",
     "planning_time_mean": "all",
+    "planning_cpu_mean": "all",
     "people_per_100m2": "all",
 }
+TEXTS = 5  # different texts of a metric that a cell of a table holds
 BLOCK = 6  # cells side by side in a table of all metrics
 LATEX = {"\\": r"\textbackslash{}", "–": "--", "−": "$-$", "²": "$^2$", "³": "$^3$", "·": r"$\cdot$"} | {c: f"\\{c}" for c in "&%$#_{}"}
 LATEX |= {"~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": "$<$", ">": "$>$"}
@@ -93,11 +98,14 @@ def headline(summary: Summary) -> Table:
     columns = headline_columns(summary)
     places = [decimals(summary.get(cell, column, over) for cell in cells.cells) for column, over in columns]
     head = [*factors, "n", *(column_title(column, over) for column, over in columns)]
-    rows = [
-        [*(cell.factors[f] for f in factors), str(len(cell.episodes)), *_headline_texts(summary, cell, columns, places)]
-        for cell in cells.cells
-    ]
+    rows = [[*(cell.factors[f] for f in factors), _numbers(cell), *_headline_texts(summary, cell, columns, places)] for cell in cells.cells]
     return Table("Headline figures: mean [95 % interval]", head, rows)
+
+
+def _numbers(cell: Cell) -> str:
+    """Return how many episodes a cell has, and of how many problems, where that is another number."""
+    episodes, problems = len(cell.episodes), count(cell)
+    return str(episodes) if problems == episodes else f"{episodes} of {problems} problem{'s' * (problems > 1)}"
 
 
 def _headline_texts(summary: Summary, cell: Cell, columns: Sequence[tuple[Column, Over]], places: Sequence[int]) -> list[str]:
@@ -108,7 +116,7 @@ def _headline_texts(summary: Summary, cell: Cell, columns: Sequence[tuple[Column
 def metric_tables(summary: Summary, over: Over, cells: Sequence[Cell] | None = None) -> list[Table]:
     """Return all metrics, one row each, with at most six cells side by side in one table; other packs in tables of their own."""
     shown = list(summary.cells.cells if cells is None else cells)
-    packs = dict.fromkeys(column.pack for column in summary.columns)
+    packs = dict.fromkeys(column.pack for column in [*summary.columns, *summary.texts])
     blocks = [shown[i : i + BLOCK] for i in range(0, len(shown), BLOCK)]
     return [table for pack in packs for block in blocks if (table := _metric_table(summary, over, pack, block)).rows]
 
@@ -120,9 +128,17 @@ def _metric_table(summary: Summary, over: Over, pack: str, cells: Sequence[Cell]
         places = decimals(summary.get(cell, column, over) for cell in cells)
         found = [summary.get(cell, column, over) for cell in cells]
         rows.append([column.title, unit_text(column.unit), *(f"{estimate_text(e, column, places)} ({e.n})" for e in found)])
+    texts = [column for column in summary.texts if column.pack == pack and over == "all"]
+    rows += [[column.title, "", *(_texts(cell.texts(column.name)) for cell in cells)] for column in texts]
     name = "" if pack == DEFAULT_PACK else f"{pack}: "
     caption = f"{name}mean [95 % interval] (n) over {over} episodes"
     return Table(caption, ["metric", "unit", *(summary.cells.name(cell) for cell in cells)], rows)
+
+
+def _texts(counts: Counter[str]) -> str:
+    """Return the texts that most episodes have, each with their number."""
+    more = len(counts) - TEXTS
+    return ", ".join([f"{text} ({n})" for text, n in counts.most_common(TEXTS)] + [f"{more} more"] * (more > 0)) or "–"
 
 
 def markdown(tables: Sequence[Table]) -> str:
@@ -157,5 +173,5 @@ def comma_separated(tables: Sequence[Table]) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     for table in tables:
-        writer.writerows([table.head, *table.rows])
+        writer.writerows([map(harmless, row) for row in (table.head, *table.rows)])
     return text.getvalue()

@@ -1,19 +1,23 @@
-"""The picture of a cell: map, all trajectories, people's tracks, collisions, starts and goals."""
+"""The picture of a cell: maps with the problems' own obstacles, trajectories by number, people's tracks, collisions, starts and goals."""
 
 from __future__ import annotations
 
+import json
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import EpisodeRecord, InputFileError, read_record
+from arena_core import LIMITS, EpisodeRecord, InputFileError, check_inside, one_line, read_arrays, read_record
+from arena_drawing.painter import draw_goal, draw_map, draw_obstacles, draw_start, frame_axes
 from arena_metrics.cells import Cell, Cells
+from arena_metrics.drives import Drive
 from arena_metrics.figures import INK, Image, rendered
+from arena_metrics.outcome import PERSON
+from arena_metrics.panels import Layout, Panel, Window
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,126 +25,81 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 SUCCEEDED, FAILED, PEOPLE = "#0072B2", "#D55E00", "#B88BA8"
-WALL, UNKNOWN_CELL, FREE_CELL = (0.36, 0.36, 0.38), (0.93, 0.93, 0.93), (1.0, 1.0, 1.0)
-MAPS = 4  # worlds side by side in one picture
-LEGEND_HEIGHT = 0.75  # inches
-MARGIN = 1.5  # m around all that happened
-PERSON = 2  # contact_kind of a contact with a person
+WIDTH, HEIGHT = 7.2, 6.5  # inches, at most, of a picture's panels side by side, and of one panel
+ACROSS = 4  # most panels side by side; the pictures of two rivals fit beside each other
+LEGEND_HEIGHT, BELOW = 0.75, 0.2  # inches, of the legend and of the scale bar below each panel
+SHORT = 1.0  # m from its goal, from where on a drive is said to have ended elsewhere
+NUMBERED = 40  # trajectories in one panel whose numbers can still be read; of more, the failed ones are numbered
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Drive:
-    """One episode as it is drawn."""
-
-    record: EpisodeRecord
-    success: bool
-
-
-def cell_image(cells: Cells, cell: Cell) -> Image | None:
-    """Draw a cell; None where no episode left a record."""
+def cell_image(cells: Cells, cell: Cell, drives: Sequence[Drive], layout: Layout) -> Image:
+    """Draw a cell's drives in the panels of its condition."""
     from matplotlib.figure import Figure
 
-    by_map = _by_map(cell)
-    if not by_map:
-        return None
-    shown = sorted(by_map.items(), key=lambda item: -len(item[1]))[:MAPS]
-    windows = [_window(drives) for _, drives in shown]
-    sizes = [_panel_size(window) for window in windows]
-    width = sum(width for width, _ in sizes)
-    figure = Figure(figsize=(width, max(height for _, height in sizes) + LEGEND_HEIGHT * max(1.0, 5.2 / width)), layout="constrained")
-    panels = figure.subplots(1, len(shown), squeeze=False, width_ratios=[width for width, _ in sizes])[0]
-    for axes, (path, drives), window in zip(panels, shown, windows, strict=True):
-        _draw(axes, path, drives, window)
-    _legend(figure, [drive for _, drives in shown for drive in drives])
-    drawn = sum(len(drives) for _, drives in shown)
-    left_out = sum(map(len, by_map.values())) - drawn
-    note = f" ({left_out} more on {len(by_map) - MAPS} other maps)" if left_out else ""
-    return rendered(figure, f"cell_{cell.hash}", f"{cells.name(cell)}: {drawn} episode{'s' * (drawn > 1)}{note}")
+    across, width, height = _panel_sizes(layout.panels)
+    down = -(-len(layout.panels) // across)
+    titled = len(layout.panels) > 1
+    size = (width * across, (height + BELOW + 0.25 * titled) * down + LEGEND_HEIGHT * max(1.0, 5.2 / (width * across)))
+    figure = Figure(figsize=size, layout="constrained")
+    panels = figure.subplots(down, across, squeeze=False).ravel()
+    shown = [[drive for drive in drives if drive.problem in panel.problems] for panel in layout.panels]
+    records = [[read_record(drive.episode.record_path) for drive in of] for of in shown]
+    for axes, panel, of, read in zip(panels, layout.panels, shown, records, strict=False):
+        _draw(axes, panel, of, read)
+        if titled:
+            axes.set_title(panel.title, loc="left")
+    for axes in panels[len(layout.panels) :]:
+        axes.set_axis_off()
+    _legend(figure, [drive for of in shown for drive in of], [record for read in records for record in read])
+    drawn = sum(map(len, shown))
+    note = f" ({layout.left_out} more problem{'s' * (layout.left_out > 1)} not drawn)" if layout.left_out else ""
+    return rendered(figure, f"cell_{cell.hash}", f"{cells.name(cell)}: {drawn} episode{'s' * (drawn != 1)}{note}")
 
 
-def _by_map(cell: Cell) -> dict[Path, list[Drive]]:
-    """Read the records of a cell, grouped by the map that they were driven on; a map's name says what is in it, in every run."""
-    drives: dict[str, list[Drive]] = {}
-    paths: dict[str, Path] = {}
-    for episode in cell.episodes:
-        if episode.record_path.exists():
-            record = read_record(episode.record_path)
-            name = str(record.meta["world"]["grid"])
-            paths[name] = episode.run.folder / name
-            drives.setdefault(name, []).append(Drive(record, episode.row.get("success") == 1.0))
-    return {paths[name]: found for name, found in drives.items()}
+def _panel_sizes(panels: Sequence[Panel]) -> tuple[int, float, float]:
+    """Return how many panels stand side by side, so that the picture is about square, and their width and height in inches."""
+    left, right, bottom, top = panels[0].window  # all are of one shape
+    shape = (top - bottom) / (right - left)
+    across = min(len(panels), max(2, min(ACROSS, round(math.sqrt(len(panels) * shape)))))
+    most = WIDTH / across
+    return (across, most, most * shape) if most * shape <= HEIGHT else (across, HEIGHT / shape, HEIGHT)
 
 
-def _window(drives: Sequence[Drive]) -> tuple[float, float, float, float]:
-    """Return x and y limits that hold all trajectories and goals, m."""
-    points = [drive.record["pose"][:, :2] for drive in drives]
-    points += [np.array([drive.record.meta["scenario"]["goal"][:2]]) for drive in drives]
-    low, high = np.min([p.min(axis=0) for p in points], axis=0) - MARGIN, np.max([p.max(axis=0) for p in points], axis=0) + MARGIN
-    return float(low[0]), float(high[0]), float(low[1]), float(high[1])
-
-
-def _panel_size(window: tuple[float, float, float, float]) -> tuple[float, float]:
-    """Return width and height in inches that keep the scale of x and y equal."""
-    aspect = (window[1] - window[0]) / (window[3] - window[2])
-    return (5.2, max(2.2, 5.2 / aspect)) if aspect > 1.0 else (max(2.2, 5.2 * aspect), 5.2)
-
-
-def _draw(axes: Axes, path: Path, drives: Sequence[Drive], window: tuple[float, float, float, float]) -> None:
-    axes.set_aspect("equal")
-    axes.set_xlim(window[0], window[1])
-    axes.set_ylim(window[2], window[3])
-    _draw_map(axes, path)
-    _draw_obstacles(axes, drives[0].record.meta["scenario"]["obstacles"])
-    _draw_people(axes, drives)
-    for drive in sorted(drives, key=lambda drive: drive.success, reverse=True):
-        _draw_drive(axes, drive)
-    _draw_scale_bar(axes, window)
-    axes.set_xticks([])
-    axes.set_yticks([])
+def _draw(axes: Axes, panel: Panel, drives: Sequence[Drive], records: Sequence[EpisodeRecord]) -> None:
+    frame_axes(axes, panel.window)
+    if drives:
+        draw_map(axes, *read_grid(drives[0].episode.run.folder / drives[0].problem.grid))
+    for obstacles in {problem.obstacles: None for problem in sorted(panel.problems, key=repr)}:
+        draw_obstacles(axes, json.loads(obstacles))
+    _draw_people(axes, records)
+    for drive, record in sorted(zip(drives, records, strict=True), key=lambda pair: pair[0].success, reverse=True):
+        _draw_drive(axes, record, drive.success)
+        _draw_rest(axes, drive)
+    _draw_numbers(axes, drives)
+    _draw_ends(axes, panel)
+    _draw_scale_bar(axes, panel.window)
     axes.spines[:].set(visible=True, color="#bbbbbb", linewidth=0.6)
-
-
-def _draw_map(axes: Axes, path: Path) -> None:
-    from matplotlib.transforms import Affine2D
-
-    data, resolution, origin = read_grid(path)
-    colours = np.empty((*data.shape, 3))
-    colours[:] = FREE_CELL
-    colours[data < 0] = UNKNOWN_CELL
-    colours[data >= 65] = WALL
-    place = Affine2D().rotate(origin[2]).translate(origin[0], origin[1]) + axes.transData
-    extent = (0.0, data.shape[1] * resolution, 0.0, data.shape[0] * resolution)
-    limits = axes.get_xlim(), axes.get_ylim()
-    axes.imshow(colours, origin="lower", extent=extent, transform=place, interpolation="nearest", zorder=0)
-    axes.set(xlim=limits[0], ylim=limits[1])
 
 
 def read_grid(path: Path) -> tuple[NDArray[np.int8], float, FloatArray]:
     """Read a run's map: cells (H, W), resolution in m, origin (3,); raise InputFileError when it is missing or damaged."""
+    allowed = "the maps that `arena run` wrote beside the records"
+    check_inside(path.parent.parent, path)
+    content = read_arrays(path, allowed)
     try:
-        with np.load(path, allow_pickle=False) as content:
-            return content["data"], float(content["resolution"]), np.asarray(content["origin"], dtype=np.float64)
-    except FileNotFoundError:
-        raise InputFileError(f"{path}: no such file; allowed: the maps that `arena run` wrote beside the records") from None
-    except Exception as error:
-        raise InputFileError(f"{path}: damaged ({error}); allowed: a map that `arena run` wrote") from error
+        data, resolution, origin = content["data"], float(content["resolution"]), content["origin"].astype(np.float64)
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputFileError(f"{path}: damaged ({one_line(repr(error))}); allowed: {allowed}") from None
+    if data.ndim != 2 or data.dtype != np.int8 or data.size > LIMITS.cells or origin.shape != (3,) or not resolution > 0.0:
+        raise InputFileError(f"{path}: damaged (its arrays are not those of a map); allowed: {allowed}")
+    return data, resolution, origin
 
 
-def _draw_obstacles(axes: Axes, obstacles: Sequence[Mapping[str, Any]]) -> None:
-    from matplotlib.patches import Circle, Polygon
-
-    for obstacle in obstacles:
-        vertices = np.asarray(obstacle["vertices_xy"])
-        shape = Circle(tuple(vertices[0]), obstacle["radius"]) if len(vertices) < 3 else Polygon(vertices)
-        shape.set(facecolor="#8a8a8d", edgecolor="none", zorder=1)
-        axes.add_patch(shape)
-
-
-def _draw_people(axes: Axes, drives: Sequence[Drive]) -> None:
+def _draw_people(axes: Axes, records: Sequence[EpisodeRecord]) -> None:
     from matplotlib.collections import LineCollection
 
-    tracks = [track for drive in drives for track in np.moveaxis(drive.record["pedestrian_positions"], 1, 0)]
-    colours = [colour for drive in drives for colour in people_colours(drive.record, PEOPLE)]
+    tracks = [track for record in records for track in np.moveaxis(record["pedestrian_positions"], 1, 0)]
+    colours = [colour for record in records for colour in people_colours(record, PEOPLE)]
     axes.add_collection(LineCollection(tracks, colors=colours, linewidths=0.7, alpha=0.35, zorder=2), autolim=False)
 
 
@@ -152,24 +111,61 @@ def people_colours(record: EpisodeRecord, usual: str) -> list[str]:
     return [known.get(name, {}).get("colour") or usual for name in names]
 
 
-def _draw_drive(axes: Axes, drive: Drive) -> None:
-    record = drive.record
-    colour = SUCCEEDED if drive.success else FAILED
-    start, goal = record.meta["scenario"]["start"], record.meta["scenario"]["goal"]
+def _draw_drive(axes: Axes, record: EpisodeRecord, success: bool) -> None:
+    colour = SUCCEEDED if success else FAILED
     axes.plot(*record["pose"][:, :2].T, color=colour, linewidth=1.3, alpha=0.8, zorder=4, solid_joinstyle="round")
-    axes.plot(start[0], start[1], "o", markersize=5, markerfacecolor="white", markeredgecolor=INK, markeredgewidth=1.0, zorder=5)
-    axes.plot(goal[0], goal[1], "*", markersize=9, markerfacecolor="#F0C808", markeredgecolor=INK, markeredgewidth=0.7, zorder=6)
     for position, kind in zip(record["contact_position"], record["contact_kind"], strict=True):
         face = "#CC3377" if kind == PERSON else "black"
         axes.plot(*position, "X", markersize=7, markerfacecolor=face, markeredgecolor="white", markeredgewidth=0.8, zorder=7)
 
 
-def _draw_scale_bar(axes: Axes, window: tuple[float, float, float, float]) -> None:
-    """Draw a bar of a round length below the map."""
+def _draw_rest(axes: Axes, drive: Drive) -> None:
+    """Draw a dotted line to the goal of one that ended elsewhere, which tells whose goal it is."""
+    (x, y), goal = drive.end_xy, drive.problem.goal
+    if math.dist((x, y), goal[:2]) > SHORT:
+        axes.plot([x, goal[0]], [y, goal[1]], ":", color=FAILED, linewidth=1.0, alpha=0.6, zorder=3)
+
+
+def _draw_numbers(axes: Axes, drives: Sequence[Drive]) -> None:
+    """Write each episode's number on its path, each further from the start than the one before: so they stand apart where paths do not."""
+    from matplotlib.patheffects import withStroke
+
+    numbered = [drive for drive in drives if len(drives) <= NUMBERED or not drive.success]
+    for i, drive in enumerate(numbered):
+        away = np.hypot(*(drive.path_xy - drive.path_xy[0]).T)
+        x, y = drive.path_xy[int(np.argmax(away >= away.max() * (i + 1) / (len(numbered) + 1)))]
+        colour = SUCCEEDED if drive.success else FAILED
+        halo = [withStroke(linewidth=2.2, foreground="white")]
+        axes.text(
+            x,
+            y,
+            drive.label,
+            ha="center",
+            va="center",
+            fontsize=7.5,
+            color=colour,
+            weight="bold",
+            path_effects=halo,
+            zorder=8,
+            clip_on=True,
+        )
+
+
+def _draw_ends(axes: Axes, panel: Panel) -> None:
+    """Mark start and goal of every problem, also of those that nobody finished."""
+    for problem in sorted(panel.problems, key=repr):
+        draw_start(axes, *problem.start[:2])
+        draw_goal(axes, *problem.goal[:2])
+
+
+def _draw_scale_bar(axes: Axes, window: Window) -> None:
+    """Draw a bar of a round length below the panel."""
+    from matplotlib.transforms import ScaledTranslation
+
     length = scale_bar_length(window[1] - window[0])
-    below = window[2] - 0.03 * (window[3] - window[2])
-    axes.plot([window[0], window[0] + length], [below, below], color=INK, linewidth=2.0, clip_on=False, solid_capstyle="butt")
-    axes.text(window[0] + length, below, f"  {length:g} m", va="center", ha="left", fontsize=8.5, color=INK)
+    below = axes.get_xaxis_transform() + ScaledTranslation(0.0, -8.0 / 72.0, axes.figure.dpi_scale_trans)
+    axes.plot([window[0], window[0] + length], [0.0, 0.0], color=INK, linewidth=2.0, clip_on=False, solid_capstyle="butt", transform=below)
+    axes.text(window[0] + length, 0.0, f"  {length:g} m", va="center", ha="left", fontsize=8.5, color=INK, transform=below)
 
 
 def scale_bar_length(width: float) -> float:
@@ -179,16 +175,16 @@ def scale_bar_length(width: float) -> float:
     return max(factor * power for factor in (1.0, 2.0, 5.0) if factor * power <= quarter * (1.0 + 1e-9))
 
 
-def _legend(figure: Figure, drives: Sequence[Drive]) -> None:
-    """Put the legend below the map, with what the picture shows."""
+def _legend(figure: Figure, drives: Sequence[Drive], records: Sequence[EpisodeRecord]) -> None:
+    """Put the legend below the maps, with what the picture shows."""
     from matplotlib.lines import Line2D
 
-    kinds = {bool(kind == PERSON) for drive in drives for kind in drive.record["contact_kind"]}
+    kinds = {bool(kind == PERSON) for record in records for kind in record["contact_kind"]}
     mark = {"linestyle": "", "markeredgecolor": "white", "markeredgewidth": 0.8, "marker": "X", "markersize": 7}
     entries = [
         (any(d.success for d in drives), Line2D([], [], color=SUCCEEDED, label="successful")),
         (any(not d.success for d in drives), Line2D([], [], color=FAILED, label="not successful")),
-        (any(d.record["pedestrian_ids"].size for d in drives), Line2D([], [], color=PEOPLE, linewidth=1, label="people")),
+        (any(record["pedestrian_ids"].size for record in records), Line2D([], [], color=PEOPLE, linewidth=1, label="people")),
         (True, Line2D([], [], linestyle="", marker="o", markerfacecolor="white", markeredgecolor=INK, markersize=5, label="start")),
         (True, Line2D([], [], linestyle="", marker="*", markerfacecolor="#F0C808", markeredgecolor=INK, markersize=9, label="goal")),
         (True in kinds, Line2D([], [], markerfacecolor="#CC3377", label="collision, person", **mark)),  # type: ignore[arg-type]

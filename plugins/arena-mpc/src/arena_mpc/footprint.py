@@ -9,10 +9,9 @@ import numpy as np
 
 from arena_core import Footprint
 from arena_kernels.compiled import borrowing
-from arena_kernels.window import Outline, Window, clearance, outline_of
+from arena_kernels.window import Outline, Window, clearance
 from arena_mpc.arrays import FloatArray
 
-OUTLINE_SPACING = 0.05  # m, the side of a usual costmap cell: no cell slips between two points
 CHECK_SPACING = 0.05  # m, between two poses that are checked
 CHECK_TURN = 0.2  # rad, between two poses that are checked
 
@@ -37,12 +36,6 @@ def covering_discs(footprint: Footprint, count: int | None) -> Discs:
     centres = np.tile(0.5 * (low + high), (count, 1))
     centres[:, longer] = low[longer] + piece * (0.5 + np.arange(count))
     return Discs(centres, math.hypot(0.5 * piece, 0.5 * sides[1 - longer]))
-
-
-def exact_outline(footprint: Footprint) -> Outline:
-    """Return the outline of a footprint."""
-    vertices = None if footprint.is_circle else footprint.vertices_xy
-    return outline_of(vertices, footprint.radius, footprint.inscribed_radius, OUTLINE_SPACING)
 
 
 def placed(discs: Discs, poses: FloatArray) -> FloatArray:

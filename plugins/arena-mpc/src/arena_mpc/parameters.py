@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import asdict, dataclass
 from typing import Annotated, Literal
 
 from arena_core import (
@@ -143,11 +143,12 @@ class Drive:
 
 def drive_of(robot: Robot, limits: Limits) -> Drive:
     """Return the limits in force; raise ConfigurationError for limits with which no motion is possible."""
-    own, names = robot.limits, [f.name for f in fields(Limits) if f.name != "steering_rate_max"]
-    values = {name: getattr(limits, name) if getattr(limits, name) is not None else getattr(own, name) for name in names}
+    values = asdict(limits)
+    steering_rate_max = values.pop("steering_rate_max")
+    own = asdict(robot.limits_with(**values))
     for name in ("vx_max", "wz_max", "ax_max", "alpha_max"):
-        if not (math.isfinite(values[name]) and values[name] > 0.0):
-            raise ConfigurationError(f"mpc: limits.{name} is {values[name]}; allowed: > 0")
-    if values["vx_min"] > 0.0:
-        raise ConfigurationError(f"mpc: limits.vx_min is {values['vx_min']}; allowed: <= 0 (m/s)")
-    return Drive(**values, wheelbase=robot.wheelbase, steering_max=robot.steering_max, steering_rate_max=limits.steering_rate_max)
+        if not (math.isfinite(own[name]) and own[name] > 0.0):
+            raise ConfigurationError(f"mpc: limits.{name} is {own[name]}; allowed: > 0")
+    if own["vx_min"] > 0.0:
+        raise ConfigurationError(f"mpc: limits.vx_min is {own['vx_min']}; allowed: <= 0 (m/s)")
+    return Drive(**own, wheelbase=robot.wheelbase, steering_max=robot.steering_max, steering_rate_max=steering_rate_max)

@@ -10,10 +10,10 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from arena_core import EpisodeStart, NonNegativeInt, NoValidCommand, Observation, Planner, Positive, Robot, Twist
-from arena_kernels.window import clearance
+from arena_kernels.window import clearance, footprint_outline
 from arena_mpc.arrays import FloatArray
 from arena_mpc.detours import detours
-from arena_mpc.footprint import covering_discs, exact_outline, free_until
+from arena_mpc.footprint import covering_discs, free_until
 from arena_mpc.guess import drive_along, shifted
 from arena_mpc.models import state_of, twist_of
 from arena_mpc.moving import first_hit
@@ -75,8 +75,8 @@ class MpcPlanner(Planner):
         self._form, self._grid, self._obstacles = form, grid, obstacles
         self._look_ahead, self._reinit_distance = look_ahead, reinit_distance
         self._detour = detour
-        self._outline = exact_outline(robot.footprint)
-        self._turn_radius = robot.wheelbase / math.tan(robot.steering_max) if self._model == "bicycle" else 0.0
+        self._outline = footprint_outline(robot.footprint)
+        self._turn_radius = robot.turn_radius
         self._discs = covering_discs(robot.footprint, discs)
         self._optimiser = Optimiser(self._model, form, self._drive, self._discs, final_state_fixed, grid, weights, obstacles, solver)
         self._via_separation, self._iterations = via_separation, solver.max_iterations

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from arena_core import NO_TRACKS, Costmap, Observation, Tracks
-from arena_kernels.window import Window, without_discs
+from arena_core import NO_TRACKS, Observation, Tracks
+from arena_kernels.window import Window, window_of, without_discs
 from arena_mpc.arrays import FloatArray
 from arena_mpc.corridor import boundary_cells
 
@@ -30,9 +30,3 @@ def scene_of(observation: Observation, moving: bool, margin: float) -> Scene:
         )
     window = without_discs(window, tracks.positions, tracks.radii, margin)
     return Scene(window, boundary_cells(window.costs, window.resolution, window.origin_x, window.origin_y), tracks)
-
-
-def window_of(costmap: Costmap) -> Window:
-    """Return a costmap as kernels take it."""
-    x, y = costmap.origin_xy.tolist()
-    return Window(costmap.costs, costmap.distance, float(costmap.resolution), x, y)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import asdict
 from typing import Literal
 
 import numpy as np
@@ -29,23 +30,19 @@ def motion_model_of(robot: Robot, chosen: MotionModel | None) -> MotionModel:
 
 def chassis_of(robot: Robot, model: MotionModel, limits: SpeedLimits, turning_radius: float | None, dt: float) -> Chassis:
     """Return the limits of a motion model with a step of ``dt`` s; raise ConfigurationError when an arc needs more than it has."""
-    own = robot.limits
+    own = robot.limits_with(**asdict(limits))
     sideways = model == "Omni"
     return Chassis(
-        _or(limits.vx_min, own.vx_min),
-        _or(limits.vx_max, own.vx_max),
-        _or(limits.vy_max, own.vy_max) if sideways else np.float32(0.0),
-        _or(limits.wz_max, own.wz_max),
-        _or(limits.ax_max, own.ax_max, dt),
-        _or(limits.ay_max, own.ay_max, dt) if sideways else np.float32(0.0),
-        _or(limits.alpha_max, own.alpha_max, dt),
+        np.float32(own.vx_min),
+        np.float32(own.vx_max),
+        np.float32(own.vy_max if sideways else 0.0),
+        np.float32(own.wz_max),
+        np.float32(own.ax_max * dt),
+        np.float32(own.ay_max * dt if sideways else 0.0),
+        np.float32(own.alpha_max * dt),
         np.float32(0.0 if model == "Ackermann" else math.inf),
         np.float32(_curvature(robot, turning_radius) if model == "Ackermann" else 0.0),
     )
-
-
-def _or(value: float | None, otherwise: float, scale: float = 1.0) -> np.float32:
-    return np.float32((otherwise if value is None else value) * scale)
 
 
 def _curvature(robot: Robot, turning_radius: float | None) -> float:

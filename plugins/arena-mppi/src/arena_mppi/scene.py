@@ -7,22 +7,20 @@ import math
 import numpy as np
 
 from arena_core import NO_TRACKS, Footprint, Observation, Tracks
-from arena_kernels.window import Outline, Window, outline_of, without_discs
+from arena_kernels.window import Outline, Window, footprint_outline, window_of, without_discs
 from arena_mppi.cost_to_go import STEP, UNREACHED, last_inside, nearest_row, slownesses, sweep
 from arena_mppi.critics import FAR, SPACING
 from arena_mppi.parameters import Body, Doubles, Floats, Scene
 from arena_mppi.settings import Moving, Progress
 
-OUTLINE_SPACING = 0.05  # m, the side of a usual costmap cell: no cell slips between two points
 TRACKS_MAX = 20  # the nearest ones; a crowd hides what is behind it
 NOT_AROUND = 0.1  # m, what a tracked person's cells may lie beside its disc
 
 
 def body_of(footprint: Footprint) -> Body:
     """Return a footprint's outline and a row of discs that covers it: about one for each two thirds of its width."""
-    vertices = None if footprint.is_circle else footprint.vertices_xy
-    outline = outline_of(vertices, footprint.radius, footprint.inscribed_radius, OUTLINE_SPACING)
-    if vertices is None:
+    outline, vertices = footprint_outline(footprint), footprint.vertices_xy
+    if footprint.is_circle:
         return Body(outline, np.array(((0.0, 0.0, footprint.radius),), np.float32))
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     longest = int(np.argmax(high - low))
@@ -36,9 +34,7 @@ def body_of(footprint: Footprint) -> Body:
 
 def standing_window(observation: Observation, speed_min: float) -> Window:
     """Return the local map without the cells of tracked obstacles that move."""
-    costmap, tracks = observation.local_map, observation.tracks
-    x, y = costmap.origin_xy.tolist()
-    window = Window(costmap.costs, costmap.distance, float(costmap.resolution), x, y)
+    window, tracks = window_of(observation.local_map), observation.tracks
     moves = np.hypot(*tracks.velocities.T) >= speed_min
     return without_discs(window, tracks.positions[moves], tracks.radii[moves], NOT_AROUND)
 

@@ -6,34 +6,34 @@ from arena_core import Register, hookimpl
 @hookimpl
 def register_global_planners(register: Register) -> None:
     """Offer A* on the inflated map."""
-    register("astar", "arena_navigation.astar:AstarPlanner")
+    register("astar", "arena_navigation.planning.astar:AstarPlanner")
 
 
 @hookimpl
 def register_waypoint_generators(register: Register) -> None:
     """Offer the spatial horizon and waypoints at even spacing."""
-    register("spatial_horizon", "arena_navigation.waypoints:SpatialHorizon")
-    register("subsample", "arena_navigation.waypoints:Subsample")
+    register("spatial_horizon", "arena_navigation.planning.waypoints:SpatialHorizon")
+    register("subsample", "arena_navigation.planning.waypoints:Subsample")
 
 
 @hookimpl
 def register_local_maps(register: Register) -> None:
     """Offer the rolling costmap."""
-    register("rolling", "arena_navigation.rolling:RollingMap")
+    register("rolling", "arena_navigation.local_map.rolling:RollingMap")
 
 
 @hookimpl
 def register_trackers(register: Register) -> None:
     """Offer Kalman filters over discs, and the tracker that sees nothing move."""
-    register("none", "arena_navigation.no_tracker:NoTracker")
-    register("kalman", "arena_navigation.tracker:KalmanTracker")
+    register("none", "arena_navigation.tracking.no_tracker:NoTracker")
+    register("kalman", "arena_navigation.tracking.tracker:KalmanTracker")
 
 
 @hookimpl
 def register_localizers(register: Register) -> None:
     """Offer adaptive Monte Carlo localisation, dead reckoning and the exact pose."""
     register("ground_truth", "arena_navigation.localizers:GroundTruthLocalizer")
-    register("amcl", "arena_navigation.amcl:AmclLocalizer")
+    register("amcl", "arena_navigation.amcl.localizer:AmclLocalizer")
     register("odometry", "arena_navigation.localizers:OdometryLocalizer")
 
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from arena_core import ArenaError, Localizer, OccupancyGrid, Pose, PoseEstimate, Robot, Sensors
-from arena_navigation.odometry_history import OdometryHistory
+from arena_navigation.amcl.odometry_history import OdometryHistory
 
 
 class GroundTruthLocalizer(Localizer):

@@ -5,18 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
-from arena_core import Command, ConfigurationError, compose, plain
+from arena_core import Bounds, Command, ConfigurationError, NonNegativeInt, complete_overrides, compose, plain, read_words
 
 STAGES = ("record", "vision", "memory")
 NEEDS = {"vision": "rollouts/config.json", "memory": "vision.onnx"}  # what the stage before has written
-USAGE = (
-    "usage: arena navrep record|vision|memory|all robot=NAME [seed=0] [device=cpu] [out=DIR] [resume=true] [KEY=VALUE ...]\n"
-    "       arena navrep evidence policy=FILE [out=DIR] [episodes=200] [seed=1000]"
-)
+USAGE = "arena navrep record|vision|memory|all robot=NAME [seed=0] [device=cpu] [out=DIR] [resume=true] [KEY=VALUE ...]"
+EVIDENCE = "arena navrep evidence policy=FILE [out=DIR] [episodes=200] [seed=1000]"
 NEEDED = ("arena_gym", "torch", "stable_baselines3", "onnx", "onnxscript")
-OWN = ("out=", "resume=")
+OWN = ("out", "resume")
+PAIRS = Annotated[int, Bounds(low=2)]  # of episodes that two are compared by
 
 
 class NavrepCommand(Command):
@@ -27,7 +26,7 @@ class NavrepCommand(Command):
     def run(self, arguments: Sequence[str]) -> int:
         """Run one stage, or all; write roll-outs, networks, cards and curves to a folder."""
         if not arguments or any(word in ("-h", "--help") for word in arguments):
-            print(USAGE)
+            print(f"usage: {USAGE}\n       {EVIDENCE}")
             return 0
         stage, *words = arguments
         if stage == "evidence":
@@ -35,12 +34,17 @@ class NavrepCommand(Command):
         if stage not in (*STAGES, "all"):
             raise ConfigurationError(f"stage is {stage}; allowed: {', '.join(STAGES)}, all, evidence")
         _check_installed(NEEDED)
-        given = dict(word.split("=", 1) for word in words if word.startswith(OWN))
-        config = plain(compose([word for word in words if not word.startswith(OWN)], "world_model"))
-        folder = Path(given.get("out") or f"trainings/world_model_{config['robot']['name']}")
+        given = read_words(USAGE, words, keys=OWN, overrides=None)
+        resume = given.value("resume", bool, False)
+        config = plain(compose(given.overrides, "world_model"))
+        folder = Path(given.keys.get("out", f"trainings/world_model_{config['robot']['name']}"))
         for chosen in STAGES if stage == "all" else (stage,):
-            _run_stage(chosen, config, folder, given.get("resume", "false"))
+            _run_stage(chosen, config, folder, resume)
         return 0
+
+    def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
+        """Return the stages, then overrides of the world model's training."""
+        return complete_overrides(words, word, primary="world_model") if words else (*STAGES, "all", "evidence")
 
 
 def _check_installed(names: Sequence[str]) -> None:
@@ -49,10 +53,8 @@ def _check_installed(names: Sequence[str]) -> None:
         raise ConfigurationError(f"arena navrep needs {', '.join(missing)}; install the extra arena-navrep[train]")
 
 
-def _run_stage(stage: str, config: Mapping[str, Any], folder: Path, resume: str) -> None:
+def _run_stage(stage: str, config: Mapping[str, Any], folder: Path, resume: bool) -> None:
     """Run a stage in a folder of its own; raise ConfigurationError where that is another training's."""
-    if resume not in ("true", "false"):
-        raise ConfigurationError(f"resume is {resume}; allowed: true, false")
     if stage in NEEDS and not (folder / NEEDS[stage]).exists():
         raise ConfigurationError(f"{folder} has no {NEEDS[stage]}; `arena navrep {STAGES[STAGES.index(stage) - 1]} ...` makes it")
     from arena_gym.training.folder import open_folder
@@ -65,10 +67,8 @@ def _run_stage(stage: str, config: Mapping[str, Any], folder: Path, resume: str)
         "memory": stages.fit_memory,
     }
     later = STAGES[STAGES.index(stage) + 1 :]
-    open_folder(
-        folder / ("rollouts" if stage == "record" else stage), {k: v for k, v in config.items() if k not in later}, resume == "true"
-    )
-    if resume == "true" and (folder / f"{stage}.onnx").exists():
+    open_folder(folder / ("rollouts" if stage == "record" else stage), {k: v for k, v in config.items() if k not in later}, resume)
+    if resume and (folder / f"{stage}.onnx").exists():
         print(f"{stage}: {folder / stage}.onnx is there")
         return
     own[stage](config, folder)
@@ -77,23 +77,15 @@ def _run_stage(stage: str, config: Mapping[str, Any], folder: Path, resume: str)
 
 
 def _show_evidence(words: Sequence[str]) -> int:
-    given = dict(word.partition("=")[::2] for word in words)
-    wrong = [word for word in words if word.partition("=")[0] not in ("policy", "out", "episodes", "seed") or not word.partition("=")[2]]
-    if wrong or not given.keys() & {"policy", "out"}:
-        raise ConfigurationError(f"arena navrep evidence: {', '.join(wrong) or 'nothing given'}; allowed: policy=, out=, episodes=, seed=")
-    episodes, seed = _number(given, "episodes", "200", least=2), _number(given, "seed", "1000", least=0)
+    given = read_words(EVIDENCE, words, keys=("policy", "out", "episodes", "seed"))
+    if not given.keys.keys() & {"policy", "out"}:
+        raise ConfigurationError(f"policy and out are missing; allowed: {EVIDENCE}")
+    episodes, seed = given.value("episodes", PAIRS, 200), given.value("seed", NonNegativeInt, 1000)
     _check_installed(("arena_gym",))
     from arena_navrep.evidence import foresight, worth_of_memory
 
-    if "out" in given:
-        print(foresight(Path(given["out"])))
-    if "policy" in given:
-        print(worth_of_memory(given["policy"], episodes, seed))
+    if "out" in given.keys:
+        print(foresight(Path(given.keys["out"])))
+    if "policy" in given.keys:
+        print(worth_of_memory(given.keys["policy"], episodes, seed))
     return 0
-
-
-def _number(given: Mapping[str, str], name: str, default: str, least: int) -> int:
-    value = given.get(name, default)
-    if not (value.isascii() and value.isdecimal() and int(value) >= least):
-        raise ConfigurationError(f"{name} is {value}; allowed: a whole number from {least} on")
-    return int(value)

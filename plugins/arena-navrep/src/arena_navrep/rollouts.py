@@ -6,14 +6,15 @@ import io
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import InputFileError, write_bytes_whole
+from arena_core import InputFileError, read_arrays, write_bytes_whole
 
 FOLDER = "rollouts"
+DIMENSIONS = {"scans": 3, "states": 3, "begins": 2}
+ARRAYS = tuple(DIMENSIONS)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,8 +46,9 @@ def read_rollouts(folder: Path, kind: str, files: int) -> Rollouts:
 
 
 def _read(path: Path) -> dict[str, NDArray[Any]]:
-    try:
-        with np.load(path, allow_pickle=False) as content:
-            return {name: content[name] for name in ("scans", "states", "begins")}
-    except (OSError, ValueError, KeyError, EOFError, BadZipFile) as error:
-        raise InputFileError(f"{path}: holds no roll-outs ({error}); allowed: a file that `arena navrep record` wrote") from None
+    allowed = "a file that `arena navrep record` wrote"
+    content = read_arrays(path, allowed)
+    shapes = [content[name].shape[:2] for name in ARRAYS if name in content and content[name].ndim == DIMENSIONS[name]]
+    if len(shapes) < len(ARRAYS) or len(set(shapes)) > 1:
+        raise InputFileError(f"{path}: holds no roll-outs (it lacks {', '.join(ARRAYS)} of equal length); allowed: {allowed}")
+    return {name: content[name] for name in ARRAYS}

@@ -11,7 +11,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ConfigurationError, InputFileError, ObservationField, local_path, write_bytes_whole, write_text_whole
+from arena_core import (
+    ConfigurationError,
+    InputFileError,
+    ObservationField,
+    local_path,
+    one_line,
+    read_json,
+    write_bytes_whole,
+    write_text_whole,
+)
 from arena_policies.card import sha256
 from arena_policies.network import network_content, open_network
 
@@ -97,10 +106,7 @@ def write_part(path: Path, content: bytes, card: PartCard) -> None:
 def read_part_card(path: Path) -> PartCard:
     """Read the card of a world model's network; raise InputFileError with file and key for anything that is not one."""
     made_by = "allowed: a card that `arena navrep` wrote"
-    try:
-        content = json.loads(path.read_text("utf-8"))
-    except (OSError, ValueError) as error:
-        raise InputFileError(f"{path}: is no card of a world model ({error}); {made_by}") from None
+    content = read_json(path, "a card of a world model that `arena navrep` wrote")
     if not isinstance(content, dict) or (content.get("format"), content.get("version")) != (FORMAT, VERSION):
         raise InputFileError(f"{path}: format and version are not {FORMAT} {VERSION}; {made_by}")
     try:
@@ -119,5 +125,5 @@ def read_part_card(path: Path) -> PartCard:
         )
     except KeyError as error:
         raise InputFileError(f"{path}: {error.args[0]} is missing; {made_by}") from None
-    except (AttributeError, TypeError, ValueError) as error:
-        raise InputFileError(f"{path}: is no card of a world model ({error}); {made_by}") from None
+    except (AttributeError, TypeError, ValueError, OverflowError) as error:
+        raise InputFileError(f"{path}: is no card of a world model ({one_line(str(error))}); {made_by}") from None

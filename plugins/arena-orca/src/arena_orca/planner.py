@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import asdict
 from typing import ClassVar
 
 import numpy as np
 
 from arena_core import ConfigurationError, EpisodeStart, NoValidCommand, Observation, Planner, Robot, Tracks, Twist
 from arena_kernels.half_planes import FloatArray
-from arena_kernels.window import Window, outline_of, without_discs
+from arena_kernels.window import Window, footprint_outline, window_of, without_discs
 from arena_orca.escape import Patience, escape_command
 from arena_orca.gears import Gears
 from arena_orca.parameters import (
@@ -31,7 +32,6 @@ from arena_orca.step import choose_command
 
 KINEMATICS = {"omnidirectional": OMNIDIRECTIONAL, "differential": DIFFERENTIAL, "ackermann": ACKERMANN}
 ESCAPE_TIME = 1.0  # s that an escape is looked ahead
-OUTLINE_SPACING = 0.05  # m, the side of a usual costmap cell: no cell slips between two points
 
 
 class OrcaPlanner(Planner):
@@ -42,9 +42,7 @@ class OrcaPlanner(Planner):
     def __init__(self, robot: Robot, speeds: Speeds, people: People, statics: Statics, driving: Driving) -> None:
         if robot.kinematics not in KINEMATICS:
             raise ConfigurationError(f"orca: robot {robot.name} is {robot.kinematics}; allowed: {', '.join(KINEMATICS)}")
-        footprint = robot.footprint
-        vertices = None if footprint.is_circle else footprint.vertices_xy
-        self._outline = outline_of(vertices, footprint.radius, footprint.inscribed_radius, OUTLINE_SPACING)
+        self._outline = footprint_outline(robot.footprint)
         self._settings = Settings(
             _body(robot, driving.centre_ahead),
             _limits(robot, speeds),
@@ -67,7 +65,7 @@ class OrcaPlanner(Planner):
         path = np.ascontiguousarray(observation.path.poses, dtype=np.float64)
         if len(path) == 0:
             raise NoValidCommand("orca: the path is empty")
-        window, state = _window(observation), _state(observation)
+        window, state = window_of(observation.local_map), _state(observation)
         if self._patience.is_over(observation.stamp, observation.pose):
             escape = self._escape(window, state)
             if escape is not None:
@@ -110,27 +108,8 @@ def _body(robot: Robot, centre_ahead: float) -> Body:
 
 
 def _limits(robot: Robot, speeds: Speeds) -> Limits:
-    own = robot.limits
-    return Limits(
-        vx_min=_or(speeds.vx_min, own.vx_min),
-        vx_max=_or(speeds.vx_max, own.vx_max),
-        vy_max=_or(speeds.vy_max, own.vy_max) if robot.holonomic else 0.0,
-        wz_max=_or(speeds.wz_max, own.wz_max),
-        ax_max=float(own.ax_max),
-        ay_max=float(own.ay_max),
-        alpha_max=float(own.alpha_max),
-        turn_radius=robot.wheelbase / math.tan(robot.steering_max) if robot.kinematics == "ackermann" else 0.0,
-    )
-
-
-def _or(value: float | None, otherwise: float) -> float:
-    return float(otherwise if value is None else value)
-
-
-def _window(observation: Observation) -> Window:
-    costmap = observation.local_map
-    x, y = costmap.origin_xy.tolist()
-    return Window(costmap.costs, costmap.distance, float(costmap.resolution), x, y)
+    own = robot.limits_with(**asdict(speeds))
+    return Limits(own.vx_min, own.vx_max, own.vy_max, own.wz_max, own.ax_max, own.ay_max, own.alpha_max, robot.turn_radius)
 
 
 def _state(observation: Observation) -> FloatArray:

@@ -8,11 +8,18 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Crowd, Gait, PedestrianModel, Positive, RobotBatch, Scenario, with_obstacles
+from arena_core import (
+    Crowd,
+    Gait,
+    PedestrianModel,
+    Positive,
+    RobotBatch,
+    Scenario,
+    Step,
+    with_obstacles,
+)
 from arena_kernels.terrain import Terrain
-from arena_pedsim.behaviour import Behaviour, check_behaviour
-from arena_pedsim.crowd_step import step_crowds
-from arena_pedsim.customs import Customs
+from arena_pedsim.forces.crowd_step import step_crowds
 from arena_pedsim.parameters import (
     ForceFactors,
     GivingWay,
@@ -25,12 +32,14 @@ from arena_pedsim.parameters import (
     Wayfinding,
     parameter_record,
 )
-from arena_pedsim.population import Population
-from arena_pedsim.presence import come_and_go
-from arena_pedsim.society import Society
-from arena_pedsim.state_step import step_states
-from arena_pedsim.state_table import state_table
-from arena_pedsim.trips import grant_wishes
+from arena_pedsim.routes.trips import grant_wishes
+from arena_pedsim.states.behaviour import Behaviour, check_behaviour
+from arena_pedsim.states.customs import Customs
+from arena_pedsim.states.population import Population
+from arena_pedsim.states.presence import come_and_go
+from arena_pedsim.states.society import Society
+from arena_pedsim.states.state_step import step_states
+from arena_pedsim.states.state_table import state_table
 
 Floats = NDArray[np.float64]
 Ticks = NDArray[np.int64]
@@ -46,7 +55,7 @@ class SocialForceModel(PedestrianModel):
         self,
         reaction: Literal["ignore", "yield", "curious", "scared", "threatening"],
         relaxation_time: Positive,
-        longest_step: Positive,
+        longest_step: Step,
         factors: ForceFactors,
         social: SocialInteraction,
         walls: WallForce,

@@ -59,6 +59,7 @@ class Wayfinding:
     corner_radius: Positive
     look_period: Positive
     stuck_period: Positive
+    meeting_period: Positive
     stuck_speed: Fraction
 
 

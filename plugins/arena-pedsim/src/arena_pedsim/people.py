@@ -26,6 +26,7 @@ PERSON = np.dtype(
         ("stuck_clock", np.float64),  # s since the person was at (anchor_x, anchor_y)
         ("anchor_x", np.float64),
         ("anchor_y", np.float64),
+        ("opposed", np.int32),  # 1: stands face to face with somebody, and is the one of the two who turns round
         ("share", np.float64),  # of the repulsions of others that this person feels
         ("errand_x", np.float64),  # where to on an errand, instead of the waypoint
         ("errand_y", np.float64),

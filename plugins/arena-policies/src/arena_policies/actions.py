@@ -44,19 +44,21 @@ class ActionScale:
     @staticmethod
     def of(robot: Robot, range_: ActionRange) -> ActionScale:
         """Make the scaling for a robot; raise ConfigurationError where the range exceeds the robot's limits."""
-        limits = robot.limits
-        vx_min = _within("vx_min", range_.vx_min, limits.vx_min, limits.vx_min, limits.vx_max)
-        vx_max = _within("vx_max", range_.vx_max, limits.vx_max, vx_min, limits.vx_max)
-        vy_max = _within("vy_max", range_.vy_max, limits.vy_max, 0.0, limits.vy_max)
-        wz_max = _within("wz_max", range_.wz_max, limits.wz_max, 0.0, limits.wz_max)
-        steering = _within("steering_max", range_.steering_max, robot.steering_max, 0.0, robot.steering_max)
+        own, given = robot.limits, robot.limits_with(vx_min=range_.vx_min, vx_max=range_.vx_max, vy_max=range_.vy_max, wz_max=range_.wz_max)
+        steering = robot.steering_max if range_.steering_max is None else range_.steering_max
+        _check_within("vx_min", range_.vx_min, own.vx_min, own.vx_max)
+        _check_within("vx_max", range_.vx_max, given.vx_min, own.vx_max)
+        _check_within("vy_max", range_.vy_max, 0.0, own.vy_max)
+        _check_within("wz_max", range_.wz_max, 0.0, own.wz_max)
+        _check_within("steering_max", range_.steering_max, 0.0, robot.steering_max)
+        along, across, turning = (given.vx_min, given.vx_max), (-given.vy_max, given.vy_max), (-given.wz_max, given.wz_max)
         ends = {
-            "differential": {"vx": (vx_min, vx_max), "wz": (-wz_max, wz_max)},
-            "omnidirectional": {"vx": (vx_min, vx_max), "vy": (-vy_max, vy_max), "wz": (-wz_max, wz_max)},
-            "ackermann": {"vx": (vx_min, vx_max), "steering": (-steering, steering)},
+            "differential": {"vx": along, "wz": turning},
+            "omnidirectional": {"vx": along, "vy": across, "wz": turning},
+            "ackermann": {"vx": along, "steering": (-steering, steering)},
         }[robot.kinematics]
         low, high = np.array(list(ends.values())).T
-        return ActionScale(tuple(ends), low, high, robot.wheelbase, wz_max)
+        return ActionScale(tuple(ends), low, high, robot.wheelbase, given.wz_max)
 
     def commands(self, actions: NDArray[np.floating]) -> FloatArray:
         """Return velocities (N, 3) in ``base_link`` for actions (N, A), cut to [-1, 1]; raise InvalidCommand for NaN."""
@@ -77,12 +79,9 @@ class ActionScale:
         return _turn_rates(np.ascontiguousarray(values), self.wheelbase, self.wz_max)
 
 
-def _within(name: str, value: float | None, default: float, low: float, high: float) -> float:
-    if value is None or value == default:
-        return default
-    if not (math.isfinite(value) and low <= value <= high):
+def _check_within(name: str, value: float | None, low: float, high: float) -> None:
+    if value is not None and not (math.isfinite(value) and low <= value <= high):
         raise ConfigurationError(f"action.{name} is {value:g}; allowed: {low:g} .. {high:g}, the robot's limits, or null")
-    return value
 
 
 @compiled

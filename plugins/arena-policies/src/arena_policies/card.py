@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from arena_core import InputFileError, ObservationField, write_text_whole
+from arena_core import InputFileError, ObservationField, one_line, read_json, write_text_whole
 
 FORMAT = "arena-policy"
 VERSION = 1
@@ -50,12 +50,7 @@ def write_card(path: Path, card: PolicyCard) -> None:
 
 def read_card(path: Path) -> PolicyCard:
     """Read a card; raise InputFileError with file and key for anything that is not one."""
-    try:
-        content = json.loads(path.read_text("utf-8"))
-    except FileNotFoundError:
-        raise InputFileError(f"{path}: no such file; allowed: a policy with its card beside it (docs/policies.md)") from None
-    except (OSError, ValueError) as error:
-        raise InputFileError(f"{path}: is no policy card ({error}); allowed: a card as in docs/policies.md") from None
+    content = read_json(path, "a policy with its card beside it (docs/policies.md)")
     if not isinstance(content, dict) or content.get("format") != FORMAT or content.get("version") != VERSION:
         raise InputFileError(f"{path}: format and version are not {FORMAT} {VERSION}; allowed: a card that `arena train` wrote")
     try:
@@ -65,7 +60,7 @@ def read_card(path: Path) -> PolicyCard:
             kinematics=str(content["kinematics"]),
             control_period=float(content["control_period"]),
             encoder=dict(content["encoder"]),
-            layout=tuple(ObservationField(**fields) for fields in content["layout"]),
+            layout=tuple(_field(fields) for fields in content["layout"]),
             action={str(name): tuple(map(float, ends)) for name, ends in content["action"].items()},
             action_range=dict(content["action_range"]),
             sha256=str(content["sha256"]),
@@ -76,8 +71,15 @@ def read_card(path: Path) -> PolicyCard:
         )
     except KeyError as error:
         raise InputFileError(f"{path}: {error.args[0]} is missing; allowed: a card as in docs/policies.md") from None
-    except (AttributeError, TypeError, ValueError) as error:
-        raise InputFileError(f"{path}: is no policy card ({error}); allowed: a card as in docs/policies.md") from None
+    except (AttributeError, TypeError, ValueError, OverflowError) as error:
+        raise InputFileError(f"{path}: is no policy card ({one_line(str(error))}); allowed: a card as in docs/policies.md") from None
+
+
+def _field(fields: Mapping[str, Any]) -> ObservationField:
+    made = ObservationField(**fields)
+    if not all(isinstance(text, str) for text in (made.name, made.unit, made.meaning)):
+        raise TypeError("a field of layout has no name, unit or meaning")
+    return made
 
 
 def _member(member: Mapping[str, Any]) -> dict[str, str]:

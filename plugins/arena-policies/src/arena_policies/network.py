@@ -5,19 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from arena_core import InputFileError
-
-LARGEST = 64 * 2**20  # bytes of a network's file
+from arena_core import LIMITS, InputFileError, read_bytes
 
 
 def network_content(path: Path) -> bytes:
     """Return what a file holds; raise InputFileError where it cannot be read or is too large for a network of ours."""
-    try:
-        if path.stat().st_size > LARGEST:
-            raise InputFileError(f"{path}: has {path.stat().st_size} bytes; allowed: policies up to {LARGEST}")
-        return path.read_bytes()
-    except OSError as error:
-        raise InputFileError(f"{path}: cannot be read ({error.strerror}); allowed: an ONNX file with its card beside it") from None
+    return read_bytes(path, LIMITS.network_bytes, "an ONNX file with its card beside it")
 
 
 def open_network(path: Path, content: bytes, inputs: int, outputs: int) -> Any:

@@ -10,7 +10,7 @@ class PurePursuit(Planner):
 
     def __init__(self, robot: Robot, speed: Positive | None, turn_in_place_from: Positive, gain: Positive) -> None:
         self.robot = robot
-        self.speed = min(speed or robot.limits.vx_max, robot.limits.vx_max)
+        self.speed = min(robot.limits_with(vx_max=speed).vx_max, robot.limits.vx_max)
         self.turn_in_place_from = turn_in_place_from
         self.gain = gain
 

@@ -22,6 +22,7 @@ from arena_core import (
     Scenario,
     Simulator,
     Snapshot,
+    Step,
 )
 from arena_kernels.pool import GridPool
 from arena_sim2d.bodies import Floats, Rows, Worlds
@@ -33,6 +34,8 @@ from arena_sim2d.ticking import measure_gaps, run_ticks, scan_slots
 from arena_sim2d.walking import begin_walking, count_steps, gait_of
 from arena_sim2d.worlds import begin, check_starts, no_worlds
 
+MOST_TICKS = 100_000  # of a period; events of that many are kept room for
+
 
 class Sim2d(Simulator):
     """Steps N worlds at once; world k of N is bit for bit what it is alone."""
@@ -43,7 +46,7 @@ class Sim2d(Simulator):
     _gaps: Floats
     _slots: NDArray[np.int64]
 
-    def __init__(self, robot: Robot, pedestrians: PedestrianModel, inner_step: Positive, crowd_period: Positive) -> None:
+    def __init__(self, robot: Robot, pedestrians: PedestrianModel, inner_step: Step, crowd_period: Positive) -> None:
         self.inner_step = inner_step
         self._robot = robot
         self._pedestrians = pedestrians
@@ -200,6 +203,8 @@ def _header(robot: Robot) -> LaserScan:
 def _ticks(name: str, period: float, inner_step: float) -> int:
     """Return how many ticks a period has; raise ConfigurationError unless it is a multiple of ``inner_step``."""
     ticks = round(period / inner_step)
-    if ticks < 1 or abs(ticks * inner_step - period) > 1e-9:
-        raise ConfigurationError(f"{name} is {period:g} s; allowed: a multiple of simulator.inner_step ({inner_step:g} s)")
+    if not 1 <= ticks <= MOST_TICKS or abs(ticks * inner_step - period) > 1e-9:
+        raise ConfigurationError(
+            f"{name} is {period:g} s; allowed: a multiple of simulator.inner_step ({inner_step:g} s), up to {MOST_TICKS} times"
+        )
     return ticks

@@ -6,23 +6,23 @@ from arena_core import Register, hookimpl
 @hookimpl
 def register_task_modes(register: Register) -> None:
     """Offer random problems, those of a curriculum, problems from a file, and those of BARN and DynaBARN."""
-    register("random", "arena_tasks.random_task:RandomTask")
-    register("staged", "arena_tasks.staged_task:StagedTask")
-    register("scenario", "arena_tasks.scenario_task:ScenarioTask")
-    register("barn", "arena_tasks.barn_task:BarnTask")
-    register("dynabarn", "arena_tasks.barn_task:BarnTask")
+    register("random", "arena_tasks.random.random_task:RandomTask")
+    register("staged", "arena_tasks.random.staged_task:StagedTask")
+    register("scenario", "arena_tasks.scenario_files.scenario_task:ScenarioTask")
+    register("barn", "arena_tasks.random.barn_task:BarnTask")
+    register("dynabarn", "arena_tasks.random.barn_task:BarnTask")
 
 
 @hookimpl
 def register_commands(register: Register) -> None:
     """Offer work on scenario files."""
-    register("scenario", "arena_tasks.scenario_command:ScenarioCommand")
+    register("scenario", "arena_tasks.commands.scenario_command:ScenarioCommand")
 
 
 @hookimpl
 def register_listings(register: Register) -> None:
     """Offer the scenarios of all packs."""
-    register("scenarios", "arena_tasks.scenario_listing:ScenarioListing")
+    register("scenarios", "arena_tasks.commands.scenario_listing:ScenarioListing")
 
 
 @hookimpl

@@ -17,22 +17,26 @@ from arena_teb.surroundings import Vicinity
 
 def speed_limits(robot: Robot, limits: Limits) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return least and greatest speeds and accelerations, (3,) each: forward, left, turn."""
-    own = robot.limits
-    back, side = _or(limits.max_vel_x_backwards, -own.vx_min), _or(limits.max_vel_y, own.vy_max) if robot.holonomic else 0.0
-    turn = _or(limits.max_vel_theta, own.wz_max)
-    most = np.array((_or(limits.max_vel_x, own.vx_max), side, turn))
-    acceleration = np.array(
-        (_or(limits.acc_lim_x, own.ax_max), _or(limits.acc_lim_y, own.ay_max), _or(limits.acc_lim_theta, own.alpha_max))
+    backwards = limits.max_vel_x_backwards
+    own = robot.limits_with(
+        vx_min=None if backwards is None else -backwards,
+        vx_max=limits.max_vel_x,
+        vy_max=limits.max_vel_y,
+        wz_max=limits.max_vel_theta,
+        ax_max=limits.acc_lim_x,
+        ay_max=limits.acc_lim_y,
+        alpha_max=limits.acc_lim_theta,
     )
-    return np.array((-back, -side, -turn)), most, acceleration
+    least, most = (own.vx_min, -own.vy_max, -own.wz_max), (own.vx_max, own.vy_max, own.wz_max)
+    return np.array(least), np.array(most), np.array((own.ax_max, own.ay_max, own.alpha_max))
 
 
 def turning_radius(robot: Robot, limits: Limits) -> float:
     """Return the least turning radius, m: the robot's or a greater one."""
-    own = robot.wheelbase / math.tan(robot.steering_max) if robot.kinematics == "ackermann" else 0.0
-    if limits.min_turning_radius is not None and limits.min_turning_radius < own:
-        raise ConfigurationError(f"teb: limits.min_turning_radius is {limits.min_turning_radius}; allowed: null or >= {own:.3f} (m)")
-    return _or(limits.min_turning_radius, own)
+    own, wanted = robot.turn_radius, limits.min_turning_radius
+    if wanted is not None and wanted < own:
+        raise ConfigurationError(f"teb: limits.min_turning_radius is {wanted}; allowed: null or >= {own:.3f} (m)")
+    return own if wanted is None else wanted
 
 
 def make_model(
@@ -129,7 +133,3 @@ def selection_penalties(penalties: Penalties, scale: float) -> Penalties:
 def _inside(bounds: FloatArray, epsilon: float) -> FloatArray:
     """Return bounds a little inside, at most halved."""
     return np.asarray(bounds - np.minimum(epsilon, 0.5 * bounds))
-
-
-def _or(value: float | None, otherwise: float) -> float:
-    return float(otherwise if value is None else value)

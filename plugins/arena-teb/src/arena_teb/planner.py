@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from arena_core import EpisodeStart, NoValidCommand, Observation, Planner, Pose, Robot, Tracks, Twist
-from arena_kernels.window import Window, outline_of, without_discs
+from arena_kernels.window import Window, footprint_outline, window_of, without_discs
 from arena_teb.classes import Topologies, Topology
 from arena_teb.escape import escape_command
 from arena_teb.feasibility import free_poses
@@ -21,7 +21,6 @@ from arena_teb.polygons import NO_HULLS, hulls_of
 from arena_teb.problem import Ends, FloatArray
 from arena_teb.surroundings import Scene
 
-OUTLINE_SPACING = 0.05  # m, the side of a usual costmap cell: no cell slips between two points
 HEADING_OVER = 0.3  # m at the end of the local plan over which its direction is taken
 
 
@@ -47,8 +46,7 @@ class TebPlanner(Planner):
         self._holonomic = robot.holonomic
         self._trajectory, self._obstacles, self._polygons, self._recovery = trajectory, obstacles, polygons, recovery
         self._horizon = math.inf if obstacles.prediction_time is None else obstacles.prediction_time
-        body = robot.footprint
-        self._outline = outline_of(None if body.is_circle else body.vertices_xy, body.radius, body.inscribed_radius, OUTLINE_SPACING)
+        self._outline = footprint_outline(robot.footprint)
         self._topologies = Topologies(
             homotopy, trajectory, make_model(robot, limits, trajectory, obstacles, optimisation, weights), self._outline
         )
@@ -69,7 +67,7 @@ class TebPlanner(Planner):
         """Return the first velocity of the best feasible band; raise NoValidCommand when there is none and no way to back out."""
         pose, stamp = observation.pose, observation.stamp
         tracks = nearest_tracks(observation.tracks, pose, self._obstacles)
-        window = without_discs(_window(observation), tracks.positions, tracks.radii, self._obstacles.track_margin)
+        window = without_discs(window_of(observation.local_map), tracks.positions, tracks.radii, self._obstacles.track_margin)
         plan, complete = local_plan(observation.path.poses, pose, window, self._lookahead(stamp), self._outline.inscribed_radius)
         goal = self._local_goal(plan, pose, observation.goal, complete)
         scene = self._scene(window, tracks, plan)
@@ -147,9 +145,3 @@ def _chosen(tracks: Tracks, rows: np.ndarray) -> Tracks:
     fields = (tracks.positions, tracks.velocities, tracks.radii)
     positions, velocities, radii = (np.ascontiguousarray(field[rows], np.float64) for field in fields)
     return Tracks(tracks.ids[rows], positions, velocities, radii, tracks.covariances[rows])
-
-
-def _window(observation: Observation) -> Window:
-    costmap = observation.local_map
-    x, y = costmap.origin_xy.tolist()
-    return Window(costmap.costs, costmap.distance, float(costmap.resolution), x, y)

@@ -6,25 +6,25 @@ from arena_core import Register, hookimpl
 @hookimpl
 def register_worlds(register: Register) -> None:
     """Offer maps and world files, BARN's worlds, the built-in halls and the generators."""
-    register("ros_map", "arena_worlds.ros_map:RosMap")
-    register("file", "arena_worlds.file_world:FileWorld")
-    register("scenario_map", "arena_worlds.scenario_map:ScenarioMap")
-    register("barn", "arena_worlds.barn:BarnWorlds")
-    register("dynabarn", "arena_worlds.dynabarn:DynabarnWorlds")
-    register("empty", "arena_worlds.empty:EmptyRoom")
-    register("lab", "arena_worlds.lab:Lab")
-    register("warehouse", "arena_worlds.warehouse:Warehouse")
-    register("indoor", "arena_worlds.indoor:Indoor")
-    register("outdoor", "arena_worlds.outdoor:Outdoor")
-    register("rooms", "arena_worlds.rooms:Rooms")
-    register("cellular", "arena_worlds.cellular:Cellular")
-    register("mixed", "arena_worlds.mixed:MixedWorlds")
+    register("ros_map", "arena_worlds.formats.ros_map:RosMap")
+    register("file", "arena_worlds.formats.file_world:FileWorld")
+    register("scenario_map", "arena_worlds.formats.scenario_map:ScenarioMap")
+    register("barn", "arena_worlds.formats.barn:BarnWorlds")
+    register("dynabarn", "arena_worlds.generators.dynabarn:DynabarnWorlds")
+    register("empty", "arena_worlds.generators.empty:EmptyRoom")
+    register("lab", "arena_worlds.generators.lab:Lab")
+    register("warehouse", "arena_worlds.generators.warehouse:Warehouse")
+    register("indoor", "arena_worlds.generators.indoor:Indoor")
+    register("outdoor", "arena_worlds.generators.outdoor:Outdoor")
+    register("rooms", "arena_worlds.generators.rooms:Rooms")
+    register("cellular", "arena_worlds.generators.cellular:Cellular")
+    register("mixed", "arena_worlds.generators.mixed:MixedWorlds")
 
 
 @hookimpl
 def register_commands(register: Register) -> None:
     """Offer ``arena world``."""
-    register("world", "arena_worlds.command:WorldCommand")
+    register("world", "arena_worlds.commands.command:WorldCommand")
 
 
 @hookimpl

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from arena_core import ConfigurationError, RunFolderError, write_text_whole
+from arena_core import ConfigurationError, RunFolderError, read_json, write_text_whole
 
 CONFIG = "config.json"
 MAY_DIFFER = ("total_steps", "device")  # between a training and what goes on with it
@@ -30,10 +30,10 @@ def open_folder(folder: Path, config: Mapping[str, Any], resume: bool) -> None:
 
 
 def _read(file: Path) -> dict[str, Any]:
-    try:
-        return dict(json.loads(file.read_text("utf-8")))
-    except (OSError, ValueError) as error:
-        raise RunFolderError(f"cannot read {file}: {error}") from error
+    content = read_json(file, "the configuration of a training that `arena train` wrote")
+    if not isinstance(content, dict):
+        raise RunFolderError(f"{file}: holds no mapping; allowed: the configuration of a training that `arena train` wrote")
+    return content
 
 
 def _differing(before: Mapping[str, Any], now: Mapping[str, Any]) -> str | None:

@@ -1,0 +1,1 @@
+"""What everything stands on: errors, limits, files, geometry of arrays, random streams, signals."""

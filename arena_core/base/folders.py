@@ -1,0 +1,75 @@
+"""The folder of a run: one run at a time, and nothing left behind by a request that was refused."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from arena_core.base.errors import RunFolderError
+
+LOCK = ".lock"
+
+
+@contextmanager
+def locked(folder: Path) -> Iterator[None]:
+    """Keep every other run out of a folder, which is made where it is missing; raise RunFolderError (one line) where one is in it.
+
+    The kernel holds the lock, not the file: a killed run leaves a file and no lock.
+    """
+    from filelock import FileLock, Timeout
+
+    missing = not folder.exists()
+    lock = FileLock(folder / LOCK)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        lock.acquire(timeout=0)
+    except Timeout:
+        raise RunFolderError(f"{folder}: another run is under way there; allowed: its end, or another folder, hydra.run.dir=DIR") from None
+    except OSError as error:
+        raise RunFolderError(f"cannot use the run's folder {folder}: {error.strerror or error}") from error
+    try:
+        yield
+    finally:
+        with suppress(OSError):
+            (folder / LOCK).unlink()  # while it is held: who opens it now sees that it is gone, and makes another
+        lock.release()
+        with suppress(OSError):
+            if missing:
+                folder.rmdir()  # if it is empty
+
+
+class NewFolders:
+    """What Hydra is about to make for a request before anybody has looked at the request; it asks nobody."""
+
+    def __init__(self) -> None:
+        self._folders: set[Path] = set()
+        self._files: dict[Path, bytes | None] = {}
+
+    def expect(self, folder: Path) -> None:
+        """Note a folder and those above it, as far as they are not there yet."""
+        whole = folder.absolute()
+        self._folders |= {place for place in (whole, *whole.parents) if not place.exists()}
+
+    def expect_file(self, path: Path) -> None:
+        """Note a file and what it holds now."""
+        with suppress(OSError):
+            self._files[path.absolute()] = path.read_bytes() if path.exists() else None
+
+    def forget(self) -> None:
+        """Begin a request anew."""
+        self._folders.clear()
+        self._files.clear()
+
+    def remove(self) -> None:
+        """Bring the files back to what they were, and remove the folders that are empty."""
+        for path, before in self._files.items():
+            with suppress(OSError):
+                path.unlink() if before is None else path.write_bytes(before)
+        for folder in sorted(self._folders, key=lambda folder: len(folder.parts), reverse=True):
+            with suppress(OSError):
+                folder.rmdir()
+        self.forget()
+
+
+new_folders = NewFolders()  # Hydra makes the object that hears of a run's beginning, so the two meet here

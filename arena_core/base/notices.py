@@ -1,0 +1,25 @@
+"""Lines that tell the user of something that is no error."""
+
+from __future__ import annotations
+
+import sys
+from functools import cache
+from multiprocessing import parent_process
+
+_untold: list[str] = []
+
+
+@cache
+def tell(line: str) -> None:
+    """Print a line on stderr, once in a process; a worker keeps it for the main process, which asks for what it has ``untold``."""
+    if parent_process() is None:
+        print(f"arena: {line}", file=sys.stderr)
+    else:
+        _untold.append(line)
+
+
+def untold() -> list[str]:
+    """Return, once, the lines that this worker has kept."""
+    lines = list(_untold)
+    _untold.clear()
+    return lines

@@ -1,0 +1,63 @@
+"""What each part of a control step takes: wall and CPU time, a part that another one asks for counted once, as its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from time import perf_counter, process_time
+from typing import Protocol, TypeVar
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Duration:
+    """Seconds by the clock on the wall, and of the processor, all threads of the process together."""
+
+    wall: float
+    cpu: float
+
+    def __add__(self, other: Duration) -> Duration:
+        """Return both durations one after the other."""
+        return Duration(self.wall + other.wall, self.cpu + other.cpu)
+
+    def __sub__(self, other: Duration) -> Duration:
+        """Return what is left without the other."""
+        return Duration(self.wall - other.wall, self.cpu - other.cpu)
+
+
+NOTHING = Duration(0.0, 0.0)
+
+
+class Timed(Protocol):
+    """Run ``compute`` as the part of this name and return what it returns."""
+
+    def __call__(self, part: str, compute: Callable[[], T]) -> T: ...  # noqa: D102 (above)
+
+
+class Stopwatch:
+    """Times the named parts of one control step, wherever they are called from."""
+
+    def __init__(self) -> None:
+        self._spent: dict[str, Duration] = {}
+        self._within = NOTHING  # what parts inside the running one have taken so far
+
+    @property
+    def spent(self) -> Mapping[str, Duration]:
+        """Return what each part has taken, without the parts that it called."""
+        return self._spent
+
+    def timed(self, part: str, compute: Callable[[], T]) -> T:
+        """Return what ``compute`` returns; what it takes counts for this part, less the parts that run inside it."""
+        outside, self._within = self._within, NOTHING
+        began = _now()
+        try:
+            return compute()
+        finally:
+            took = _now() - began
+            self._spent[part] = self._spent.get(part, NOTHING) + (took - self._within)
+            self._within = outside + took
+
+
+def _now() -> Duration:
+    return Duration(perf_counter(), process_time())

@@ -1,0 +1,108 @@
+"""``arena check``: the contract test of a component, as its author runs it."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+from arena_core.base.errors import ConfigurationError, ContractViolation, ImpossibleScenario, UnknownComponent
+from arena_core.cli.candidates import complete_overrides
+from arena_core.cli.listing import presets
+from arena_core.cli.words import key_value
+from arena_core.config.registry import load_registry, unknown
+from arena_core.contracts.interfaces import Command
+from arena_core.testing.checks import CHECKS, check
+from arena_core.testing.samples import component, robot
+from arena_core.values.robot import Kinematics, Robot
+
+BODIES: dict[str, tuple[Kinematics, ...]] = {
+    "planner": ("differential", "omnidirectional", "ackermann"),
+    "simulator": ("differential", "omnidirectional", "ackermann"),
+    "reward": ("differential", "omnidirectional", "ackermann"),
+    "observation_encoder": ("differential", "omnidirectional", "ackermann"),
+}
+
+Body = tuple[str | None, Robot]  # with the preset that a planner is tuned for
+
+
+class CheckCommand(Command):
+    """Try the contract of a component, or of everything that is installed."""
+
+    help: ClassVar[str] = "the contract test of a component: arena check KIND=NAME [KEY=VALUE ...] | all"
+
+    def run(self, arguments: Sequence[str]) -> int:
+        """Check every named preset; return 1 when one breaks its contract."""
+        parser = argparse.ArgumentParser("arena check", description=self.__doc__)
+        parser.add_argument("request", nargs="+", metavar="KIND=NAME", help="a component, then overrides; or: all")
+        given = parser.parse_args(list(arguments)).request
+        if given == ["all"]:
+            return max(_check_or_say_why_not(kind, preset) for kind in CHECKS for preset in presets(load_registry(), kind))
+        kind, preset = key_value(given[0])
+        if kind not in CHECKS:
+            raise UnknownComponent(unknown("kind", kind, list(CHECKS)))
+        if not preset:
+            raise ConfigurationError(f"no name given; allowed: {kind}= one of {', '.join(presets(load_registry(), kind))}")
+        return _check_preset(kind, preset, given[1:])
+
+    def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
+        """Return kinds and their presets, then the keys of the one that is checked."""
+        found = complete_overrides(words, word, primary="component")
+        return found if words else [*(one for one in found if one.partition("=")[0] in CHECKS), "all"]
+
+
+def _check_or_say_why_not(kind: str, preset: str) -> int:
+    """Check one preset; one that cannot be built without values from its user (a file, say) is named and passed over."""
+    try:
+        return _check_preset(kind, preset, [])
+    except (ConfigurationError, ImpossibleScenario) as error:
+        print(f"-- {kind}={preset} needs values: {error}")
+        return 0
+
+
+def _check_preset(kind: str, preset: str, overrides: Sequence[str]) -> int:
+    """Check one preset on every kind of robot that matters to it and print what held."""
+    for tuned_for, body in _bodies(kind, preset, overrides):
+        try:
+            facts = check(kind, component(kind, preset, overrides, tuned_for, **_context(kind, body)), body)
+        except ContractViolation as violation:
+            print(f"BROKEN {kind}={preset} ({body.name}, {body.kinematics}): {violation}")
+            return 1
+        on = f" on {'a robot' if body.name == 'sample' else body.name} with {body.kinematics} drive" if kind in BODIES else ""
+        print(f"ok {kind}={preset}: {len(facts)} facts hold{on}")
+    return 0
+
+
+def _bodies(kind: str, preset: str, overrides: Sequence[str]) -> list[Body]:
+    """Return a sample of each drive that matters to a kind; for a planner that knows robots by name, those of them that are installed.
+
+    Raises ConfigurationError, the first robot's, where a planner drives none.
+    """
+    samples: list[Body] = [(None, robot(kinematics)) for kinematics in BODIES.get(kind, ("differential",))]
+    if kind != "planner" or _refusal(preset, overrides, samples[0]) is None:
+        return samples
+    given = [word.removeprefix("robot=") for word in overrides if word.startswith("robot=")]
+    named: list[Body] = [(None, component("robot", name)) for name in given]  # the overrides tune for it
+    named = named or [(name, component("robot", name)) for name in presets(load_registry(), "robot")]
+    refusals = [_refusal(preset, overrides, body) for body in named or samples]
+    accepted = [body for body, refusal in zip(named, refusals, strict=False) if refusal is None]
+    if not accepted and refusals[0] is not None:
+        raise refusals[0]
+    return accepted
+
+
+def _refusal(preset: str, overrides: Sequence[str], body: Body) -> ConfigurationError | None:
+    try:
+        component("planner", preset, overrides, body[0], robot=body[1])
+    except ConfigurationError as error:
+        return error
+    return None
+
+
+def _context(kind: str, body: Robot) -> dict[str, Any]:
+    """Return what the constructor of a kind is given beside its YAML."""
+    if kind == "task":
+        return {"robot": body, "world": component("world", "empty")}
+    if kind == "simulator":
+        return {"robot": body, "pedestrians": component("pedestrians", "social_force")}
+    return {"robot": body} if kind not in ("robot", "world", "pedestrians", "metrics", "executor") else {}

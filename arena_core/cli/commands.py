@@ -1,0 +1,200 @@
+"""``arena run`` and ``arena evaluate``."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, ClassVar
+
+from arena_core.base.errors import ArenaError, ConfigurationError, RunStopped
+from arena_core.base.folders import locked, new_folders
+from arena_core.base.limits import LIMITS
+from arena_core.cli.candidates import complete_overrides
+from arena_core.cli.words import key_value, read_words
+from arena_core.config.configuration import PRIMARY, compose, conf_directory, one_line_errors, plain
+from arena_core.config.registry import load_registry
+from arena_core.contracts.interfaces import Command
+from arena_core.loop.recording import find_runs
+from arena_core.runs.objective import check_objective, objective_of
+from arena_core.runs.resuming import re_evaluate
+from arena_core.runs.running import RunRequest, report, run_all
+
+MULTIRUN = ("-m", "--multirun")
+EVALUATE = "arena evaluate DIR... [metrics=[si,paper_legacy]]"
+FLAGS: Mapping[str, Sequence[str]] = {**dict.fromkeys(MULTIRUN, ()), "--cfg": ("job", "hydra", "all"), "--resolve": (), "--help": ()}
+FOLDER_KEYS = ("hydra.run.dir", "hydra.sweep.dir", "hydra.sweep.subdir")
+
+
+class Shown(Exception):
+    """All jobs of a multirun have been shown: there is nothing to run."""
+
+
+@dataclass(frozen=True, slots=True)
+class Show:
+    """What of the configurations of a multirun is printed in place of running it: ``job``, ``hydra`` or ``all``."""
+
+    what: str
+    resolve: bool
+
+    def show(self, number: int, overrides: Sequence[str], config: Any) -> None:
+        """Print the configuration of one job, a document of YAML."""
+        from omegaconf import OmegaConf, flag_override
+
+        parts = {"job": [key for key in config if key != "hydra"], "hydra": ["hydra"], "all": list(config)}
+        with flag_override(config, ["struct", "readonly"], [False, False]):
+            chosen = OmegaConf.masked_copy(config, parts[self.what])
+        print(f"---\n# {number}: {' '.join(overrides)}\n{OmegaConf.to_yaml(chosen, resolve=self.resolve)}", end="")
+
+
+class RunTask:
+    """What Hydra calls for a single run; its launcher hands the jobs of a multirun to ``run`` together, or shows them."""
+
+    def __init__(self, show: Show | None = None) -> None:
+        self.show = show
+        self.status = 0
+        self.error: ArenaError | None = None
+
+    def __call__(self, config: Any) -> Any:
+        """Run the composed configuration in the folder that Hydra made for it; return what a sweeper is told of it."""
+        from hydra.core.hydra_config import HydraConfig
+        from hydra.types import RunMode
+
+        hydra: Any = HydraConfig.instance().cfg
+        one = request(config, hydra)
+        told = self.run([one])
+        if hydra.hydra.mode == RunMode.MULTIRUN:  # this is the process of another launcher: nobody will look at this object
+            if self.error is not None:
+                raise self.error
+            if self.status and config.objective is None:
+                raise RunStopped(f"{one.folder}: some episode failed with an error; its episodes.csv says which")
+        return told[0] if told else None
+
+    def run(self, requests: Sequence[RunRequest]) -> list[Any]:
+        """Run all requests; return for each its objective, else the exit status.
+
+        Keeps the worst exit status, or the error, and then returns nothing: Hydra would print lines of its own about it.
+        """
+        registry = load_registry()
+        try:
+            wanted = [plain(request.config)["objective"] for request in requests]
+            for one, objective in zip(requests, wanted, strict=True):
+                if objective is not None:
+                    check_objective(plain(one.config), registry)
+            runs = run_all(requests, registry)
+            report(runs, registry)
+            self.status = max(self.status, *(int(run.failed) for run in runs))
+            folders = [request.folder for request in requests]
+            return [self.status if o is None else objective_of(folder, o) for folder, o in zip(folders, wanted, strict=True)]
+        except ArenaError as error:
+            self.error = error
+            return []
+
+
+def request(config: Any, hydra: Any) -> RunRequest:
+    """Return the request of one job, from its configuration and Hydra's own, which go to ``.hydra`` once the request is accepted."""
+    from omegaconf import OmegaConf
+
+    own = hydra.hydra
+    contents = {"config": config, "hydra": hydra, "overrides": own.overrides.task}
+    files = {f".hydra/{name}.yaml": OmegaConf.to_yaml(content) for name, content in contents.items()}
+    return RunRequest(config, Path(own.runtime.output_dir), dict(own.runtime.choices), files)
+
+
+class RunCommand(Command):
+    """Compose a configuration from Hydra overrides and run it."""
+
+    help: ClassVar[str] = "run a benchmark: arena run [-m] [KEY=VALUE ...]"
+
+    def run(self, arguments: Sequence[str]) -> int:
+        """Hand the overrides to Hydra; raise ArenaError (one line) when the request is wrong, and leave nothing of it behind."""
+        if {"-h", "--help"} & set(arguments):
+            print((files("arena_core") / "run_help.txt").read_text(encoding="utf-8"), end="")
+            return 0
+        new_folders.forget()
+        try:
+            return self._run(arguments)
+        except ArenaError as error:
+            if error.exit_status == ArenaError.exit_status:
+                new_folders.remove()
+            raise
+
+    def _run(self, arguments: Sequence[str]) -> int:
+        import hydra
+
+        _check_folders(arguments)
+        os.environ["HYDRA_FULL_ERROR"] = "1"  # Hydra then raises instead of printing and exiting by itself
+        flags = [argument for argument in arguments if argument in MULTIRUN]  # Hydra wants them ahead of overrides
+        words = [argument for argument in arguments if argument not in MULTIRUN]
+        show, words = _shown(words) if flags else (None, words)
+        task = RunTask(show)
+        before, sys.argv = sys.argv, ["arena run", *flags, *words]
+        try:
+            with one_line_errors():
+                hydra.main(str(conf_directory()), PRIMARY, version_base="1.3")(task)()
+        except Shown:
+            new_folders.remove()
+        except OSError as error:
+            raise ConfigurationError(f"cannot use the run's folder {error.filename}: {error.strerror}") from error
+        finally:
+            sys.argv = before
+        if task.error is not None:
+            raise task.error
+        return task.status
+
+    def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
+        """Return options of groups, keys and what Hydra takes."""
+        if words and (values := FLAGS.get(words[-1])):
+            return values
+        return list(FLAGS) if word.startswith("-") else complete_overrides(words, word)
+
+
+def _shown(words: Sequence[str]) -> tuple[Show | None, list[str]]:
+    """Take `--cfg`, which Hydra knows for single runs alone, out of the words of a multirun."""
+    parser = argparse.ArgumentParser("arena run", add_help=False, allow_abbrev=False)
+    parser.add_argument("--cfg", "-c", choices=FLAGS["--cfg"])
+    parser.add_argument("--resolve", action="store_true")
+    given, others = parser.parse_known_args(list(words))
+    if given.cfg is None:
+        return None, list(words)
+    return Show(given.cfg, given.resolve), [*others, "hydra/launcher=arena"]
+
+
+def _check_folders(words: Sequence[str]) -> None:
+    """Raise ConfigurationError for a folder inside more folders than any is: Hydra would make them one inside the other, without end."""
+    for word in words:
+        name, value = key_value(word)
+        if name in FOLDER_KEYS and len(Path(value).parts) > LIMITS.folder_parts:
+            raise ConfigurationError(
+                f"{name} has {len(Path(value).parts)} parts; allowed: up to {LIMITS.folder_parts} folders inside each other"
+            )
+
+
+class EvaluateCommand(Command):
+    """Compute metrics anew from records."""
+
+    help: ClassVar[str] = f"recompute metrics from records: {EVALUATE}"
+
+    def run(self, arguments: Sequence[str]) -> int:
+        """Rewrite episodes.csv in every run's folder at or below the given ones."""
+        parser = argparse.ArgumentParser("arena evaluate", description=self.__doc__)
+        parser.add_argument("directories", nargs="+", metavar="DIR", help="a run's folder, or one above several; KEY=VALUE chooses packs")
+        given = parser.parse_args(list(arguments)).directories
+        words = read_words(EVALUATE, given, names=None, overrides=["metrics"])
+        metrics = plain(compose(words.overrides).metrics) if words.overrides else None
+        registry = load_registry()
+        folders = [folder for directory in words.names for folder in find_runs(Path(directory))]
+        if not folders:
+            raise ArenaError("no folder given; allowed: folders that `arena run` wrote, or folders above them")
+        for folder in folders:
+            with locked(folder):
+                print(f"{folder}: {re_evaluate(folder, registry, metrics)} episodes")
+        return 0
+
+    def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
+        """Return the metric packs; folders are the shell's."""
+        return complete_overrides(words, word) if word.startswith("metrics=") else ()

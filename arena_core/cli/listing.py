@@ -1,0 +1,121 @@
+"""``arena list``: what is installed, from which distribution, with every parameter, its default and its unit."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Sequence
+from importlib.resources.abc import Traversable
+from typing import ClassVar
+
+from arena_core.base.errors import UnknownComponent
+from arena_core.config.configuration import groups, option_files
+from arena_core.config.plugins import distributions
+from arena_core.config.presets import TUNING, Preset, options_of, read_preset
+from arena_core.config.registry import HOOKS, Registry, load_registry, unknown
+from arena_core.contracts.interfaces import Command, Listing
+from arena_core.runs.text_columns import aligned
+
+KINDS = [kind for kind in HOOKS if kind != "listing"]
+PRESET = "preset"  # what lists the options of all groups
+WIDEST = 16  # characters of a value that the column makes room for
+
+
+class ListCommand(Command):
+    """List what is installed."""
+
+    help: ClassVar[str] = "what is installed: arena list [KIND|experiment|preset] [--names]"
+
+    def run(self, arguments: Sequence[str]) -> int:
+        """Print all kinds in short, one kind with the parameters of its presets, or the options of a configuration group."""
+        registry = load_registry()
+        listable = kinds(registry)
+        parser = argparse.ArgumentParser("arena list", description=self.__doc__)
+        parser.add_argument("kind", nargs="?", help=", ".join(listable))
+        parser.add_argument("--names", action="store_true", help="print names alone, one a line")
+        given = parser.parse_args(list(arguments))
+        if given.kind not in (None, *listable):
+            raise UnknownComponent(unknown("kind", given.kind, listable))
+        chosen = [given.kind] if given.kind else [*filter(registry.names, KINDS), *registry.names("listing")]
+        show = _names if given.names else _details if given.kind else _short
+        for kind in chosen:
+            print("\n".join(show(registry, kind)))
+        return 0
+
+    def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
+        """Return what can be listed."""
+        return ["--names"] if word.startswith("-") else kinds(load_registry()) if not words else []
+
+
+def kinds(registry: Registry) -> list[str]:
+    """Return what can be listed: kinds of components, listings of plugins, all other configuration groups, and all options together."""
+    others = [group for group in groups(registry.manager) if group not in KINDS and not group.endswith(TUNING)]
+    listings = registry.names("listing")
+    return [*KINDS, *listings, *(group for group in others if group not in listings), PRESET]
+
+
+def presets(registry: Registry, kind: str) -> dict[str, Traversable]:
+    """Return the YAML file of every preset of a kind, by preset name."""
+    return {name: file for name, file in option_files(kind, registry.manager).items() if "/" not in name}
+
+
+def _short(registry: Registry, kind: str) -> list[str]:
+    """Return what `arena list` says of a kind."""
+    if kind in KINDS:
+        return [kind, *_components(registry, kind)]
+    return [kind, *(f"  {line}" for line in _listing(registry, kind).summary())]
+
+
+def _names(registry: Registry, kind: str) -> Sequence[str]:
+    if kind in KINDS:
+        return registry.names(kind)
+    if kind in registry.names("listing"):
+        return _listing(registry, kind).names()
+    return [f"{group}={option}" if kind == PRESET else option for group, option, _ in _options(registry, kind)]
+
+
+def _details(registry: Registry, kind: str) -> list[str]:
+    """Return the lines about one kind alone."""
+    if kind in registry.names("listing"):
+        return [kind, *(f"  {line}" for line in _listing(registry, kind).details())]
+    if kind not in KINDS:
+        return aligned([(f"{group}={option}", about) for group, option, about in _options(registry, kind)])
+    if not registry.names(kind):
+        return [f"{kind}: none installed"]
+    files = presets(registry, kind)
+    read = {option: read_preset(option, files) for option in files}
+    lines = [kind]
+    for name, line in zip(registry.names(kind), _components(registry, kind), strict=True):
+        own = [option for option, preset in read.items() if preset.component == name]
+        lines += [line, *(text for option in own for text in _preset(option, read[option]))]
+    return lines
+
+
+def _components(registry: Registry, kind: str) -> list[str]:
+    """Return a line for each component of a kind, in order: its name, its distribution, and its presets of other names."""
+    files, brought = presets(registry, kind), distributions()
+    named = {option: read_preset(option, files).component for option in files}
+    rows = []
+    for name in registry.names(kind):
+        plugin = registry.component(kind, name).plugin
+        others = [option for option, component in named.items() if component == name and option != name]
+        source = " ".join(brought.get(plugin, (plugin, "-")))
+        rows.append((f"  {name:20}", source, f"presets: {', '.join(others)}" if others else ""))
+    return aligned(rows)
+
+
+def _preset(option: str, preset: Preset) -> list[str]:
+    """Return what a preset is, and its parameters."""
+    rows = [("  " * len(p.path) + p.path[-1], p.value, p.unit, p.text) for p in preset.parameters.values()]
+    return [f"    {option}: {preset.about}".rstrip(" "), *(f"    {line}" for line in aligned(rows, right=[1], widest=WIDEST))]
+
+
+def _options(registry: Registry, kind: str) -> Iterator[tuple[str, str, str]]:
+    """Yield group, name and first line of comment of every option of a group, or of all groups, without tunings for robots."""
+    for group in groups(registry.manager) if kind == PRESET else [kind]:
+        files = options_of(group, registry.manager)
+        yield from ((group, option, read_preset(option, files).about) for option in files)
+
+
+def _listing(registry: Registry, name: str) -> Listing:
+    listing: Listing = registry.component("listing", name).resolve()()
+    return listing

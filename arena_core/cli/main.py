@@ -1,0 +1,60 @@
+"""The command line: ``arena COMMAND ...``; every command is a component of some plugin."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from collections.abc import Sequence
+
+from arena_core.base.ctrl_c import SIGNAL_STATUS
+from arena_core.base.errors import ArenaError, UnknownComponent
+from arena_core.config.registry import Registry, load_registry, unknown
+
+CUT_OFF = 141  # the same, when nobody reads its output any more (arena list | head)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return the exit status: 0 done, 1 some episode failed, 2 the request was wrong."""
+    arguments = list(sys.argv[1:] if arguments is None else arguments)
+    try:
+        status = _dispatch(load_registry(), arguments)
+        sys.stdout.flush()
+        return status
+    except ArenaError as error:
+        print(f"arena: {error}", file=sys.stderr)
+        return error.exit_status
+    except KeyboardInterrupt as interrupt:
+        came = signal.Signals(interrupt.args[0] if interrupt.args else signal.SIGINT)
+        said = "interrupted" if came == signal.SIGINT else f"ended by {came.name}"
+        print(f"arena: {said}; finished episodes are kept, resume=true hydra.run.dir=DIR continues", file=sys.stderr)
+        return SIGNAL_STATUS + came
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python complains again when it flushes at its end
+        return CUT_OFF
+
+
+def _dispatch(registry: Registry, arguments: list[str]) -> int:
+    if not arguments or arguments[0] in ("-h", "--help"):
+        print(_usage(registry))
+        return 0
+    name, rest = arguments[0], arguments[1:]
+    if name == "--version":
+        from arena_core import __version__
+
+        print(f"arena {__version__}")
+        return 0
+    if name not in registry.names("command"):
+        raise UnknownComponent(unknown("command", name, registry.names("command")))
+    command = registry.component("command", name).resolve()()
+    return int(command.run(rest))
+
+
+def _usage(registry: Registry) -> str:
+    commands = [registry.component("command", name) for name in registry.names("command")]
+    lines = [f"  {c.name:10} {c.resolve().help}" for c in commands]  # type: ignore[attr-defined]
+    return "\n".join(["usage: arena COMMAND ...", "", "Benchmark obstacle avoidance of mobile robots among people.", "", *lines])
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,110 @@
+"""``arena new KIND NAME``: a ready third-party package with its test and README, from the templates of its kind."""
+
+from __future__ import annotations
+
+import argparse
+import keyword
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from importlib.resources import files
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from string import Template
+from typing import ClassVar
+
+from arena_core.base.errors import ConfigurationError
+from arena_core.contracts.interfaces import Command
+from arena_core.loop.recording import write_text_whole
+
+FRAME = "frame"  # the folder of what every package has
+MODULE = "MODULE"  # in the names of templates: the package's name
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """What can be made: what it is, the configuration group of its option, the end of its class's name, what to try, and what it needs."""
+
+    noun: str
+    group: str
+    suffix: str
+    run: str
+    needs: tuple[str, ...] = ()
+
+    def commands(self, module: str) -> list[str]:
+        """Return what to try once the package is installed."""
+        checked = [] if self.group == "scenario" else [f"arena check {self.group}={module}"]
+        return [*checked, *([f"arena run {self.run.format(module=module)}"] if self.run else [])]
+
+
+KINDS = {
+    "planner": Kind("a local planner", "planner", "Planner", "planner={module} robot=turtlebot3 task.pedestrians=5 episodes=15"),
+    "robot": Kind("a robot", "robot", "", "robot={module} planner=dwa episodes=15"),
+    "metric": Kind("a pack of metrics", "metrics", "Metrics", "metrics=[si,{module}] episodes=15"),
+    "world": Kind("a source of worlds", "world", "World", "world={module} episodes=15"),
+    "scenario": Kind("scenarios", "scenario", "", "scenario={module}/crossing episodes=10", ("arena-tasks", "arena-worlds")),
+    "task": Kind("a task", "task", "Task", "task={module} episodes=15"),
+    "localizer": Kind("a localiser", "localizer", "Localizer", "localizer={module} episodes=15"),
+    "encoder": Kind("an observation encoder for learned planners", "observation_encoder", "Encoder", ""),
+}
+
+
+class NewCommand(Command):
+    """Write a new plugin package."""
+
+    help: ClassVar[str] = f"a ready third-party package: arena new {'|'.join(KINDS)} NAME [--out DIR]"
+
+    def run(self, arguments: Sequence[str]) -> int:
+        """Write the package into a new folder and say what to do next."""
+        parser = argparse.ArgumentParser("arena new", description=self.__doc__)
+        parser.add_argument("kind", choices=list(KINDS))
+        parser.add_argument("name", help="such as my_planner: letters, digits and underscores")
+        parser.add_argument("--out", default=".", help="where the package's folder is made (default: here)")
+        given = parser.parse_args(list(arguments))
+        folder = write_package(given.kind, given.name, Path(given.out))
+        print(f"wrote {folder}; next: pip install -e {folder} && {KINDS[given.kind].commands(given.name)[0]}")
+        return 0
+
+    def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
+        """Return the kinds."""
+        return () if words else list(KINDS)
+
+
+def write_package(kind: str, module: str, parent: Path) -> Path:
+    """Write a package that offers one thing called ``module`` below ``parent`` and return its folder; never overwrites anything."""
+    if not re.fullmatch(r"[a-z][a-z0-9_]*", module) or keyword.iskeyword(module):
+        raise ConfigurationError(f"{kind} name is {module!r}; allowed: a lower-case Python name such as my_{kind}")
+    folder = parent / module.replace("_", "-")
+    if folder.exists():
+        raise ConfigurationError(f"{folder} exists already; choose another name or --out DIR")
+    words = _words(KINDS[kind], module)
+    templates = files("arena_core") / "templates"
+    for source in (FRAME, kind):
+        for path, template in _templates(templates / source):
+            content = Template(template.read_text(encoding="utf-8")).substitute(words)
+            write_text_whole(folder / path.replace(MODULE, module), content)
+    return folder
+
+
+def _words(kind: Kind, module: str) -> dict[str, str]:
+    """Return what the templates leave open."""
+    name = "".join(part.capitalize() for part in module.split("_"))
+    return {
+        "module": module,
+        "distribution": module.replace("_", "-"),
+        "title": module.replace("_", " ").capitalize(),
+        "name": name + ("" if name.endswith(kind.suffix) else kind.suffix),
+        "noun": kind.noun,
+        "dependencies": ", ".join(f'"{name}"' for name in ("arena-core", *kind.needs)),
+        "commands": "\n".join(kind.commands(module)),
+        "option": f"{module}/conf/{kind.group}/" + (f"{module}/" if kind.group == "scenario" else f"{module}.yaml"),
+    }
+
+
+def _templates(folder: Traversable, place: str = "") -> Iterator[tuple[str, Traversable]]:
+    """Yield every template below a folder with the path of the file that it makes."""
+    for entry in folder.iterdir():
+        if entry.is_dir():
+            yield from _templates(entry, f"{place}{entry.name}/")
+        else:
+            yield f"{place}{entry.name.removesuffix('.in')}", entry

@@ -1,0 +1,1 @@
+"""From YAML to components: plugins, registry, composition, binding of numbers to constructors."""

@@ -1,0 +1,133 @@
+"""Turn configuration nodes into constructor arguments, checking every key, type and bound on the way."""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+import reprlib
+import types
+from collections.abc import Callable, Mapping, Sequence
+from difflib import get_close_matches
+from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+
+from arena_core.base.errors import ConfigurationError
+from arena_core.base.limits import LIMITS
+from arena_core.values.parameters import Bounds
+
+Record = TypeVar("Record")
+NUMBERS = f"a number up to {LIMITS.number_largest:g}, of either sign"
+DIVISORS = f"> 0, and {LIMITS.number_smallest:g} at least"
+WHOLES = f"a whole number up to {LIMITS.whole_largest}"
+Nested = Callable[[Any, Any, str, Mapping[str, Any]], Any]
+
+
+def build(factory: Callable[..., Any], node: Mapping[str, Any], key: str, context: Mapping[str, Any], nested: Nested) -> Any:
+    """Call ``factory`` with the values of ``node`` and those of ``context`` that its signature names.
+
+    ``key`` is the node's place in the configuration (empty for its top), for messages. ``nested`` builds components inside components.
+    """
+    expected = parameters(factory)
+    given = {name: value for name, value in node.items() if name != "name" or "name" in expected}
+    own = [name for name in expected if name not in context]
+    _check_keys(given, own, key)
+    arguments = {name: convert(given[name], expected[name], f"{key}.{name}".lstrip("."), context, nested) for name in own}
+    return factory(**arguments, **{name: value for name, value in context.items() if name in expected})
+
+
+def read_settings(node: Any, record: type[Record], key: str) -> Record:
+    """Return the frozen dataclass ``record`` from a configuration node that holds no components; raise ConfigurationError."""
+    settings: Record = convert(node, record, key, {}, lambda *_: NotImplemented)
+    return settings
+
+
+def parameters(factory: Callable[..., Any]) -> dict[str, Any]:
+    """Return the annotation of each parameter of a constructor or function."""
+    function = factory.__init__ if inspect.isclass(factory) else factory
+    hints = get_type_hints(function, include_extras=True)
+    names = list(inspect.signature(factory).parameters)
+    return {name: hints.get(name, Any) for name in names}
+
+
+def convert(value: Any, annotation: Any, key: str, context: Mapping[str, Any], nested: Nested) -> Any:
+    """Return ``value`` as ``annotation`` wants it; raise ConfigurationError with the key and what is allowed."""
+    component = nested(annotation, value, key, context)
+    if component is not NotImplemented:
+        return component
+    origin, arguments = get_origin(annotation), get_args(annotation)
+    if annotation is Any:
+        return value
+    if origin is Annotated:
+        return _bounded(value, arguments, key, context, nested)
+    if origin is Literal:
+        return _check(any(value == a and type(value) is type(a) for a in arguments), value, key, "one of " + ", ".join(map(str, arguments)))
+    if origin in (Union, types.UnionType):
+        return _optional(value, arguments, key, context, nested)
+    if dataclasses.is_dataclass(annotation):
+        return _record(value, annotation, key, context, nested)
+    if origin in (list, tuple, Sequence):
+        _check(isinstance(value, (list, tuple)), value, key, "a list")
+        return [convert(v, arguments[0], f"{key}[{i}]", context, nested) for i, v in enumerate(value)]
+    if origin in (dict, Mapping):
+        _check(isinstance(value, Mapping), value, key, "a mapping")
+        return {str(k): convert(v, arguments[1], f"{key}.{k}", context, nested) for k, v in value.items()}
+    return _scalar(value, annotation, key)
+
+
+def _bounded(value: Any, arguments: tuple[Any, ...], key: str, context: Mapping[str, Any], nested: Nested) -> Any:
+    converted = convert(value, arguments[0], key, context, nested)
+    for bounds in arguments[1:]:
+        if isinstance(bounds, Bounds):
+            _check(bounds.allows(converted), value, key, str(bounds))
+            _check(bounds.above != 0.0 or converted >= LIMITS.number_smallest, value, key, DIVISORS)
+    return converted
+
+
+def _optional(value: Any, arguments: tuple[Any, ...], key: str, context: Mapping[str, Any], nested: Nested) -> Any:
+    if value is None and type(None) in arguments:
+        return None
+    choices = [a for a in arguments if a is not type(None)]
+    for choice in choices[:-1]:
+        try:
+            return convert(value, choice, key, context, nested)
+        except ConfigurationError:
+            continue
+    return convert(value, choices[-1], key, context, nested)
+
+
+def _record(value: Any, annotation: Any, key: str, context: Mapping[str, Any], nested: Nested) -> Any:
+    if isinstance(value, annotation):
+        return value
+    _check(isinstance(value, Mapping), value, key, "a mapping with " + ", ".join(f.name for f in dataclasses.fields(annotation)))
+    return build(annotation, value, key, {}, nested)
+
+
+def _scalar(value: Any, annotation: Any, key: str) -> Any:
+    if annotation is float:
+        number = isinstance(value, (int, float)) and not isinstance(value, bool)
+        _check(number and value == value, value, key, "a number")
+        return float(_check(abs(value) <= LIMITS.number_largest, value, key, NUMBERS))
+    if annotation is int:
+        _check(isinstance(value, int) and not isinstance(value, bool), value, key, "a whole number")
+        return _check(abs(value) <= LIMITS.whole_largest, value, key, WHOLES)
+    if annotation in (str, bool):
+        return _check(isinstance(value, annotation), value, key, {str: "a text", bool: "true or false"}[annotation])
+    if isinstance(annotation, type):
+        return _check(isinstance(value, annotation), value, key, f"a {annotation.__name__}")
+    return value
+
+
+def _check(possible: bool, value: Any, key: str, allowed: str) -> Any:
+    if not possible:
+        raise ConfigurationError(f"{key} is {reprlib.repr(value)}; allowed: {allowed}")
+    return value
+
+
+def _check_keys(given: Mapping[str, Any], expected: list[str], key: str) -> None:
+    for name in given:
+        if name not in expected:
+            near = get_close_matches(str(name), expected, n=1)
+            hint = f"; did you mean {near[0]}?" if near else ""
+            raise ConfigurationError(f"{key} has no parameter {name}{hint} (allowed: {', '.join(expected) or 'none'})")
+    missing = [name for name in expected if name not in given]
+    if missing:
+        raise ConfigurationError(f"{key} lacks {', '.join(missing)}")

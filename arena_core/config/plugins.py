@@ -1,0 +1,79 @@
+"""Find and load the installed plugins: everything in the entry-point group ``arena``, in order of name."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterable
+from functools import lru_cache
+from importlib.metadata import EntryPoint, entry_points
+from importlib.resources import files
+
+import pluggy
+
+from arena_core.base.errors import BrokenPlugin
+from arena_core.contracts import hookspecs
+
+GROUP = "arena"
+DISABLED = "ARENA_DISABLED_PLUGINS"
+
+
+def load_plugins() -> pluggy.PluginManager:
+    """Return a manager with every installed plugin that ``ARENA_DISABLED_PLUGINS`` does not name.
+
+    It is made once: what is installed meanwhile changes nothing. Raises BrokenPlugin when a plugin cannot be imported, misspells a hook
+    or declares wrong arguments.
+    """
+    return _loaded(os.environ.get(DISABLED, ""), tuple(sys.path))
+
+
+@lru_cache(maxsize=1)
+def _loaded(disabled: str, path: tuple[str, ...]) -> pluggy.PluginManager:
+    manager = pluggy.PluginManager(GROUP)
+    manager.add_hookspecs(hookspecs)
+    for entry_point in enabled_entry_points():
+        _register(manager, entry_point)
+    try:
+        manager.check_pending()
+    except pluggy.PluginValidationError as error:
+        raise broken(str(getattr(error.plugin, "__name__", error.plugin)), error) from error
+    return manager
+
+
+def enabled_entry_points() -> list[EntryPoint]:
+    """Return the entry points of the plugins that are not switched off, sorted by name."""
+    disabled = {name.strip() for name in os.environ.get(DISABLED, "").split(",")}
+    return sorted((e for e in entry_points(group=GROUP) if e.name not in disabled), key=lambda e: e.name)
+
+
+def distributions() -> dict[str, tuple[str, str]]:
+    """Return name and version of the distribution that brought each plugin."""
+    return {point.name: (point.dist.name, point.dist.version) for point in enabled_entry_points() if point.dist}
+
+
+def config_packages(manager: pluggy.PluginManager) -> dict[str, str]:
+    """Return the configuration package of each plugin that has one, by plugin name."""
+    implementations: Iterable[pluggy.HookImpl] = manager.hook.config_package.get_hookimpls()
+    return dict(sorted((i.plugin_name, _config_package(i)) for i in implementations))
+
+
+def broken(name: str, error: Exception) -> BrokenPlugin:
+    """Return the error for a plugin that failed, with the reason and how to switch it off."""
+    reason = " ".join(str(error).split()) or type(error).__name__
+    return BrokenPlugin(f"plugin {name} cannot be loaded ({reason}); mend it, or switch it off with {DISABLED}={name}")
+
+
+def _register(manager: pluggy.PluginManager, entry_point: EntryPoint) -> None:
+    try:
+        manager.register(entry_point.load(), name=entry_point.name)
+    except Exception as error:
+        raise broken(entry_point.name, error) from error
+
+
+def _config_package(implementation: pluggy.HookImpl) -> str:
+    try:
+        package = str(implementation.function())
+        files(package)
+    except Exception as error:
+        raise broken(implementation.plugin_name, error) from error
+    return package

@@ -1,0 +1,168 @@
+"""What is installed, by kind and name, and how it is built from its configuration."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from functools import lru_cache
+from typing import Any
+
+import pluggy
+
+from arena_core.base.errors import ArenaError, BrokenPlugin, ConfigurationError, DuplicateComponent, UnknownComponent
+from arena_core.base.suite import whence
+from arena_core.config.binding import build
+from arena_core.config.plugins import broken, distributions, load_plugins
+from arena_core.contracts import interfaces, learning
+from arena_core.contracts.hookspecs import Factory
+from arena_core.loop.navigator import NAVIGATOR_KEYS
+from arena_core.values.robot import Robot
+
+HOOKS = {
+    "simulator": "register_simulators",
+    "robot": "register_robots",
+    "world": "register_worlds",
+    "pedestrians": "register_pedestrian_models",
+    "task": "register_task_modes",
+    "localizer": "register_localizers",
+    "global_planner": "register_global_planners",
+    "waypoints": "register_waypoint_generators",
+    "local_map": "register_local_maps",
+    "tracker": "register_trackers",
+    "planner": "register_planners",
+    "metrics": "register_metrics",
+    "reward": "register_rewards",
+    "observation_encoder": "register_observation_encoders",
+    "executor": "register_executors",
+    "command": "register_commands",
+    "listing": "register_listings",
+    "reporter": "register_reporters",
+}
+
+INTERFACES: dict[type, str] = {
+    interfaces.Simulator: "simulator",
+    Robot: "robot",
+    interfaces.WorldSource: "world",
+    interfaces.PedestrianModel: "pedestrians",
+    interfaces.TaskMode: "task",
+    interfaces.Localizer: "localizer",
+    interfaces.GlobalPlanner: "global_planner",
+    interfaces.WaypointGenerator: "waypoints",
+    interfaces.LocalMap: "local_map",
+    interfaces.Tracker: "tracker",
+    interfaces.Planner: "planner",
+    interfaces.MetricPack: "metrics",
+    interfaces.Executor: "executor",
+    learning.Reward: "reward",
+    learning.ObservationEncoder: "observation_encoder",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Component:
+    """One thing that a plugin offers."""
+
+    kind: str
+    name: str
+    factory: Factory
+    plugin: str
+
+    def resolve(self) -> Callable[..., Any]:
+        """Import the factory if it is lazy."""
+        if callable(self.factory):
+            return self.factory
+        module, _, attribute = self.factory.partition(":")
+        try:
+            return getattr(importlib.import_module(module), attribute)  # type: ignore[no-any-return]
+        except (ImportError, AttributeError) as error:
+            raise BrokenPlugin(f"plugin {self.plugin}: {self.kind} {self.name} cannot be imported ({error})") from error
+
+    def distribution(self) -> tuple[str, str]:
+        """Return the name and version of the distribution that brought the plugin."""
+        return distributions().get(self.plugin, (self.plugin, "-"))
+
+
+class Registry:
+    """All installed components; ask it for one by kind and name, or have it built from a configuration node."""
+
+    def __init__(self, manager: pluggy.PluginManager) -> None:
+        self.manager = manager
+        self._components: dict[str, dict[str, Component]] = {kind: {} for kind in HOOKS}
+        for kind, hook in HOOKS.items():
+            for implementation in getattr(manager.hook, hook).get_hookimpls():
+                self._collect(kind, implementation)
+
+    def names(self, kind: str) -> list[str]:
+        """Return the installed names of a kind, sorted."""
+        return sorted(self._components[kind])
+
+    def component(self, kind: str, name: str) -> Component:
+        """Return one component; raise UnknownComponent with the installed names."""
+        try:
+            return self._components[kind][name]
+        except KeyError:
+            raise UnknownComponent(unknown(kind, name, self.names(kind))) from None
+
+    def build(self, kind: str, node: Mapping[str, Any], **context: Any) -> Any:
+        """Build the component that ``node["name"]`` names from the node's other keys and the context that it asks for.
+
+        What a planner's node says of its navigator is not the planner's. Raises ConfigurationError, naming the key and what is allowed,
+        before anything runs.
+        """
+        if not isinstance(node, Mapping) or "name" not in node:
+            raise ConfigurationError(f"{kind} has no key name; choose one with {kind}=..., installed: {', '.join(self.names(kind))}")
+        return self._build(kind, node, kind, context)
+
+    def _build(self, kind: str, node: Mapping[str, Any], key: str, context: Mapping[str, Any]) -> Any:
+        component = self.component(kind, str(node["name"]))
+        own = {name: value for name, value in node.items() if kind != "planner" or name not in NAVIGATOR_KEYS}
+        try:
+            return build(component.resolve(), own, key, context, self._nested)
+        except (ArenaError, MemoryError):
+            raise
+        except Exception as error:
+            raise broken(component.plugin, error) from error
+
+    def _nested(self, annotation: Any, node: Any, key: str, context: Mapping[str, Any]) -> Any:
+        """Build a component inside another one's configuration; return NotImplemented where ``annotation`` is no interface."""
+        kind = INTERFACES.get(annotation) if isinstance(annotation, type) else None
+        if kind is None or not isinstance(node, Mapping) or "name" not in node:
+            return NotImplemented
+        return self._build(kind, node, key, context)
+
+    def _collect(self, kind: str, implementation: pluggy.HookImpl) -> None:
+        plugin = implementation.plugin_name
+        known = self._components[kind]
+
+        def register(name: str, factory: Factory) -> None:
+            if name in known:
+                raise DuplicateComponent(f"{kind} {name} is offered by two plugins: {known[name].plugin} and {plugin}")
+            known[name] = Component(kind, name, factory, plugin)
+
+        try:
+            implementation.function(register=register)
+        except DuplicateComponent:
+            raise
+        except Exception as error:
+            raise broken(plugin, error) from error
+
+
+def load_registry() -> Registry:
+    """Return what all plugins offer; it is made once in a process."""
+    return _registry_of(load_plugins())
+
+
+@lru_cache(maxsize=1)
+def _registry_of(manager: pluggy.PluginManager) -> Registry:
+    return Registry(manager)
+
+
+def unknown(kind: str, name: str, known: list[str]) -> str:
+    """Return the line for a name that nothing installed has: who brings it, or the nearest one."""
+    if brought := whence(kind, name):
+        return f"{kind} {name} {brought}"
+    near = get_close_matches(name, known, n=1)
+    hint = f"; did you mean {near[0]}?" if near else ""
+    return f"unknown {kind} {name!r}{hint} (possible: {', '.join(known) or 'none installed'})"

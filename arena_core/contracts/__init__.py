@@ -1,0 +1,1 @@
+"""What plugins implement: interfaces, what learning shares, hook specifications."""

@@ -1,0 +1,189 @@
+"""What learning shares with deployment: batched observations and their encoders, transitions and their rewards."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core.contracts.interfaces import PathBatch
+from arena_core.values.geometry import FloatArray, Twist
+from arena_core.values.sensing import Observation
+from arena_core.values.world import OccupancyGrid
+
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EarlierScans:
+    """L scans of N robots, taken some control steps ago.
+
+    ``ranges`` (N, L, B) float32 m; ``poses`` (N, L, 3) in ``map`` of the robots then.
+    """
+
+    ranges: NDArray[np.float32]
+    poses: FloatArray
+
+
+class ScanMemory:
+    """Keeps the latest scans of N robots for an encoder that looks back so many control steps as each entry of ``lookback`` says.
+
+    What lies before an episode's first scan is that first scan.
+    """
+
+    def __init__(self, lookback: Sequence[int], robots: int, beams: int) -> None:
+        self._lookback = np.array(lookback, np.int64)
+        self._depth = max(lookback, default=0) + 1
+        self._now = 0
+        self._ranges = np.empty((robots, self._depth if lookback else 0, beams), np.float32)
+        self._poses = np.empty((*self._ranges.shape[:2], 3))
+
+    def begin(self, slots: NDArray[np.int64], ranges: NDArray[np.float32], poses: FloatArray) -> None:
+        """Begin episodes of K robots with the first scans (K, B), taken at poses (K, 3)."""
+        self._ranges[slots], self._poses[slots] = ranges[:, None], poses[:, None]
+
+    def remember(self, ranges: NDArray[np.float32], poses: FloatArray) -> None:
+        """Take in the scans (N, B) of one more control step, taken at poses (N, 3)."""
+        if len(self._lookback):
+            self._now = (self._now + 1) % self._depth
+            self._ranges[:, self._now], self._poses[:, self._now] = ranges, poses
+
+    def earlier(self, slots: NDArray[np.int64] | slice = slice(None)) -> EarlierScans:
+        """Return new arrays of the scans that the encoder looks back at."""
+        chosen = (self._now - self._lookback) % self._depth
+        return EarlierScans(self._ranges[slots][:, chosen], self._poses[slots][:, chosen])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ObservationBatch:
+    """What N planners see at one control step, as arrays; the single one is a batch of one.
+
+    ``stamps`` (N,) s; ``ranges`` (N, B) float32 m, +inf where nothing was hit; ``poses`` (N, 3) in ``map``; ``twists`` (N, 3) measured, in
+    ``base_link``; ``goals`` and ``waypoints`` (N, 3) in ``map``; ``last_commands`` (N, 3), the velocities commanded a step before, zero at
+    first; ``paths`` in ``map``; ``earlier`` scans as many as the encoder looks back at; ``maps`` (N), None where a robot has none;
+    ``recalled`` (N, D), what a recurrent encoder made of the step before, zeros at first, (N, 0) for all others.
+    """
+
+    stamps: FloatArray
+    ranges: NDArray[np.float32]
+    poses: FloatArray
+    twists: FloatArray
+    goals: FloatArray
+    waypoints: FloatArray
+    last_commands: FloatArray
+    paths: PathBatch
+    earlier: EarlierScans
+    maps: tuple[OccupancyGrid | None, ...]
+    recalled: NDArray[np.float32]
+
+    @staticmethod
+    def of(
+        observation: Observation,
+        last_command: Twist,
+        memory: ScanMemory | None = None,
+        recalled: NDArray[np.float32] | None = None,
+    ) -> ObservationBatch:
+        """Make the batch of one that a planner sees; it keeps ``memory`` and ``recalled`` where its encoder looks back or is recurrent."""
+        return ObservationBatch(
+            np.array((observation.stamp,)),
+            np.ascontiguousarray(observation.scan.ranges, np.float32)[None],
+            observation.pose.array()[None],
+            observation.twist.array()[None],
+            observation.goal.array()[None],
+            observation.waypoint.array()[None],
+            last_command.array()[None],
+            PathBatch.of([observation.path]),
+            (memory or ScanMemory((), 1, len(observation.scan.ranges))).earlier(),
+            (observation.map,),
+            np.zeros((1, 0), np.float32) if recalled is None else recalled,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class ObservationField:
+    """``size`` neighbouring numbers of an encoded observation, ``low`` .. ``high``; ``meaning`` says what they are and how scaled."""
+
+    name: str
+    size: int
+    unit: str
+    low: float
+    high: float
+    meaning: str
+
+
+class ObservationEncoder(ABC):
+    """Turns observations into the numbers that a policy reads, alike in training and on the robot. The constructor receives ``robot``.
+
+    ``lookback`` lists how many control steps ago the earlier scans were taken that it wants to see. A ``recurrent`` one sees its own
+    numbers of the step before as ``recalled``: they are all the state that it has, so that whoever keeps them keeps it.
+    """
+
+    lookback: tuple[int, ...] = ()
+    recurrent: bool = False
+
+    @abstractmethod
+    def layout(self) -> tuple[ObservationField, ...]:
+        """Return the fields of an encoded observation, in their order."""
+
+    @abstractmethod
+    def encode(self, observations: ObservationBatch) -> NDArray[np.float32]:
+        """Return new numbers (N, D); row k depends on observation k alone, bit for bit."""
+
+    def blank(self, robots: int) -> NDArray[np.float32]:
+        """Return what N robots recall when an episode begins: zeros (N, D), (N, 0) where nothing is recalled."""
+        return np.zeros((robots, sum(field.size for field in self.layout()) if self.recurrent else 0), np.float32)
+
+    def parts(self) -> Mapping[str, str]:
+        """Return the trained networks that it runs: the parameters that name them, and their ONNX files, each with a card beside it.
+
+        They go wherever a policy goes that reads these numbers.
+        """
+        return {}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Situation:
+    """The truth about N robots at one control step, as rewards see it.
+
+    ``poses`` (N, 3) in ``map``, ``twists`` (N, 3) in ``base_link``, all others (N,) in m: the distance to the goal, the way left along the
+    path, the distance beside it, the footprint's clearance of everything and of people (inf without), the least range of the scan (inf
+    where nothing was hit); last, in s, for how long the robot has stood.
+    """
+
+    poses: FloatArray
+    twists: FloatArray
+    goal_distances: FloatArray
+    path_lengths_left: FloatArray
+    path_distances: FloatArray
+    clearances: FloatArray
+    clearances_people: FloatArray
+    nearest_ranges: FloatArray
+    standing_times: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Transition:
+    """One control step of N robots: ``commands`` (N, 3) led from ``before`` to ``after``; ``last_commands`` (N, 3) were the ones before.
+
+    ``arrived``, ``collided`` and ``timed_out`` (N,) tell what came of it; ``period`` is the length of the step, s.
+    """
+
+    before: Situation
+    after: Situation
+    commands: FloatArray
+    last_commands: FloatArray
+    arrived: Flags
+    collided: Flags
+    timed_out: Flags
+    period: float
+
+
+class Reward(ABC):
+    """Judges steps in training: a pure function of a transition. The constructor receives ``robot``."""
+
+    @abstractmethod
+    def reward(self, transition: Transition) -> FloatArray:
+        """Return the reward of each robot (N,); entry k depends on robot k alone."""

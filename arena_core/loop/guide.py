@@ -1,0 +1,286 @@
+"""What a robot knows at one control step: where it is, which way it goes, what is around it. A planner decides by it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import TypeVar
+
+import numpy as np
+
+from arena_core.base.errors import NoPath
+from arena_core.base.frozen import frozen
+from arena_core.base.random_streams import generator
+from arena_core.base.stopwatch import Timed
+from arena_core.contracts.interfaces import (
+    REPLAN_REASONS,
+    WAYPOINT_FOUND,
+    GlobalPlanner,
+    Localizer,
+    LocalMap,
+    PathBatch,
+    Tracker,
+    WaypointGenerator,
+)
+from arena_core.loop.recovery import Begun, Recoveries, RecoveryRules
+from arena_core.loop.shown import shown, shown_map
+from arena_core.values.episode import Event
+from arena_core.values.geometry import FloatArray, Pose
+from arena_core.values.obstacles import with_obstacles
+from arena_core.values.parameters import Fraction, NonNegative, Positive
+from arena_core.values.robot import Robot
+from arena_core.values.sensing import Observation, PoseEstimate, Sensors
+from arena_core.values.world import INSCRIBED, Costmap, Obstacle, OccupancyGrid, Path
+
+T = TypeVar("T")
+_SLOT = np.zeros(1, np.int64)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mission:
+    """What a robot is told before it drives: the map (None in an unknown world), where it believes to stand, and where to go.
+
+    ``seed`` and ``scenario`` key the random streams of its components; ``goal_radius`` in m.
+    """
+
+    map: OccupancyGrid | None
+    start: Pose
+    goal: Pose
+    goal_radius: float
+    seed: int
+    scenario: str
+
+
+@dataclass(frozen=True, slots=True)
+class ReplanRules:
+    """When the navigator plans anew: every ``period`` s, when the waypoint generator asks, when blocked for so long (s).
+
+    A periodic plan takes the old one's place if it costs less than that by a share of more than ``gain``, or the old one is blocked.
+    """
+
+    period: Positive | None
+    on_request: bool
+    blocked_for: Positive | None
+    min_interval: NonNegative
+    gain: Fraction
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class View:
+    """What a robot knows at one control step, before anything decides.
+
+    ``arrived`` is judged on the estimate; the rest of a view is then empty: ``waypoint`` is the goal, ``observation`` None. ``planned`` is
+    the path if it is new, else None. ``local_map`` is computed when first asked for.
+    """
+
+    estimate: PoseEstimate
+    waypoint: Pose
+    planned: Path | None
+    arrived: bool
+    events: tuple[Event, ...]
+    observation: Observation | None
+    local_map: Callable[[], Costmap]
+
+
+def _untimed(part: str, compute: Callable[[], T]) -> T:
+    return compute()
+
+
+class Guide:
+    """Owns localiser, global planner, waypoint generator, local map and tracker of one robot: all of a navigator but its planner."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        localizer: Localizer,
+        global_planner: GlobalPlanner,
+        waypoints: WaypointGenerator,
+        local_map: LocalMap,
+        tracker: Tracker,
+        replan: ReplanRules,
+        recoveries: RecoveryRules,
+        control_period: float,
+    ) -> None:
+        self.robot = robot
+        self.localizer = localizer
+        self.global_planner = global_planner
+        self.waypoints = waypoints
+        self.local_map = local_map
+        self.tracker = tracker
+        self.replan = replan
+        self.rules = recoveries
+        self.recoveries = Recoveries(recoveries, robot)
+        self.control_period = control_period
+
+    def reset(self, mission: Mission) -> None:
+        """Begin an episode; nothing of the one before is kept."""
+        self.mission = mission
+        self._path: Path | None = None
+        self._planned_at = -math.inf
+        self._blocked_since: float | None = None
+        self._avoided: list[tuple[Obstacle, float]] = []  # places that paths are not to lead through, and until when
+        self.localizer.reset(mission.map, mission.start, self._stream("localizer"))
+        self.waypoints.reset(_SLOT, 1)
+        self.local_map.reset(mission.map)
+        self.tracker.reset(mission.map)
+        self.recoveries.reset()
+        self._shown_map = mission.map.derive(shown_map) if mission.map is not None else None
+
+    def look(self, sensors: Sensors, timed: Timed = _untimed) -> View:
+        """Localise, begin a recovery if there is no progress, plan where needed, and choose a waypoint.
+
+        Raises NoPath where there is no first path.
+        """
+        estimate = _kept(self.localizer.update(sensors))
+        scan_pose = _pose_at_scan(estimate.pose, sensors)
+        local_map: Callable[[], Costmap] = cache(lambda: timed("local_map", lambda: self.local_map.update(sensors.scan, scan_pose)))
+        if estimate.pose.distance(self.mission.goal) <= self.mission.goal_radius:
+            return View(estimate, self.mission.goal, None, True, (), None, local_map)
+        begun = self._begin_recovery(estimate.pose, sensors.stamp)
+        before = self._path
+        path, waypoint, events = self._plan(estimate.pose, sensors.stamp, local_map, begun)
+        observation = shown(
+            sensors,
+            estimate,
+            self.mission.goal,
+            waypoint,
+            self._shown_path,
+            self._shown_map,
+            local_map,
+            lambda: timed("tracker", lambda: self.tracker.update(sensors.scan, scan_pose, sensors.stamp)),
+        )
+        return View(estimate, waypoint, path if path is not before else None, False, events, observation, local_map)
+
+    def _stream(self, name: str) -> np.random.Generator:
+        return generator(self.mission.seed, self.mission.scenario, name)
+
+    def _begin_recovery(self, pose: Pose, stamp: float) -> Begun | None:
+        """Return the recovery behaviour that begins now; what it wipes off the local map is gone before the scan is taken in."""
+        begun = self.recoveries.begin(pose, stamp)
+        if begun is not None and begun.clear_beyond is not None:
+            self.local_map.clear(pose, begun.clear_beyond)
+        if begun is not None and begun.behaviour == "detour" and self._path is not None:
+            place = _ahead(self._path, pose, self.rules.detour_ahead)
+            self._avoided.append((Obstacle(place, self.rules.detour_radius), stamp + self.rules.detour_time))
+        return begun
+
+    def _plan(
+        self, pose: Pose, stamp: float, local_map: Callable[[], Costmap], begun: Begun | None
+    ) -> tuple[Path, Pose, tuple[Event, ...]]:
+        """Return path, waypoint and the events that led there: a recovery, a due replan, and one that the waypoint asked for."""
+        reason = "recovery" if begun is not None else self._due(pose, stamp, local_map)
+        events: tuple[Event, ...] = () if begun is None else (begun.event,)
+        events += self._replan(pose, stamp, reason, local_map) if reason else ()
+        waypoint, status = self._next_waypoint(pose, stamp)
+        if status != WAYPOINT_FOUND and self.replan.on_request and self._may_replan(stamp):
+            events += self._replan(pose, stamp, REPLAN_REASONS[status], local_map)
+            waypoint, status = self._next_waypoint(pose, stamp)
+        assert self._path is not None
+        return self._path, waypoint, events
+
+    def _due(self, pose: Pose, stamp: float, local_map: Callable[[], Costmap]) -> str | None:
+        """Return why a new path is due now, None if none is."""
+        if self._path is None:
+            return "start"
+        if self.replan.period is not None and stamp - self._planned_at >= self.replan.period - 1e-9:
+            return "period"
+        if self.replan.blocked_for is None:
+            return None
+        if not _blocked(self._path, pose, local_map()):
+            self._blocked_since = None
+            return None
+        self._blocked_since = stamp if self._blocked_since is None else self._blocked_since
+        blocked_long = stamp - self._blocked_since >= self.replan.blocked_for - 1e-9
+        return "blocked" if blocked_long and self._may_replan(stamp) else None
+
+    def _may_replan(self, stamp: float) -> bool:
+        return stamp - self._planned_at >= self.replan.min_interval - 1e-9
+
+    def _replan(self, pose: Pose, stamp: float, reason: str, local_map: Callable[[], Costmap]) -> tuple[Event, ...]:
+        """Plan anew and note it; keep the old path when there is no new one."""
+        self._planned_at, self._blocked_since = stamp, None
+        try:
+            grid, path = self._new_path(pose, reason, local_map)
+        except NoPath:
+            if self._path is None:
+                raise
+            return (Event(stamp, "replan", f"{reason}: no path, keeping the old one"),)
+        if reason == "period" and self._is_as_good(grid, pose, path):
+            return (Event(stamp, "replan", "period: little to gain, keeping the old one"),)
+        self._path = Path(frozen(path.poses))
+        self._shown_path = Path(self._path.poses)
+        self.waypoints.reset(_SLOT, 1)
+        return (Event(stamp, "replan", reason),)
+
+    def _new_path(self, pose: Pose, reason: str, local_map: Callable[[], Costmap]) -> tuple[OccupancyGrid, Path]:
+        """Return a path and the grid that it was planned on: the static map first, later with what the scans have shown.
+
+        All marks count, as they do for what blocks the robot, and so do the places that a detour is to avoid: unless they leave no way.
+        Where there still is none, marks are left out that may be the map's own walls, seen from a pose that is a little off.
+        """
+        if self.mission.map is not None and reason == "start":
+            return self.mission.map, self.global_planner.plan(self.mission.map, pose, self.mission.goal)
+        local_map()
+        self._avoided = [(place, until) for place, until in self._avoided if until > self._planned_at]
+        avoided = [place for place, _ in self._avoided]
+        for places in (avoided, []) if avoided else ([],):
+            grid = with_obstacles(self.local_map.planning_grid(self.mission.goal, True), places)
+            with suppress(NoPath):
+                return grid, self.global_planner.plan(grid, pose, self.mission.goal)
+        grid = self.local_map.planning_grid(self.mission.goal, False)
+        return grid, self.global_planner.plan(grid, pose, self.mission.goal)
+
+    def _is_as_good(self, grid: OccupancyGrid, pose: Pose, new: Path) -> bool:
+        """Tell whether what is left of the old path costs little more than the new one."""
+        assert self._path is not None
+        old = self.global_planner.cost(grid, _rest(self._path, pose))
+        return math.isfinite(old) and (1.0 - self.replan.gain) * old <= self.global_planner.cost(grid, new)
+
+    def _next_waypoint(self, pose: Pose, stamp: float) -> tuple[Pose, int]:
+        assert self._path is not None
+        found = self.waypoints.next(PathBatch.of([self._path]), pose.array()[None], np.array((stamp,)))
+        return Pose.of(found.poses[0]), int(found.status[0])
+
+
+def _kept(estimate: PoseEstimate) -> PoseEstimate:
+    """Return an estimate that its localiser cannot change any more."""
+    return PoseEstimate(estimate.pose, frozen(estimate.covariance))
+
+
+def _pose_at_scan(pose: Pose, sensors: Sensors) -> Pose:
+    """Return where the robot was at the scan's stamp: the estimate, moved back along the measured twist."""
+    age = sensors.stamp - sensors.scan.stamp
+    if age <= 0.0:
+        return pose
+    twist = sensors.odometry.twist
+    back = Pose(-twist.vx * age, -twist.vy * age, 0.0)
+    turned = replace(pose, theta=pose.theta - 0.5 * twist.wz * age)
+    moved = turned.compose(back)
+    return replace(moved, theta=pose.theta - twist.wz * age)
+
+
+def _nearest(path: Path, pose: Pose) -> int:
+    return int(np.argmin(((path.poses[:, :2] - (pose.x, pose.y)) ** 2).sum(axis=1)))
+
+
+def _rest(path: Path, pose: Pose) -> Path:
+    """Return the path from the robot on: its own pose, then those behind the nearest one."""
+    return Path(np.vstack((pose.array(), path.poses[min(_nearest(path, pose) + 1, len(path.poses) - 1) :])))
+
+
+def _ahead(path: Path, pose: Pose, distance: float) -> FloatArray:
+    """Return the first position (1, 2) of the rest of the path that is so far from the robot, m, or its end."""
+    rest = path.poses[_nearest(path, pose) :, :2]
+    far = np.hypot(*(rest - (pose.x, pose.y)).T) >= distance
+    return rest[[int(np.argmax(far)) if far.any() else -1]]
+
+
+def _blocked(path: Path, pose: Pose, local_map: Costmap) -> bool:
+    """Tell whether the rest of the path, inside the window, runs through cells where the robot would touch something."""
+    cells = ((path.poses[_nearest(path, pose) :, :2] - local_map.origin_xy) / local_map.resolution).astype(np.int64)
+    inside = (cells >= 0).all(axis=1) & (cells < local_map.costs.shape[::-1]).all(axis=1)
+    end = len(cells) if inside.all() else int(np.argmin(inside))
+    return bool((local_map.costs[cells[:end, 1], cells[:end, 0]] >= INSCRIBED).any())

@@ -1,0 +1,145 @@
+"""The robot's brain: from sensors to a velocity command, the same in 2-D, in 3-D and on a real robot."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from itertools import chain
+
+import numpy as np
+
+from arena_core.base.errors import InvalidCommand, NoValidCommand
+from arena_core.base.stopwatch import NOTHING, Duration, Stopwatch, Timed
+from arena_core.contracts.interfaces import GlobalPlanner, Localizer, LocalMap, Planner, Tracker, WaypointGenerator
+from arena_core.loop.guide import Guide, Mission, ReplanRules
+from arena_core.loop.recovery import RecoveryRules
+from arena_core.loop.shown import shown_pose
+from arena_core.values.episode import EpisodeStart, Event
+from arena_core.values.geometry import Pose, Twist
+from arena_core.values.robot import Robot
+from arena_core.values.sensing import Observation, PoseEstimate, Sensors
+from arena_core.values.world import Path
+
+BRAKE = Twist(0.0, 0.0, 0.0)
+NAVIGATOR_KEYS = ("control_period", "replan", "recoveries")  # what a planner's configuration may say of its navigator
+
+
+@dataclass(frozen=True, slots=True)
+class Spent:
+    """What one control step took, s, never part of a record: the planner's wall and CPU time, the whole navigator's wall time.
+
+    Local map and tracker are computed when first asked for; they count apart, also where the planner asked. So ``planner`` is its own.
+    """
+
+    planner: float
+    planner_cpu: float
+    navigator: float
+    navigator_cpu: float = 0.0
+    local_map: float = 0.0
+    local_map_cpu: float = 0.0
+    tracker: float = 0.0
+    tracker_cpu: float = 0.0
+
+    @staticmethod
+    def of(parts: Mapping[str, Duration]) -> Spent:
+        """Return what a step took from its parts: ``planner``, ``local_map``, ``tracker`` and the rest."""
+        planner, local_map, tracker = (parts.get(name, NOTHING) for name in ("planner", "local_map", "tracker"))
+        whole = sum(parts.values(), NOTHING)
+        times = ((part.wall, part.cpu) for part in (planner, whole, local_map, tracker))
+        return Spent(*chain.from_iterable(times))
+
+
+NO_TIME = Spent(0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Decision:
+    """One control step of the navigator.
+
+    ``command`` is what to send; ``arrived`` is judged on the estimate. ``planned`` is the path if it is new, else None.
+    """
+
+    command: Twist
+    estimate: PoseEstimate
+    waypoint: Pose
+    planned: Path | None
+    arrived: bool
+    events: tuple[Event, ...]
+    spent: Spent
+
+
+class Navigator(Guide):
+    """One robot's brain: what guides it, and the planner that decides."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        localizer: Localizer,
+        global_planner: GlobalPlanner,
+        waypoints: WaypointGenerator,
+        local_map: LocalMap,
+        tracker: Tracker,
+        planner: Planner,
+        replan: ReplanRules,
+        recoveries: RecoveryRules,
+        control_period: float,
+    ) -> None:
+        super().__init__(robot, localizer, global_planner, waypoints, local_map, tracker, replan, recoveries, control_period)
+        self.planner = planner
+        self._rehearsed = not planner.compiles
+
+    def reset(self, mission: Mission) -> None:
+        """Begin an episode; nothing of the one before is kept."""
+        super().reset(mission)
+        self.planner.reset(EpisodeStart(self._shown_map, shown_pose(mission.goal), self.control_period, self._stream("planner")))
+
+    def rehearse(self, sensors: Sensors) -> None:
+        """Let a planner that compiles decide once for nothing, so that no compiler's time counts as its own; begin the episode anew."""
+        if self._rehearsed:
+            return
+        self._rehearsed = True
+        with suppress(Exception):  # what is wrong will be wrong again, and is then reported
+            self.decide(sensors)
+        self.reset(self.mission)
+
+    def command(self, sensors: Sensors) -> Twist:
+        """Return the velocity to send now."""
+        return self.decide(sensors).command
+
+    def decide(self, sensors: Sensors) -> Decision:
+        """Localise, recover if there is no progress, plan where needed, choose a waypoint and ask the planner.
+
+        Raises NoPath when there is no first path, InvalidCommand when the planner returns no finite Twist.
+        """
+        watch = Stopwatch()
+        decision = watch.timed("rest", lambda: self._decide(sensors, watch.timed))
+        return replace(decision, spent=Spent.of(watch.spent))
+
+    def _decide(self, sensors: Sensors, timed: Timed) -> Decision:
+        view = self.look(sensors, timed)
+        observation = view.observation
+        if observation is None:
+            return Decision(BRAKE, view.estimate, view.waypoint, None, True, (), NO_TIME)
+        recovering = self.recoveries.command(view.estimate.pose, sensors.stamp, view.local_map, view.waypoint)
+        command, refusals = (recovering, ()) if recovering is not None else timed("planner", lambda: self._ask_planner(observation))
+        return Decision(command, view.estimate, view.waypoint, view.planned, False, view.events + refusals, NO_TIME)
+
+    def _ask_planner(self, observation: Observation) -> tuple[Twist, tuple[Event, ...]]:
+        """Return the planner's command, the brake if it has none, and the event of a refusal."""
+        try:
+            return checked(self.planner.compute_velocity(observation), self.planner), ()
+        except NoValidCommand as refusal:
+            return BRAKE, (Event(observation.stamp, "no_valid_command", str(refusal)),)
+
+
+def checked(command: object, planner: Planner) -> Twist:
+    """Return a planner's command with plain floats; raise InvalidCommand unless it is a finite Twist."""
+    name = type(planner).__name__
+    if not isinstance(command, Twist):
+        raise InvalidCommand(f"{name}.compute_velocity returned {type(command).__name__}; allowed: a Twist")
+    values = (command.vx, command.vy, command.wz)
+    if not all(isinstance(v, (int, float, np.floating, np.integer)) and math.isfinite(v) for v in values):
+        raise InvalidCommand(f"{name}.compute_velocity returned {command}; allowed: finite numbers")
+    return Twist(float(command.vx), float(command.vy), float(command.wz))

@@ -1,0 +1,132 @@
+"""What a record must hold to be one: its arrays with their extents, and what identifies it (docs/records.md)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import PurePosixPath
+from typing import Any, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core.values.episode import Outcome
+
+Extents = tuple[str | int, ...]
+REAL, WHOLE, TRUTH = "fiu", "iu", "b"
+
+# by name: the extents, equal letters being equal numbers, and the kind of the elements; T rows, P people, C contacts, K paths.
+# Letters of their own have what only metrics set beside other arrays.
+LAYOUT: Mapping[str, tuple[Extents, str]] = {
+    **{name: (("T",), REAL) for name in ("stamp", "clearance", "clearance_people", "contact_time", "scan_min")},
+    **{name: (("T", 3), REAL) for name in ("pose", "twist", "estimate", "command", "waypoint")},
+    "estimate_covariance": (("T", 3, 3), REAL),
+    "in_contact": (("T",), TRUTH),
+    "pedestrian_ids": (("P",), WHOLE),
+    "pedestrian_radii": (("Q",), REAL),
+    "pedestrian_positions": (("T", "P", 2), REAL),
+    "pedestrian_velocities": (("T", "V", 2), REAL),
+    "pedestrian_states": (("T", "S"), WHOLE),
+    **{name: (("C",), REAL) for name in ("contact_stamp", "contact_speed")},
+    "contact_kind": (("C",), WHOLE),
+    "contact_person": (("D",), WHOLE),
+    "contact_caused": (("C",), TRUTH),
+    "contact_position": (("C", 2), REAL),
+    "path_poses": (("M", 3), REAL),
+    "path_offsets": (("O",), WHOLE),
+    "path_stamps": (("K",), REAL),
+}
+
+
+def fault_of(arrays: Mapping[str, NDArray[Any]], meta: Any) -> str:
+    """Return what is wrong with a record, in a few words; empty where nothing is."""
+    if not isinstance(meta, Mapping):
+        return "meta is no mapping"
+    return _fault_of_arrays(arrays) or _fault_of_paths(arrays) or _fault_of_meta(meta)
+
+
+def is_inside(name: object) -> bool:
+    """Tell whether a name is that of a file below the folder of its record, by its words."""
+    path = PurePosixPath(name) if isinstance(name, str) and "\0" not in name and "\\" not in name else PurePosixPath("/")
+    return bool(path.parts) and not path.is_absolute() and ".." not in path.parts
+
+
+def _fault_of_arrays(arrays: Mapping[str, NDArray[Any]]) -> str:
+    extents: dict[str | int, int] = {}
+    for name, (letters, kinds) in LAYOUT.items():
+        if name not in arrays:
+            return f"it lacks {name}"
+        array = arrays[name]
+        fits = array.ndim == len(letters) and array.dtype.kind in kinds
+        if not fits or any(extents.setdefault(x, x if isinstance(x, int) else n) != n for x, n in zip(letters, array.shape, strict=True)):
+            return f"{name} is {array.dtype} {array.shape}"
+    return "" if extents["T"] > 0 else "it has no rows"
+
+
+def _fault_of_paths(arrays: Mapping[str, NDArray[Any]]) -> str:
+    offsets = arrays["path_offsets"]
+    whole = len(offsets) == len(arrays["path_stamps"]) + 1 and offsets[0] == 0 and offsets[-1] == len(arrays["path_poses"])
+    if not whole or (np.diff(offsets.astype(np.int64)) < 0).any():
+        return "path_offsets are not those of path_poses"
+    return "" if np.isin(arrays["contact_kind"], (0, 1, 2)).all() else "contact_kind is unknown"
+
+
+def _fault_of_meta(meta: Mapping[str, Any]) -> str:
+    lacking = [key for key in ("columns", "scenario", "robot", "world", "config") if not isinstance(meta.get(key), Mapping)]
+    if lacking:
+        return f"meta has no {lacking[0]}"
+    if meta.get("outcome") not in get_args(Outcome) or not isinstance(meta.get("error"), str):
+        return "meta has no outcome and error"
+    if not all(isinstance(value, str | int | float | None) for value in meta["columns"].values()):
+        return "meta.columns has more than texts and numbers"
+    if not isinstance(meta.get("events"), list) or not all(_is_event(event) for event in meta["events"]):
+        return "meta.events are none"
+    if "grid" in meta["world"] and not is_inside(meta["world"]["grid"]):
+        return "meta.world.grid lies outside the run's folder"
+    return _fault_of_scenario(meta["scenario"]) or _fault_of_robot(meta["robot"])
+
+
+def _fault_of_scenario(scenario: Mapping[str, Any]) -> str:
+    for key in ("start", "goal"):
+        if not _is_row(scenario.get(key), 3):
+            return f"meta.scenario.{key} is no pose"
+    if not all(_is_number(scenario.get(key)) for key in ("goal_radius", "time_limit")):
+        return "meta.scenario has no goal_radius and time_limit"
+    obstacles = scenario.get("obstacles")
+    if not isinstance(obstacles, list) or not all(_is_obstacle(obstacle) for obstacle in obstacles):
+        return "meta.scenario.obstacles are none"
+    optional = [scenario.get(key) for key in ("reference_length", "speed_share")]
+    return "" if all(value is None or _is_number(value) for value in optional) else "meta.scenario.reference_length is no number"
+
+
+def _fault_of_robot(robot: Mapping[str, Any]) -> str:
+    footprint, limits = robot.get("footprint"), robot.get("limits", {})
+    if not isinstance(footprint, Mapping) or not _is_number(footprint.get("radius")) or not isinstance(footprint.get("vertices_xy"), list):
+        return "meta.robot has no footprint"
+    if not all(_is_row(vertex, 2) for vertex in footprint["vertices_xy"]):
+        return "meta.robot.footprint has no vertices_xy"
+    if not isinstance(limits, Mapping) or not all(_is_number(value) for value in limits.values()):
+        return "meta.robot.limits are none"
+    return "" if _is_number(robot.get("control_period", 0.0)) else "meta.robot.control_period is no number"
+
+
+def _is_event(event: object) -> bool:
+    return isinstance(event, Mapping) and _is_number(event.get("stamp")) and all(isinstance(event.get(k), str) for k in ("kind", "detail"))
+
+
+def _is_obstacle(obstacle: object) -> bool:
+    vertices = obstacle.get("vertices_xy") if isinstance(obstacle, Mapping) else None
+    return isinstance(vertices, list) and bool(vertices) and all(_is_row(v, 2) for v in vertices) and _is_number(obstacle.get("radius"))  # type: ignore[attr-defined]
+
+
+def _is_row(value: object, length: int) -> bool:
+    return isinstance(value, list) and len(value) == length and all(map(_is_number, value))
+
+
+def _is_number(value: object) -> bool:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    try:
+        return math.isfinite(float(value))
+    except OverflowError:
+        return False

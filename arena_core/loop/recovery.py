@@ -1,0 +1,159 @@
+"""What the robot tries when it makes no progress: the recovery behaviours of move_base and Nav2, in the navigator's hands."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from arena_core.values.episode import Event
+from arena_core.values.geometry import FloatArray, Footprint, Pose, Twist, wrap_angle
+from arena_core.values.parameters import NonNegative, Positive
+from arena_core.values.robot import Robot
+from arena_core.values.world import LETHAL, Costmap
+
+Behaviour = Literal["clear", "clear_far", "detour", "wait", "turn", "back_up"]
+AT_ONCE = ("clear", "clear_far", "detour")  # those that take no time
+STAND = Twist(0.0, 0.0, 0.0)
+_OUTLINE = 24  # points of a circle's outline
+_RINGS = (1.0, 0.8, 0.6, 0.4, 0.2)  # sizes of the outline at which a body is tried: a cell apart on the robots at hand
+_LOOK_AHEAD = 0.3  # s of motion that must be free before a step of it is driven
+
+
+@dataclass(frozen=True, slots=True)
+class RecoveryRules:
+    """Which behaviours are tried in turn (none: no recoveries), when, and how far each goes.
+
+    The first is due when the robot has stayed within ``progress_radius`` m for ``progress_time`` s, the next ones ``retry_time`` s
+    after the one before. ``clear_beyond`` m is what ``clear_far`` keeps; ``wait_time`` s; ``turn_angle`` rad at ``turn_speed`` rad/s;
+    ``back_up_distance`` m at ``back_up_speed`` m/s. ``detour`` plans for ``detour_time`` s as if a disc of ``detour_radius`` m stood on the
+    path, ``detour_ahead`` m ahead.
+    """
+
+    behaviours: list[Behaviour]
+    progress_radius: Positive
+    progress_time: Positive
+    retry_time: NonNegative
+    clear_beyond: NonNegative
+    wait_time: Positive
+    turn_angle: Positive
+    turn_speed: Positive
+    back_up_distance: Positive
+    back_up_speed: Positive
+    detour_ahead: Positive
+    detour_radius: Positive
+    detour_time: Positive
+
+
+@dataclass(frozen=True, slots=True)
+class Begun:
+    """A behaviour that begins now: ``clear_beyond`` m is from where on the local map forgets its marks, None if it keeps them."""
+
+    behaviour: Behaviour
+    clear_beyond: float | None
+    event: Event
+
+
+class Recoveries:
+    """Watches one robot's progress, and drives what is tried when there is none."""
+
+    def __init__(self, rules: RecoveryRules, robot: Robot) -> None:
+        self._rules = rules
+        self._robot = robot
+        self._body = body(robot.footprint)
+        self._possible = [b for b in rules.behaviours if b != "turn" or robot.kinematics != "ackermann"]
+        self.reset()
+
+    def reset(self) -> None:
+        """Begin an episode."""
+        self._anchor: Pose | None = None  # where the robot was when it last made progress
+        self._since = 0.0
+        self._due_at = math.inf
+        self._tried = 0
+        self._active: Behaviour | None = None
+
+    def begin(self, pose: Pose, stamp: float) -> Begun | None:
+        """Take in where the robot is, and return the behaviour that begins now, if one does."""
+        if self._anchor is None or pose.distance(self._anchor) >= self._rules.progress_radius:
+            self._anchor, self._since, self._tried = pose, stamp, 0
+            self._due_at = stamp + self._rules.progress_time
+        if self._active is not None or not self._possible or stamp < self._due_at - 1e-9:
+            return None
+        behaviour = self._possible[self._tried % len(self._possible)]
+        event = Event(stamp, "recovery", f"{behaviour}: no progress for {stamp - self._since:.1f} s")
+        self._tried += 1
+        self._due_at = stamp + self._rules.retry_time
+        if behaviour not in AT_ONCE:
+            self._active, self._from, self._until = behaviour, pose, stamp + self._longest(behaviour)
+            self._turned, self._side = 0.0, 0.0
+        return Begun(behaviour, {"clear": 0.0, "clear_far": self._rules.clear_beyond}.get(behaviour), event)
+
+    def command(self, pose: Pose, stamp: float, local_map: Callable[[], Costmap], waypoint: Pose) -> Twist | None:
+        """Return what the behaviour under way sends now; None when none is, or when it has just ended."""
+        if self._active is None:
+            return None
+        command = self._next(pose, stamp, local_map, waypoint)
+        if command is None:
+            self._active, self._due_at = None, stamp + self._rules.retry_time
+        return command
+
+    def _next(self, pose: Pose, stamp: float, local_map: Callable[[], Costmap], waypoint: Pose) -> Twist | None:
+        if stamp >= self._until - 1e-9:
+            return None
+        if self._active == "wait":
+            return STAND
+        command = self._backwards(pose) if self._active == "back_up" else self._turning(pose, waypoint)
+        return command if command is not None and self._is_free(local_map(), pose, command) else None
+
+    def _backwards(self, pose: Pose) -> Twist | None:
+        speed = min(self._rules.back_up_speed, -self._robot.limits.vx_min)
+        far = pose.distance(self._from) >= self._rules.back_up_distance
+        return None if far or speed <= 0.0 else Twist(-speed)
+
+    def _turning(self, pose: Pose, waypoint: Pose) -> Twist | None:
+        """Turn on to the side on which the waypoint was when the turn began."""
+        turned = float(wrap_angle(pose.theta - self._from.theta))
+        self._turned += float(wrap_angle(turned - self._turned))
+        if abs(self._turned) >= self._rules.turn_angle:
+            return None
+        if self._side == 0.0:
+            bearing = math.atan2(waypoint.y - pose.y, waypoint.x - pose.x)
+            self._side = math.copysign(1.0, float(wrap_angle(bearing - pose.theta)))
+        return Twist(0.0, 0.0, self._side * min(self._rules.turn_speed, self._robot.limits.wz_max))
+
+    def _is_free(self, costmap: Costmap, pose: Pose, command: Twist) -> bool:
+        """Tell whether the body, a little further on this motion, touches nothing that it does not touch already."""
+        ahead = Pose(command.vx * _LOOK_AHEAD, 0.0, command.wz * _LOOK_AHEAD)
+        return touched(costmap, self._body, pose.compose(ahead)) <= touched(costmap, self._body, pose)
+
+    def _longest(self, behaviour: Behaviour) -> float:
+        """Return for how long a behaviour goes on at most, s: twice what it would take, where the robot moves as told."""
+        rules = self._rules
+        times = {"turn": 2.0 * rules.turn_angle / rules.turn_speed, "back_up": 2.0 * rules.back_up_distance / rules.back_up_speed}
+        return times.get(behaviour, rules.wait_time)
+
+
+def body(footprint: Footprint) -> FloatArray:
+    """Return points all over a footprint, (K, 2), m, in ``base_link``: its outline, and that drawn in towards the origin in rings."""
+    return np.concatenate([share * _outline(footprint) for share in _RINGS])
+
+
+def _outline(footprint: Footprint) -> FloatArray:
+    if footprint.is_circle:
+        angles = 2.0 * math.pi * np.arange(_OUTLINE) / _OUTLINE
+        return footprint.radius * np.stack((np.cos(angles), np.sin(angles)), axis=1)
+    shares = np.linspace(0.0, 1.0, 8, endpoint=False)[:, None, None]
+    ends = np.roll(footprint.vertices_xy, -1, axis=0)
+    return np.asarray((footprint.vertices_xy + shares * (ends - footprint.vertices_xy)).reshape(-1, 2))
+
+
+def touched(costmap: Costmap, body_xy: FloatArray, pose: Pose) -> int:
+    """Count the points of a body at ``pose`` that lie in lethal cells of the window."""
+    c, s = math.cos(pose.theta), math.sin(pose.theta)
+    placed = body_xy @ np.array(((c, s), (-s, c))) + (pose.x, pose.y)
+    cells = np.floor((placed - costmap.origin_xy) / costmap.resolution).astype(np.int64)
+    inside = (cells >= 0).all(axis=1) & (cells < costmap.costs.shape[::-1]).all(axis=1)
+    return int(np.count_nonzero(costmap.costs[cells[inside, 1], cells[inside, 0]] == LETHAL))

@@ -1,0 +1,62 @@
+"""What a planner is shown: values of its own that cannot be written to, so that no planner changes what others read or what is recorded."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+
+from arena_core.base.frozen import frozen
+from arena_core.values.geometry import Pose, Twist
+from arena_core.values.sensing import LaserScan, Observation, PoseEstimate, Sensors, Tracks
+from arena_core.values.world import Costmap, OccupancyGrid, Path
+
+
+def shown(
+    sensors: Sensors,
+    estimate: PoseEstimate,
+    goal: Pose,
+    waypoint: Pose,
+    path: Path,
+    grid: OccupancyGrid | None,
+    local_map: Callable[[], Costmap],
+    tracks: Callable[[], Tracks],
+) -> Observation:
+    """Return the observation of one control step; ``path`` is frozen and, as ``grid``, which ``shown_map`` makes, the planner's own."""
+    twist = sensors.odometry.twist
+    return Observation(
+        sensors.stamp,
+        shown_pose(estimate.pose),
+        frozen(estimate.covariance),
+        Twist(twist.vx, twist.vy, twist.wz),
+        _scan(sensors.scan),
+        shown_pose(goal),
+        shown_pose(waypoint),
+        path,
+        grid,
+        cache(lambda: _costmap(local_map())),
+        cache(lambda: _tracks(tracks())),
+    )
+
+
+def shown_pose(pose: Pose) -> Pose:
+    """Return an equal pose that is another object."""
+    return Pose(pose.x, pose.y, pose.theta)
+
+
+def shown_map(grid: OccupancyGrid) -> OccupancyGrid:
+    """Return an equal map that derives anew what others have derived from this one; meant for ``grid.derive(shown_map)``."""
+    return OccupancyGrid(grid.data, grid.resolution, shown_pose(grid.origin), grid.occupied_from)
+
+
+def _scan(scan: LaserScan) -> LaserScan:
+    header = scan.stamp, scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max
+    return LaserScan(*header, frozen(scan.ranges), shown_pose(scan.mount))
+
+
+def _costmap(window: Costmap) -> Costmap:
+    return Costmap(frozen(window.costs), frozen(window.distance), window.resolution, frozen(window.origin_xy))
+
+
+def _tracks(tracks: Tracks) -> Tracks:
+    places = frozen(tracks.positions), frozen(tracks.velocities), frozen(tracks.radii)
+    return Tracks(frozen(tracks.ids), *places, frozen(tracks.covariances))

@@ -1,0 +1,1 @@
+"""Many episodes: benchmarks, workers and their budgets, folders, resuming, tables, progress."""

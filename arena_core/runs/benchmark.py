@@ -1,0 +1,234 @@
+"""A benchmark: one composed configuration, built into task, simulator and navigator."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from copy import deepcopy
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+from hashlib import blake2b
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+
+from arena_core.base.errors import ConfigurationError
+from arena_core.config.binding import read_settings
+from arena_core.config.configuration import plain
+from arena_core.config.registry import Registry
+from arena_core.contracts.interfaces import Localizer, Metric, MetricPack, Simulator, TaskMode
+from arena_core.loop.execution import Timing, run_episode
+from arena_core.loop.guide import Guide, ReplanRules
+from arena_core.loop.navigator import Navigator
+from arena_core.loop.recording import Recorder, write_grid
+from arena_core.loop.recovery import RecoveryRules
+from arena_core.runs.code_digest import Code, code_of
+from arena_core.values.episode import EpisodeRecord
+from arena_core.values.parameters import Bounds, Episodes, NonNegativeInt
+from arena_core.values.robot import Robot
+from arena_core.values.world import free_area
+
+Period = Annotated[float, Bounds(above=0.0, high=10.0)]  # s; a robot that decides less often drives blindly
+BRAIN = ("localizer", "global_planner", "waypoints", "local_map", "tracker")
+NEEDED = (
+    "robot",
+    "world",
+    "task",
+    "pedestrians",
+    "simulator",
+    *BRAIN,
+    "planner",
+    "executor",
+    "replan",
+    "recoveries",
+    "timing",
+    "recording",
+)
+NOT_PART_OF_A_CELL = (
+    "seed",
+    "episodes",
+    "executor",
+    "resume",
+    "report",
+    "objective",
+    "metrics",
+    "recording",
+    "experiment",
+    "choices",
+    "code",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class RunSettings:
+    """The run's own settings, outside every component.
+
+    ``resume`` may also be ``force``: with other code than that of what is there. ``objective`` is what a sweeper asks for.
+    """
+
+    episodes: Episodes
+    seed: NonNegativeInt
+    resume: Literal[True, False, "force"]
+    report: bool
+    stop_on_collision: bool
+    objective: str | list[str] | None
+
+
+@dataclass(frozen=True, slots=True)
+class RecordingSettings:
+    """What a record keeps beyond the usual: ``scans`` keeps every scan."""
+
+    scans: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Benchmark:
+    """Everything that runs the episodes of one cell."""
+
+    config: Mapping[str, Any]
+    settings: RunSettings
+    robot: Robot
+    task: TaskMode
+    simulator: Simulator
+    navigator: Navigator
+    timing: Timing
+    metrics: Mapping[str, list[Metric]]
+    recording: RecordingSettings
+    code: Code
+
+    def run(self, episode: int, folder: Path, stage: int | None = None) -> EpisodeRecord:
+        """Run one episode, on level ``stage`` of a task that adapts; its map is written to ``folder`` once."""
+        task = self.task if stage is None else self.task.at_stage(stage)
+        scenario = task.scenario(self.settings.seed, episode)
+        columns = identification(self.config) | {
+            "scenario": scenario.name,
+            "scenario_hash": scenario.content_hash,
+            "stage": scenario.stage if stage is None else stage,
+            "episode": episode,
+            "seed": self.settings.seed,
+            "code": self.code.digest,
+        }
+        grid = scenario.world.grid
+        world = {"name": scenario.world.name, "known": scenario.world.known, "grid": write_grid(folder, grid)}
+        world["free_area"] = grid.derive(free_area)
+        meta = {"columns": columns, "world": world, "config": cell_config(self.config)}
+        recorder = Recorder(scenario, self.robot, meta, self.recording.scans)
+        record = run_episode(scenario, self.simulator, self.navigator, self.timing, recorder, self.settings.stop_on_collision)
+        there = np.isfinite(record["pedestrian_positions"]).all(axis=2).any(axis=0)  # the pedestrian model decides who is
+        return replace(record, meta={**record.meta, "columns": {**columns, "n_pedestrians": int(there.sum())}})
+
+
+def build_benchmark(config: Mapping[str, Any], registry: Registry) -> Benchmark:
+    """Build every component of a configuration, as ``compose`` returns it or in plain containers.
+
+    Raises ConfigurationError for the first thing that is wrong, before anything runs.
+    """
+    config = plain(config)
+    check_complete(config)
+    settings = read_settings({k: config[k] for k in RunSettings.__slots__}, RunSettings, "")
+    robot = registry.build("robot", config["robot"])
+    task = registry.build("task", config["task"], robot=robot, world=registry.build("world", config["world"]))
+    pedestrians = registry.build("pedestrians", config["pedestrians"])
+    simulator = registry.build("simulator", config["simulator"], robot=robot, pedestrians=pedestrians)
+    control_period = _control_period(config, robot, simulator)
+    parts = _parts(config, registry, robot)
+    _check_map(config, parts["localizer"])
+    planner = registry.build("planner", config["planner"], robot=deepcopy(robot))  # its own: the others' is not its to change
+    replan = read_settings(_with_planners_own(config, "replan"), ReplanRules, "replan")
+    recoveries = read_settings(_with_planners_own(config, "recoveries"), RecoveryRules, "recoveries")
+    navigator = Navigator(robot, **parts, planner=planner, replan=replan, recoveries=recoveries, control_period=control_period)
+    timing = read_settings(config["timing"], Timing, "timing")
+    recording = read_settings(config["recording"], RecordingSettings, "recording")
+    metrics = build_metrics(config, registry)
+    return Benchmark(config, settings, robot, task, simulator, navigator, timing, metrics, recording, code_of(config, registry))
+
+
+def build_guide(config: Mapping[str, Any], registry: Registry, robot: Robot) -> Guide:
+    """Build what leads a robot by these parts of a configuration, ``replan`` and ``recoveries`` among them, for a planner in training."""
+    replan = read_settings(config["replan"], ReplanRules, "replan")
+    recoveries = read_settings(config["recoveries"], RecoveryRules, "recoveries")
+    return Guide(robot, **_parts(config, registry, robot), replan=replan, recoveries=recoveries, control_period=robot.control_period)
+
+
+def _parts(config: Mapping[str, Any], registry: Registry, robot: Robot) -> dict[str, Any]:
+    return {kind: registry.build(kind, config[kind], robot=robot) for kind in BRAIN}
+
+
+def build_metrics(config: Mapping[str, Any], registry: Registry) -> dict[str, list[Metric]]:
+    """Build the chosen metric packs, in the order of their names, ``si`` first."""
+    packs = config.get("metrics") or {}
+    if not isinstance(packs, Mapping):
+        raise ConfigurationError(f"metrics is {packs!r}; allowed: a mapping of metric packs, or null")
+    built: dict[str, MetricPack] = {name: registry.build("metrics", packs[name]) for name in sorted(packs, key=lambda n: (n != "si", n))}
+    return {name: list(pack.metrics()) for name, pack in built.items()}
+
+
+def cell_config(config: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the part of a configuration that makes a cell: all but seed, number of episodes, executor and metrics."""
+    return {key: value for key, value in config.items() if key not in NOT_PART_OF_A_CELL}
+
+
+def config_hash(config: Mapping[str, Any]) -> str:
+    """Return the name of a cell, eight hexadecimal digits."""
+    return blake2b(json.dumps(cell_config(config), sort_keys=True).encode(), digest_size=4).hexdigest()
+
+
+def identification(config: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the columns of episodes.csv that the configuration alone decides, with the code that the run began with."""
+    choices = config.get("choices", {})
+    return {
+        "config_hash": config_hash(config),
+        "code": config.get("code", ""),
+        "planner": config["planner"]["name"],
+        "preset": choices.get("planner", config["planner"]["name"]),
+        "robot": choices.get("robot", config["robot"]["name"]),
+        "simulator": config["simulator"]["name"],
+        "world": choices.get("world", config["world"]["name"]),
+        "task": config["task"]["name"],
+        "pedestrian_model": config["pedestrians"]["name"],
+        "reaction": config["pedestrians"].get("reaction", ""),
+        "localizer": config["localizer"]["name"],
+        "timing": config["timing"]["mode"],
+    }
+
+
+def check_complete(config: Mapping[str, Any]) -> None:
+    """Raise ConfigurationError when a whole part of the configuration is missing."""
+    lacking = [key for key in (*NEEDED, *RunSettings.__slots__) if key not in config]
+    if lacking:
+        raise ConfigurationError(f"the configuration lacks {', '.join(lacking)}; `arena list` shows what can be chosen")
+    known = (*NEEDED, *RunSettings.__slots__, "metrics", "choices")
+    foreign = [str(key) for key in config if key not in known]
+    if foreign:
+        near = get_close_matches(foreign[0], known, n=1)
+        hint = f"; did you mean {near[0]}?" if near else ""
+        raise ConfigurationError(f"the configuration has a key {foreign[0]} that nothing reads{hint} (possible: {', '.join(known[:-1])})")
+
+
+def _check_map(config: Mapping[str, Any], localizer: Localizer) -> None:
+    """Raise ConfigurationError when the localiser needs a map and the robot is given none."""
+    if localizer.needs_map and config["world"].get("known") is False:
+        name = config["localizer"]["name"]
+        raise ConfigurationError(f"world.known is false and localizer {name} needs a map; allowed: world.known=true, or another localizer")
+
+
+def _with_planners_own(config: Mapping[str, Any], key: str) -> dict[str, Any]:
+    """Return the run's rules with what the planner's configuration says otherwise in their place."""
+    own = config["planner"].get(key) or {}
+    if not isinstance(own, Mapping):
+        raise ConfigurationError(f"planner.{key} is {own!r}; allowed: a mapping with keys of {key}, or null")
+    for name in own:
+        if name not in config[key]:
+            raise ConfigurationError(f"planner.{key} has no parameter {name} (allowed: {', '.join(config[key])})")
+    return {**config[key], **own}
+
+
+def _control_period(config: Mapping[str, Any], robot: Robot, simulator: Simulator) -> float:
+    """Return the planner's control period, the robot's unless the planner's YAML has one; it must fit the inner step."""
+    period = config["planner"].get("control_period") or robot.control_period
+    period = read_settings(period, Period, "planner.control_period")
+    steps = period / simulator.inner_step
+    if abs(steps - round(steps)) > 1e-6 or round(steps) < 1:
+        raise ConfigurationError(f"planner.control_period is {period}; allowed: multiples of the inner step {simulator.inner_step} s")
+    return period

@@ -1,0 +1,59 @@
+"""What an episode may take before it is ended: budgets, and the watch that counts them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from arena_core.base.pulse import FINISHING, STARTING
+from arena_core.values.parameters import Positive
+
+GIGABYTE = 1e9  # bytes
+LONGEST_TICK = 1.0  # s that one look may add: whoever was asleep himself (Ctrl-Z, a suspended machine) blames nobody for it
+
+
+@dataclass(frozen=True, slots=True)
+class Budgets:
+    """Wall time of the first command, of every later one, and of a whole episode, s; memory of a worker, GB. None: without end.
+
+    The first counts from the moment that the worker takes the episode up: it builds, loads and compiles.
+    """
+
+    first_command: Positive | None
+    command: Positive | None
+    episode: Positive | None
+    memory: Positive | None
+
+
+class Watch:
+    """Counts what one episode has taken, from one look to the next."""
+
+    def __init__(self, budgets: Budgets) -> None:
+        self._budgets = budgets
+        self._beats = STARTING
+        self._since_beat = 0.0
+        self._since_begin = 0.0
+
+    def look(self, beats: int, passed: float, memory: int) -> str | None:
+        """Return which budget is at its end, None if all are kept.
+
+        ``beats`` is the count of control steps begun, ``passed`` the time since the last look (s), ``memory`` in bytes.
+        """
+        passed = min(passed, LONGEST_TICK)
+        self._since_begin += passed
+        self._since_beat = self._since_beat + passed if beats == self._beats else 0.0
+        self._beats = beats
+        return self._too_late() or self._too_large(memory)
+
+    def _too_late(self) -> str | None:
+        first = self._beats <= 1
+        limit = None if self._beats in (STARTING, FINISHING) else self._budgets.first_command if first else self._budgets.command
+        if limit is not None and self._since_beat > limit:
+            return f"no {'first ' * first}command within {limit:g} s"
+        if self._budgets.episode is not None and self._since_begin > self._budgets.episode:
+            return f"not over within {self._budgets.episode:g} s"
+        return None
+
+    def _too_large(self, memory: int) -> str | None:
+        if self._budgets.memory is None or memory <= self._budgets.memory * GIGABYTE:
+            return None
+        return f"more than {self._budgets.memory:g} GB"

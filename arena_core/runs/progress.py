@@ -1,0 +1,90 @@
+"""What a run says while it runs: a bar where there is a terminal (episodes, rate, successes, time left), and every change of level."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from types import TracebackType
+from typing import Any
+
+from arena_core.contracts.interfaces import Finished, Job
+from arena_core.runs.schedule import Block, OpenRun
+
+
+class Progress:
+    """Count the finished episodes of ``runs``, some of which may have been there before."""
+
+    def __init__(self, runs: Sequence[OpenRun]) -> None:
+        self._runs = runs
+        self._told = [len(_ended(run)) for run in runs]
+        self._bar = _bar() if sys.stderr.isatty() else None
+        done, left = sum(len(run.rows) for run in runs), sum(run.left() for run in runs)
+        self._task = self._bar.add_task("episodes", total=done + left, completed=done, successes="-") if self._bar else None
+        self._successes = 0
+        self._seen = 0
+
+    def __enter__(self) -> Progress:
+        if self._bar:
+            self._bar.start()
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        if self._bar:
+            self._bar.stop()
+
+    def begin(self, jobs: Sequence[Job]) -> None:
+        """Begin a round of jobs and name its levels."""
+        levels = sorted({job.stage for job in jobs if job.stage is not None})
+        if self._bar and self._task is not None and levels:
+            self._bar.update(self._task, description=f"level {', '.join(map(str, levels))}")
+
+    def add(self, finished: Finished) -> None:
+        """Take in a finished episode, which its run has already."""
+        self._seen += 1
+        self._successes += finished.succeeded
+        if self._bar and self._task is not None:
+            self._bar.update(self._task, advance=1, successes=f"{self._successes}/{self._seen}")
+
+    def end(self) -> None:
+        """End a round: say what became of the blocks that ended in it."""
+        for i, run in enumerate(self._runs):
+            ended = _ended(run)
+            for block in ended[self._told[i] :]:
+                print(f"{run.folder.name}: " * (len(self._runs) > 1) + _line(run, block))
+            self._told[i] = len(ended)
+
+
+def _ended(run: OpenRun) -> list[Block]:
+    return [block for block in run.blocks() if block.ended]
+
+
+def _line(run: OpenRun, block: Block) -> str:
+    """Return what a block's end means: ``level 2, episodes 40 .. 59: 18 of 20 succeeded, on to level 3``."""
+    succeeded = [run.successes[i] for i in block.episodes]
+    said = f"level {block.stage}, episodes {block.episodes[0]} .. {block.episodes[-1]}: {sum(succeeded)} of {len(succeeded)} succeeded"
+    if run.staging is None or len(succeeded) < run.staging.block:
+        return said
+    following = run.staging.next(block.stage, succeeded)
+    move = "stays" if following == block.stage else f"{'on' if following > block.stage else 'back'} to level {following}"
+    return f"{said}, {move}"
+
+
+def _bar() -> Any:
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, ProgressColumn, TextColumn, TimeRemainingColumn
+    from rich.progress import Progress as RichProgress
+    from rich.text import Text
+
+    class Rate(ProgressColumn):
+        def render(self, task: Any) -> Text:
+            return Text(f"{task.speed:.2f}/s" if task.speed else "-/s")
+
+    return RichProgress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        Rate(),
+        TextColumn("success {task.fields[successes]}"),
+        TimeRemainingColumn(),
+        console=Console(stderr=True),
+    )

@@ -1,0 +1,68 @@
+"""What a reader needs to repeat a run: ``provenance.json``."""
+
+from __future__ import annotations
+
+import platform
+import subprocess
+from collections.abc import Mapping, Sequence
+from importlib.metadata import distributions
+from pathlib import Path
+from typing import Any
+
+from pluggy import PluginManager
+
+from arena_core.base.errors import RunFolderError, one_line
+from arena_core.base.files import read_json
+from arena_core.config.configuration import option_files
+from arena_core.runs.benchmark import config_hash
+from arena_core.runs.code_digest import Code
+
+NAME = "provenance.json"
+
+
+def provenance(config: Mapping[str, Any], code: Code, notes: Sequence[str]) -> dict[str, Any]:
+    """Return what a reader needs to repeat a run: versions, code, seed, commit, machine, and ``notes`` of what is untuned."""
+    versions = {d.metadata["Name"]: d.version for d in distributions() if d.metadata["Name"]}
+    return {
+        "config_hash": config_hash(config),
+        "seed": config["seed"],
+        "episodes": config["episodes"],
+        "config": {key: value for key, value in config.items() if key != "code"},
+        "code": {"digest": code.digest, "parts": dict(code.parts)},
+        "versions": dict(sorted(versions.items())),
+        "python": platform.python_version(),
+        "commit": _commit(),
+        "machine": {"system": platform.platform(), "processor": platform.machine()},
+        "untuned": list(notes),
+    }
+
+
+def untuned(choices: Mapping[str, str], manager: PluginManager) -> list[str]:
+    """Return a note for every optional tuning that a chosen component asks for and no file holds."""
+    tunings = [(group.partition("@")[0], option) for group, option in choices.items() if "_tuning" in group]
+    lacking = [(group, option) for group, option in tunings if option not in option_files(group, manager)]
+    return [f"{group.rpartition('/')[2].removesuffix('_tuning')}: untuned for {option}" for group, option in lacking]
+
+
+def _commit() -> str:
+    """Return the commit of the checkout that the core runs from, with + when it has changes; empty outside a checkout."""
+    here = Path(__file__).resolve().parents[2]
+    if not (here / ".git").exists():
+        return ""
+    try:
+        command = ["git", "describe", "--always", "--dirty=+", "--abbrev=12", "--exclude=*"]
+        answer = subprocess.run(command, cwd=here, capture_output=True, text=True, check=True)  # noqa: S603 - fixed words
+    except (OSError, subprocess.CalledProcessError):
+        return ""
+    return answer.stdout.strip()
+
+
+def read_provenance(folder: Path) -> dict[str, Any]:
+    """Return what a run's folder says of its run; raise RunFolderError where it is damaged."""
+    path = folder / NAME
+    try:
+        facts: dict[str, Any] = read_json(path, "what `arena run` wrote")
+        facts["config"]["seed"]
+    except (KeyError, TypeError) as error:
+        raise RunFolderError(f"cannot read {path}: {one_line(repr(error))}") from error
+    return facts

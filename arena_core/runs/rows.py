@@ -1,0 +1,76 @@
+"""From records to rows: identification, outcome, then one column a metric."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from arena_core.base.cells import harmless
+from arena_core.base.errors import InputFileError, one_line
+from arena_core.base.files import reason_of
+from arena_core.contracts.interfaces import Metric
+from arena_core.loop.recording import read_record, write_text_whole
+from arena_core.values.episode import EpisodeRecord
+
+COLUMNS = (
+    *("config_hash", "code", "planner", "preset", "robot", "simulator", "world", "task", "scenario", "scenario_hash", "stage"),
+    *("n_pedestrians", "pedestrian_model", "reaction", "localizer", "timing", "episode", "seed", "outcome", "error"),
+)
+DEFAULT_PACK = "si"
+TEXT = "text"  # the unit of metrics that are texts
+
+
+def metric_columns(packs: Mapping[str, Sequence[Metric]]) -> list[str]:
+    """Return the column of every metric: bare for the pack ``si``, prefixed for others."""
+    return [metric_column(pack, metric) for pack, metrics in packs.items() for metric in metrics]
+
+
+def metric_column(pack: str, metric: Metric) -> str:
+    """Return the column of one metric."""
+    return metric.name if pack == DEFAULT_PACK else f"{pack}.{metric.name}"
+
+
+def evaluate(record: EpisodeRecord, packs: Mapping[str, Sequence[Metric]]) -> dict[str, Any]:
+    """Return the row of one episode."""
+    row = {**record.meta["columns"], "outcome": record.meta["outcome"], "error": one_line(record.meta["error"])}
+    return row | {metric_column(pack, metric): _value(metric, record) for pack, metrics in packs.items() for metric in metrics}
+
+
+def _value(metric: Metric, record: EpisodeRecord) -> float | str:
+    found = metric.compute(record)
+    if isinstance(found, str) != (metric.unit == TEXT):
+        raise TypeError(f"metric {metric.name} is {found!r} in unit {metric.unit}; allowed: a text in unit text, else a number")
+    return one_line(found) if isinstance(found, str) else float(found)
+
+
+def evaluate_folder(folder: Path, packs: Mapping[str, Sequence[Metric]]) -> list[dict[str, Any]]:
+    """Return the rows of all records of a run, in order of episode."""
+    return [evaluate_file(path, packs) for path in sorted((folder / "records").glob("[0-9]*.npz"))]
+
+
+def evaluate_file(path: Path, packs: Mapping[str, Sequence[Metric]]) -> dict[str, Any]:
+    """Return the row of a record's file; raise InputFileError, also where a metric can make nothing of what the record holds."""
+    record = read_record(path)
+    try:
+        return evaluate(record, packs)
+    except Exception as error:  # whatever a metric, which may be a plugin's, stumbles over
+        raise InputFileError(f"{path}: cannot be evaluated ({reason_of(error)}); allowed: a record that `arena run` wrote") from error
+
+
+def write_episodes(folder: Path, rows: Iterable[Mapping[str, Any]], packs: Mapping[str, Sequence[Metric]]) -> None:
+    """Write ``episodes.csv``, whole, in order of episode; a value that is not defined is left empty."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, [*COLUMNS, *metric_columns(packs)], restval="", lineterminator="\n")
+    writer.writeheader()
+    for row in sorted(rows, key=lambda row: int(row["episode"])):
+        writer.writerow({key: _cell(value) for key, value in row.items()})
+    write_text_whole(folder / "episodes.csv", text.getvalue())
+
+
+def _cell(value: Any) -> Any:
+    if isinstance(value, float):
+        return "" if value != value else repr(value)
+    return harmless(value)

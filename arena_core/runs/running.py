@@ -1,0 +1,153 @@
+"""Run benchmarks: plan the episodes, hand them to an executor, keep every finished one, write tables and report."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import ExitStack, closing
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from arena_core.base.ctrl_c import interrupts
+from arena_core.base.errors import ConfigurationError, RunFolderError, RunStopped
+from arena_core.base.folders import locked
+from arena_core.base.notices import tell
+from arena_core.config.configuration import plain
+from arena_core.config.registry import Registry
+from arena_core.contracts.interfaces import Executor, Finished, Job, Lost
+from arena_core.loop.recording import remove_half_written, write_text_whole
+from arena_core.runs.benchmark import build_metrics, check_complete
+from arena_core.runs.progress import Progress
+from arena_core.runs.provenance import NAME, provenance, untuned
+from arena_core.runs.resuming import complete, row_of_lost, take_over
+from arena_core.runs.schedule import OpenRun, rounds
+from arena_core.runs.working import Checked, cannot_be_built, check, work
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RunRequest:
+    """A composed configuration, the folder of its run, and which option of each configuration group made it.
+
+    ``files`` are texts, by name, that are written to the folder once the request is accepted.
+    """
+
+    config: Any
+    folder: Path
+    choices: Mapping[str, str | None]
+    files: Mapping[str, str] = field(default_factory=dict)
+
+
+def run_all(requests: Sequence[RunRequest], registry: Registry) -> list[OpenRun]:
+    """Run every episode of every request through one executor; return the runs.
+
+    All configurations are checked, and the folders kept from other runs, before anything runs or is written. Whatever ends the run
+    early (a signal, a full disk), what was finished is kept.
+    """
+    with interrupts.heard(), interrupts.held(), ExitStack() as folders, ExitStack() as staff:
+        jobs = _jobs(requests)
+        for job in jobs:
+            folders.enter_context(locked(Path(job.folder)))
+        executor = staff.enter_context(closing(registry.build("executor", jobs[0].config["executor"])))
+        runs = _prepare(jobs, registry, executor)
+        for run, request in zip(runs, requests, strict=True):
+            _open(run, request.files, registry)
+        _drive(runs, executor, staff)
+    for run in runs:
+        for episode, row in sorted(run.rows.items()):
+            if row["outcome"] == "error":
+                print(f"episode {episode} failed: {row['error']}", file=sys.stderr)
+    return runs
+
+
+def report(runs: Sequence[OpenRun], registry: Registry) -> None:
+    """Write a report over the runs where a plugin offers one and the configuration wants it; else say where the records are."""
+    reporters = registry.names("reporter")
+    if not reporters or not all(run.config["report"] for run in runs):
+        for run in runs:
+            print(f"records: {run.folder}")
+        return
+    folder = runs[0].folder if len(runs) == 1 else runs[0].folder.parent
+    with interrupts.heard():
+        registry.component("reporter", reporters[0]).resolve()().report([folder], folder / "report")
+
+
+def _drive(runs: Sequence[OpenRun], executor: Executor, staff: ExitStack) -> None:
+    """Run all episodes and take their rows; when that is cut short, close ``staff`` and take what is on disk."""
+    try:
+        with Progress(runs) as progress:
+            for jobs in rounds(runs):
+                progress.begin(jobs)
+                for answer in executor.map(work, jobs):
+                    interrupts.check()  # before the row is taken: it may be that of an episode that the interrupt broke
+                    progress.add(_take(answer, runs))
+                progress.end()
+        for run in runs:
+            run.write()
+        staff.close()
+    except BaseException as error:
+        staff.close()  # from here on nobody writes but this process
+        complete(runs)
+        if not isinstance(error, RunFolderError):
+            raise
+        raise RunStopped(f"{error}; finished episodes are kept, resume=true hydra.run.dir=DIR continues") from error
+
+
+def _take(answer: Finished | Lost, runs: Iterable[OpenRun]) -> Finished:
+    """Hand what came of a job to its run; return it."""
+    run = next(run for run in runs if str(run.folder) == answer.job.folder)
+    finished = row_of_lost(answer, run) if isinstance(answer, Lost) else answer
+    run.take(finished)
+    return finished
+
+
+def _jobs(requests: Sequence[RunRequest]) -> list[Job]:
+    """Return what stands for each request until its episodes are planned; raise ConfigurationError where two would share a folder."""
+    jobs: dict[str, Job] = {}
+    for request in requests:
+        config = plain(request.config)
+        config["choices"] = {k: v for k, v in request.choices.items() if v is not None and not k.startswith("hydra/")}
+        check_complete(config)
+        folder = str(request.folder.resolve())
+        if folder in jobs:
+            raise ConfigurationError(f"two runs would share the folder {folder}; allowed: a hydra.sweep.subdir for each")
+        jobs[folder] = Job(config, folder, 0)
+    return list(jobs.values())
+
+
+def _prepare(jobs: Sequence[Job], registry: Registry, executor: Executor) -> list[OpenRun]:
+    """Check every configuration by having it built, and read what interrupted runs have left."""
+    checked: dict[str, Checked] = {}
+    for answer in executor.prepare(check, jobs):
+        if isinstance(answer, Lost):
+            answer = Checked(answer.job, error=cannot_be_built(answer.job, answer.reason))
+        checked[answer.job.folder] = answer
+    return [_run_of(checked[job.folder], job, registry) for job in jobs]
+
+
+def _run_of(checked: Checked, job: Job, registry: Registry) -> OpenRun:
+    if checked.error is not None:
+        raise checked.error
+    assert checked.code is not None
+    for line in checked.told:
+        tell(line)
+    limit, asked = checked.count, job.config["episodes"]
+    if limit is not None and asked > limit:
+        raise ConfigurationError(f"episodes is {asked}; allowed: at most {limit} with this task")
+    config = {**job.config, "code": checked.code.digest}
+    run = OpenRun(config, Path(job.folder), build_metrics(config, registry), checked.staging, checked.code, checked.untuned)
+    take_over(run)
+    return run
+
+
+def _open(run: OpenRun, files: Mapping[str, str], registry: Registry) -> None:
+    """Write what a run's folder begins with, and remove what a killed run has left half-written."""
+    remove_half_written(run.folder)
+    notes = [*untuned(run.config.get("choices", {}), registry.manager), *run.untuned]
+    for note in notes:
+        print(note, file=sys.stderr)
+    for name, text in files.items():
+        write_text_whole(run.folder / name, text)
+    write_text_whole(run.folder / NAME, json.dumps(provenance(run.config, run.code, notes), indent=2, sort_keys=True) + "\n")
+    run.write()

@@ -1,0 +1,97 @@
+"""Runs under way: what each still has to run, and the rows that it has so far."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import monotonic
+from typing import Any
+
+from arena_core.contracts.interfaces import Finished, Job, Metric
+from arena_core.runs.code_digest import Code
+from arena_core.runs.rows import write_episodes
+from arena_core.values.staging import Staging
+
+WRITE_EVERY = 1.0  # s between two writes of a growing episodes.csv
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """The episodes that a task which adapts runs on one level; ``ended`` once all of them have been run."""
+
+    stage: int
+    episodes: range
+    ended: bool
+
+
+@dataclass(slots=True, eq=False)
+class OpenRun:
+    """One run under way: what it is, what its planner says is ``untuned``, its rows by episode, and which were successes.
+
+    ``superseded`` rows are of other code than ``code``, to be run anew.
+    """
+
+    config: Mapping[str, Any]
+    folder: Path
+    packs: Mapping[str, Sequence[Metric]]
+    staging: Staging | None
+    code: Code
+    untuned: Sequence[str] = ()
+    rows: dict[int, Mapping[str, Any]] = field(default_factory=dict)
+    successes: dict[int, bool] = field(default_factory=dict)
+    superseded: dict[int, Mapping[str, Any]] = field(default_factory=dict)
+    written: float = 0.0
+
+    @property
+    def failed(self) -> bool:
+        """Tell whether an episode ended with an error."""
+        return any(row["outcome"] == "error" for row in self.rows.values())
+
+    def take(self, finished: Finished) -> None:
+        """Keep the row of a finished episode."""
+        episode = int(finished.row["episode"])
+        self.rows[episode], self.successes[episode] = finished.row, finished.succeeded
+        if monotonic() - self.written > WRITE_EVERY:
+            self.write()
+
+    def write(self) -> None:
+        """Write the table of what is finished."""
+        write_episodes(self.folder, {**self.superseded, **self.rows}.values(), self.packs)
+        self.written = monotonic()
+
+    def left(self) -> int:
+        """Return how many episodes have no row yet."""
+        return sum(i not in self.rows for i in range(self.config["episodes"]))
+
+    def due(self) -> list[Job]:
+        """Return the episodes that can be run now: all that are left, or those of the first block that has not ended."""
+        if self.staging is None:
+            return [Job(self.config, str(self.folder), i) for i in range(self.config["episodes"]) if i not in self.rows]
+        open_blocks = [block for block in self.blocks() if not block.ended]
+        return [Job(self.config, str(self.folder), i, b.stage) for b in open_blocks for i in b.episodes if not self._has(i, b.stage)]
+
+    def blocks(self) -> Iterator[Block]:
+        """Yield the blocks of a task that adapts as far as their levels are known; they follow from the finished episodes alone."""
+        if self.staging is None:
+            return
+        stage, episodes = self.staging.start, self.config["episodes"]
+        for first in range(0, episodes, self.staging.block):
+            block = range(first, min(first + self.staging.block, episodes))
+            ended = all(self._has(i, stage) for i in block)
+            yield Block(stage, block, ended)
+            if not ended:
+                return
+            stage = self.staging.next(stage, [self.successes[i] for i in block])
+
+    def _has(self, episode: int, stage: int) -> bool:
+        """Tell whether an episode was run on this level: one that was run on another does not count."""
+        return episode in self.rows and self.rows[episode].get("stage") == stage
+
+
+def rounds(runs: Sequence[OpenRun]) -> Iterator[list[Job]]:
+    """Yield all jobs that can be run now, again and again, until nothing new is left; each round ends before the next is asked for."""
+    asked: set[tuple[str, int, int | None]] = set()  # a job whose row never comes is not asked for twice
+    while jobs := [job for run in runs for job in run.due() if (job.folder, job.episode, job.stage) not in asked]:
+        asked.update((job.folder, job.episode, job.stage) for job in jobs)
+        yield jobs

@@ -1,0 +1,117 @@
+"""A worker process, from within: it runs one job after the other, and ends with its parent, however that went."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import pickle
+import signal
+import sys
+from contextlib import suppress
+from multiprocessing.connection import Connection
+from threading import Thread
+from time import sleep
+from typing import Any
+
+from arena_core.base.errors import RunStopped, described
+from arena_core.base.pulse import Cell, pulse
+
+PARENT_ASKED_EVERY = 1.0  # s
+LEFT_TO_THE_PARENT = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # a terminal or a scheduler may send them to workers too
+_PR_SET_PDEATHSIG = 1  # linux/prctl.h
+
+
+def serve(connection: Connection, beats: Cell, parent: int) -> None:
+    """Answer every (work, job) that comes with (result, error, whether this process is as it was before), until nothing comes any more.
+
+    A process that an episode has changed is not used again: the supervisor puts a new one in its place.
+    """
+    _settle(parent)
+    pulse.share(beats)
+    os.register_at_fork(after_in_child=_be_a_child)
+    worker = os.getpid()
+    while (task := _next(connection)) is not None:
+        pulse.begin()
+        before = _marks()
+        result, error = _run(*task)
+        if os.getpid() != worker:
+            os._exit(0)  # a child that the episode forked has come back from it
+        with suppress(Exception):
+            sys.stdout.flush()  # what a killed process has not written is lost
+        connection.send((result, error, _marks() == before))
+    os._exit(0)
+
+
+def _settle(parent: int) -> None:
+    """Leave signals to the parent, take a process group of its own (to be ended with all children), and end when the parent does."""
+    for number in LEFT_TO_THE_PARENT:
+        signal.signal(number, signal.SIG_IGN)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, LEFT_TO_THE_PARENT)
+    os.setpgid(0, 0)
+    _die_with_parent()
+    Thread(target=_watch, args=(parent,), daemon=True).start()
+    if os.getppid() != parent:
+        os._exit(1)
+
+
+def _die_with_parent() -> None:
+    """Have the kernel end this process with its parent, where it can; ``_watch`` does it elsewhere, unless compiled code hangs."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+
+
+def _watch(parent: int) -> None:
+    while os.getppid() == parent:
+        sleep(PARENT_ASKED_EVERY)
+    os._exit(1)
+
+
+def _be_a_child() -> None:
+    pulse.detach()
+    _die_with_parent()
+
+
+def _next(connection: Connection) -> tuple[Any, Any] | None:
+    try:
+        task: tuple[Any, Any] = connection.recv()
+    except (EOFError, OSError):
+        return None
+    return task
+
+
+def _run(work: Any, job: Any) -> tuple[Any, BaseException | None]:
+    try:
+        return work(job), None
+    except BaseException as error:
+        return None, _portable(error)
+
+
+def _portable(error: BaseException) -> BaseException:
+    """Return an exception that survives the way to another process."""
+    try:
+        pickle.loads(pickle.dumps(error))  # noqa: S301 - made a line above
+    except Exception:
+        return RunStopped(described(error))
+    return error
+
+
+def _marks() -> tuple[Any, ...]:
+    """Return what an episode may not change for those after it: folder, signal handlers, alarm, standard streams."""
+    handlers = tuple(signal.getsignal(number) for number in sorted(signal.valid_signals()))
+    streams = [(id(stream), stream is None or stream.closed) for stream in (sys.stdout, sys.stderr)]
+    return _folder(), handlers, signal.getitimer(signal.ITIMER_REAL)[0] > 0.0, streams, [_file(number) for number in range(3)]
+
+
+def _folder() -> str:
+    try:
+        return os.getcwd()
+    except OSError:
+        return ""
+
+
+def _file(number: int) -> tuple[int, int] | None:
+    try:
+        found = os.fstat(number)
+    except OSError:
+        return None
+    return found.st_dev, found.st_ino

@@ -1,0 +1,126 @@
+"""A worker process, from outside: give it a job, see whether it is alive and what it takes, end it."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any
+
+import psutil
+
+from arena_core.base.errors import RunStopped
+from arena_core.base.pulse import STARTING
+from arena_core.contracts.interfaces import Job
+from arena_core.runs.budgets import Watch
+from arena_core.runs.serving import LEFT_TO_THE_PARENT, serve
+
+Work = Callable[[Job], Any]
+PATIENCE = 2.0  # s that a killed process may take to go; one that the kernel holds is left behind
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Task:
+    """A job under way: the how manieth attempt it is, and what it has taken."""
+
+    job: Job
+    attempt: int
+    watch: Watch
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What a worker sends back: what ``work`` returned, or the error that it raised, and whether the worker can be used again."""
+
+    result: Any
+    error: BaseException | None
+    unchanged: bool
+
+
+@contextmanager
+def _no_script() -> Iterator[None]:
+    """Keep new processes from importing the script that runs: they need nothing of it, and it may lack a main guard."""
+    script, sys.modules["__main__"] = sys.modules["__main__"], ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = script
+
+
+class Worker:
+    """One spawned process; ``task`` is what it is at."""
+
+    def __init__(self) -> None:
+        context = multiprocessing.get_context("spawn")
+        self.task: Task | None = None
+        self.connection, theirs = context.Pipe()
+        self._mute = False
+        self._beats = context.RawValue("q", 0)
+        self._process = context.Process(target=serve, args=(theirs, self._beats, os.getpid()), name="arena worker")
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, LEFT_TO_THE_PARENT)  # inherited, until the worker ignores them
+        try:
+            with _no_script():
+                self._process.start()
+        except OSError as error:
+            raise RunStopped(f"no worker process can be started: {error.strerror or error}; finished episodes are kept") from error
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+            theirs.close()
+
+    def begin(self, work: Work, task: Task) -> bool:
+        """Hand a job over; tell whether the worker was there to take it."""
+        self._beats.value = STARTING
+        try:
+            self.connection.send((work, task.job))
+        except OSError:
+            return False
+        self.task = task
+        return True
+
+    def answer(self) -> Answer | None:
+        """Return what the worker has sent, None if nothing is there."""
+        try:
+            return Answer(*self.connection.recv()) if self.connection.poll() else None
+        except Exception:  # closed, or half an answer: nothing more will come
+            self._mute = True
+            return None
+
+    def death(self) -> str | None:
+        """Return how the worker ended, None while it lives. Asks the kernel: a pipe may be held open by a forked child."""
+        if self._mute:
+            self._process.join(PATIENCE)
+        code = self._process.exitcode
+        if code is None:
+            return "worker died: it closed its pipe" if self._mute else None
+        return f"worker died: {_signal_name(-code) if code < 0 else f'exit status {code}'}"
+
+    def over_budget(self, passed: float) -> str | None:
+        """Return which budget of the task is at its end, ``passed`` seconds after the last look."""
+        return self.task.watch.look(self._beats.value, passed, self._memory()) if self.task else None
+
+    def end(self) -> None:
+        """End the process and all that it has forked, at once, whatever they are at."""
+        with suppress(OSError):
+            os.killpg(self._process.pid or 0, signal.SIGKILL)
+        self._process.kill()
+        self._process.join(PATIENCE)
+        self.connection.close()
+
+    def _memory(self) -> int:
+        """Return the bytes that the process occupies."""
+        try:
+            return int(psutil.Process(self._process.pid).memory_info().rss)
+        except psutil.Error:  # it has just died
+            return 0
+
+
+def _signal_name(number: int) -> str:
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return f"signal {number}"

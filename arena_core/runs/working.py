@@ -1,0 +1,109 @@
+"""What an executor calls: check that a run can be built, run one episode. Each works in whatever process it is in."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from arena_core.base.ctrl_c import interrupts
+from arena_core.base.errors import ArenaError, ConfigurationError, RunFolderError, described
+from arena_core.base.notices import untold
+from arena_core.base.pulse import pulse
+from arena_core.config.registry import Registry, load_registry
+from arena_core.contracts.interfaces import Finished, Job, Metric
+from arena_core.loop.recording import write_record
+from arena_core.runs.benchmark import Benchmark, build_benchmark, identification
+from arena_core.runs.code_digest import Code
+from arena_core.runs.rows import evaluate
+from arena_core.values.episode import EpisodeRecord
+from arena_core.values.staging import Staging
+from arena_core.values.success import succeeded
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Checked:
+    """What a run must know of what it is made of: how many episodes there are, its levels, notes for the user, and the code.
+
+    ``error`` is set, and the rest of no use, where the run cannot be built.
+    """
+
+    job: Job
+    count: int | None = None
+    staging: Staging | None = None
+    untuned: Sequence[str] = ()
+    told: Sequence[str] = ()
+    code: Code | None = None
+    error: ArenaError | None = None
+
+
+def work(job: Job) -> Finished:
+    """Run one episode, write its record and return its row; a failure is a row with its error.
+
+    Raises RunFolderError when the record cannot be written: then nothing else could be either.
+    """
+    try:
+        with interrupts.let_go():
+            benchmark = _benchmark(_text(job.config))
+        with interrupts.held():
+            record = benchmark.run(job.episode, Path(job.folder), job.stage)
+            pulse.finish()
+            write_record(Path(job.folder), job.episode, record)
+            _registry().manager.hook.episode_finished(record=record)
+            return judged(job, record, benchmark.metrics)
+    except RunFolderError:
+        raise
+    except BaseException as error:  # sys.exit() of a planner's reset, say
+        if interrupts.raised(error):
+            raise
+        return failed(job, described(error))
+
+
+def check(job: Job) -> Checked:
+    """Build all that a run needs; return what the run must know of it, or the error that refuses it."""
+    try:
+        with interrupts.let_go():
+            benchmark = _benchmark(_text(job.config))
+        task, planner = benchmark.task, benchmark.navigator.planner
+        return Checked(job, task.count(), task.staging(), [*planner.untuned], untold(), benchmark.code)
+    except BaseException as error:
+        if interrupts.raised(error):
+            raise
+        return Checked(job, error=error if isinstance(error, ArenaError) else cannot_be_built(job, described(error)))
+
+
+def failed(job: Job, reason: str) -> Finished:
+    """Return the row of an episode that left no record."""
+    row = {**identification(job.config), "stage": job.stage, "episode": job.episode, "seed": job.config["seed"]}
+    return Finished(job, row | {"outcome": "error", "error": reason}, False)
+
+
+def judged(job: Job, record: EpisodeRecord, packs: Mapping[str, Sequence[Metric]]) -> Finished:
+    """Return the row of a record; a metric that fails makes it a row with that error."""
+    try:
+        return Finished(job, evaluate(record, packs), succeeded(record))
+    except Exception as error:
+        return Finished(job, {**record.meta["columns"], "outcome": "error", "error": described(error)}, False)
+
+
+def cannot_be_built(job: Job, reason: str) -> ConfigurationError:
+    """Return the error of a run that cannot be built."""
+    return ConfigurationError(f"planner {job.config['planner']['name']}, or what it runs with, cannot be built: {reason}")
+
+
+def _text(config: Mapping[str, Any]) -> str:
+    """Return what a benchmark is built from; the code is what builds it."""
+    return json.dumps({key: value for key, value in config.items() if key != "code"}, sort_keys=True)
+
+
+@lru_cache(maxsize=1)
+def _registry() -> Registry:
+    return load_registry()
+
+
+@lru_cache(maxsize=4)  # a worker sees the cells of a multirun one after the other
+def _benchmark(config: str) -> Benchmark:
+    return build_benchmark(json.loads(config), _registry())

@@ -1,0 +1,119 @@
+"""One problem (Scenario), one run of it (EpisodeRecord), and what is true meanwhile (WorldState)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core.values.geometry import FloatArray, Pose, Twist
+from arena_core.values.world import Obstacle, OccupancyGrid, Pedestrians, PedestrianSpec, World
+
+Outcome = Literal["goal_reached", "false_arrival", "time_out", "collision", "error"]
+ContactWith = Literal["wall", "obstacle", "person"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scenario:
+    """One concrete problem: everything that every planner faces alike.
+
+    ``seed`` and ``name`` key every random stream of the episode. ``goal_radius`` m, ``time_limit`` s. The goal's heading does
+    not count for arrival. ``reference_length`` m is that of a known way from start to goal; None where no such way is known.
+    ``speed_share`` of its own speed limits is what the robot may drive, whatever is commanded. ``stage`` is the level of a staged
+    task. ``content_hash`` names the content of the scenario's file or pack; empty where it was drawn.
+    """
+
+    name: str
+    seed: int
+    world: World
+    start: Pose
+    goal: Pose
+    pedestrians: tuple[PedestrianSpec, ...]
+    obstacles: tuple[Obstacle, ...]
+    goal_radius: float
+    time_limit: float
+    reference_length: float | None = None
+    speed_share: float = 1.0
+    stage: int | None = None
+    content_hash: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """The rising edge of a contact: ``stamp`` s, with what (and which person), closing speed m/s, where the robot was (x, y in ``map``, m).
+
+    ``caused`` is true when the robot moved into the other, false when a person walked into the robot.
+    """
+
+    stamp: float
+    kind: ContactWith
+    person: int
+    speed: float
+    caused: bool
+    x: float
+    y: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WorldState:
+    """The truth at one control step; no part of it ever reaches the navigator.
+
+    ``twist`` is in ``base_link``. ``clearance`` is the distance from the footprint to the nearest wall, obstacle or person,
+    ``clearance_people`` to the nearest person (inf when there is none), m. ``contacts`` are the rising edges since the state before,
+    ``contact_time`` the seconds in contact since then.
+    """
+
+    stamp: float
+    pose: Pose
+    twist: Twist
+    pedestrians: Pedestrians
+    clearance: float
+    clearance_people: float
+    in_contact: bool
+    contact_time: float
+    contacts: tuple[Contact, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EpisodeStart:
+    """What a planner is told before an episode; ``map`` is None in an unknown world, ``control_period`` is in s.
+
+    ``random`` is the planner's own stream, keyed by the scenario.
+    """
+
+    map: OccupancyGrid | None
+    goal: Pose
+    control_period: float
+    random: np.random.Generator
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """Something that happened at ``stamp`` (s): ``kind`` is ``replan`` or ``no_valid_command``, ``detail`` says why."""
+
+    stamp: float
+    kind: str
+    detail: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EpisodeRecord:
+    """One finished episode: per-step arrays, events and what identifies it (docs/records.md lists every array).
+
+    ``arrays`` hold T rows, one a control step, the last one the final state; ``meta`` is plain JSON.
+    """
+
+    arrays: Mapping[str, NDArray[Any]]
+    meta: Mapping[str, Any]
+    timing: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        return self.arrays[name]
+
+
+def pose_rows(poses: list[Pose]) -> FloatArray:
+    """Stack poses to rows of (x, y, theta), shape (T, 3)."""
+    return np.array([(p.x, p.y, p.theta) for p in poses]).reshape(-1, 3)

@@ -1,0 +1,108 @@
+"""What a robot measures and what it concludes; field names follow ROS sensor_msgs and nav_msgs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core.values.geometry import FloatArray, Pose, Twist
+from arena_core.values.world import Costmap, OccupancyGrid, Path
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LaserScan:
+    """One scan with its own stamp (s); ``ranges`` (B,) float32 m, +inf where nothing was hit within ``range_max`` (REP-117).
+
+    Angles are in the sensor's frame, beam i at ``angle_min + i * angle_increment``; ``mount`` is that frame in ``base_link``.
+    """
+
+    stamp: float
+    angle_min: float
+    angle_increment: float
+    range_min: float
+    range_max: float
+    ranges: NDArray[np.float32]
+    mount: Pose
+
+
+@dataclass(frozen=True, slots=True)
+class Odometry:
+    """Wheel odometry: ``pose`` in ``odom`` (drifts), ``twist`` in ``base_link``, ``stamp`` in s."""
+
+    stamp: float
+    pose: Pose
+    twist: Twist
+
+
+@dataclass(frozen=True, slots=True)
+class Sensors:
+    """All that leaves the robot's hardware at one control step.
+
+    ``reference`` is the pose of an external positioning system (in simulation: exact); only the ``ground_truth`` localiser
+    reads it, and planners never see it.
+    """
+
+    stamp: float
+    scan: LaserScan
+    odometry: Odometry
+    reference: Pose | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PoseEstimate:
+    """A pose in ``map`` with its covariance (3, 3) over x, y, theta (m^2, m rad, rad^2)."""
+
+    pose: Pose
+    covariance: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tracks:
+    """Moving obstacles that the robot believes in, in ``map``.
+
+    ids (K,), positions (K, 2) m, velocities (K, 2) m/s, radii (K,) m, covariances (K, 4, 4) over x, y, vx, vy.
+    """
+
+    ids: NDArray[np.int32]
+    positions: FloatArray
+    velocities: FloatArray
+    radii: FloatArray
+    covariances: FloatArray
+
+
+NO_TRACKS = Tracks(np.empty(0, np.int32), np.empty((0, 2)), np.empty((0, 2)), np.empty(0), np.empty((0, 4, 4)))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Observation:
+    """All that a planner may see at one control step.
+
+    ``stamp`` s; ``pose`` estimate with ``covariance`` (3, 3) in ``map``; ``twist`` measured, in ``base_link``; ``goal``,
+    ``waypoint`` and ``path`` in ``map``; ``map`` is None in an unknown world. ``local_map`` and ``tracks`` are computed when
+    first asked for.
+    """
+
+    stamp: float
+    pose: Pose
+    covariance: FloatArray
+    twist: Twist
+    scan: LaserScan
+    goal: Pose
+    waypoint: Pose
+    path: Path
+    map: OccupancyGrid | None
+    _local_map: Callable[[], Costmap] = field(repr=False)
+    _tracks: Callable[[], Tracks] = field(repr=False)
+
+    @property
+    def local_map(self) -> Costmap:
+        """Return the rolling costmap around the robot."""
+        return self._local_map()
+
+    @property
+    def tracks(self) -> Tracks:
+        """Return the moving obstacles that the tracker believes in."""
+        return self._tracks()

@@ -1,0 +1,233 @@
+"""What stands still (grids, obstacles, worlds) and who walks in it (pedestrians)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from arena_core.base.frozen import frozen
+from arena_core.values.geometry import FloatArray, Pose
+from arena_core.values.parameters import Positive
+
+OCCUPIED = 100
+FREE = 0
+UNKNOWN = -1
+
+ABSENT = 0  # the state of a person who is not, not yet or no longer in the world
+
+Derived = TypeVar("Derived")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OccupancyGrid:
+    """A map in nav_msgs layout: ``data[row, column]``, row 0 at the bottom, values -1 unknown, 0 free .. 100 occupied.
+
+    ``data`` has shape (H, W), int8, and is read-only. ``origin`` is the pose in ``map`` of the lower left *corner* of
+    cell (0, 0); ``resolution`` is the side of a cell, m. A cell counts as occupied from ``occupied_from`` on.
+    """
+
+    data: NDArray[np.int8]
+    resolution: float
+    origin: Pose
+    occupied_from: int = 65
+    _derived: dict[Any, Any] = field(default_factory=dict, repr=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "data", frozen(np.asarray(self.data, dtype=np.int8)))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return OccupancyGrid, (self.data, self.resolution, self.origin, self.occupied_from)
+
+    @property
+    def occupied(self) -> NDArray[np.bool_]:
+        """Return which cells are occupied, shape (H, W)."""
+        return self.derive(_occupied)
+
+    def derive(self, function: Callable[[OccupancyGrid], Derived]) -> Derived:
+        """Return ``function(self)``, computed once for this grid (distance field, inflated cost, ...)."""
+        if function not in self._derived:
+            self._derived[function] = function(self)
+        return self._derived[function]  # type: ignore[no-any-return]
+
+    def cells(self, positions_xy: ArrayLike) -> NDArray[np.int64]:
+        """Return (row, column) of positions in ``map``, shape (..., 2); they may lie outside the grid."""
+        delta = np.asarray(positions_xy, dtype=np.float64) - (self.origin.x, self.origin.y)
+        c, s = np.cos(self.origin.theta), np.sin(self.origin.theta)
+        x = c * delta[..., 0] + s * delta[..., 1]
+        y = -s * delta[..., 0] + c * delta[..., 1]
+        return np.floor(np.stack((y, x), axis=-1) / self.resolution).astype(np.int64)
+
+    def positions(self, cells: ArrayLike) -> FloatArray:
+        """Return the centres in ``map`` of cells (row, column), shape (..., 2)."""
+        row_column = (np.asarray(cells, dtype=np.float64) + 0.5) * self.resolution
+        y, x = row_column[..., 0], row_column[..., 1]
+        c, s = np.cos(self.origin.theta), np.sin(self.origin.theta)
+        return np.stack((self.origin.x + c * x - s * y, self.origin.y + s * x + c * y), axis=-1)
+
+    def contains(self, cells: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Tell which cells (..., 2) lie inside the grid."""
+        inside = (cells >= 0) & (cells < np.array(self.data.shape))
+        return np.asarray(inside.all(axis=-1))
+
+
+def _occupied(grid: OccupancyGrid) -> NDArray[np.bool_]:
+    return frozen(grid.data >= grid.occupied_from)
+
+
+def free_area(grid: OccupancyGrid) -> float:
+    """Return the area of a grid's largest connected free region, over the 4 neighbours, m2; meant for ``grid.derive(free_area)``.
+
+    Each free cell takes the least number in its run of a row, then of a column, until nothing changes.
+    """
+    free = (grid.data >= 0) & (grid.data < grid.occupied_from)
+    labels, before = np.arange(1, free.size + 1).reshape(free.shape), None
+    while before is None or (labels != before).any():
+        before = labels
+        labels = _least_of_runs(_least_of_runs(labels, free).T, free.T).T
+    return float(np.bincount(labels[free], minlength=1).max()) * grid.resolution**2
+
+
+def _least_of_runs(labels: NDArray[np.int64], free: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Return the labels (H, W) with the least one of each run of equal ``free`` along a row in all its cells."""
+    begins = np.ones(free.shape, np.bool_)
+    begins[:, 1:] = free[:, 1:] != free[:, :-1]
+    starts = np.flatnonzero(begins)
+    least = np.minimum.reduceat(labels.ravel(), starts)
+    return np.repeat(least, np.diff(starts, append=free.size)).reshape(free.shape)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Obstacle:
+    """A static obstacle that is on no map: a disc at ``vertices_xy[0]``, or a simple polygon (radius 0).
+
+    ``vertices_xy`` has shape (1, 2) or (V, 2), m, frame ``map``.
+    """
+
+    vertices_xy: FloatArray
+    radius: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class World:
+    """A static environment: its map, and whether the robot is given that map (``known``).
+
+    ``reference_xy`` (M, 2), m, is the way through that comes with the world, None where there is none; only metrics see it.
+    ``movers`` are those who belong to the world and move in it by a timetable; tasks take them over where they say so.
+    """
+
+    name: str
+    grid: OccupancyGrid
+    known: bool = True
+    reference_xy: FloatArray | None = None
+    movers: tuple[PedestrianSpec, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PedestrianSpec:
+    """How one person starts and where it goes: the input of a pedestrian model.
+
+    ``waypoints_xy`` has shape (K, 2), m, walked in a loop; none means standing. ``max_speed`` in m/s, ``radius`` in m.
+    ``behaviour`` carries what a model may use beyond that (factors of forces, chances of social states). ``stamps`` (K,), s, rising
+    from 0, is when it is at each waypoint, anew every ``stamps[-1]`` s; None where the model decides that.
+    """
+
+    id: int
+    position_xy: FloatArray
+    waypoints_xy: FloatArray
+    max_speed: float
+    radius: float
+    behaviour: dict[str, float | str] = field(default_factory=dict)
+    stamps: FloatArray | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pedestrians:
+    """The people of one world at one instant: ids (P,), positions (P, 2) m, velocities (P, 2) m/s, radii (P,) m, states (P,).
+
+    Who is ABSENT keeps place and id; position and velocity are then NaN.
+    """
+
+    ids: NDArray[np.int32]
+    positions: FloatArray
+    velocities: FloatArray
+    radii: FloatArray
+    states: NDArray[np.int8]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Crowd:
+    """The people of N worlds in P slots each; slots from ``counts[k]`` on are empty (parked at NaN).
+
+    A person who is not (yet, or any more) in the world keeps slot and id: position and velocity are NaN, the state is ABSENT.
+    counts (N,) int32, ids (N, P) int32, positions (N, P, 2) m, velocities (N, P, 2) m/s, radii (N, P) m, states (N, P) int8.
+    """
+
+    counts: NDArray[np.int32]
+    ids: NDArray[np.int32]
+    positions: FloatArray
+    velocities: FloatArray
+    radii: FloatArray
+    states: NDArray[np.int8]
+
+    def world(self, slot: int) -> Pedestrians:
+        """Return copies of the people of world ``slot``."""
+        n = int(self.counts[slot])
+        return Pedestrians(
+            self.ids[slot, :n].copy(),
+            self.positions[slot, :n].copy(),
+            self.velocities[slot, :n].copy(),
+            self.radii[slot, :n].copy(),
+            self.states[slot, :n].copy(),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Gait:
+    """How people walk, as a lidar at the height of their shins sees them: two discs of ``leg_radius`` m, in step with the way covered.
+
+    The legs' axes are ``stance_width`` m apart across the way where somebody stands, ``step_width`` from ``step_width_from`` m/s on. A step
+    is ``walk_ratio`` m long for each step a minute; along the way the legs are at most ``apart`` of it from each other. They take up
+    another speed and direction in ``settling`` s.
+    """
+
+    leg_radius: Positive
+    stance_width: Positive
+    step_width: Positive
+    step_width_from: Positive
+    walk_ratio: Positive
+    apart: Positive
+    settling: Positive
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Path:
+    """A global path in ``map``: ``poses`` (M, 3) of (x, y, heading along the path), start first, goal last."""
+
+    poses: FloatArray
+
+    @property
+    def length(self) -> float:
+        """Return the length of the polyline, m."""
+        return float(np.hypot(*np.diff(self.poses[:, :2], axis=0).T).sum())
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Costmap:
+    """A cost grid after costmap_2d: ``costs`` (H, W) uint8, row 0 at the bottom, 254 lethal, 253 inscribed, 0 free.
+
+    ``origin_xy`` is the position in ``map`` of the lower left corner, m; the rows lie along the x axis of ``map``.
+    ``distance`` (H, W) float32 is the distance of each cell's centre to the nearest lethal cell's centre, m.
+    """
+
+    costs: NDArray[np.uint8]
+    distance: NDArray[np.float32]
+    resolution: float
+    origin_xy: FloatArray
+
+
+LETHAL = 254
+INSCRIBED = 253

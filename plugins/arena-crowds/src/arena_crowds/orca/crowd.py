@@ -1,0 +1,106 @@
+"""People as ORCA agents: van den Berg, Guy, Lin, Manocha, Reciprocal n-body collision avoidance, Robotics Research 2011."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core import Crowd, Gait, NonNegative, PedestrianModel, Positive, PositiveInt, RobotBatch, Scenario, with_obstacles
+from arena_crowds.orca.orca_step import step_crowds
+from arena_crowds.orca.parameters import RobotRules, Rules, Wayfinding, WayRules
+from arena_crowds.orca.walkers import Walkers
+from arena_crowds.orca.ways import grant_wishes
+from arena_kernels.terrain import Terrain
+
+
+class OrcaCrowd(PedestrianModel):
+    """People who choose, each step, the velocity nearest to the wanted one at which nobody is met if all choose alike.
+
+    Positions and velocities come from the crowd that ``step`` is given; only ways and clocks are remembered between steps.
+    """
+
+    def __init__(
+        self,
+        reaction: Literal["ignore", "yield"],
+        horizon: Positive,
+        wall_horizon: Positive,
+        overlap_time: Positive,
+        range: Positive,
+        neighbours: PositiveInt,
+        side: NonNegative,
+        robot: RobotRules,
+        wayfinding: Wayfinding,
+        body: Literal["discs", "legs"],
+        gait: Gait,
+    ) -> None:
+        self.gait = gait if body == "legs" else None
+        way = WayRules(*(float(getattr(wayfinding, name)) for name in WayRules._fields))
+        distances = {
+            "horizon": float(horizon),
+            "wall_horizon": float(wall_horizon),
+            "overlap_time": float(overlap_time),
+            "range": float(range),
+        }
+        shares = {"side": float(side), "robot_share": float(robot.share), "robot_margin": float(robot.margin)}
+        self._rules = Rules(yields=reaction == "yield", neighbours=neighbours, way=way, **distances, **shares)
+        self._cell = wayfinding.cell
+        self._walkers = Walkers(0)
+        self._terrain = Terrain(self._cell)
+
+    def reset(self, slots: NDArray[np.int64], scenarios: Sequence[Scenario], total: int) -> Crowd:
+        """Begin ``scenarios`` in these slots; worlds in other slots are returned as ``step`` left them.
+
+        Raises ImpossibleScenario for somebody who starts in a wall or off the map.
+        """
+        if total != len(self._walkers):
+            self._walkers, self._terrain = Walkers(total), Terrain(self._cell)
+        grids = [with_obstacles(scenario.world.grid, scenario.obstacles) for scenario in scenarios]
+        self._terrain.replace(slots, grids, total)
+        self._walkers.settle(dict(zip(slots.tolist(), scenarios, strict=True)), grids)
+        self._grant_wishes()
+        return self._walkers.crowd
+
+    def step(self, crowd: Crowd, robots: RobotBatch, ticks: NDArray[np.int64], dt: float) -> Crowd:
+        """Return the crowd ``dt`` seconds later; with ``reaction: ignore`` nothing of ``robots`` is used."""
+        walkers, terrain = self._walkers, self._terrain
+        positions, velocities, states = crowd.positions.copy(), crowd.velocities.copy(), crowd.states.copy()
+        wishes = step_crowds(
+            crowd.counts,
+            positions,
+            velocities,
+            crowd.radii,
+            states,
+            walkers.memory,
+            walkers.corners,
+            terrain.index,
+            terrain.distance,
+            terrain.layouts,
+            robots.poses,
+            robots.velocities_xy,
+            float(robots.radius),
+            float(dt),
+            self._rules,
+        )
+        walkers.crowd = Crowd(crowd.counts, crowd.ids, positions, velocities, crowd.radii, states)
+        if wishes:
+            self._grant_wishes()
+        return walkers.crowd
+
+    def _grant_wishes(self) -> None:
+        crowd, walkers, terrain = self._walkers.crowd, self._walkers, self._terrain
+        grant_wishes(
+            crowd.counts,
+            crowd.positions,
+            crowd.radii,
+            walkers.memory,
+            walkers.waypoints,
+            walkers.corners,
+            terrain.index,
+            terrain.distance,
+            terrain.layouts,
+            terrain.rooms,
+            terrain.nodes,
+        )

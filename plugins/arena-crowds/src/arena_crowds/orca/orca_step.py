@@ -1,0 +1,170 @@
+"""One step of N crowds of ORCA agents, as one compiled call."""
+
+from __future__ import annotations
+
+from math import cos, sin, sqrt
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_crowds.orca.avoidance import WALLS, choose_velocity
+from arena_crowds.orca.parameters import Rules
+from arena_crowds.orca.walkers import NOTHING
+from arena_crowds.orca.ways import follow
+from arena_kernels.compiled import compiled
+from arena_kernels.ground import Ground, ground_of
+from arena_kernels.neighbours import CELLS_FROM, near_pairs
+from arena_kernels.separation import push_apart
+from arena_kernels.sliding import slide
+
+Floats = NDArray[np.float64]
+
+
+@compiled
+def step_crowds(
+    counts: NDArray[np.int32],
+    positions: Floats,
+    velocities: Floats,
+    radii: Floats,
+    states: NDArray[np.int8],
+    memory: NDArray[np.void],
+    corners: Floats,
+    grids: NDArray[np.int64],
+    distance: NDArray[np.float32],
+    layouts: NDArray[np.void],
+    robot_poses: Floats,
+    robot_velocities: Floats,
+    robot_radius: float,
+    dt: float,
+    rules: Rules,
+) -> int:
+    """Move everybody by ``dt`` s, in place; return how many people wish for a route."""
+    small = min(positions.shape[1], CELLS_FROM)
+    pairs = np.empty((small * small // 2, 2), np.int32)
+    wishes = 0
+    for world in range(len(counts)):
+        n = counts[world]
+        if n == 0:
+            continue
+        robot = (robot_poses[world, 0], robot_poses[world, 1], robot_velocities[world, 0], robot_velocities[world, 1], robot_radius)
+        ground = ground_of(distance, layouts[grids[world]])
+        pairs = _step_crowd(
+            positions[world, :n],
+            velocities[world, :n],
+            radii[world, :n],
+            states[world, :n],
+            memory[world],
+            corners[world],
+            ground,
+            robot,
+            dt,
+            rules,
+            pairs,
+        )
+        for i in range(n):
+            wishes += memory[world, i].wish != NOTHING
+    return wishes
+
+
+@compiled
+def _step_crowd(
+    positions: Floats,
+    velocities: Floats,
+    radii: Floats,
+    states: NDArray[np.int8],
+    memory: NDArray[np.void],
+    corners: Floats,
+    ground: Ground,
+    robot: Any,
+    dt: float,
+    rules: Rules,
+    pairs: NDArray[np.int32],
+) -> NDArray[np.int32]:
+    """Move the people of one world in place; return the pair list for further use."""
+    people = len(positions)
+    pairs, found = near_pairs(positions, rules.range, pairs)
+    near, nears = _nearest(positions, pairs, found, rules.neighbours)
+    lines, scratch = np.empty((WALLS + 1 + rules.neighbours, 4)), np.empty((WALLS + 1 + rules.neighbours, 4))
+    chosen = np.empty((people, 2))
+    for i in range(people):
+        states[i], hx, hy, way = follow(memory[i], states[i], positions[i, 0], positions[i, 1], radii[i], corners[i], ground, dt, rules.way)
+        speed = memory[i].max_speed
+        wish = _wish(hx, hy, min(speed, way / dt), rules.side if nears[i] > 0 or rules.yields else 0.0)
+        chosen[i, 0], chosen[i, 1] = choose_velocity(
+            i, positions, velocities, radii, near[i, : nears[i]], wish, speed, ground, robot, rules, lines, scratch
+        )
+    _walk(positions, velocities, radii, memory, ground, dt, pairs, found, chosen)
+    return pairs
+
+
+@compiled
+def _wish(hx: float, hy: float, speed: float, right: float) -> tuple[float, float]:
+    """Return the preferred velocity: along a unit vector that is turned to the right by an angle."""
+    c, s = cos(right), sin(right)
+    return speed * (c * hx + s * hy), speed * (c * hy - s * hx)
+
+
+@compiled
+def _nearest(positions: Floats, pairs: NDArray[np.int32], found: int, most: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """Return each person's nearest neighbours (P, most), nearest first, and how many they are (P,)."""
+    people = len(positions)
+    near, apart, counts = np.empty((people, most), np.int32), np.empty((people, most)), np.zeros(people, np.int32)
+    for pair in range(found):
+        i, j = pairs[pair, 0], pairs[pair, 1]
+        squared = (positions[i, 0] - positions[j, 0]) ** 2 + (positions[i, 1] - positions[j, 1]) ** 2
+        counts[i] = _insert(near[i], apart[i], counts[i], j, squared)
+        counts[j] = _insert(near[j], apart[j], counts[j], i, squared)
+    return near, counts
+
+
+@compiled
+def _insert(near: NDArray[np.int32], apart: Floats, count: int, other: int, squared: float) -> int:
+    """Put a neighbour in its place among those so far, and drop the farthest if they are too many; return how many they are."""
+    if count == len(near):
+        if squared >= apart[count - 1]:
+            return count
+        count -= 1
+    place = count
+    while place > 0 and apart[place - 1] > squared:
+        near[place], apart[place] = near[place - 1], apart[place - 1]
+        place -= 1
+    near[place], apart[place] = other, squared
+    return count + 1
+
+
+@compiled
+def _walk(
+    positions: Floats,
+    velocities: Floats,
+    radii: Floats,
+    memory: NDArray[np.void],
+    ground: Ground,
+    dt: float,
+    pairs: NDArray[np.int32],
+    found: int,
+    chosen: Floats,
+) -> None:
+    """Move the bodies, apart from each other and out of walls; who was hindered has the velocity of the real move."""
+    people = len(positions)
+    starts, pushes = positions.copy(), np.empty((people, 2))
+    for i in range(people):
+        positions[i, 0], positions[i, 1] = slide(ground, starts[i, 0], starts[i, 1], dt * chosen[i, 0], dt * chosen[i, 1], radii[i])
+    touching = push_apart(positions, radii, pairs, found, pushes)
+    for i in range(people):
+        dx, dy = positions[i, 0] - starts[i, 0], positions[i, 1] - starts[i, 1]
+        if touching and (pushes[i, 0] != 0.0 or pushes[i, 1] != 0.0):
+            dx, dy = _shortened(dx + pushes[i, 0], dy + pushes[i, 1], memory[i].max_speed * dt)
+            positions[i, 0], positions[i, 1] = slide(ground, starts[i, 0], starts[i, 1], dx, dy, radii[i])
+            dx, dy = positions[i, 0] - starts[i, 0], positions[i, 1] - starts[i, 1]
+        velocities[i, 0], velocities[i, 1] = _shortened(dx / dt, dy / dt, memory[i].max_speed)
+
+
+@compiled
+def _shortened(x: float, y: float, longest: float) -> tuple[float, float]:
+    """Return a vector, shortened to ``longest`` if it is longer."""
+    squared = x * x + y * y
+    if squared <= longest * longest:
+        return x, y
+    shrink = longest / sqrt(squared)
+    return shrink * x, shrink * y

@@ -1,0 +1,1 @@
+"""Recorded people, and bodies by timetables."""

@@ -1,0 +1,130 @@
+"""Recorded people in N worlds: they appear, walk and vanish as they did."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core import (
+    ABSENT,
+    ConfigurationError,
+    Crowd,
+    Gait,
+    ImpossibleScenario,
+    NonNegative,
+    PedestrianModel,
+    Pedestrians,
+    Positive,
+    RobotBatch,
+    Scenario,
+    generator,
+    local_path,
+)
+from arena_crowds.replay.recordings import Format, read_recording
+from arena_crowds.replay.scale import Unit
+from arena_crowds.slots import grown, no_crowd, with_worlds
+
+STANDING, WALKING = 1, 2
+STANDS = 0.1  # m/s: who is slower stands, more or less
+DRAWS = 100  # of a start time, before a scenario is given up
+NOBODY = -1
+
+
+class ReplayedCrowd(PedestrianModel):
+    """People of a recording. Scenarios' own people are left out; neither robots nor walls change anything."""
+
+    def __init__(
+        self,
+        path: str,
+        format: Format,
+        unit: Unit | None,
+        frame_rate: Positive | None,
+        interpolation: Literal["cubic", "linear"],
+        offset_xy: Sequence[float],
+        rotation: float,
+        speed: Positive,
+        start_time: NonNegative | None,
+        clear_start: NonNegative,
+        radius: Positive,
+        body: Literal["discs", "legs"],
+        gait: Gait,
+    ) -> None:
+        self.gait = gait if body == "legs" else None
+        recording = read_recording(local_path(path), format, frame_rate, unit)
+        self._recording = recording.moved(np.array(offset_xy, np.float64), rotation)
+        if len(offset_xy) != 2:
+            raise ConfigurationError(f"pedestrians.offset_xy has {len(offset_xy)} numbers; allowed: 2, x and y")
+        if start_time is not None and start_time >= recording.duration:
+            raise ConfigurationError(
+                f"pedestrians.start_time is {start_time:g}; allowed: below {recording.duration:g} s, the recording's end"
+            )
+        self._cubic = interpolation == "cubic"
+        self._speed, self._start_time, self._clear_start, self._radius = speed, start_time, clear_start, radius
+        self._clear(0)
+
+    def _clear(self, total: int) -> None:
+        """Empty all worlds. ``_walks`` (N, P) says whose walk is in each place, ``_times`` (N,) what time of the recording it is, s."""
+        self._crowd = no_crowd(total)
+        self._walks = np.full((total, 0), NOBODY)
+        self._times = np.zeros(total)
+
+    def reset(self, slots: NDArray[np.int64], scenarios: Sequence[Scenario], total: int) -> Crowd:
+        """Begin in these slots at the start times of ``scenarios``; raise ImpossibleScenario when none has a clear start."""
+        if total != len(self._times):
+            self._clear(total)
+        worlds = {}
+        for slot, scenario in zip(slots.tolist(), scenarios, strict=True):
+            begin = self._start_of(scenario)
+            walks = self._between(begin, begin + self._speed * scenario.time_limit)
+            self._times[slot] = begin
+            self._walks = grown(self._walks, len(walks), NOBODY)
+            self._walks[slot, : len(walks)], self._walks[slot, len(walks) :] = walks, NOBODY
+            worlds[slot] = self._people(walks, begin)
+        self._crowd = with_worlds(self._crowd, worlds)
+        return self._crowd
+
+    def step(self, crowd: Crowd, robots: RobotBatch, ticks: NDArray[np.int64], dt: float) -> Crowd:
+        """Return where the recorded people are ``dt`` seconds later, wherever those of ``crowd`` were held up."""
+        self._times = self._times + self._speed * dt
+        there = self._walks != NOBODY
+        positions, velocities = np.full((*there.shape, 2), np.nan), np.full((*there.shape, 2), np.nan)
+        times = np.broadcast_to(self._times[:, None], there.shape)
+        positions[there], velocities[there] = self._at(self._walks[there], times[there])
+        self._crowd = Crowd(crowd.counts, crowd.ids, positions, velocities, crowd.radii, _states(positions, velocities))
+        return self._crowd
+
+    def _at(self, walks: NDArray[np.int64], times: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        positions, velocities = self._recording.at(walks, times, self._cubic)
+        return positions, self._speed * velocities
+
+    def _between(self, begin: float, end: float) -> NDArray[np.int64]:
+        """Return the walks of which something lies between two times of the recording."""
+        return np.flatnonzero((self._recording.ends >= begin) & (self._recording.begins <= end))
+
+    def _people(self, walks: NDArray[np.int64], time: float) -> Pedestrians:
+        positions, velocities = self._at(walks, np.full(len(walks), time))
+        states = _states(positions, velocities)
+        return Pedestrians(self._recording.ids[walks], positions, velocities, np.full(len(walks), float(self._radius)), states)
+
+    def _start_of(self, scenario: Scenario) -> float:
+        """Return the time of the recording at which an episode begins: the given one, or one that the scenario draws."""
+        if self._start_time is not None:
+            return float(self._start_time)
+        random = generator(scenario.seed, scenario.name, "replay")
+        latest = max(self._recording.duration - self._speed * scenario.time_limit, 0.0)
+        for _ in range(DRAWS):
+            begin = float(random.uniform(0.0, latest))
+            positions = self._people(self._between(begin, begin), begin).positions
+            if not (np.hypot(*(positions - (scenario.start.x, scenario.start.y)).T) < self._clear_start).any():
+                return begin
+        raise ImpossibleScenario(
+            f"scenario {scenario.name}: at {DRAWS} times of the recording somebody was within {self._clear_start:g} m of the robot's start"
+        )
+
+
+def _states(positions: NDArray[np.float64], velocities: NDArray[np.float64]) -> NDArray[np.int8]:
+    speeds = np.hypot(velocities[..., 0], velocities[..., 1])
+    return np.where(np.isfinite(positions[..., 0]), np.where(speeds < STANDS, STANDING, WALKING), ABSENT).astype(np.int8)

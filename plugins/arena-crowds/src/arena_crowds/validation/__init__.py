@@ -1,0 +1,1 @@
+"""`arena crowd`: people against recordings and the literature."""

@@ -1,0 +1,145 @@
+"""One picture after the other of one episode: the map is drawn once, what moves is drawn anew."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import PatchCollection
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle
+from numpy.typing import NDArray
+
+from arena_core import ArenaError, Footprint, OccupancyGrid, Path
+from arena_drawing.painter import INK, PATH, PERSON, body, draw_goal, draw_map, draw_obstacles, draw_start, frame_axes, move
+
+FloatArray = NDArray[np.float64]
+Frame = NDArray[np.uint8]
+SIDE = 480  # pixels of a frame's longer side
+SHORTEST = 160  # pixels of its shorter side
+MARGIN = 0.5  # m around the map's free cells
+RETURNS = "#CC79A7"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stage:
+    """What does not move in an episode: the map, obstacles as records have them, start and goal (3,), and the path that was planned."""
+
+    grid: OccupancyGrid
+    obstacles: Sequence[Mapping[str, Any]]
+    start: FloatArray
+    goal: FloatArray
+    path: Path | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scene:
+    """What moves, in ``map``: the robot's pose (3,), people's positions (P, 2) and radii (P,), NaN where absent, a scan's returns (R, 2).
+
+    ``stamp`` is in s.
+    """
+
+    pose: FloatArray
+    positions: FloatArray
+    radii: FloatArray
+    returns: FloatArray
+    stamp: float
+
+
+class FramePainter:
+    """Draws the scenes of one episode as arrays (H, W, 3) of bytes."""
+
+    def __init__(self, stage: Stage, footprint: Footprint, side: int = SIDE) -> None:
+        window = _window(stage.grid)
+        width, height = window[1] - window[0], window[3] - window[2]
+        scale = side / max(width, height)
+        size = [max(SHORTEST, round(scale * length)) for length in (width, height)]
+        self._figure = Figure(figsize=(size[0] / 100.0, size[1] / 100.0), dpi=100)
+        self._canvas = FigureCanvasAgg(self._figure)
+        self._axes = self._figure.add_axes((0.0, 0.0, 1.0, 1.0))
+        frame_axes(self._axes, window)
+        draw_map(self._axes, stage.grid.data, stage.grid.resolution, stage.grid.origin.array())
+        draw_obstacles(self._axes, stage.obstacles)
+        draw_start(self._axes, stage.start[0], stage.start[1])
+        draw_goal(self._axes, stage.goal[0], stage.goal[1])
+        if stage.path is not None:
+            self._axes.plot(*stage.path.poses[:, :2].T, "--", color=PATH, linewidth=1.0, zorder=2)
+        self._canvas.draw()  # type: ignore[no-untyped-call]
+        self._still = self._canvas.copy_from_bbox(self._figure.bbox)  # type: ignore[no-untyped-call]
+        self._robot = body(footprint.vertices_xy, footprint.radius)
+        self._axes.add_patch(self._robot)
+        self._nose = self._axes.plot([], [], color="white", linewidth=1.2, zorder=6)[0]
+        self._reach = footprint.radius
+        self._returns = self._axes.plot([], [], ".", markersize=1.5, color=RETURNS, zorder=3)[0]
+        plate = {"facecolor": "white", "edgecolor": "none"}
+        self._clock = self._axes.text(0.02, 0.02, "", transform=self._axes.transAxes, color=INK, fontsize=9, zorder=9, bbox=plate)
+
+    def frame(self, scene: Scene) -> Frame:
+        """Return the picture of a scene."""
+        there = np.isfinite(scene.positions).all(axis=1)
+        discs = [Circle((x, y), r) for (x, y), r in zip(scene.positions[there].tolist(), scene.radii[there].tolist(), strict=True)]
+        people = PatchCollection(discs, facecolor=PERSON, edgecolor="none", alpha=0.85, zorder=4)
+        self._axes.add_collection(people, autolim=False)
+        move(self._robot, self._axes, scene.pose)
+        x, y, theta = scene.pose
+        self._nose.set_data([x, x + self._reach * np.cos(theta)], [y, y + self._reach * np.sin(theta)])
+        self._returns.set_data(scene.returns[:, 0], scene.returns[:, 1])
+        self._clock.set_text(f"{scene.stamp:.1f} s")
+        self._canvas.restore_region(self._still)  # type: ignore[no-untyped-call]
+        moving: list[Artist] = [self._returns, people, self._robot, self._nose, self._clock]
+        for artist in moving:
+            self._axes.draw_artist(artist)
+        people.remove()
+        return np.asarray(self._canvas.buffer_rgba())[..., :3].copy()  # type: ignore[no-untyped-call]
+
+
+class FrameWindow:
+    """A window on the screen that shows frames as they come."""
+
+    def __init__(self, title: str, fps: float) -> None:
+        import matplotlib.pyplot as plt
+
+        if plt.get_backend().lower() not in {name.lower() for name in _interactive()}:
+            raise ArenaError("render_mode is human, and there is no display; allowed here: rgb_array")
+        self._plt, self._pause = plt, 1.0 / fps
+        plt.ion()
+        self._figure = plt.figure(title)
+        self._image: Any = None
+
+    def show(self, frame: Frame) -> None:
+        """Show a frame, as long as its turn is."""
+        if self._image is None or self._image.get_array().shape != frame.shape:
+            self._figure.clear()
+            axes = self._figure.add_axes((0.0, 0.0, 1.0, 1.0))
+            axes.set_axis_off()
+            self._image = axes.imshow(frame)
+        self._image.set_data(frame)
+        self._plt.pause(self._pause)
+
+    def close(self) -> None:
+        """Close the window."""
+        self._plt.close(self._figure)
+
+
+def _interactive() -> Sequence[str]:
+    from matplotlib.backends.registry import BackendFilter, backend_registry
+
+    names: Sequence[str] = backend_registry.list_builtin(BackendFilter.INTERACTIVE)  # type: ignore[no-untyped-call]
+    return names
+
+
+def _window(grid: OccupancyGrid) -> tuple[float, float, float, float]:
+    """Return the bounds of the map's known, free cells with a margin: x from, to, y from, to, m."""
+    rows, columns = np.nonzero((grid.data >= 0) & (grid.data < grid.occupied_from))
+    if not len(rows):
+        rows, columns = np.array((0, grid.data.shape[0] - 1)), np.array((0, grid.data.shape[1] - 1))
+    x = grid.resolution * np.array((columns.min(), columns.max() + 1.0))
+    y = grid.resolution * np.array((rows.min(), rows.max() + 1.0))
+    c, s = np.cos(grid.origin.theta), np.sin(grid.origin.theta)
+    corners = np.array([(c * i - s * j + grid.origin.x, s * i + c * j + grid.origin.y) for i in x for j in y])
+    low, high = corners.min(axis=0) - MARGIN, corners.max(axis=0) + MARGIN
+    return float(low[0]), float(high[0]), float(low[1]), float(high[1])

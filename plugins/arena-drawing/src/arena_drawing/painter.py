@@ -1,0 +1,76 @@
+"""What pictures of worlds have in common: colours, maps, obstacles, bodies and marks, on matplotlib axes in m in ``map``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle, Patch, Polygon
+from matplotlib.transforms import Affine2D
+from numpy.typing import ArrayLike, NDArray
+
+FloatArray = NDArray[np.float64]
+INK = "#333333"
+ROBOT, PERSON, PATH, GOAL = "#0072B2", "#D55E00", "#009E73", "#F0C808"  # after Okabe and Ito: told apart by who is colour-blind
+OBSTACLE = "#8a8a8d"
+WALL, UNKNOWN_CELL, FREE_CELL = (0.36, 0.36, 0.38), (0.93, 0.93, 0.93), (1.0, 1.0, 1.0)
+OCCUPIED_FROM = 65  # of a cell (ROS map_server)
+
+
+def draw_map(axes: Axes, data: NDArray[np.int8], resolution: float, origin: ArrayLike) -> None:
+    """Draw the cells (H, W) of a map below everything else; ``resolution`` in m, ``origin`` (3,). The axes' limits stay."""
+    colours = np.empty((*data.shape, 3))
+    colours[:] = FREE_CELL
+    colours[data < 0] = UNKNOWN_CELL
+    colours[data >= OCCUPIED_FROM] = WALL
+    x, y, theta = np.asarray(origin, dtype=np.float64)
+    place = Affine2D().rotate(theta).translate(x, y) + axes.transData
+    extent = (0.0, data.shape[1] * resolution, 0.0, data.shape[0] * resolution)
+    limits = axes.get_xlim(), axes.get_ylim()
+    axes.imshow(colours, origin="lower", extent=extent, transform=place, interpolation="nearest", zorder=0)
+    axes.set(xlim=limits[0], ylim=limits[1])
+
+
+def draw_obstacles(axes: Axes, obstacles: Sequence[Mapping[str, Any]]) -> None:
+    """Draw obstacles that are on no map, as records have them: ``vertices_xy`` of a polygon, or a place and a ``radius``."""
+    for obstacle in obstacles:
+        vertices = np.asarray(obstacle["vertices_xy"])
+        shape = Circle(tuple(vertices[0]), obstacle["radius"]) if len(vertices) < 3 else Polygon(vertices)
+        shape.set(facecolor=OBSTACLE, edgecolor="none", zorder=1)
+        axes.add_patch(shape)
+
+
+def body(vertices_xy: ArrayLike, radius: float, colour: str = ROBOT, zorder: float = 5) -> Patch:
+    """Return the outline of a body at the origin: a polygon of ``vertices_xy`` (V, 2), a disc where there are none."""
+    vertices = np.asarray(vertices_xy, dtype=np.float64).reshape(-1, 2)
+    shape = Polygon(vertices) if len(vertices) else Circle((0.0, 0.0), radius)
+    shape.set(facecolor=colour, edgecolor="none", zorder=zorder)
+    return shape
+
+
+def move(patch: Patch, axes: Axes, pose: ArrayLike) -> None:
+    """Put a body that was made at the origin to a pose (3,)."""
+    x, y, theta = np.asarray(pose, dtype=np.float64)
+    patch.set_transform(Affine2D().rotate(theta).translate(x, y) + axes.transData)
+
+
+def draw_start(axes: Axes, x: float, y: float) -> Line2D:
+    """Mark where a robot began."""
+    (mark,) = axes.plot(x, y, "o", markersize=5, markerfacecolor="white", markeredgecolor=INK, markeredgewidth=1.0, zorder=5)
+    return mark
+
+
+def draw_goal(axes: Axes, x: float, y: float) -> Line2D:
+    """Mark where a robot is to go."""
+    (mark,) = axes.plot(x, y, "*", markersize=9, markerfacecolor=GOAL, markeredgecolor=INK, markeredgewidth=0.7, zorder=6)
+    return mark
+
+
+def frame_axes(axes: Axes, window: tuple[float, float, float, float]) -> None:
+    """Show x from ``window[0]`` to ``window[1]`` and y from ``window[2]`` to ``window[3]``, m, without ticks."""
+    axes.set_aspect("equal")
+    axes.set_facecolor(UNKNOWN_CELL)
+    axes.set(xlim=window[:2], ylim=window[2:], xticks=[], yticks=[])

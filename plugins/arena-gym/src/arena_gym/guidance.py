@@ -1,0 +1,115 @@
+"""What leads N robots to their goals in training: the path planned at first, or all that a navigator has."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core import Guide, NoPath, Path, PathBatch, Snapshot, View, WaypointGenerator, mission_of
+from arena_gym.pool import Problem
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Slots = NDArray[np.int64]
+Ranges = NDArray[np.float32]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Guided:
+    """What K robots know of their way: estimated ``poses`` and ``waypoints`` (K, 3) in ``map``, and ``paths``.
+
+    ``arrived`` (K,) is their belief; ``new_paths`` holds, by slot, the paths that were planned in this step.
+    """
+
+    poses: Floats
+    waypoints: Floats
+    paths: PathBatch
+    arrived: Flags
+    new_paths: dict[int, Path]
+
+
+class Guidance(ABC):
+    """Leads N robots; slot k depends on its own episode alone."""
+
+    @abstractmethod
+    def begin(self, slots: Slots, problems: Sequence[Problem], snapshot: Snapshot, ranges: Ranges) -> Guided:
+        """Begin episodes in K slots, whose ``snapshot`` and ``ranges`` (N, B) are the first; return what is known there."""
+
+    @abstractmethod
+    def look(self, snapshot: Snapshot, ranges: Ranges) -> Guided:
+        """Return what all N robots know now."""
+
+
+class PathGuidance(Guidance):
+    """Robots that know where they are and follow the path that was planned at first: what costs least."""
+
+    def __init__(self, waypoints: WaypointGenerator, worlds: int) -> None:
+        self._waypoints = waypoints
+        self._problems: list[Problem | None] = [None] * worlds
+        self._goals, self._radii = np.zeros((worlds, 2)), np.zeros(worlds)
+
+    def begin(self, slots: Slots, problems: Sequence[Problem], snapshot: Snapshot, ranges: Ranges) -> Guided:
+        """Begin at the start of each problem's path."""
+        for slot, problem in zip(slots.tolist(), problems, strict=True):
+            self._problems[slot] = problem
+            goal = problem.scenario.goal
+            self._goals[slot], self._radii[slot] = (goal.x, goal.y), problem.scenario.goal_radius
+        self._paths = PathBatch.of([problem.path for problem in self._problems if problem is not None])
+        self._waypoints.reset(slots, len(self._problems))
+        waypoints = np.array([problem.waypoint for problem in problems])
+        paths = PathBatch.of([problem.path for problem in problems])
+        return Guided(snapshot.poses[slots], waypoints, paths, np.zeros(len(slots), np.bool_), {})
+
+    def look(self, snapshot: Snapshot, ranges: Ranges) -> Guided:
+        """Choose the next waypoints of all robots in one call."""
+        waypoints = self._waypoints.next(self._paths, snapshot.poses, snapshot.stamps).poses
+        off = np.hypot(snapshot.poses[:, 0] - self._goals[:, 0], snapshot.poses[:, 1] - self._goals[:, 1])
+        return Guided(snapshot.poses, waypoints, self._paths, off <= self._radii, {})
+
+
+class NavigatorGuidance(Guidance):
+    """Robots that localise themselves and plan anew as they do in a benchmark, each by a guide of its own."""
+
+    def __init__(self, make_guide: Callable[[], Guide], worlds: int) -> None:
+        self._guides = [make_guide() for _ in range(worlds)]
+        self._problems: list[Problem | None] = [None] * worlds
+        self._paths: list[Path | None] = [None] * worlds
+
+    def begin(self, slots: Slots, problems: Sequence[Problem], snapshot: Snapshot, ranges: Ranges) -> Guided:
+        """Tell each robot of its mission and let it look for the first time."""
+        for slot, problem in zip(slots.tolist(), problems, strict=True):
+            self._guides[slot].reset(mission_of(problem.scenario))
+            self._problems[slot], self._paths[slot] = problem, problem.path
+        return self._seen(slots.tolist(), snapshot, ranges)
+
+    def look(self, snapshot: Snapshot, ranges: Ranges) -> Guided:
+        """Let one robot after the other look."""
+        return self._seen(range(len(self._guides)), snapshot, ranges)
+
+    def _seen(self, slots: Sequence[int], snapshot: Snapshot, ranges: Ranges) -> Guided:
+        views = {slot: self._view(slot, snapshot, ranges) for slot in slots}
+        new = {slot: view.planned for slot, view in views.items() if view is not None and view.planned is not None}
+        for slot, path in new.items():
+            self._paths[slot] = path
+        paths = PathBatch.of([path for path in (self._paths[slot] for slot in slots) if path is not None])
+        poses = [snapshot.poses[slot] if view is None else view.estimate.pose.array() for slot, view in views.items()]
+        waypoints = [self._first_waypoint(slot) if view is None else view.waypoint.array() for slot, view in views.items()]
+        arrived = [view is not None and view.arrived for view in views.values()]
+        return Guided(np.array(poses), np.array(waypoints), paths, np.array(arrived), new)
+
+    def _view(self, slot: int, snapshot: Snapshot, ranges: Ranges) -> View | None:
+        """Return what one robot knows; None where it finds no first path, as its estimate may lie too near to a wall."""
+        sensors = snapshot.sensors(slot)
+        try:
+            return self._guides[slot].look(replace(sensors, scan=replace(sensors.scan, ranges=ranges[slot].copy())))
+        except NoPath:
+            return None
+
+    def _first_waypoint(self, slot: int) -> Floats:
+        problem = self._problems[slot]
+        assert problem is not None
+        return problem.waypoint

@@ -1,0 +1,77 @@
+"""What ``env.render()`` shows: the worlds of a batch, drawn by the suite's painter."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core import ConfigurationError
+from arena_gym.batch import NavigationBatch
+from arena_gym.episodes import Episode
+
+if TYPE_CHECKING:
+    from arena_drawing.frames import FramePainter, FrameWindow, Scene
+
+Frame = NDArray[np.uint8]
+MODES = ("human", "rgb_array")
+
+
+class Renderer:
+    """Draws the worlds of a batch: ``rgb_array`` gives arrays (H, W, 3) of bytes, ``human`` shows the first world in a window."""
+
+    def __init__(self, batch: NavigationBatch, mode: str) -> None:
+        if mode not in MODES:
+            raise ConfigurationError(f"render_mode is {mode}; allowed: {', '.join(MODES)}, or none")
+        try:
+            import arena_drawing.frames  # noqa: F401 - an extra: say at once where it is missing
+        except ImportError as error:
+            raise ConfigurationError(f"render_mode is {mode}, which needs arena-drawing; allowed: arena-gym[render], or none") from error
+        self.mode = mode
+        self._batch = batch
+        self._painters: dict[int, tuple[Episode, FramePainter]] = {}
+        self._window = self._open() if mode == "human" else None
+
+    def frame(self, slot: int) -> Frame:
+        """Return the picture of one world now."""
+        return self._painter(slot).frame(self._scene(slot))
+
+    def show(self) -> None:
+        """Show the first world, in mode ``human``."""
+        if self._window is not None:
+            self._window.show(self.frame(0))
+
+    def close(self) -> None:
+        """Close the window, if there is one."""
+        if self._window is not None:
+            self._window.close()
+
+    def _open(self) -> FrameWindow:
+        from arena_drawing.frames import FrameWindow
+
+        return FrameWindow("arena", 1.0 / self._batch.parts.robot.control_period)
+
+    def _painter(self, slot: int) -> FramePainter:
+        from arena_drawing.frames import FramePainter, Stage
+
+        episode = self._batch.episodes[slot]
+        known = self._painters.get(slot)
+        if known is None or known[0] is not episode:
+            scenario, path = episode.problem.scenario, episode.problem.path
+            obstacles = [{"vertices_xy": one.vertices_xy, "radius": one.radius} for one in scenario.obstacles]
+            stage = Stage(scenario.world.grid, obstacles, scenario.start.array(), scenario.goal.array(), path)
+            known = self._painters[slot] = (episode, FramePainter(stage, self._batch.parts.robot.footprint))
+        return known[1]
+
+    def _scene(self, slot: int) -> Scene:
+        from arena_drawing.frames import Scene
+
+        now, lidar = self._batch.snapshot, self._batch.parts.robot.lidar
+        people, pose = now.crowd.world(slot), now.poses[slot]
+        angles = lidar.angle_min + lidar.angle_increment * np.arange(lidar.beams) + lidar.mount.theta
+        seen = np.isfinite(now.ranges[slot])
+        rays = now.ranges[slot][seen, None] * np.stack((np.cos(angles[seen]), np.sin(angles[seen])), axis=1)
+        c, s = np.cos(pose[2]), np.sin(pose[2])
+        returns = (rays + np.array((lidar.mount.x, lidar.mount.y))) @ np.array(((c, s), (-s, c))) + pose[:2]
+        return Scene(pose, people.positions, people.radii, returns, float(now.stamps[slot]))

@@ -1,0 +1,125 @@
+"""The pose that the particles agree on: mean and covariance of the heaviest cluster, so that no mean lies between two modes."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_kernels.compiled import borrowing
+from arena_kernels.scalars import Integer
+from arena_navigation.amcl.directions import wrapped
+from arena_navigation.amcl.histogram import Histogram, add, clear, find, neighbour, write_keys
+
+
+class Clusters(NamedTuple):
+    """Scratch space: the bin of each particle (key and number), the cluster and the weight of each bin; ``open`` is a stack of bins."""
+
+    bins: Histogram
+    keys: NDArray[np.int64]
+    bin_of: NDArray[np.int32]
+    cluster_of: NDArray[np.int32]
+    weight_of: NDArray[np.float64]
+    open: NDArray[np.int32]
+
+
+@borrowing
+def label_clusters(poses: NDArray[np.float64], count: Integer, clusters: Clusters) -> Integer:
+    """Give all bins that touch one another, by a side or a corner, one cluster number; return how many bins there are."""
+    filled: Integer = np.int64(0)
+    write_keys(poses, count, clusters.keys)
+    for i in range(count):
+        number = add(clusters.bins, clusters.keys[i], filled)
+        clusters.bin_of[i] = number
+        filled = max(filled, number + 1)
+    for b in range(filled):
+        clusters.cluster_of[b] = -1
+    for seed in range(filled):
+        if clusters.cluster_of[seed] < 0:
+            _flood(clusters, seed)
+    return filled
+
+
+@borrowing
+def _flood(clusters: Clusters, seed: int) -> None:
+    clusters.cluster_of[seed] = seed
+    clusters.open[0] = seed
+    waiting = 1
+    while waiting:
+        waiting -= 1
+        key = clusters.bins.keys[clusters.bins.slots[clusters.open[waiting]]]
+        for step in range(27):
+            other = find(clusters.bins, neighbour(key, step // 9 - 1, step // 3 % 3 - 1, step % 3 - 1))
+            if other >= 0 and clusters.cluster_of[other] < 0:
+                clusters.cluster_of[other] = seed
+                clusters.open[waiting] = other
+                waiting += 1
+
+
+@borrowing
+def heaviest(weights: NDArray[np.float64], count: Integer, clusters: Clusters, filled: Integer) -> Integer:
+    """Return the number of the cluster with the largest weight."""
+    for b in range(filled):
+        clusters.weight_of[b] = 0.0
+    for i in range(count):
+        clusters.weight_of[clusters.cluster_of[clusters.bin_of[i]]] += weights[i]
+    best = 0
+    for b in range(1, filled):
+        if clusters.weight_of[b] > clusters.weight_of[best]:
+            best = b
+    return best
+
+
+@borrowing
+def moments(
+    poses: NDArray[np.float64],
+    directions: NDArray[np.float64],
+    weights: NDArray[np.float64],
+    count: Integer,
+    clusters: Clusters,
+    cluster: Integer,
+    mean: NDArray[np.float64],
+    covariance: NDArray[np.float64],
+) -> None:
+    """Write mean (3,) and covariance (3, 3) of a cluster; the mean heading is the circular one, deviations from it are wrapped."""
+    total, x, y, c, s = 0.0, 0.0, 0.0, 0.0, 0.0
+    for i in range(count):
+        if clusters.cluster_of[clusters.bin_of[i]] == cluster:
+            w = weights[i]
+            total += w
+            x += w * poses[0, i]
+            y += w * poses[1, i]
+            c += w * directions[0, i]
+            s += w * directions[1, i]
+    mean[0], mean[1], mean[2] = x / total, y / total, np.arctan2(s, c)
+    covariance[:] = 0.0
+    for i in range(count):
+        if clusters.cluster_of[clusters.bin_of[i]] == cluster:
+            w = weights[i] / total
+            dx, dy = poses[0, i] - mean[0], poses[1, i] - mean[1]
+            turn = wrapped(poses[2, i] - mean[2])
+            covariance[0, 0] += w * dx * dx
+            covariance[0, 1] += w * dx * dy
+            covariance[0, 2] += w * dx * turn
+            covariance[1, 1] += w * dy * dy
+            covariance[1, 2] += w * dy * turn
+            covariance[2, 2] += w * turn * turn
+    covariance[1, 0], covariance[2, 0], covariance[2, 1] = covariance[0, 1], covariance[0, 2], covariance[1, 2]
+
+
+@borrowing
+def best_cluster(
+    poses: NDArray[np.float64],
+    directions: NDArray[np.float64],
+    weights: NDArray[np.float64],
+    count: Integer,
+    clusters: Clusters,
+    mean: NDArray[np.float64],
+    covariance: NDArray[np.float64],
+) -> Integer:
+    """Write mean and covariance of the heaviest cluster of ``count`` particles; return how many bins hold any."""
+    filled = label_clusters(poses, count, clusters)
+    moments(poses, directions, weights, count, clusters, heaviest(weights, count, clusters, filled), mean, covariance)
+    clear(clusters.bins, filled)
+    return filled

@@ -1,0 +1,219 @@
+"""The particle filter: one compiled call for each scan that is used.
+
+Poses are in the grid's frame, so nothing depends on where ``map`` has its origin.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_kernels.compiled import borrowing
+from arena_kernels.random import normals
+from arena_kernels.scalars import Integer
+from arena_navigation.amcl.clusters import Clusters, best_cluster
+from arena_navigation.amcl.directions import write_directions
+from arena_navigation.amcl.histogram import histogram
+from arena_navigation.amcl.motion import Motion, move
+from arena_navigation.amcl.ranges import View, match_ranges
+from arena_navigation.amcl.resampling import (
+    FreeSpace,
+    Limits,
+    accumulate,
+    draw_independently,
+    free_pose,
+    needed,
+    offset,
+    scattered,
+    systematic,
+)
+from arena_navigation.amcl.sensor import Field, match, reweigh
+from arena_navigation.amcl.skipping import Skipping, skip_beams
+
+
+class Cloud(NamedTuple):
+    """The particles: the first ``number[0]`` columns of ``poses`` (3, P), and their normalised weights; then scratch space.
+
+    ``likelihoods`` are the slow and the fast running mean of how well a beam fits, and how many values they have seen; ``mean``
+    and ``covariance`` are the estimate.
+    """
+
+    number: NDArray[np.int64]
+    poses: NDArray[np.float64]
+    weights: NDArray[np.float64]
+    likelihoods: NDArray[np.float64]
+    mean: NDArray[np.float64]
+    covariance: NDArray[np.float64]
+    clusters: Clusters
+    directions: NDArray[np.float64]
+    noise: NDArray[np.float64]
+    scores: NDArray[np.float64]
+    chosen: NDArray[np.int32]
+    cells: NDArray[np.int32]
+    fitting: NDArray[np.int32]
+    drawn: NDArray[np.float64]
+
+
+class Recovery(NamedTuple):
+    """How fast the two running means follow, ``recovery.alpha_slow`` and ``recovery.alpha_fast``; a slow one of zero: no recovery."""
+
+    alpha_slow: float
+    alpha_fast: float
+
+
+class Resampling(NamedTuple):
+    """Whether this update resamples, how, and whether the estimate is made afterwards; ``free`` is where lost particles may go."""
+
+    due: bool
+    estimate_after: bool
+    limits: Limits
+    free: FreeSpace
+    recovery: Recovery
+
+
+def cloud(capacity: int, beams: int) -> Cloud:
+    """Return room for ``capacity`` particles and scans of up to ``beams`` beams."""
+    clusters = Clusters(
+        histogram(capacity),
+        np.empty(capacity, np.int64),
+        np.empty(capacity, np.int32),
+        np.empty(capacity, np.int32),
+        np.empty(capacity),
+        np.empty(capacity, np.int32),
+    )
+    return Cloud(
+        np.zeros(1, np.int64),
+        np.empty((3, capacity)),
+        np.empty(capacity),
+        np.zeros(3),
+        np.zeros(3),
+        np.zeros((3, 3)),
+        clusters,
+        np.empty((2, capacity)),
+        np.empty(3 * capacity),
+        np.empty(capacity),
+        np.empty(capacity, np.int32),
+        np.empty(beams, np.int32),
+        np.empty(beams, np.int32),
+        np.empty((3, capacity)),
+    )
+
+
+@borrowing
+def begin(cloud: Cloud, mean: NDArray[np.float64], root: NDArray[np.float64], key: np.uint64) -> None:
+    """Draw all particles from a normal distribution; ``root`` (3, 3) times its transpose is the covariance. Takes tick 0."""
+    capacity = cloud.poses.shape[1]
+    cloud.number[0] = capacity
+    cloud.weights[:] = 1.0 / capacity
+    cloud.likelihoods[:] = 0.0
+    normals(key, np.int64(0), cloud.noise)
+    for i in range(capacity):
+        a, b, c = cloud.noise[3 * i], cloud.noise[3 * i + 1], cloud.noise[3 * i + 2]
+        for axis in range(3):
+            cloud.poses[axis, i] = mean[axis] + root[axis, 0] * a + root[axis, 1] * b + root[axis, 2] * c
+
+
+@borrowing
+def filter_update(
+    cloud: Cloud,
+    motion: Motion,
+    beams: NDArray[np.float32],
+    explained: float,
+    field: Field,
+    skipping: Skipping,
+    resampling: Resampling,
+    key: np.uint64,
+    tick: Integer,
+) -> None:
+    """Move the particles, weigh them by where the beams end (2, B) on a likelihood field, estimate, and resample if it is due.
+
+    ``explained`` is the share of the beams that were not left out of ``beams``: those left out count as not fitting at all.
+    """
+    count = cloud.number[0]
+    move(cloud.poses, cloud.directions, count, motion, key, tick, cloud.noise)
+    number = skip_beams(cloud.poses, cloud.directions, count, beams, field, skipping, cloud.cells, cloud.fitting)
+    match(cloud.poses, cloud.directions, count, beams, number, field, cloud.cells, cloud.scores)
+    conclude(cloud, number, field.product, explained, resampling, key, tick)
+
+
+@borrowing
+def filter_update_by_ranges(
+    cloud: Cloud,
+    motion: Motion,
+    ranges: NDArray[np.float32],
+    explained: float,
+    view: View,
+    resampling: Resampling,
+    key: np.uint64,
+    tick: Integer,
+) -> None:
+    """Do the same by the beam model: ``ranges`` (B,) m, not a number where one is left out."""
+    count = cloud.number[0]
+    move(cloud.poses, cloud.directions, count, motion, key, tick, cloud.noise)
+    number = match_ranges(cloud.poses, cloud.directions, count, ranges, view, cloud.scores)
+    conclude(cloud, number, False, explained, resampling, key, tick)
+
+
+@borrowing
+def conclude(cloud: Cloud, beams: Integer, product: bool, explained: float, resampling: Resampling, key: np.uint64, tick: Integer) -> None:
+    """Turn the scores of so many beams into weights, estimate, and resample if it is due."""
+    likelihood = reweigh(cloud.weights, cloud.number[0], cloud.scores, beams, product)
+    occupied = estimate(cloud)
+    if beams > 0:
+        follow(cloud.likelihoods, explained * likelihood, resampling.recovery)
+    if resampling.due:
+        redraw(cloud, occupied, injection(cloud.likelihoods, resampling.recovery), resampling.free, resampling.limits, key, tick)
+        if resampling.estimate_after:
+            write_directions(cloud.poses[2], cloud.number[0], cloud.directions)
+            estimate(cloud)
+
+
+@borrowing
+def estimate(cloud: Cloud) -> Integer:
+    """Write the mean and the covariance of the heaviest cluster; return how many bins hold particles."""
+    return best_cluster(cloud.poses, cloud.directions, cloud.weights, cloud.number[0], cloud.clusters, cloud.mean, cloud.covariance)
+
+
+@borrowing
+def follow(likelihoods: NDArray[np.float64], likelihood: float, recovery: Recovery) -> None:
+    """Let the slow and the fast running mean follow (Probabilistic Robotics, table 8.3); the first values are averaged evenly."""
+    likelihoods[2] += 1.0
+    likelihoods[0] += max(recovery.alpha_slow, 1.0 / likelihoods[2]) * (likelihood - likelihoods[0])
+    likelihoods[1] += max(recovery.alpha_fast, 1.0 / likelihoods[2]) * (likelihood - likelihoods[1])
+
+
+@borrowing
+def injection(likelihoods: NDArray[np.float64], recovery: Recovery) -> float:
+    """Return the share of particles to scatter: how much worse than usual the scans fit of late."""
+    if recovery.alpha_slow == 0.0 or likelihoods[0] == 0.0:
+        return 0.0
+    share: float = 1.0 - likelihoods[1] / likelihoods[0]
+    return max(0.0, share)
+
+
+@borrowing
+def redraw(cloud: Cloud, occupied: Integer, injection: float, free: FreeSpace, limits: Limits, key: np.uint64, tick: Integer) -> None:
+    """Replace the particles by as many as are needed, drawn by weight, a share of them anywhere on free space."""
+    before = cloud.number[0]
+    cumulative = cloud.scores
+    accumulate(cloud.weights, before, cumulative)
+    keys, bins = cloud.clusters.keys, cloud.clusters.bins
+    if limits.independently:
+        count = draw_independently(keys, cumulative, before, injection, free, limits, bins, key, tick, cloud.chosen)
+    else:
+        count = needed(keys, cumulative, before, occupied, injection, free, limits, bins, key, tick)
+        systematic(cumulative, before, offset(key, tick), cloud.chosen[:count])
+    for i in range(count):
+        if scattered(key, tick, i, injection):
+            cloud.drawn[0, i], cloud.drawn[1, i], cloud.drawn[2, i] = free_pose(free, key, tick, i)
+        else:
+            source = cloud.chosen[i]
+            for axis in range(3):
+                cloud.drawn[axis, i] = cloud.poses[axis, source]
+    for i in range(count):
+        for axis in range(3):
+            cloud.poses[axis, i] = cloud.drawn[axis, i]
+        cloud.weights[i] = 1.0 / count
+    cloud.number[0] = count

@@ -1,0 +1,92 @@
+"""The filter's three sensor models, one of which a localiser chooses; names as in ROS amcl."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core import LaserScan, OccupancyGrid
+from arena_kernels.grids import GridStack, stack_grids
+from arena_navigation.amcl.beams import beam_ends, measured_ranges, rays_of
+from arena_navigation.amcl.filter import Cloud, Resampling, filter_update, filter_update_by_ranges
+from arena_navigation.amcl.motion import Motion
+from arena_navigation.amcl.ranges import Mixture, View
+from arena_navigation.amcl.sensor import Distances, LikelihoodField
+from arena_navigation.amcl.skipping import NearMap, Skipping
+
+LaserModelType = Literal["beam", "likelihood_field", "likelihood_field_prob"]
+Floats = NDArray[np.float32]
+KEEP_ALL = Skipping(np.empty(0, np.uint8), 0.0, 1.0)
+
+_room = lru_cache(maxsize=8)(lambda beams: np.empty(beams, np.float32))
+
+
+@dataclass(frozen=True, slots=True)
+class BeamSkipping:
+    """When a beam fits: its end lies ``distance`` m or less from an obstacle. It is skipped where it does for no more than ``threshold``.
+
+    All are used where ``error_threshold`` of them would be skipped.
+    """
+
+    distance: float
+    threshold: float
+    error_threshold: float
+
+
+@dataclass(frozen=True, slots=True)
+class LaserModel:
+    """A sensor model with its parameters; ``skipping`` None uses every beam."""
+
+    kind: LaserModelType
+    mixture: Mixture
+    max_dist: float
+    distances: Distances
+    beam_weight: float
+    skipping: BeamSkipping | None
+
+    def update(
+        self,
+        cloud: Cloud,
+        grid: OccupancyGrid,
+        motion: Motion,
+        scan: LaserScan,
+        limits: tuple[float, float],
+        least: Floats | float,
+        resampling: Resampling,
+        key: np.uint64,
+        tick: int,
+    ) -> None:
+        """Run one update of the filter; ``limits`` are the shortest and the longest range, m, beams below ``least`` m are left out."""
+        if self.kind == "beam":
+            ranges, explained = measured_ranges(scan, *limits, least)
+            filter_update_by_ranges(cloud, motion, ranges, explained, self._view(grid, scan, limits[1]), resampling, key, tick)
+        else:
+            ends, explained = beam_ends(scan, *limits, least)
+            field, skipping = grid.derive(self._field(limits[1])), self._skipping(grid)
+            filter_update(cloud, motion, ends, explained, field, skipping, resampling, key, tick)
+
+    def _field(self, max_range: float) -> LikelihoodField:
+        mixture, product = self.mixture, self.kind == "likelihood_field_prob"
+        return LikelihoodField(
+            product, mixture.z_hit, mixture.z_rand, mixture.sigma_hit, self.max_dist, self.distances, self.beam_weight, max_range
+        )
+
+    def _skipping(self, grid: OccupancyGrid) -> Skipping:
+        if self.skipping is None:
+            return KEEP_ALL
+        near = grid.derive(NearMap(self.skipping.distance, self.distances))
+        return Skipping(near, self.skipping.threshold, self.skipping.error_threshold)
+
+    def _view(self, grid: OccupancyGrid, scan: LaserScan, max_range: float) -> View:
+        mount = float(scan.mount.x), float(scan.mount.y), float(scan.mount.theta)
+        return View(grid.derive(own_frame), rays_of(scan, max_range), mount, self.mixture, _room(len(scan.ranges)))
+
+
+def own_frame(grid: OccupancyGrid) -> GridStack:
+    """Return a grid for the ray caster in its own frame, where the particles live; for ``grid.derive``."""
+    stack, _ = stack_grids([grid])
+    return stack._replace(origins=np.zeros((1, 3)), rotations=np.array(((1.0, 0.0),)))

@@ -1,0 +1,107 @@
+"""Beam skipping: a beam that few particles can explain has hit what is on no map, and is left out for all of them (as in ROS amcl)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core import OccupancyGrid
+from arena_kernels.compiled import borrowing
+from arena_kernels.scalars import Integer
+from arena_navigation.amcl.sensor import Distances, Field, distances_to, write_cells
+
+CONVERGED = 0.5  # m; particles that are all so near to their mean, along either axis, agree on one place (ROS amcl)
+
+
+class Skipping(NamedTuple):
+    """When a beam is skipped: ``near`` says for each cell of a field, flat, whether a beam that ends there fits the map.
+
+    A beam is skipped that fits for no more than ``threshold`` of the particles; none is where that would be ``error_threshold`` of all
+    beams or more, for then the particles are wrong and not the map. Nothing is skipped where ``near`` is empty.
+    """
+
+    near: NDArray[np.uint8]
+    threshold: float
+    error_threshold: float
+
+
+@dataclass(frozen=True, slots=True)
+class NearMap:
+    """Tell which cells lie less than ``distance`` m from an obstacle, in the layout of ``LikelihoodField``; meant for ``grid.derive``."""
+
+    distance: float
+    distances: Distances
+
+    def __call__(self, grid: OccupancyGrid) -> NDArray[np.uint8]:
+        """Return 1 or 0 for each cell of ``grid`` and of its rim, flat."""
+        away = np.pad(np.abs(distances_to(grid, self.distances)), 1, constant_values=np.inf)
+        return (away < self.distance).astype(np.uint8).ravel()
+
+
+@borrowing
+def skip_beams(
+    poses: NDArray[np.float64],
+    directions: NDArray[np.float64],
+    count: Integer,
+    beams: NDArray[np.float32],
+    field: Field,
+    skipping: Skipping,
+    cells: NDArray[np.int32],
+    fitting: NDArray[np.int32],
+) -> Integer:
+    """Move the ends (2, B) of the beams that are kept to the front, in their order, and return how many there are.
+
+    Particles that are scattered keep all. ``cells`` and ``fitting`` are scratch space of B.
+    """
+    number: Integer = beams.shape[1]
+    if len(skipping.near) == 0 or not converged(poses, count):
+        return number
+    _count_fitting(poses, directions, count, beams, field, skipping.near, cells, fitting)
+    kept: Integer = np.int64(0)
+    for j in range(number):
+        kept += fitting[j] > skipping.threshold * count
+    if number - kept >= skipping.error_threshold * number:
+        return number
+    kept = np.int64(0)
+    for j in range(number):
+        if fitting[j] > skipping.threshold * count:
+            beams[0, kept], beams[1, kept] = beams[0, j], beams[1, j]
+            kept += 1
+    return kept
+
+
+@borrowing
+def converged(poses: NDArray[np.float64], count: Integer) -> bool:
+    """Tell whether all of ``count`` particles (3, P) are within ``CONVERGED`` of their mean, along either axis."""
+    x, y = 0.0, 0.0
+    for i in range(count):
+        x += poses[0, i] / count
+        y += poses[1, i] / count
+    farthest = 0.0
+    for i in range(count):
+        farthest = max(farthest, abs(poses[0, i] - x), abs(poses[1, i] - y))
+    return farthest <= CONVERGED
+
+
+@borrowing
+def _count_fitting(
+    poses: NDArray[np.float64],
+    directions: NDArray[np.float64],
+    count: Integer,
+    beams: NDArray[np.float32],
+    field: Field,
+    near: NDArray[np.uint8],
+    cells: NDArray[np.int32],
+    fitting: NDArray[np.int32],
+) -> None:
+    """Write for how many particles each beam ends near an obstacle."""
+    number = beams.shape[1]
+    for j in range(number):
+        fitting[j] = 0
+    for i in range(count):
+        write_cells(poses, directions, i, beams, number, field, cells)
+        for j in range(number):
+            fitting[j] += near[cells[j]]

@@ -1,0 +1,1 @@
+"""The rolling cost window, and the map of an unknown world."""

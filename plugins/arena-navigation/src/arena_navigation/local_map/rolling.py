@@ -1,0 +1,93 @@
+"""The local map: a rolling window of costs from scan and map."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from arena_core import Costmap, LaserScan, LocalMap, NonNegative, OccupancyGrid, Pose, Positive, Robot
+from arena_kernels.distance import distance_field
+from arena_navigation.local_map.evidence import Evidence
+from arena_navigation.local_map.mapping import SeenMap, with_marks
+from arena_navigation.local_map.marks import NEVER, Beams, Reach, take_in
+from arena_navigation.local_map.window import MapLayer, blocked_cells, shifted
+from arena_navigation.planning.inflation import Inflation, inflate
+
+
+class RollingMap(LocalMap):
+    """A window of ``size`` m around the robot whose cells lie at whole multiples of ``resolution`` in ``map`` (docs/navigation.md).
+
+    Hits mark cells, beams that pass clear them, and cells keep their marks while they stay in the window. The known map is a layer
+    beneath that no scan clears. Without a map, all that scans have shown is kept, too.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        size: Positive,
+        resolution: Positive,
+        obstacle_range: Positive,
+        raytrace_range: Positive,
+        inflation_radius: NonNegative,
+        cost_scaling_factor: NonNegative,
+        use_map: bool,
+        forget_after: Positive | None,
+        mapping_range: Positive,
+        evidence: Evidence,
+    ) -> None:
+        inscribed = robot.footprint.inscribed_radius
+        self._cells = max(1, math.ceil(size / resolution - 1e-9))
+        self._resolution = resolution
+        self._reach = Reach(obstacle_range, raytrace_range, inscribed, math.inf if forget_after is None else forget_after)
+        self._mapping_reach = Reach(mapping_range, mapping_range, inscribed, math.inf)
+        self._evidence = evidence
+        self._table = Inflation(inscribed, inflation_radius, cost_scaling_factor).table(resolution)
+        self._use_map = use_map
+        self.reset(None)
+
+    def reset(self, grid: OccupancyGrid | None) -> None:
+        """Begin an episode with no marks."""
+        self._grid = grid
+        self._layer = MapLayer.of(grid if self._use_map else None, self._resolution)
+        self._seen = SeenMap(self._resolution, self._mapping_reach, self._evidence) if grid is None else None
+        self._corner = (0, 0)  # of the window, in cells: row, column
+        self._hit_at = np.full((self._cells, self._cells), NEVER, np.float32)
+        self._static = np.zeros((self._cells, self._cells), np.uint8)
+        self._placed = False
+
+    def update(self, scan: LaserScan, pose: Pose) -> Costmap:
+        """Take in one scan and return the window around ``pose``."""
+        beams = Beams.of(scan, pose)
+        self._move_to(pose)
+        take_in(self._hit_at, *self._corner, self._resolution, beams, self._reach)
+        if self._seen is not None:
+            self._seen.update(beams)
+        distance = distance_field(blocked_cells(self._hit_at, self._static), self._resolution)
+        costs = inflate(distance, self._resolution, self._table)
+        return Costmap(costs, distance, self._resolution, np.array(self._corner[::-1]) * self._resolution)
+
+    def clear(self, pose: Pose, beyond: float) -> None:
+        """Forget the window's marks that are at least ``beyond`` m from ``pose``."""
+        rows, columns = np.nonzero(self._hit_at > NEVER)
+        centres = (np.stack((columns, rows), axis=1) + self._corner[::-1] + 0.5) * self._resolution
+        far = np.hypot(*(centres - (pose.x, pose.y)).T) >= beyond
+        self._hit_at[rows[far], columns[far]] = NEVER
+
+    def planning_grid(self, goal: Pose, all_marks: bool) -> OccupancyGrid:
+        """Return the map with the window's marks on it; without a map, all that scans have shown, grown to hold ``goal``."""
+        if self._grid is None:
+            assert self._seen is not None
+            return self._seen.grid(goal)
+        rows, columns = np.nonzero(self._hit_at > NEVER)
+        return with_marks(self._grid, np.stack((columns, rows), axis=1) + self._corner[::-1], self._resolution, all_marks)
+
+    def _move_to(self, pose: Pose) -> None:
+        """Centre the window on the robot's cell; cells that come into it take their static part from the map."""
+        half = self._cells // 2
+        corner = math.floor(pose.y / self._resolution) - half, math.floor(pose.x / self._resolution) - half
+        if corner != self._corner or not self._placed:
+            self._hit_at, self._static = shifted(
+                self._hit_at, self._static, corner[0] - self._corner[0], corner[1] - self._corner[1], *corner, self._placed, self._layer
+            )
+            self._corner, self._placed = corner, True

@@ -1,0 +1,1 @@
+"""Paths on the map, and waypoints on paths."""

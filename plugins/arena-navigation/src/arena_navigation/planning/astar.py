@@ -1,0 +1,135 @@
+"""The global planner A* on the inflated map."""
+
+from __future__ import annotations
+
+import math
+from contextlib import suppress
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core import INSCRIBED, LETHAL, GlobalPlanner, NonNegative, NonNegativeInt, NoPath, OccupancyGrid, Path, Pose, Positive, Robot
+from arena_navigation.planning.escape import free_cells_near, ways_out
+from arena_navigation.planning.inflation import InflatedCosts, Inflation
+from arena_navigation.planning.search import Cell, CostToGo, MoveCosts
+from arena_navigation.planning.smoothing import path_cost, refine
+
+Costs = NDArray[np.uint8]
+Cells = NDArray[np.int64]
+Floats = NDArray[np.float64]
+
+
+class AstarPlanner(GlobalPlanner):
+    """Finds the cheapest 8-connected way through the inflated map, then straightens and smooths it (docs/navigation.md)."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        inflation_radius: NonNegative,
+        cost_scaling_factor: NonNegative,
+        neutral_cost: Positive,
+        cost_factor: NonNegative,
+        allow_unknown: bool,
+        tolerance: NonNegative,
+        spacing: Positive,
+        smoothing_rounds: NonNegativeInt,
+        padding: NonNegative,
+    ) -> None:
+        radius = robot.footprint.inscribed_radius
+        tight = InflatedCosts(Inflation(radius, inflation_radius, cost_scaling_factor), allow_unknown)
+        wide = InflatedCosts(Inflation(radius + padding, inflation_radius, cost_scaling_factor), allow_unknown)
+        self._inflated = (wide, tight) if padding else (tight,)
+        self._moves = MoveCosts(neutral_cost, cost_factor)
+        self._weights = neutral_cost + cost_factor * np.arange(256.0)
+        self._tolerance = tolerance
+        self._spacing = spacing
+        self._smoothing_rounds = smoothing_rounds
+        self._last: tuple[Costs, CostToGo] | None = None
+
+    def plan(self, grid: OccupancyGrid, start: Pose, goal: Pose) -> Path:
+        """Return the path, with ``padding`` where there is one; raise NoPath if start or goal is blocked or no way joins them."""
+        for inflated in self._inflated[:-1]:
+            with suppress(NoPath):
+                return self._plan(inflated, grid, start, goal)
+        return self._plan(self._inflated[-1], grid, start, goal)
+
+    def _plan(self, inflated: InflatedCosts, grid: OccupancyGrid, start: Pose, goal: Pose) -> Path:
+        costs = grid.derive(inflated)
+        start_cell, goal_cell = _cell_of(grid, start, "start"), _cell_of(grid, goal, "goal")
+        if costs[start_cell] >= LETHAL:
+            raise NoPath(f"the start {_at(start)} lies in an occupied or unknown cell; a free one is needed")
+        radius = inflated.inflation.inscribed_radius
+        found = self._cheapest_cells(costs, start_cell, goal_cell, radius / grid.resolution, self._tolerance / grid.resolution)
+        if found is None:
+            raise NoPath(self._reason(costs, start, goal, goal_cell, radius))
+        cells, pinned = found
+        points: Floats = cells[:, ::-1].astype(np.float64) + 0.5
+        points[0] = _to_cells(grid, start)
+        if tuple(cells[-1]) == goal_cell:
+            points[-1] = _to_cells(grid, goal)
+        if len(points) == 1:
+            points = np.stack((_to_cells(grid, start), points[0]))
+        return _path(grid, refine(costs, self._weights, points, pinned, self._spacing / grid.resolution, self._smoothing_rounds), start)
+
+    def cost(self, grid: OccupancyGrid, path: Path) -> float:
+        """Return what the search charges for a path; inf if it is blocked once it has left the inscribed zone about its start."""
+        if not grid.contains(grid.cells(path.poses[:, :2])).all():
+            return math.inf
+        return path_cost(grid.derive(self._inflated[0]), self._weights, _positions_in_cells(grid, path.poses[:, :2]))
+
+    def _cheapest_cells(self, costs: Costs, start: Cell, goal: Cell, radius: float, tolerance: float) -> tuple[Cells, int] | None:
+        """Return the way as (K, 2) cells and how many of them lead out of the inscribed zone, None if there is none; lengths in cells."""
+        ways = ways_out(costs, start, 2 + math.ceil(2.0 * radius))
+        exhausted: list[CostToGo] = []
+        for target in free_cells_near(costs, goal, tolerance) if ways else ():
+            if any(math.isfinite(search(target)) for search in exhausted):
+                continue  # shut in with a target that was tried
+            search = self._search(costs, target, ways[0][-1])
+            for way in ways:
+                if math.isfinite(search(way[-1])):
+                    return np.concatenate((np.array(way, np.int64), search.cells_from(way[-1])[1:])), len(way) - 1
+            exhausted.append(search)
+        return None
+
+    def _search(self, costs: Costs, goal: Cell, anchor: Cell) -> CostToGo:
+        """Return the search for this goal, the one of the last query if costs and goal are the same."""
+        if self._last is None or self._last[0] is not costs or self._last[1].goal != goal:
+            self._last = costs, CostToGo(costs, self._moves, goal, anchor)
+        return self._last[1]
+
+    def _reason(self, costs: Costs, start: Pose, goal: Pose, goal_cell: Cell, radius: float) -> str:
+        if costs[goal_cell] >= INSCRIBED:
+            return f"the goal {_at(goal)} is blocked, no way leads within {self._tolerance} m of it (inscribed radius {radius:.3f} m)"
+        return f"no way leads from {_at(start)} to {_at(goal)} (inscribed radius {radius:.3f} m)"
+
+
+def _at(pose: Pose) -> str:
+    return f"({pose.x:.2f}, {pose.y:.2f})"
+
+
+def _cell_of(grid: OccupancyGrid, pose: Pose, role: str) -> Cell:
+    """Return the cell of a position; raise NoPath outside the grid."""
+    cell = grid.cells((pose.x, pose.y))
+    if not grid.contains(cell):
+        raise NoPath(f"the {role} {_at(pose)} lies outside the map of {grid.data.shape[1]} x {grid.data.shape[0]} cells")
+    return int(cell[0]), int(cell[1])
+
+
+def _to_cells(grid: OccupancyGrid, pose: Pose) -> Floats:
+    """Return a position of ``map`` as (column, row) in cells."""
+    return _positions_in_cells(grid, np.array((pose.x, pose.y)))
+
+
+def _positions_in_cells(grid: OccupancyGrid, positions_xy: Floats) -> Floats:
+    """Return positions of ``map`` (..., 2) as (column, row) in cells."""
+    x, y = positions_xy[..., 0] - grid.origin.x, positions_xy[..., 1] - grid.origin.y
+    c, s = math.cos(grid.origin.theta), math.sin(grid.origin.theta)
+    return np.stack((c * x + s * y, c * y - s * x), axis=-1) / grid.resolution
+
+
+def _path(grid: OccupancyGrid, points: Floats, start: Pose) -> Path:
+    """Turn (column, row) points in cells into poses in ``map``, each heading for the next, the last as the one before."""
+    positions = grid.positions(points[:, ::-1] - 0.5)
+    steps = np.diff(positions, axis=0)
+    headings = np.arctan2(steps[:, 1], steps[:, 0])
+    return Path(np.column_stack((positions, np.append(headings, headings[-1]))))

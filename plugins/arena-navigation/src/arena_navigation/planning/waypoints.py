@@ -1,0 +1,154 @@
+"""Waypoint generators: the intermediate goal ahead on the path, for all robots in one compiled call."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core import (
+    OFF_PATH,
+    WAYPOINT_FOUND,
+    WAYPOINT_TIMEOUT,
+    ConfigurationError,
+    NonNegative,
+    PathBatch,
+    Positive,
+    WaypointGenerator,
+    Waypoints,
+)
+from arena_kernels.compiled import compiled
+from arena_navigation.planning.path_progress import FloatArray, Progress, distance, follow, in_time
+
+
+class SpatialHorizon(WaypointGenerator):
+    """Puts the waypoint where the path leaves the horizon of ``d_ahead`` m (Kaestner et al. 2021, Arena-Rosnav)."""
+
+    def __init__(self, d_ahead: Positive, tolerance: Positive, t_lim: Positive | None, min_progress: NonNegative) -> None:
+        if tolerance >= d_ahead:
+            raise ConfigurationError(f"waypoints.tolerance is {tolerance}; allowed: less than d_ahead, {d_ahead} (m)")
+        self._numbers = d_ahead, tolerance, _seconds(t_lim), min_progress
+        self._progress = Progress.of(0)
+
+    def reset(self, slots: NDArray[np.int64], total: int) -> None:
+        """Forget the progress of these slots."""
+        self._progress = _forget(self._progress, slots, total)
+
+    def next(self, paths: PathBatch, poses: FloatArray, stamps: FloatArray) -> Waypoints:
+        """Return each robot's waypoint; OFF_PATH if no pose lies in the horizon, WAYPOINT_TIMEOUT without progress for ``t_lim``."""
+        found = Waypoints(np.empty((len(poses), 3)), np.empty(len(poses), np.int8))
+        _horizon(self._progress, paths.poses, paths.offsets, poses, stamps, self._numbers, found.poses, found.status)
+        return found
+
+
+class Subsample(WaypointGenerator):
+    """Puts a waypoint every ``spacing`` m of path; the next one is due when one is reached or passed."""
+
+    def __init__(
+        self, spacing: Positive, reached_within: Positive, off_path_beyond: Positive, t_lim: Positive | None, min_progress: NonNegative
+    ) -> None:
+        self._numbers = spacing, reached_within, off_path_beyond, _seconds(t_lim), min_progress
+        self._progress = Progress.of(0)
+        self._current = np.zeros(0, np.int64)
+
+    def reset(self, slots: NDArray[np.int64], total: int) -> None:
+        """Forget the progress of these slots."""
+        self._progress = _forget(self._progress, slots, total)
+        if len(self._current) != total:
+            self._current = np.zeros(total, np.int64)
+
+    def next(self, paths: PathBatch, poses: FloatArray, stamps: FloatArray) -> Waypoints:
+        """Return each robot's waypoint; OFF_PATH too far beside the path, WAYPOINT_TIMEOUT without progress for ``t_lim``."""
+        found = Waypoints(np.empty((len(poses), 3)), np.empty(len(poses), np.int8))
+        _every(self._progress, self._current, paths.poses, paths.offsets, poses, stamps, self._numbers, found.poses, found.status)
+        return found
+
+
+def _seconds(t_lim: float | None) -> float:
+    return math.inf if t_lim is None else t_lim
+
+
+def _forget(progress: Progress, slots: NDArray[np.int64], total: int) -> Progress:
+    """Return the state for ``total`` robots, in which these slots have no path yet."""
+    if len(progress.place) != total:
+        return Progress.of(total)
+    progress.paths[slots] = -1.0
+    return progress
+
+
+@compiled
+def _horizon(
+    progress: Progress,
+    packed: FloatArray,
+    offsets: NDArray[np.int64],
+    robots: FloatArray,
+    stamps: FloatArray,
+    numbers: tuple[float, float, float, float],
+    poses: FloatArray,
+    status: NDArray[np.int8],
+) -> None:
+    d_ahead, tolerance, t_lim, min_progress = numbers
+    for k in range(len(robots)):
+        path = packed[offsets[k] : offsets[k + 1]]
+        follow(progress, k, path, robots[k], stamps[k])
+        waypoint = _leaves_horizon(path, progress.place[k], robots[k], d_ahead, tolerance)
+        status[k] = WAYPOINT_FOUND if in_time(progress, k, path, robots[k], stamps[k], t_lim, min_progress) else WAYPOINT_TIMEOUT
+        if waypoint < 0:
+            waypoint, status[k] = progress.place[k], OFF_PATH
+        _copy_pose(path, waypoint, poses, k)
+
+
+@compiled
+def _leaves_horizon(path: FloatArray, place: int, robot: FloatArray, d_ahead: float, tolerance: float) -> int:
+    """Return the last pose in the band about the horizon before the path first leaves it, the goal if it never does, -1 if none."""
+    found = -1
+    for i in range(place, len(path)):
+        away = distance(path, i, robot)
+        if away >= d_ahead + tolerance:
+            return found
+        if away > d_ahead - tolerance:
+            found = i
+    return len(path) - 1
+
+
+@compiled
+def _every(
+    progress: Progress,
+    current: NDArray[np.int64],
+    packed: FloatArray,
+    offsets: NDArray[np.int64],
+    robots: FloatArray,
+    stamps: FloatArray,
+    numbers: tuple[float, float, float, float, float],
+    poses: FloatArray,
+    status: NDArray[np.int8],
+) -> None:
+    spacing, reached_within, off_path_beyond, t_lim, min_progress = numbers
+    for k in range(len(robots)):
+        path = packed[offsets[k] : offsets[k + 1]]
+        if follow(progress, k, path, robots[k], stamps[k]):
+            current[k] = _further(path, 0, spacing)
+        end = len(path) - 1
+        while current[k] < end and (current[k] <= progress.place[k] or distance(path, current[k], robots[k]) <= reached_within):
+            current[k] = _further(path, current[k], spacing)
+        status[k] = WAYPOINT_FOUND if in_time(progress, k, path, robots[k], stamps[k], t_lim, min_progress) else WAYPOINT_TIMEOUT
+        if distance(path, progress.place[k], robots[k]) > off_path_beyond:
+            status[k] = OFF_PATH
+        _copy_pose(path, current[k], poses, k)
+
+
+@compiled
+def _further(path: FloatArray, start: int, spacing: float) -> int:
+    """Return the first pose at least ``spacing`` m of path after ``start``, or the last one."""
+    way, i = 0.0, start
+    while i + 1 < len(path) and way < spacing - 1e-9:
+        i += 1
+        way += math.hypot(path[i, 0] - path[i - 1, 0], path[i, 1] - path[i - 1, 1])
+    return i
+
+
+@compiled
+def _copy_pose(path: FloatArray, i: int, poses: FloatArray, k: int) -> None:
+    for axis in range(3):
+        poses[k, axis] = path[i, axis]

@@ -1,0 +1,1 @@
+"""Moving obstacles from scans."""

@@ -1,0 +1,176 @@
+"""How far the pose estimate has slipped since a past scan: the motion that lays what stands in the new scan on what stood in the old one.
+
+Point-to-line scan matching (A. Censi, An ICP variant using a point-to-line metric, ICRA 2008) with partners found by bearing.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_kernels.compiled import borrowing, inner
+from arena_kernels.scalars import Integer
+from arena_navigation.local_map.marks import Beams
+from arena_navigation.tracking.returns import KnownPlane, PastScans, followed, wall_and_freedom
+
+_STEPS = 8  # of Gauss-Newton at most
+_COARSE, _FINE = 1e-2, 1e-4  # m and rad of a step, after which outliers count less, and after which it is done
+_TURN = 2.0 * math.pi
+
+
+class Alignment(NamedTuple):
+    """How to align: ``position`` m and ``heading`` rad are what slips usually, ``noise`` m that of ranges.
+
+    Lines are laid through returns about ``baseline`` m apart; what is off by much more than ``outlier`` m hardly counts. About
+    ``points`` returns are used; with fewer than a quarter of them nothing is aligned, for then it may be people who moved.
+    """
+
+    position: float
+    heading: float
+    noise: float
+    baseline: float
+    outlier: float
+    points: int
+
+
+@borrowing
+def slip(
+    beams: Beams,
+    plane: KnownPlane,
+    past: PastScans,
+    k: Integer,
+    tracks: NDArray[np.float64],
+    rules: Alignment,
+    ends: NDArray[np.float64],
+    moved: NDArray[np.float64],
+) -> None:
+    """Write the motion ``moved`` (3,) = x, y, turn about the sensor, that takes points of the new scan to where scan ``k`` saw them.
+
+    ``ends`` (B, 2) is scratch. At first all that is less than ten outlier distances off counts almost fully.
+    """
+    count = _standing_ends(beams, plane, tracks, rules, ends)
+    moved[:] = 0.0
+    outlier = 10.0 * rules.outlier
+    for step in range(_STEPS):
+        along, turning = 1.0 / rules.position**2, 1.0 / rules.heading**2
+        # normal equations a (symmetric, 3 x 3) d = b over x, y and turn
+        axx, axy, ayy, axt, ayt, att = along, 0.0, along, 0.0, 0.0, turning
+        bx, by, bt = -along * moved[0], -along * moved[1], -turning * moved[2]
+        used = 0
+        c, s = math.cos(moved[2]), math.sin(moved[2])
+        for i in range(count):
+            rx, ry = c * ends[i, 0] - s * ends[i, 1], s * ends[i, 0] + c * ends[i, 1]
+            x, y = beams.sensor[0] + rx + moved[0], beams.sensor[1] + ry + moved[1]
+            found, nx, ny, off = _line(beams, past, k, x, y, rules)
+            if not found or abs(off) > 10.0 * rules.outlier:
+                continue
+            used += 1
+            weight = 1.0 / (rules.noise**2 * (1.0 + (off / outlier) ** 2))
+            t = ny * rx - nx * ry
+            axx += weight * nx * nx
+            axy += weight * nx * ny
+            ayy += weight * ny * ny
+            axt += weight * nx * t
+            ayt += weight * ny * t
+            att += weight * t * t
+            bx -= weight * nx * off
+            by -= weight * ny * off
+            bt -= weight * t * off
+        if 4 * used < rules.points:
+            moved[:] = 0.0
+            return
+        cxx, cxy, cxt = ayy * att - ayt * ayt, axt * ayt - axy * att, axy * ayt - ayy * axt
+        cyy, cyt, ctt = axx * att - axt * axt, axy * axt - axx * ayt, axx * ayy - axy * axy
+        det = axx * cxx + axy * cxy + axt * cxt
+        dx, dy, turn = (
+            (cxx * bx + cxy * by + cxt * bt) / det,
+            (cxy * bx + cyy * by + cyt * bt) / det,
+            (cxt * bx + cyt * by + ctt * bt) / det,
+        )
+        moved[0], moved[1], moved[2] = moved[0] + dx, moved[1] + dy, moved[2] + turn
+        settled = abs(dx) + abs(dy) + abs(turn)
+        if outlier == rules.outlier and settled < _FINE:
+            break
+        if settled < _COARSE or 2 * step + 2 >= _STEPS:
+            outlier = rules.outlier
+
+
+@inner
+def _standing_ends(beams: Beams, plane: KnownPlane, tracks: NDArray[np.float64], rules: Alignment, ends: NDArray[np.float64]) -> Integer:
+    """Write where the chosen beams end, from the sensor in the axes of ``map``, and return how many there are.
+
+    Returns on tracks are left out, and, with a map, those far from its walls: what moves by itself must not be taken for the robot's error.
+    """
+    count: Integer = np.int64(0)
+    for beam in range(0, len(beams.ranges), max(len(beams.ranges) // rules.points, 1)):
+        away = float(beams.ranges[beam])
+        if not beams.range_min <= away <= beams.range_max:
+            continue
+        angle = beams.sensor[2] + beams.angle_min + beam * beams.angle_increment
+        x, y = away * math.cos(angle), away * math.sin(angle)
+        wall, free = wall_and_freedom(plane, beams.sensor[0] + x, beams.sensor[1] + y)
+        if (free and wall > 10.0 * rules.outlier) or followed(tracks, beams.sensor[0] + x, beams.sensor[1] + y):
+            continue
+        ends[count, 0], ends[count, 1] = x, y
+        count += 1
+    return count
+
+
+@inner
+def _line(beams: Beams, past: PastScans, k: Integer, x: float, y: float, rules: Alignment) -> tuple[bool, float, float, float]:
+    """Return whether past scan ``k`` saw a straight piece about a point, its normal, and the point's distance from it."""
+    dx, dy = x - past.sensors[k, 0], y - past.sensors[k, 1]
+    away = math.sqrt(dx * dx + dy * dy)
+    bearing = ((math.atan2(dy, dx) - past.sensors[k, 2] - beams.angle_min) % _TURN) / beams.angle_increment
+    at = round(bearing)
+    half = min(max(math.ceil(0.5 * rules.baseline / (max(away, 1e-3) * beams.angle_increment)), 1), 20)
+    if not half <= at < len(beams.ranges) - half:
+        return False, 0.0, 0.0, 0.0
+    low, middle, high = past.ranges[k, at - half], past.ranges[k, at], past.ranges[k, at + half]
+    if not (beams.range_min <= min(low, middle, high) and max(low, middle, high) <= beams.range_max):
+        return False, 0.0, 0.0, 0.0
+    # in the frame whose first axis is the beam in the middle
+    c, s = math.cos(half * beams.angle_increment), math.sin(half * beams.angle_increment)
+    ax, ay, bx, by = low * c, -low * s, high * c, high * s
+    length = math.sqrt((bx - ax) ** 2 + (by - ay) ** 2)
+    if not 1e-6 < length < 10.0 * rules.baseline:
+        return False, 0.0, 0.0, 0.0
+    nx, ny = -(by - ay) / length, (bx - ax) / length
+    if abs(nx * (middle - ax) - ny * ay) > rules.outlier:
+        return False, 0.0, 0.0, 0.0
+    angle = past.sensors[k, 2] + beams.angle_min + at * beams.angle_increment
+    c, s = math.cos(angle), math.sin(angle)
+    mx, my = c * nx - s * ny, s * nx + c * ny
+    return True, mx, my, mx * dx + my * dy - (nx * ax + ny * ay)
+
+
+@borrowing
+def carry(
+    beams: Beams, moved: NDArray[np.float64], states: NDArray[np.float64], covariances: NDArray[np.float64], sensors: NDArray[np.float64]
+) -> None:
+    """Move what was believed before to where it lies seen from the new pose.
+
+    These are states (N, 4), covariances (N, 4, 4) and the poses of past ``sensors`` (K, 3).
+    """
+    c, s = math.cos(moved[2]), math.sin(moved[2])
+    for k in range(len(states)):
+        x, y = states[k, 0] - beams.sensor[0] - moved[0], states[k, 1] - beams.sensor[1] - moved[1]
+        states[k, 0], states[k, 1] = beams.sensor[0] + c * x + s * y, beams.sensor[1] + c * y - s * x
+        x, y = states[k, 2], states[k, 3]
+        states[k, 2], states[k, 3] = c * x + s * y, c * y - s * x
+        p = covariances[k]
+        for i in range(0, 4, 2):
+            for column in range(4):
+                x, y = p[i, column], p[i + 1, column]
+                p[i, column], p[i + 1, column] = c * x + s * y, c * y - s * x
+        for i in range(0, 4, 2):
+            for row in range(4):
+                x, y = p[row, i], p[row, i + 1]
+                p[row, i], p[row, i + 1] = c * x + s * y, c * y - s * x
+    for k in range(len(sensors)):
+        x, y = sensors[k, 0] - beams.sensor[0] - moved[0], sensors[k, 1] - beams.sensor[1] - moved[1]
+        sensors[k, 0], sensors[k, 1] = beams.sensor[0] + c * x + s * y, beams.sensor[1] + c * y - s * x
+        sensors[k, 2] -= moved[2]

@@ -1,0 +1,86 @@
+"""Two legs of one person are one body."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from arena_kernels.compiled import inner
+from arena_kernels.scalars import Integer
+from arena_navigation.tracking.clusters import Pieces
+from arena_navigation.tracking.returns import Returns
+
+
+class Legs(NamedTuple):
+    """A piece up to ``width`` m wide shows a leg, or two that stand together; legs up to ``apart`` m from each other are one person's.
+
+    With ``apart`` 0 nothing is a leg.
+    """
+
+    width: float
+    apart: float
+
+
+@inner
+def join_legs(returns: Returns, pieces: Pieces, count: Integer, legs: Legs, radius: float, radius_std: float, discs) -> Integer:  # type: ignore[no-untyped-def]
+    """Put one body of ``radius`` m in the place of each two legs, and of each that is alone; return how many bodies there are then.
+
+    The body is in the middle of its legs. Where one hides the other it may be beside the one that is seen, by a quarter of ``apart``.
+    """
+    if legs.apart <= 0.0:
+        return count
+    kept: Integer = pieces.ends[0, 0] * 0
+    for k in range(count):
+        if pieces.ends[k, 0] == pieces.ends[k, 1]:
+            continue  # it is a leg of a body before
+        if _is_leg(returns, pieces, k, legs):
+            _embody(discs, k, _other_leg(returns, pieces, k, count, legs, discs), pieces, legs, radius, radius_std)
+        _move(discs, k, kept)
+        kept += 1
+    return kept
+
+
+@inner
+def _move(discs, k: Integer, to: Integer) -> None:  # type: ignore[no-untyped-def]
+    discs.radii[to], discs.radius_variances[to] = discs.radii[k], discs.radius_variances[k]
+    discs.round[to], discs.standing[to] = discs.round[k], discs.standing[k]
+    for axis in range(2):
+        discs.positions[to, axis], discs.leanings[to, axis] = discs.positions[k, axis], discs.leanings[k, axis]
+        for column in range(2):
+            discs.covariances[to, axis, column] = discs.covariances[k, axis, column]
+
+
+@inner
+def _is_leg(returns: Returns, pieces: Pieces, k: Integer, legs: Legs) -> bool:
+    first, last = pieces.beams[pieces.ends[k, 0]], pieces.beams[pieces.ends[k, 1] - 1]
+    return math.hypot(returns.x[last] - returns.x[first], returns.y[last] - returns.y[first]) <= legs.width
+
+
+@inner
+def _other_leg(returns: Returns, pieces: Pieces, k: Integer, count: Integer, legs: Legs, discs) -> Integer:  # type: ignore[no-untyped-def]
+    """Return the nearest leg among the pieces behind k that is near enough to be the same person's, -1 where there is none."""
+    other, nearest = -1, legs.apart
+    for j in range(k + 1, count):
+        if pieces.ends[j, 0] < pieces.ends[j, 1] and _is_leg(returns, pieces, j, legs):
+            away = math.hypot(discs.positions[j, 0] - discs.positions[k, 0], discs.positions[j, 1] - discs.positions[k, 1])
+            if away < nearest:
+                other, nearest = j, away
+    return other
+
+
+@inner
+def _embody(discs, k: Integer, other: Integer, pieces: Pieces, legs: Legs, radius: float, radius_std: float) -> None:  # type: ignore[no-untyped-def]
+    """Write the body of leg k, and of the ``other`` one (-1: none in sight), in place k."""
+    discs.radii[k], discs.radius_variances[k] = radius, radius_std**2  # legs do not tell how wide a body is
+    discs.leanings[k, 0], discs.leanings[k, 1] = 0.0, 0.0
+    discs.round[k] = 1
+    if other < 0:
+        for axis in range(2):
+            discs.covariances[k, axis, axis] += (0.25 * legs.apart) ** 2
+        return
+    for axis in range(2):
+        discs.positions[k, axis] = 0.5 * (discs.positions[k, axis] + discs.positions[other, axis])
+        for column in range(2):
+            discs.covariances[k, axis, column] = 0.5 * (discs.covariances[k, axis, column] + discs.covariances[other, axis, column])
+    discs.standing[k] &= discs.standing[other]
+    pieces.ends[other, 1] = pieces.ends[other, 0]

@@ -1,0 +1,1 @@
+"""Bodies and forces: the compiled step."""

@@ -1,0 +1,149 @@
+"""One step of N crowds, as one compiled call."""
+
+from __future__ import annotations
+
+from math import ceil, isnan
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_kernels.compiled import compiled
+from arena_kernels.ground import Ground, ground_of
+from arena_kernels.neighbours import CELLS_FROM, near_pairs
+from arena_pedsim.forces.acceleration import accelerate, sum_forces
+from arena_pedsim.forces.giving_way import detour
+from arena_pedsim.forces.meetings import notice_meetings
+from arena_pedsim.forces.reactions import notice_robot, turn_to_robot
+from arena_pedsim.forces.walking import walk
+from arena_pedsim.people import COME, NOTHING, ON_ERRAND
+from arena_pedsim.routes.wayfinding import SLOWING, follow_way
+from arena_pedsim.state_ids import APPROACHING_ROBOT, NONE, desired_speed, turns_to_robot, walks_on
+
+Floats = NDArray[np.float64]
+
+
+@compiled
+def step_crowds(
+    counts: NDArray[np.int32],
+    positions: Floats,
+    velocities: Floats,
+    radii: Floats,
+    states: NDArray[np.int8],
+    people: NDArray[np.void],
+    corners: Floats,
+    grids: NDArray[np.int64],
+    distance: NDArray[np.float32],
+    layouts: NDArray[np.void],
+    robot_poses: Floats,
+    robot_velocities: Floats,
+    robot_radius: float,
+    dt: float,
+    parameters: NDArray[np.void],
+) -> int:
+    """Move everybody by ``dt`` s, in place; return how many people wish for a route, to come or to leave.
+
+    ``people`` (N, P) and ``corners`` (N, P, C, 2) are the model's memory, ``grids`` (N,) says which of the ``layouts`` each world uses.
+    """
+    slots = positions.shape[1]
+    headings, forces = np.empty((slots, 4)), np.empty((slots, 2))
+    small = min(slots, CELLS_FROM)
+    pairs = np.empty((small * small // 2, 2), np.int32)
+    substeps = max(ceil(dt / parameters[0].longest_step - 1e-9), 1)
+    wishes = 0
+    for world in range(len(counts)):
+        n = counts[world]
+        if n == 0:
+            continue
+        x, y, theta = robot_poses[world, 0], robot_poses[world, 1], robot_poses[world, 2]
+        robot = (x, y, robot_velocities[world, 0], robot_velocities[world, 1], robot_radius, theta)
+        ground = ground_of(distance, layouts[grids[world]])
+        for _ in range(substeps):
+            pairs = _step_crowd(
+                positions[world, :n],
+                velocities[world, :n],
+                radii[world, :n],
+                states[world, :n],
+                people[world],
+                corners[world],
+                ground,
+                robot,
+                dt / substeps,
+                parameters[0],
+                headings[:n],
+                forces[:n],
+                pairs,
+            )
+        for i in range(n):
+            if states[world, i] == NONE:
+                _await_coming(people[world, i], dt)
+            wishes += people[world, i].wish != NOTHING
+    return wishes
+
+
+@compiled
+def _await_coming(person: Any, dt: float) -> None:
+    """Let somebody who is not in the world wish to come when the time is up."""
+    person.absence -= dt
+    person.wish = COME if person.absence <= 0.0 else NOTHING
+
+
+@compiled
+def _step_crowd(
+    positions: Floats,
+    velocities: Floats,
+    radii: Floats,
+    states: NDArray[np.int8],
+    people: NDArray[np.void],
+    corners: Floats,
+    ground: Ground,
+    robot: Any,
+    dt: float,
+    parameters: Any,
+    headings: Floats,
+    forces: Floats,
+    pairs: NDArray[np.int32],
+) -> NDArray[np.int32]:
+    """Move the people of one world in place; return the pair list for further use."""
+    _choose_headings(positions, radii, states, people, corners, ground, robot, dt, parameters, headings)
+    pairs, found = near_pairs(positions, parameters.social_range, pairs)
+    notice_meetings(positions, radii, people, headings, pairs, found)
+    sum_forces(positions, velocities, radii, states, people, ground, robot, parameters, headings, pairs, found, forces)
+    accelerate(positions, velocities, radii, states, people, robot, dt, parameters, forces)
+    walk(positions, velocities, radii, people, ground, robot, dt, parameters, pairs, found, headings, forces)
+    return pairs
+
+
+@compiled
+def _choose_headings(
+    positions: Floats,
+    radii: Floats,
+    states: NDArray[np.int8],
+    people: NDArray[np.void],
+    corners: Floats,
+    ground: Ground,
+    robot: Any,
+    dt: float,
+    parameters: Any,
+    headings: Floats,
+) -> None:
+    """Write each person's unit vector of the desired direction and the desired speed; who is nowhere gets state NONE and nothing else."""
+    for i in range(len(positions)):
+        x, y, person = positions[i, 0], positions[i, 1], people[i]
+        if isnan(x):
+            states[i] = NONE
+            continue
+        state = states[i]
+        if person.reaction_state != NONE:
+            state = notice_robot(person, state, x, y, ground, robot, dt, parameters)
+        if turns_to_robot(state):
+            hx, hy, to_goal, speed = turn_to_robot(person, state, x, y, radii[i], robot, parameters)
+        else:
+            state, hx, hy, to_goal = follow_way(person, state, x, y, radii[i], corners[i], ground, dt, parameters)
+            speed = desired_speed(person, state, parameters)
+            if person.errand == ON_ERRAND and not walks_on(person, state):
+                speed = min(speed, to_goal / (SLOWING * parameters.relaxation_time))
+        if person.gives_way == 1 and state != APPROACHING_ROBOT:
+            hx, hy = detour(ground, x, y, hx, hy, to_goal, radii[i], robot, parameters)
+        states[i] = state
+        headings[i, 0], headings[i, 1], headings[i, 2] = hx, hy, speed

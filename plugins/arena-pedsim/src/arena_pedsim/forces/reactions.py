@@ -1,0 +1,130 @@
+"""How people react to the robot once they see it: curious, scared or threatening.
+
+After HuNavSim (Perez-Higueras, Otero, Caballero, Merino, HuNavSim: a ROS 2 human navigation simulator for benchmarking human-aware robot
+navigation, IEEE Robotics and Automation Letters 8, 2023), whose people look ahead only, but through walls.
+"""
+
+from __future__ import annotations
+
+from math import cos, inf, sin, sqrt
+from typing import Any
+
+import numpy as np
+
+from arena_core import ConfigurationError, PedestrianSpec
+from arena_kernels.compiled import compiled
+from arena_kernels.ground import Ground
+from arena_kernels.sliding import is_visible
+from arena_pedsim.parameters import Reactions
+from arena_pedsim.people import NEW_ROUTE
+from arena_pedsim.state_ids import (
+    APPROACHING_ROBOT,
+    BLOCKING_ROBOT,
+    NONE,
+    SHYING_FROM_ROBOT,
+    WALKING,
+    is_open_to_robot,
+)
+
+STATES = {"ignore": NONE, "yield": NONE, "curious": APPROACHING_ROBOT, "scared": SHYING_FROM_ROBOT, "threatening": BLOCKING_ROBOT}
+EYE = 0.01  # m, the room that a line of sight needs on both sides
+NEARER = 0.1  # m, by which the curious aim nearer than where they stop, so that they get there
+LEAST_GAP = 0.1  # m, from which on fear grows no further
+BRAKING = 2.0  # relaxation times in which the way that is left is walked: hardly anybody overshoots
+
+
+def reaction_of(spec: PedestrianSpec, default: str) -> str:
+    """Return how somebody reacts to robots; raise ConfigurationError if the behaviour names no such reaction."""
+    name = spec.behaviour.get("reaction", default)
+    if name not in STATES:
+        raise ConfigurationError(f"person {spec.id}: reaction is {name!r}; allowed: {', '.join(STATES)}")
+    return str(name)
+
+
+def take_reaction(person: np.void, name: str, reactions: Reactions, share: float) -> None:
+    """Write a reaction into somebody's memory; ``share`` scales the force."""
+    person["gives_way"] = name != "ignore"
+    person["reaction_state"] = STATES[name]
+    if STATES[name] == NONE:
+        return
+    rule = getattr(reactions, name)
+    person["sight"], person["stop_distance"], person["pace"] = rule.sight, rule.distance, rule.pace * person["max_speed"]
+    person["fear"] = share * rule.force
+    person["interest"] = person["interest_left"] = inf if rule.duration is None else rule.duration
+    person["pause"] = rule.pause
+
+
+@compiled
+def notice_robot(person: Any, state: int, x: float, y: float, ground: Ground, robot: Any, dt: float, parameters: Any) -> int:
+    """Return the state of somebody who looks out for the robot, as often as at the way ahead.
+
+    A reaction begins in sight of the robot. It ends when the robot is out of sight, to go on another time, or when its time is over.
+    """
+    person.glance_clock += dt
+    if person.glance_clock >= parameters.wayfinding_look_period:
+        person.glance_clock = 0.0
+        person.sees_robot = 1 if _sees(x, y, person.sight, ground, robot) else 0
+    if state != person.reaction_state:
+        person.pause_left -= dt
+        begins = person.sees_robot == 1 and person.pause_left <= 0.0 and is_open_to_robot(state, parameters)
+        return person.reaction_state if begins else state
+    person.interest_left -= dt
+    if person.interest_left <= 0.0:
+        person.interest_left, person.pause_left = person.interest, person.pause
+    elif person.sees_robot == 1:
+        return state
+    if state != SHYING_FROM_ROBOT:
+        person.wish = NEW_ROUTE
+    person.anchor_x, person.anchor_y, person.stuck_clock = x, y, 0.0
+    return WALKING
+
+
+@compiled
+def _sees(x: float, y: float, sight: float, ground: Ground, robot: Any) -> bool:
+    if (robot[0] - x) ** 2 + (robot[1] - y) ** 2 > sight * sight:
+        return False
+    return is_visible(ground, x, y, robot[0], robot[1], EYE)
+
+
+@compiled
+def turn_to_robot(
+    person: Any, state: int, x: float, y: float, radius: float, robot: Any, parameters: Any
+) -> tuple[float, float, float, float]:
+    """Return unit vector to, distance from and speed towards where the curious or threatening want to be.
+
+    The curious stop at their distance to the robot. The threatening stand ahead of it at theirs, or nearer when it has come nearer: they
+    step aside with it, but never back.
+    """
+    target_x, target_y, keep = robot[0], robot[1], person.stop_distance - NEARER
+    if state == BLOCKING_ROBOT:
+        c, s = cos(robot[5]), sin(robot[5])
+        ahead = (x - robot[0]) * c + (y - robot[1]) * s
+        touch = radius + robot[4] + parameters.giving_way_margin
+        reach = min(max(ahead, touch), person.stop_distance) if ahead > 0.0 else person.stop_distance
+        target_x, target_y, keep = robot[0] + reach * c, robot[1] + reach * s, 0.0
+    dx, dy = target_x - x, target_y - y
+    distance = sqrt(dx * dx + dy * dy)
+    if distance == 0.0:
+        return 0.0, 0.0, 0.0, 0.0
+    way = distance - keep
+    arrived = state == APPROACHING_ROBOT and distance <= person.stop_distance
+    speed = 0.0 if arrived else min(person.pace, way / (BRAKING * parameters.relaxation_time))
+    return dx / distance, dy / distance, way, speed
+
+
+@compiled
+def fear_of_robot(person: Any, x: float, y: float, radius: float, robot: Any) -> tuple[float, float]:
+    """Return the extra acceleration away from the robot of somebody who is scared."""
+    dx, dy = x - robot[0], y - robot[1]
+    separation = sqrt(dx * dx + dy * dy)
+    if separation == 0.0:
+        return 0.0, 0.0
+    size = person.fear / max(separation - radius, LEAST_GAP)
+    return size * dx / separation, size * dy / separation
+
+
+@compiled
+def speed_limit(person: Any, vx: float, vy: float, dt: float, parameters: Any) -> float:
+    """Return how fast somebody who is scared may go: down to the own pace within about a relaxation time."""
+    slower = sqrt(vx * vx + vy * vy) * (1.0 - dt / parameters.relaxation_time)
+    return min(max(person.pace, slower), person.max_speed)  # type: ignore[no-any-return]

@@ -1,0 +1,71 @@
+"""Moving the bodies of one world: where everybody gets to, and with what velocity."""
+
+from __future__ import annotations
+
+from math import isnan
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_kernels.compiled import compiled
+from arena_kernels.ground import Ground
+from arena_kernels.sliding import slide
+from arena_pedsim.forces.acceleration import clipped
+from arena_pedsim.forces.giving_way import keeps_off
+from arena_pedsim.forces.pushing import push_by_mass
+
+Floats = NDArray[np.float64]
+
+ABSENT = -1.0  # in ``starts``: this person is nowhere
+
+FREE_STRIDE = 2.0  # no wall is met on a move of half the gap: the interpolated field rises a little more steeply than a distance
+
+
+@compiled
+def walk(
+    positions: Floats,
+    velocities: Floats,
+    radii: Floats,
+    people: NDArray[np.void],
+    ground: Ground,
+    robot: Any,
+    dt: float,
+    parameters: Any,
+    pairs: NDArray[np.int32],
+    found: int,
+    starts: Floats,
+    pushes: Floats,
+) -> None:
+    """Move the bodies, apart from each other and out of walls; a body that was hindered has the velocity it really moved with.
+
+    ``starts`` (P, 4) comes with the gap to the walls in its last column; it and ``pushes`` (P, 2) are overwritten.
+    """
+    for i in range(len(positions)):
+        x, y, dx, dy = positions[i, 0], positions[i, 1], dt * velocities[i, 0], dt * velocities[i, 1]
+        if isnan(x):
+            starts[i, 2] = ABSENT
+            continue
+        if starts[i, 3] > FREE_STRIDE * people[i].max_speed * dt:
+            positions[i, 0], positions[i, 1] = x + dx, y + dy
+        else:
+            positions[i, 0], positions[i, 1] = slide(ground, x, y, dx, dy, radii[i])
+        starts[i, 0], starts[i, 1] = x, y
+        starts[i, 2] = 1.0 if positions[i, 0] != x + dx or positions[i, 1] != y + dy else 0.0
+    touching = push_by_mass(positions, radii, people, pairs, found, pushes)
+    for i in range(len(positions)):
+        if starts[i, 2] == ABSENT:
+            continue
+        if touching and (pushes[i, 0] != 0.0 or pushes[i, 1] != 0.0):
+            dx, dy = positions[i, 0] + pushes[i, 0] - starts[i, 0], positions[i, 1] + pushes[i, 1] - starts[i, 1]
+            dx, dy = clipped(dx, dy, people[i].max_speed * dt)
+            positions[i, 0], positions[i, 1] = slide(ground, starts[i, 0], starts[i, 1], dx, dy, radii[i])
+            starts[i, 2] = 1.0
+        if people[i].gives_way == 1 and not keeps_off(
+            starts[i, 0], starts[i, 1], positions[i, 0], positions[i, 1], radii[i], robot, parameters
+        ):
+            positions[i, 0], positions[i, 1] = starts[i, 0], starts[i, 1]
+            starts[i, 2] = 1.0
+        if starts[i, 2] == 1.0:
+            vx, vy = (positions[i, 0] - starts[i, 0]) / dt, (positions[i, 1] - starts[i, 1]) / dt
+            velocities[i, 0], velocities[i, 1] = clipped(vx, vy, people[i].max_speed)

@@ -1,0 +1,1 @@
+"""Where people walk: waypoints, ways round walls."""

@@ -1,0 +1,1 @@
+"""What people do, who they are, when they come and go: the state machine and what it needs."""

@@ -1,0 +1,1 @@
+"""`arena scenario`, and what `arena list` shows of packs."""

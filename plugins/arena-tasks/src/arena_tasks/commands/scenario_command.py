@@ -1,0 +1,42 @@
+"""``arena scenario``: what can be done with scenario files beside running them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from importlib import import_module
+from typing import ClassVar
+
+from arena_core import Command, UnknownComponent
+
+SUBCOMMANDS = {  # each a class of its own with ``help`` and ``run``, imported when it is used
+    "check": "arena_tasks.commands.checking:CheckCommand",
+    "convert": "arena_tasks.commands.converting:ConvertCommand",
+    "show": "arena_tasks.commands.showing:ShowCommand",
+    "pack": "arena_tasks.commands.packing:PackCommand",
+}
+
+
+class ScenarioCommand(Command):
+    """Work on scenario files and packs."""
+
+    help: ClassVar[str] = f"work on scenario files: arena scenario {'|'.join(SUBCOMMANDS)} ..."
+
+    def run(self, arguments: Sequence[str]) -> int:
+        """Hand over to the subcommand."""
+        if not arguments or arguments[0] in ("-h", "--help"):
+            print("\n".join(["usage: arena scenario COMMAND ...", "", *(f"  {name:10} {_of(name).help}" for name in SUBCOMMANDS)]))
+            return 0
+        name, *rest = arguments
+        if name not in SUBCOMMANDS:
+            raise UnknownComponent(f"unknown command 'scenario {name}' (possible: {', '.join(SUBCOMMANDS)})")
+        return _of(name).run(rest)
+
+    def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
+        """Return the subcommands, then what theirs return."""
+        return _of(words[0]).complete(words[1:], word) if words and words[0] in SUBCOMMANDS else () if words else [*SUBCOMMANDS]
+
+
+def _of(name: str) -> Command:
+    module, _, attribute = SUBCOMMANDS[name].partition(":")
+    command: Command = getattr(import_module(module), attribute)()
+    return command

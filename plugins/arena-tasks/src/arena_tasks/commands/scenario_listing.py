@@ -1,0 +1,37 @@
+"""``arena list scenarios``: what stands behind `scenario=`."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+from arena_core import Listing, load_registry, option_files
+
+
+class ScenarioListing(Listing):
+    """The options of the configuration group ``scenario``."""
+
+    def __init__(self) -> None:
+        self._registry = load_registry()
+        self._options = option_files("scenario", self._registry.manager)
+
+    def names(self) -> Sequence[str]:
+        """Return the options."""
+        return list(self._options)
+
+    def summary(self) -> Sequence[str]:
+        """Return how many scenarios each pack has, and the first of them."""
+        counts = Counter(map(_pack, self._options))
+        first = {_pack(name): name for name in reversed(self._options)}
+        lines = [f"{pack or 'in no pack':22} {count}, such as scenario={first[pack]}" for pack, count in counts.items()]
+        return lines or ["none installed"]
+
+    def details(self) -> Sequence[str]:
+        """Return a line for each scenario: what it holds, or why it cannot be run."""
+        from arena_tasks.commands.scenario_table import table  # reads files with libraries that the other lines do not need
+
+        return table(self._options, self._registry)
+
+
+def _pack(option: str) -> str:
+    return option.rpartition("/")[0]

@@ -1,0 +1,73 @@
+"""``arena scenario show``: what a scenario file holds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+
+from arena_core import Command, ConfigurationError, PedestrianSpec, aligned
+from arena_tasks.commands.packing import ANYBODY
+from arena_tasks.scenario_files.problem import Problem, noted
+from arena_tasks.scenario_files.scenario_file import ScenarioFile, read_scenario_file
+
+PROBLEMS = ("problem", "repeats", "start", "goal", "straight", "people", "obstacles", "time limit")
+PEOPLE = ("problem", "person", "position", "waypoints", "round", "speed", "radius", "behaviour")
+TELLING = ("type", "start_up_mode", "waypoint_mode", "group")  # of a behaviour; of the rest their number
+
+
+class ShowCommand(Command):
+    """Print what a scenario file of any format holds."""
+
+    help: ClassVar[str] = "what a file holds, in any format: arena scenario show FILE"
+
+    def run(self, arguments: Sequence[str]) -> int:
+        """Print a table of problems and one of people."""
+        if "-h" in arguments or "--help" in arguments:
+            print(self.help)
+            return 0
+        if len(arguments) != 1 or arguments[0].startswith("-"):
+            raise ConfigurationError(f"arena scenario show {' '.join(arguments)}; allowed: arena scenario show FILE")
+        path = Path(arguments[0])
+        print("\n".join(described(path, read_scenario_file(path, ANYBODY))))
+        return 0
+
+
+def described(path: Path, file: ScenarioFile) -> list[str]:
+    """Return the lines about a file: its head, its problems, its people."""
+    head = [f"{path}{': ' if file.title else ''}{file.title}", *([f"map: {file.map}"] if file.map else [])]
+    people = [(problem.name, *_person(person)) for problem in file.problems for person in problem.pedestrians]
+    tables = [[PROBLEMS, *map(_problem, file.problems)], *([[PEOPLE, *people]] if people else [])]
+    notes = noted(file.problems)
+    return head + [line for table in tables for line in ("", *aligned(table))] + (["", f"read otherwise: {notes}"] if notes else [])
+
+
+def _problem(problem: Problem) -> tuple[str, ...]:
+    return (
+        problem.name,
+        str(problem.repeats),
+        f"({problem.start.x:.2f}, {problem.start.y:.2f})",
+        f"({problem.goal.x:.2f}, {problem.goal.y:.2f})",
+        f"{problem.start.distance(problem.goal):.1f} m",
+        str(len(problem.pedestrians)),
+        str(len(problem.obstacles)),
+        "the task's" if problem.time_limit is None else f"{problem.time_limit:g} s",
+    )
+
+
+def _person(person: PedestrianSpec) -> tuple[str, ...]:
+    ways = person.waypoints_xy
+    length = np.hypot(*(ways - np.roll(ways, 1, axis=0)).T).sum()
+    telling = [f"{key}={person.behaviour[key]}" for key in TELLING if person.behaviour.get(key, "default") != "default"]
+    rest = len(person.behaviour.keys() - set(TELLING))
+    return (
+        str(person.id),
+        f"({person.position_xy[0]:.2f}, {person.position_xy[1]:.2f})",
+        str(len(ways)) if len(ways) else "stands",
+        f"{length:.1f} m",
+        f"{person.max_speed:g} m/s",
+        f"{person.radius:g} m",
+        ", ".join([*telling, *([f"{rest} more" if telling else f"{rest} keys"] if rest else [])]),
+    )

@@ -1,0 +1,46 @@
+"""Drawing random problems: a trip, obstacles on it, and people on their rounds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from arena_core import ImpossibleScenario, Obstacle, PedestrianSpec, Scenario, World, WorldSource, generator, with_obstacles
+from arena_tasks.random.free_space import FreeSpace
+from arena_tasks.random.manners import with_manners
+from arena_tasks.random.obstacles import ObstacleRules, draw_obstacles
+from arena_tasks.random.trip import Trip, TripRules, draw_trip
+from arena_tasks.random.walkers import WalkerRules, draw_walkers
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RandomProblems:
+    """What random problems are made of; ``goal_radius`` m, ``time_limit`` s, and so many ``tries`` at each."""
+
+    world: WorldSource
+    trip: TripRules
+    obstacles: ObstacleRules
+    walkers: WalkerRules
+    goal_radius: float
+    time_limit: float
+    tries: int
+
+    def scenario(self, name: str, seed: int, index: int) -> Scenario:
+        """Draw the problem of this name in world ``index``; raise ImpossibleScenario when the world has no room for it."""
+        world = self.world.world(seed, index)
+        trip, obstacles, people = self._draw(name, seed, world)
+        return Scenario(name, seed, world, trip.start, trip.goal, people, obstacles, self.goal_radius, self.time_limit)
+
+    def _draw(self, name: str, seed: int, world: World) -> tuple[Trip, tuple[Obstacle, ...], tuple[PedestrianSpec, ...]]:
+        random, aside = generator(seed, name, "task"), generator(seed, name, "obstacles")  # obstacles shift nobody's numbers
+        space = world.grid.derive(FreeSpace)
+        for left in reversed(range(self.tries)):
+            try:
+                trip = draw_trip(space, self.trip, random, self.tries)
+                obstacles, onward = draw_obstacles(space, trip, self.obstacles, aside)
+                among = with_obstacles(world.grid, obstacles).derive(FreeSpace)
+                people = draw_walkers(among, onward, self.walkers, random)
+                return trip, obstacles, with_manners(people, self.walkers.people, generator(seed, name, "manners"))
+            except ImpossibleScenario as error:
+                if left == 0:
+                    raise ImpossibleScenario(f"{name} in world {world.name}: {error}") from None
+        raise AssertionError("tries is at least 1")

@@ -1,0 +1,126 @@
+"""People on their rounds: where they start and which waypoints they walk between, alone or in groups."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core import ImpossibleScenario, PedestrianSpec
+from arena_kernels.ways import Ways, place_on_round
+from arena_tasks.random.free_space import FreeSpace
+from arena_tasks.random.rounds import Floor, FloorOf, draw_round
+from arena_tasks.random.trip import Placement, Trip
+from arena_tasks.random_parameters import GroupParameters, PeopleParameters, RoundParameters
+
+Points = NDArray[np.float64]
+
+TRIES_A_PERSON = 100
+STARTS = 10  # places on a round that are tried
+APART = 0.1  # m between two people at the start, beyond their bodies
+BESIDE = 0.8  # m between the centres of two who walk together (Moussaid et al. 2010)
+SIDES = 12  # directions in which a companion's place is sought
+
+
+@dataclass(frozen=True, slots=True)
+class WalkerRules:
+    """How many people walk, where and how; ``clearance`` is what they need, ``keep_off`` their distance to start and goal, m."""
+
+    count: int
+    clearance: float
+    keep_off: float
+    people: PeopleParameters
+    groups: GroupParameters
+    rounds: RoundParameters
+    placement: Placement
+
+
+def draw_walkers(space: FreeSpace, trip: Trip, rules: WalkerRules, random: np.random.Generator) -> tuple[PedestrianSpec, ...]:
+    """Draw everybody's round and place on it; raise ImpossibleScenario when somebody finds no place.
+
+    All waypoints of a round lie where a body has room, and ways with room join them in turn, the last with the first.
+    """
+    if not rules.count:
+        return ()
+    floor = space.grid.derive(FloorOf(rules.clearance))
+    floor = floor.without(~_keeps_off(floor.places, trip, rules))
+    if len(floor.places) == 0:
+        raise ImpossibleScenario(f"no cell is free with {rules.clearance:.2f} m around it for people; lower task.people.radius")
+    sizes = _party_sizes(rules, random)
+    people: list[PedestrianSpec] = []
+    for number, size in enumerate(sizes):
+        people += _draw_party(number, size, len(sizes), people, floor, space, trip, rules, random)
+    return tuple(people)
+
+
+def _party_sizes(rules: WalkerRules, random: np.random.Generator) -> list[int]:
+    """Return how many walk together, 1 for who walks alone, in the order in which they are drawn."""
+    together, sizes = round(rules.groups.share * rules.count), list[int]()
+    least = rules.groups.size_min
+    while together >= least:
+        possible = range(least, min(rules.groups.size_max, together) + 1)
+        leaving_none_alone = [size for size in possible if together - size == 0 or together - size >= least]
+        sizes.append(int(random.choice(leaving_none_alone or possible)))
+        together -= sizes[-1]
+    return sizes + [1] * (rules.count - sum(sizes))
+
+
+def _draw_party(
+    number: int,
+    size: int,
+    parties: int,
+    others: list[PedestrianSpec],
+    floor: Floor,
+    space: FreeSpace,
+    trip: Trip,
+    rules: WalkerRules,
+    random: np.random.Generator,
+) -> list[PedestrianSpec]:
+    ways = space.grid.derive(Ways)
+    for attempt in range(TRIES_A_PERSON):
+        stretch = (number / parties, (number + 1) / parties) if attempt < TRIES_A_PERSON // 2 else (0.0, 1.0)
+        waypoints = draw_round(floor, trip, rules.rounds, rules.placement, stretch, random)
+        legs = ways.round(waypoints, rules.people.radius) if len(waypoints) > 1 else []
+        for share in random.random(STARTS) if legs else ():
+            start, leg = place_on_round(legs, float(share))
+            places = _places(start, size, others, space, trip, rules)
+            if len(places) == size:
+                return _party(places, np.roll(waypoints, -leg, axis=0), number, len(others), rules)
+    raise ImpossibleScenario(
+        f"person {len(others) + 1} of {rules.count} found no place in {TRIES_A_PERSON} tries; lower task.pedestrians or task.people.radius"
+    )
+
+
+def _party(places: list[Points], waypoints: Points, number: int, first: int, rules: WalkerRules) -> list[PedestrianSpec]:
+    """Return people who walk the same round, the next waypoint first."""
+    together: dict[str, float | str] = {"group": number} if len(places) > 1 else {}
+    return [
+        PedestrianSpec(first + k, place, waypoints, rules.people.speed, rules.people.radius, together) for k, place in enumerate(places)
+    ]
+
+
+def _places(start: Points, size: int, others: list[PedestrianSpec], space: FreeSpace, trip: Trip, rules: WalkerRules) -> list[Points]:
+    """Return the start and, for who walks together, places around it; fewer than ``size`` where there is no room."""
+    angles = 2.0 * np.pi * np.arange(SIDES) / SIDES
+    around = start + BESIDE * np.stack((np.cos(angles), np.sin(angles)), axis=1)
+    taken, places = [other.position_xy for other in others], list[Points]()
+    for place in [start, *around]:
+        if _has_place(place, [*taken, *places], space, trip, rules) and space.is_visible(start, place, rules.people.radius):
+            places.append(place)
+        if not places or len(places) == size:
+            break
+    return places
+
+
+def _has_place(position: Points, taken: list[Points], space: FreeSpace, trip: Trip, rules: WalkerRules) -> bool:
+    apart = 2.0 * rules.people.radius + APART
+    free = bool(_keeps_off(position, trip, rules)) and bool(space.has_room(position, rules.clearance))
+    return free and all(np.hypot(*(position - other)) >= apart for other in taken)
+
+
+def _keeps_off(positions: Points, trip: Trip, rules: WalkerRules) -> NDArray[np.bool_]:
+    """Tell which positions (..., 2) are far enough from start and goal."""
+    ends = np.array([(end.x, end.y) for end in (trip.start, trip.goal)])
+    away = np.hypot(*np.moveaxis(positions[..., None, :] - ends, -1, 0))
+    return np.asarray((away >= rules.keep_off).all(axis=-1))

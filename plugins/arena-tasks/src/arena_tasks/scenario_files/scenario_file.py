@@ -1,0 +1,182 @@
+"""Scenario files: our own JSON format (docs/scenarios.md), read and written, and which format a file has."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+
+from arena_core import LIMITS, InputFileError, Obstacle, PedestrianSpec, Scenario, one_line, write_text_whole
+from arena_tasks.scenario_files.arena_rosnav import is_arena_rosnav, read_arena_rosnav
+from arena_tasks.scenario_files.arena_tools import is_arena_tools, read_arena_tools
+from arena_tasks.scenario_files.flatland import is_flatland, read_flatland
+from arena_tasks.scenario_files.json_fields import Field, read_json
+from arena_tasks.scenario_files.problem import MOST_REPEATS, Keys, PersonDefaults, Problem
+
+FORMAT, VERSION = "arena-scenario", 2
+READABLE = (1, VERSION)
+FOREIGN = (  # formats of other programs: whether a file has it, and what reads its problems
+    (is_arena_rosnav, read_arena_rosnav),  # ahead of arena-tools, whose name some of its files carry
+    (is_arena_tools, read_arena_tools),
+    (is_flatland, read_flatland),
+)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ScenarioFile:
+    """What a file holds: problems in their order, ``title`` says what they are, ``map`` is their map's YAML file, relative to the file.
+
+    The task takes its map from ``world``; ``map`` tells whoever packs or converts the file. Empty: the file does not say.
+    """
+
+    problems: tuple[Problem, ...]
+    title: str = ""
+    map: str = ""
+
+
+def read_scenarios(path: Path, defaults: PersonDefaults) -> tuple[Problem, ...]:
+    """Read all problems of a file in one of the formats of docs/formats.md; raise InputFileError with file and key."""
+    return read_scenario_file(path, defaults).problems
+
+
+def read_scenario_file(path: Path, defaults: PersonDefaults) -> ScenarioFile:
+    """Read a file in one of the formats of docs/formats.md; raise InputFileError with file and key."""
+    root = read_json(path)
+    if root.has("format") and root["format"].value == FORMAT:
+        return _within_limits(path, _read_ours(root, defaults))
+    for is_it, read in FOREIGN:
+        if is_it(root):
+            return _within_limits(path, ScenarioFile(read(root, defaults)))
+    raise InputFileError(
+        f"{path}: has neither format: {FORMAT} nor pedsim_agents, scenarios or robots; allowed: a file as in docs/formats.md"
+    )
+
+
+def _within_limits(path: Path, file: ScenarioFile) -> ScenarioFile:
+    """Return the file; raise InputFileError for a problem with more people or obstacles, or larger ones, than can be run."""
+    for problem in file.problems:
+        extents = [person.radius for person in problem.pedestrians]
+        extents += [max(obstacle.radius, float(np.ptp(obstacle.vertices_xy, axis=0).max())) for obstacle in problem.obstacles]
+        for what, found, most in (
+            ("people", len(problem.pedestrians), LIMITS.people),
+            ("obstacles", len(problem.obstacles), LIMITS.obstacles),
+            ("m of a body", max(extents, default=0.0), LIMITS.body_extent),
+        ):
+            if found > most:
+                raise InputFileError(f"{path}: {one_line(problem.name, 60)} has {found:g} {what}; allowed: up to {most:g}")
+    return file
+
+
+def save_scenarios(path: Path, scenarios: Sequence[Scenario | Problem], title: str = "", map_file: str = "") -> None:
+    """Write scenarios in our format, whole or not at all; ``map_file`` is their map's YAML file, relative to ``path``."""
+    said = {key: text for key, text in (("title", title), ("map", map_file)) if text}
+    content = {"format": FORMAT, "version": VERSION, **said, "scenarios": [_written(scenario) for scenario in scenarios]}
+    write_text_whole(path, _with_short_lists(json.dumps(content, indent=2, allow_nan=False)) + "\n")
+
+
+def _with_short_lists(text: str) -> str:
+    """Put each list of numbers on one line; a line break inside a text is written \\n, so none of these is one."""
+    return re.sub(r"\[\n\s+([^\[\]{}\"]*?)\n\s*\]", lambda found: "[" + re.sub(r",\n\s+", ", ", found[1]) + "]", text)
+
+
+def _read_ours(root: Field, defaults: PersonDefaults) -> ScenarioFile:
+    root.only("format", "version", "title", "map", "scenarios")
+    if root["version"].value not in READABLE:
+        raise root["version"].refused(" or ".join(map(str, READABLE)))
+    problems = tuple(_problem(field, defaults) for field in root["scenarios"].items())
+    names = set[str]()
+    for number, problem in enumerate(problems):
+        if problem.name in names:
+            raise root["scenarios"].items()[number]["name"].refused("names that differ from each other")
+        names.add(problem.name)
+    if not problems:
+        raise root["scenarios"].refused("at least one scenario")
+    title, map_file = (root[key].text() if root.has(key) else "" for key in ("title", "map"))
+    return ScenarioFile(problems, title, map_file)
+
+
+def _problem(field: Field, defaults: PersonDefaults) -> Problem:
+    field.only("name", "repeats", "start", "goal", "pedestrians", "obstacles", "goal_radius", "time_limit")
+    people = field["pedestrians"].items() if field.has("pedestrians") else []
+    obstacles = field["obstacles"].items() if field.has("obstacles") else []
+    return Problem(
+        name=field["name"].text(),
+        start=field["start"].pose(),
+        goal=field["goal"].pose(),
+        pedestrians=tuple(_person(number, person, defaults) for number, person in enumerate(people)),
+        obstacles=tuple(_obstacle(obstacle) for obstacle in obstacles),
+        goal_radius=field["goal_radius"].number(above=0.0) if field.has("goal_radius") else None,
+        time_limit=field["time_limit"].number(above=0.0) if field.has("time_limit") else None,
+        keys=Keys(field["start"].key, field["goal"].key, tuple(person.key for person in people)),
+        repeats=field["repeats"].integer(1, MOST_REPEATS) if field.has("repeats") else 1,
+    )
+
+
+def _person(number: int, field: Field, defaults: PersonDefaults) -> PedestrianSpec:
+    field.only("position", "waypoints", "max_speed", "radius", "behaviour")
+    return PedestrianSpec(
+        id=number,
+        position_xy=field["position"].position(),
+        waypoints_xy=field["waypoints"].positions() if field.has("waypoints") else np.empty((0, 2)),
+        max_speed=field["max_speed"].number(above=0.0) if field.has("max_speed") else defaults.speed,
+        radius=field["radius"].number(above=0.0) if field.has("radius") else defaults.radius,
+        behaviour={name: _behaviour(value) for name, value in field["behaviour"].entries()} if field.has("behaviour") else {},
+    )
+
+
+def _behaviour(field: Field) -> float | str:
+    return field.value if isinstance(field.value, str) else field.number()
+
+
+def _obstacle(field: Field) -> Obstacle:
+    if field.has("center"):
+        field.only("center", "radius")
+        return Obstacle(field["center"].position()[None], field["radius"].number(above=0.0))
+    field.only("vertices")
+    vertices = field["vertices"].positions()
+    if len(vertices) < 3:
+        raise field["vertices"].refused("three or more [x, y] (m)")
+    polygon = shapely.Polygon(vertices)
+    if not polygon.is_valid or polygon.area == 0.0:
+        raise InputFileError(
+            f"{field.file}: {field.key}.vertices: {shapely.is_valid_reason(polygon)}; allowed: a simple polygon with an area"
+        )
+    return Obstacle(vertices)
+
+
+def _written(scenario: Scenario | Problem) -> dict[str, Any]:
+    own = {
+        "repeats": scenario.repeats if isinstance(scenario, Problem) and scenario.repeats > 1 else None,
+        "goal_radius": scenario.goal_radius,
+        "time_limit": scenario.time_limit,
+    }
+    return {
+        "name": scenario.name,
+        "start": scenario.start.array().tolist(),
+        "goal": scenario.goal.array().tolist(),
+        **{key: value for key, value in own.items() if value is not None},
+        "pedestrians": [_written_person(person) for person in scenario.pedestrians],
+        "obstacles": [_written_obstacle(obstacle) for obstacle in scenario.obstacles],
+    }
+
+
+def _written_person(person: PedestrianSpec) -> dict[str, Any]:
+    return {
+        "position": person.position_xy.tolist(),
+        "waypoints": person.waypoints_xy.tolist(),
+        "max_speed": person.max_speed,
+        "radius": person.radius,
+        "behaviour": person.behaviour,
+    }
+
+
+def _written_obstacle(obstacle: Obstacle) -> dict[str, Any]:
+    if obstacle.radius > 0.0:
+        return {"center": obstacle.vertices_xy[0].tolist(), "radius": obstacle.radius}
+    return {"vertices": obstacle.vertices_xy.tolist()}

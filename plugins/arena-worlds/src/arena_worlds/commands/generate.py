@@ -1,0 +1,93 @@
+"""``arena world generate``: draw a world and write it as a ROS map, with a picture and its measures."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, ClassVar
+
+from omegaconf import OmegaConf
+
+from arena_core import (
+    Command,
+    NonNegativeInt,
+    Words,
+    WorldSource,
+    compose,
+    key_value,
+    load_registry,
+    option_files,
+    read_words,
+    write_text_whole,
+)
+from arena_worlds.commands.measure import ROBOT_RADIUS, table
+from arena_worlds.commands.measures import Measures, measures_of
+from arena_worlds.commands.portrait import write_portrait
+from arena_worlds.formats.map_writer import write_map
+from arena_worlds.generators.dynabarn import DynabarnWorlds
+from arena_worlds.generators.dynabarn_writer import write_set
+
+OWN = ("kind", "seed", "out")  # all other words are parameters of the world
+USAGE = "arena world generate kind=indoor out=DIR|FILE.yaml [seed=0] [difficulty=0.8] [width=...]"
+KINDS = {"barn": "cellular"}  # BARN's own worlds are files; what is drawn after its recipe has another name
+
+
+class GenerateCommand(Command):
+    """Draw a world and write it."""
+
+    help: ClassVar[str] = f"draw a world: {USAGE}"
+
+    def run(self, arguments: Sequence[str]) -> int:
+        """Write the first world of a seed as FILE.yaml, FILE.pgm, FILE.png and FILE_measures.json, and print its measures."""
+        words = read_words(USAGE, arguments, keys=OWN, overrides=None)
+        kind, out = words.required("kind"), words.required("out")
+        if kind == "dynabarn":
+            return _write_dynabarn(words)
+        path, seed = map_path(out), words.value("seed", NonNegativeInt, 0)
+        node = parameters(KINDS.get(kind, kind), dict(map(key_value, words.overrides)))
+        source: WorldSource = load_registry().build("world", node)
+        grid = source.world(seed, 0).grid
+        measures = measures_of(grid, node.get("robot_radius", ROBOT_RADIUS))
+        files = [*write_map(path, grid), path.with_suffix(".png"), path.with_name(f"{path.stem}_measures.json")]
+        write_portrait(files[2], grid, _title(node, seed))
+        write_text_whole(files[3], _report(node, seed, measures))
+        print("\n".join([*(f"written: {file}" for file in files), table(measures)]))
+        return 0
+
+    def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
+        """Return the worlds."""
+        return (
+            [f"kind={name}" for name in option_files("world", load_registry().manager)] if word.startswith("kind=") else ["kind=", "seed="]
+        )
+
+
+def _write_dynabarn(words: Words) -> int:
+    """Write a set of worlds whose obstacles move: no map could hold them."""
+    folder = Path(words.required("out"))
+    node = {**parameters("dynabarn", dict(map(key_value, words.overrides))), "draw": words.value("seed", NonNegativeInt, 0)}
+    source: DynabarnWorlds = load_registry().build("world", node)
+    print("\n".join(f"written: {path}" for path in write_set(folder, source)))
+    return 0
+
+
+def parameters(kind: str, values: Mapping[str, str]) -> dict[str, Any]:
+    """Return what ``world=KIND`` is with these parameters; raise ConfigurationError for one that it has not."""
+    overrides = [f"world.{key}={value}" for key, value in values.items()]
+    return OmegaConf.to_container(compose(overrides, f"world/{kind}").world, resolve=True)  # type: ignore[return-value]
+
+
+def map_path(out: str) -> Path:
+    """Return the YAML file of a map to write: ``out`` itself if it ends in .yaml, else map.yaml in the folder ``out``."""
+    path = Path(out)
+    return path if path.suffix == ".yaml" else path / "map.yaml"
+
+
+def _title(node: Mapping[str, Any], seed: int) -> str:
+    difficulty = f", difficulty {node['difficulty']:g}" if "difficulty" in node else ""
+    return f"{node['name']}{difficulty}, seed {seed}"
+
+
+def _report(node: Mapping[str, Any], seed: int, measures: Measures) -> str:
+    figures = {name: {"value": value, "unit": unit, "meaning": text} for name, value, unit, text in measures.rows()}
+    return json.dumps({"world": node, "seed": seed, "measures": figures}, indent=2) + "\n"

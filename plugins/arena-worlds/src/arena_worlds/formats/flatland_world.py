@@ -1,0 +1,52 @@
+"""The maps of a Flatland world: the YAML file of layers, as arena-tools' map generator writes it beside a map_server map."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from arena_core import InputFileError, tell
+from arena_worlds.formats.map_yaml import quoted, read_mapping
+
+ENDING = ".world.yaml"
+ALLOWED = "layers, each with the map: of a map_server YAML"
+
+
+def map_yamls_of(path: Path) -> list[Path]:
+    """Return the map_server YAMLs that ``path`` stands for: itself, those of a Flatland world's layers, or that of a folder.
+
+    A folder's map is that of its map.world.yaml, else its map.yaml, else its only file that ends in .world.yaml. A file is a Flatland
+    world by its name, or when it has layers and no image. Raises InputFileError for a world without a map.
+    """
+    path = _in_folder(path) if path.is_dir() else path
+    if not path.name.endswith(ENDING) and not _has_layers(path):
+        return [path]
+    keys = read_mapping(path, ALLOWED)
+    if keys.get("models"):
+        tell(f"{path}: models are not read, only layers; models belong into the scenario, as obstacles")
+    return [path.parent / name for name in dict.fromkeys(_maps(path, keys.get("layers")))]
+
+
+def _in_folder(folder: Path) -> Path:
+    worlds = sorted(folder.glob(f"*{ENDING}"))
+    usual = [folder / f"map{ENDING}", folder / "map.yaml", *(worlds if len(worlds) == 1 else [])]
+    return next((path for path in usual if path.is_file()), folder / "map.yaml")
+
+
+def _has_layers(path: Path) -> bool:
+    try:
+        keys = read_mapping(path, ALLOWED)
+    except InputFileError:
+        return False  # the reader of maps says it better
+    return "layers" in keys and "image" not in keys
+
+
+def _maps(path: Path, layers: Any) -> list[str]:
+    """Return the names of the maps of all layers; a layer without a map has nothing in it."""
+    if not isinstance(layers, list) or not all(isinstance(layer, Mapping) for layer in layers):
+        raise InputFileError(f"{path}: layers is {quoted(layers)}; allowed: {ALLOWED}")
+    maps = [layer["map"] for layer in layers if "map" in layer]
+    if not maps or not all(isinstance(name, str) and name for name in maps):
+        raise InputFileError(f"{path}: layers have the maps {quoted(maps)}; allowed: {ALLOWED}")
+    return maps

@@ -1,0 +1,106 @@
+"""A Gazebo world (SDF) read as upright static solids."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from xml.etree import ElementTree
+
+from arena_core import InputFileError, Pose
+from arena_worlds.formats.solids import Shape, Solids, solids_from
+from arena_worlds.formats.xml_file import numbers, read_xml, shown
+
+ALLOWED = "a Gazebo world file (.sdf, .world or .world.gz)"
+GROUND = "map_ground"  # the model whose plane bounds the map; any other plane is a ground without end
+UPRIGHT = 1e-6  # rad
+HARMLESS = {"model://sun", "model://ground_plane"}  # includes that nobody can bump into
+
+
+def read_sdf(path: Path) -> Solids:
+    """Read the boxes and cylinders of a Gazebo world; raise InputFileError with file, element and what is allowed.
+
+    Models have to stand still; any other collision shape is refused but for planes, the ground. Heights are not read, nor are
+    poses under ``state``.
+    """
+    return solids_of_models(path, models_of(path, read_xml(path, ALLOWED)))
+
+
+def models_of(path: Path, root: ElementTree.Element) -> list[ElementTree.Element]:
+    """Return the models of a file's one world; raise InputFileError where it has another number of them, or includes what could be hit."""
+    worlds = root.findall("world") if root.tag == "sdf" else []
+    if len(worlds) != 1:
+        raise InputFileError(f"{path}: holds {len(worlds)} elements sdf/world; allowed: a Gazebo world file, with exactly one")
+    for include in worlds[0].findall("include"):
+        uri = (include.findtext("uri") or "").strip()
+        if uri not in HARMLESS:
+            raise InputFileError(f"{path}: world/include is {shown(uri)}; allowed: models written out in the file")
+    return worlds[0].findall("model")
+
+
+def solids_of_models(path: Path, models: Sequence[ElementTree.Element]) -> Solids:
+    """Return what of models can be hit; raise InputFileError as ``read_sdf`` does."""
+    shapes = [shape for model in models for shape in _shapes(path, model, Pose(0.0, 0.0), False)]
+    if not shapes:
+        raise InputFileError(f"{path}: holds no cylinder and no box; allowed: a world with at least one, and static")
+    return solids_from(shapes)
+
+
+def _shapes(path: Path, model: ElementTree.Element, parent: Pose, static: bool) -> Iterator[Shape]:
+    name = model.get("name", "")
+    place = parent.compose(_pose(path, name, model))
+    static = static or (model.findtext("static") or "").strip().lower() in ("1", "true")
+    for link in model.findall("link"):
+        link_place = place.compose(_pose(path, name, link))
+        for collision in link.findall("collision"):
+            shape = _shape(path, name, collision, link_place.compose(_pose(path, name, collision)))
+            if shape is None:
+                continue
+            if not static:
+                said = model.findtext("static")
+                raise InputFileError(f"{path}: model {name!r}: static is {said!r}; allowed: 1 (what moves is not read)")
+            yield shape
+    for nested in model.findall("model"):
+        yield from _shapes(path, nested, place, static)
+
+
+def _shape(path: Path, name: str, collision: ElementTree.Element, place: Pose) -> Shape | None:
+    """Return a collision's shape, None for a ground plane without end."""
+    kinds = [shape.tag for shape in collision.findall("geometry/*")]
+    match kinds:
+        case ["cylinder"]:
+            return Shape("cylinder", place, tuple(measures(path, name, collision, "cylinder/radius", 1)))
+        case ["box"]:
+            return Shape("box", place, tuple(measures(path, name, collision, "box/size", 3)[:2]))
+        case ["plane"]:
+            return Shape("ground", place, tuple(measures(path, name, collision, "plane/size", 2))) if name == GROUND else None
+    raise InputFileError(
+        f"{path}: model {name!r}: geometry is {', '.join(kinds) or 'missing'}; allowed: box, cylinder (and plane, the ground)"
+    )
+
+
+def measures(path: Path, name: str, collision: ElementTree.Element, key: str, count: int) -> list[float]:
+    """Return so many lengths of a model's collision shape, m; raise InputFileError where there are others."""
+    text = collision.findtext(f"geometry/{key}") or ""
+    found = numbers(text)
+    if found is None or len(found) != count or min(found) <= 0.0:
+        wanted = "a number > 0" if count == 1 else f"{count} numbers > 0"
+        raise InputFileError(f"{path}: model {name!r}: {key.split('/')[1]} is {shown(text)}; allowed: {wanted} (m)")
+    return found
+
+
+def _pose(path: Path, name: str, element: ElementTree.Element) -> Pose:
+    """Return x, y and yaw of an element's ``pose``, the origin where it has none."""
+    pose = element.find("pose")
+    if pose is None:
+        return Pose(0.0, 0.0)
+    for attribute in ("relative_to", "frame", "degrees", "rotation_format"):
+        if pose.get(attribute, "") not in ("", "false", "euler_rpy"):
+            raise InputFileError(f"{path}: model {name!r}: pose has {attribute} {shown(pose.get(attribute, ''))}; allowed: none")
+    text = pose.text or ""
+    found = numbers(text)
+    if found is None or len(found) != 6:
+        raise InputFileError(f"{path}: model {name!r}: pose is {shown(text)}; allowed: six numbers x y z roll pitch yaw (m, rad)")
+    x, y, _, roll, pitch, yaw = found
+    if max(abs(roll), abs(pitch)) > UPRIGHT:
+        raise InputFileError(f"{path}: model {name!r}: pose has roll {roll:g} and pitch {pitch:g}; allowed: 0, upright")
+    return Pose(x, y, yaw)

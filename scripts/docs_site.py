@@ -1,0 +1,132 @@
+"""Hooks of mkdocs: pages made of files outside docs/, one for each package, and the reference of all public names."""
+
+from __future__ import annotations
+
+import ast
+import os
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from mkdocs.config.defaults import MkDocsConfig
+    from mkdocs.structure.files import Files
+    from mkdocs.structure.pages import Page
+
+TOP = Path(__file__).resolve().parents[1]
+READMES = {path.parent.name: path for path in sorted(TOP.glob("plugins/*/README.md"))}
+FROM_ELSEWHERE = {  # place in the site: file of the repository
+    "readme.md": "README.md",
+    "changelog.md": "CHANGELOG.md",
+    "contributing.md": "CONTRIBUTING.md",
+    **{f"packages/{name}.md": f"plugins/{name}/README.md" for name in READMES},
+}
+PLACES = {file: place for place, file in FROM_ELSEWHERE.items()}
+BESIDE = {  # public names that are not arena_core's own: page, the file that says what it is, and its names
+    "arena_core.testing": ("arena_core/testing/__init__.py", None),
+    "arena_gym": (
+        "plugins/arena-gym/src/arena_gym/envs.py",
+        ["arena_gym.environment.NavigationEnv", "arena_gym.vector_environment.NavigationVectorEnv"],
+    ),
+}
+LINK = re.compile(r"(?<!!)\[([^\]]*)\]\(([^)\s]+)\)")
+PICTURE = re.compile(r"(!\[[^\]]*\])\(([^)\s]+)\)")
+
+
+def on_config(config: MkDocsConfig) -> None:
+    """Append packages and reference to the navigation."""
+    assert config.nav is not None
+    config.nav.append({"Packages": [{name: f"packages/{name}.md"} for name in READMES]})
+    config.nav.append({"Reference": [{title: place} for place, (title, _) in reference().items()]})
+
+
+def on_files(files: Files, config: MkDocsConfig) -> Files:
+    """Add the pages that are no files of docs/."""
+    from mkdocs.structure.files import File
+
+    pages = {place: (TOP / file).read_text() for place, file in FROM_ELSEWHERE.items()}
+    pages |= {place: text for place, (_, text) in reference().items()}
+    for place, text in pages.items():
+        files.append(File.generated(config, place, content=text))
+    return files
+
+
+def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
+    """Lead links between files of the repository to pages of the site."""
+    place = page.file.src_uri
+    file = FROM_ELSEWHERE.get(place, f"docs/{place}")
+    parts = re.split(r"(^```.*?^```$)", markdown, flags=re.M | re.S)
+    return "".join(part if part.startswith("```") else led(part, file, place) for part in parts)
+
+
+def led(text: str, file: str, place: str) -> str:
+    """Return a text of the repository's ``file`` with links as they are in the site at ``place``."""
+
+    def link(match: re.Match[str]) -> str:
+        title, target = match.groups()
+        if target.startswith(("http:", "https:", "mailto:", "#")):
+            return match[0]
+        aim, mark, anchor = target.partition("#")
+        there = os.path.normpath(f"{os.path.dirname(file)}/{aim}") if os.path.dirname(file) else os.path.normpath(aim)
+        led_to = PLACES.get(there) or (there.removeprefix("docs/") if there.startswith("docs/") else None)
+        if led_to is None:
+            return f"{title} (`{there}` in the repository)" if there not in title else title
+        return f"[{title}]({os.path.relpath(led_to, os.path.dirname(place) or '.')}{mark}{anchor})"
+
+    def picture(match: re.Match[str]) -> str:
+        return match[1] + link(re.match(LINK, f"[]({match[2]})") or match)[2:]
+
+    return PICTURE.sub(picture, LINK.sub(link, text))
+
+
+def reference() -> dict[str, tuple[str, str]]:
+    """Return title and text of each page of the reference, by its place: one for each module that public names come from."""
+    pages = {"reference/index.md": ("All names", index())}
+    for module, names in public_names("arena_core/__init__.py").items():
+        pages[place_of(module)] = (heading(module), page_of(heading(module), source_of(module), [f"arena_core.{name}" for name in names]))
+    for module, (file, names) in BESIDE.items():
+        offered = names or [f"{module}.{name}" for found in public_names(file).values() for name in found]
+        pages[place_of(module)] = (module, page_of(module, TOP / file, offered))
+    return pages
+
+
+def page_of(title: str, file: Path, names: list[str]) -> str:
+    """Return a page: what a module says of itself, and names."""
+    said = ast.get_docstring(ast.parse(file.read_text())) or ""
+    return "\n\n".join([f"# {title}", said, *(f"::: {name}" for name in names)]) + "\n"
+
+
+def index() -> str:
+    """Return a page that lists all public names."""
+    rows = ["# All public names", "", "`from arena_core import ...`", ""]
+    for module, names in public_names("arena_core/__init__.py").items():
+        listed = ", ".join(f"[`{name}`][arena_core.{name}]" for name in sorted(names))
+        rows.append(f"- [{heading(module)}]({module}.md): {listed}")
+    rows += ["", "Beside it:", "", *(f"- [`{module}`]({module}.md)" for module in BESIDE)]
+    return "\n".join(rows) + "\n"
+
+
+def public_names(file: str) -> dict[str, list[str]]:
+    """Return the names that a package's ``__init__.py`` offers, by the module that each comes from."""
+    tree = ast.parse((TOP / file).read_text())
+    found: dict[str, list[str]] = {}
+    for node in tree.body:
+        if isinstance(node, ast.ImportFrom):
+            found.setdefault(node.module or "", []).extend(alias.asname or alias.name for alias in node.names)
+    return found
+
+
+def source_of(module: str) -> Path:
+    """Return the file of a module or a package of the core."""
+    there = TOP / module.replace(".", "/")
+    return there / "__init__.py" if there.is_dir() else there.with_suffix(".py")
+
+
+def heading(module: str) -> str:
+    """Return a module's name as a title: ``arena_core.contracts.hookspecs`` is Hookspecs."""
+    return module.rpartition(".")[2].replace("_", " ").capitalize()
+
+
+def place_of(module: str) -> str:
+    """Return the place of a module's page."""
+    return f"reference/{module}.md"

@@ -1,0 +1,123 @@
+"""The documentation and the report's page in chromium: they open from files, ask nobody for anything, and fit a desktop and a phone."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytestmark = pytest.mark.browser
+
+TOP = Path(__file__).resolve().parents[2]
+WIDTHS = {"desktop": 1280, "phone": 390}  # CSS pixels
+PATIENCE = 120_000  # ms, on a busy machine
+DRIVES = (
+    "world=empty world.width=8 world.height=8 task.pedestrians=1 localizer=ground_truth episodes=3 executor=serial hydra.sweep.dir=runs"
+)
+
+
+@dataclass
+class Opened:
+    """What a page said and asked for since it was opened."""
+
+    page: Any
+    complaints: list[str] = field(default_factory=list)
+    requests: list[str] = field(default_factory=list)
+
+    @property
+    def overflow(self) -> int:
+        """Return by how many pixels the page is wider than its window."""
+        return int(self.page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth"))
+
+
+@pytest.fixture(scope="session")
+def chromium() -> Iterator[Any]:
+    """Start the browser: the system's chromium, else playwright's own."""
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(params=WIDTHS)
+def show(chromium: Any, request: pytest.FixtureRequest) -> Iterator[Callable[[Path], Opened]]:
+    """Open a file in a window of one of the widths."""
+    page = chromium.new_page(viewport={"width": WIDTHS[request.param], "height": 900})
+    page.set_default_timeout(PATIENCE)
+    opened = Opened(page)
+    page.on("console", lambda message: opened.complaints.append(message.text) if message.type in ("error", "warning") else None)
+    page.on("pageerror", lambda error: opened.complaints.append(str(error)))
+    page.on("request", lambda asked: opened.requests.append(asked.url))
+
+    def open_file(path: Path) -> Opened:
+        opened.complaints.clear()
+        opened.requests.clear()
+        page.goto(path.as_uri())
+        return opened
+
+    yield open_file
+    page.close()
+
+
+@pytest.fixture(scope="session")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Build the documentation, where a warning is an error."""
+    folder = tmp_path_factory.mktemp("site")
+    words = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", str(folder)]
+    built = subprocess.run(words, cwd=TOP, env={**os.environ, "NO_MKDOCS_2_WARNING": "1"}, capture_output=True, text=True)
+    assert built.returncode == 0, built.stderr
+    return folder
+
+
+@pytest.fixture(scope="session")
+def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Compare two planners and return the report's page."""
+    folder = tmp_path_factory.mktemp("report")
+    words = [str(TOP / ".venv" / "bin" / "arena"), "run", "-m", "planner=dwa,pure_pursuit", "robot=jackal", *DRIVES.split()]
+    subprocess.run(words, cwd=folder, check=True, capture_output=True)
+    (page,) = folder.rglob("index.html")
+    return page
+
+
+def test_every_page_of_the_documentation_opens_and_fits(site: Path, show: Callable[[Path], Opened]) -> None:
+    pages = sorted(path for path in site.rglob("*.html") if path.name != "404.html")  # that one is for a server's root
+    assert len(pages) > 80
+    wrong = {}
+    for path in pages:
+        opened = show(path)
+        elsewhere = [url for url in opened.requests if not url.startswith(("file:", "data:", "about:"))]
+        if opened.complaints or elsewhere or opened.overflow > 0:
+            wrong[str(path.relative_to(site))] = [*opened.complaints, *elsewhere, f"{opened.overflow} pixels too wide"]
+    assert wrong == {}
+
+
+def test_documentation_is_searched_without_a_server(site: Path, show: Callable[[Path], Opened]) -> None:
+    page = show(site / "index.html").page
+    button = page.locator("label.md-header__button[for=__search]")
+    (button if button.is_visible() else page.locator(".md-search__input")).click()
+    page.keyboard.type("LaserScan", delay=20)
+    page.wait_for_selector(".md-search-result__item")
+    assert "LaserScan" in page.inner_text(".md-search-result__list")
+
+
+def test_reference_shows_signature_types_and_docstring(site: Path, show: Callable[[Path], Opened]) -> None:
+    text = show(site / "reference" / "arena_core.values.sensing.html").page.inner_text("article")
+    assert "ranges: NDArray[float32]" in text
+    assert "+inf where nothing was hit within range_max" in text
+
+
+def test_report_opens_and_fits(report: Path, show: Callable[[Path], Opened]) -> None:
+    opened = show(report)
+    assert opened.complaints == []
+    assert [url for url in opened.requests if not url.startswith(("file:", "data:"))] == []
+    assert opened.overflow <= 0
+    assert "pure_pursuit" in opened.page.inner_text("body")

@@ -1,0 +1,280 @@
+"""Every command of the documentation: quick ones are run as they stand, block by block; what drives, trains or measures is composed."""
+
+import json
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import tomllib
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from arena_aio.choices_command import USAGE as CHOICES
+from arena_core import load_registry
+from arena_core.config.configuration import compose, option_files
+from arena_core.config.plugins import load_plugins
+from arena_crowds.validation.command import EXPERIMENTS
+from arena_crowds.validation.measure import read_request
+from arena_navrep.navrep_command import STAGES
+
+TOP = Path(__file__).resolve().parents[1]
+DRAWN = TOP / "tests" / "data"
+PAGES = sorted([*TOP.glob("*.md"), *TOP.glob("docs/*.md"), *TOP.glob("plugins/*/README.md")])
+FIRST = r"(?:(?:arena|make|pip|python|git|for|\.) |scripts/|[A-Z_]+=\S+ (?:make|arena) )"
+USAGE = re.compile(r"\[-m\]|\[\w+=|DIR\.\.\.|KEY=VALUE|\bNAME\b|  +")  # words of a synopsis
+OWN = re.compile(r"\bmy_\w+|\bmine\b")  # what a reader has made
+COMMANDS = set(load_registry().names("command"))
+
+
+@dataclass(frozen=True)
+class Block:
+    """The commands of one block of a page, each with the line that follows it."""
+
+    page: str
+    commands: tuple[tuple[str, str], ...]
+
+    @property
+    def name(self):
+        return f"{self.page}: {self.commands[0][0][:50]}"
+
+
+def blocks():
+    for path in PAGES:
+        for language, text in re.findall(r"^```(\w*)\n(.*?)^```$", path.read_text(), re.M | re.S):
+            lines = [re.sub(r"(^|\s+)#.*$", "", line).strip() for line in re.sub(r"\s*\\\n\s*", " ", text).splitlines()]
+            bare = [line.removeprefix("$ ") for line in lines] + [""]
+            found = [(line, after) for line, after in pairwise(bare) if re.match(FIRST + r"(?!\s)", line) and not USAGE.search(line)]
+            if found and not language:
+                yield Block(str(path.relative_to(TOP)), tuple(found))
+
+
+BLOCKS = list(blocks())
+
+
+def values(word):
+    """Return key and values of KEY=A,B; a bracketed list is one value."""
+    key, value = word.split("=", 1)
+    return key, [value] if value.startswith(("[", "{", '"')) else value.split(",")
+
+
+def composed(words, primary="config"):
+    """Compose with the first of each list of values; the others have to be options of their group."""
+    first, groups = [], load_plugins()
+    for word in words:
+        if "=" not in word:
+            assert word in ("-m", "--multirun"), word
+            continue
+        key, offered = values(word)
+        offered = [value for value in offered if not OWN.fullmatch(value)]
+        first += [f"{key}={offered[0]}"] if offered else []
+        if re.fullmatch(r"\w+", key) and len(offered) > 1:
+            options = set(option_files(key, groups))
+            assert set(offered) <= options or not options, word
+    return compose(first, primary)
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    """Return the folder of one short run, made by the command line in a process of its own."""
+    folder = tmp_path_factory.mktemp("finished")
+    words = "planner=pure_pursuit world=empty world.width=6 world.height=6 task.pedestrians=0 episodes=2 executor=serial hydra.run.dir=run"
+    arena = TOP / ".venv" / "bin" / "arena"
+    subprocess.run([shutil.which("arena") or arena, "run", *words.split(), "report=false"], cwd=folder, check=True, capture_output=True)
+    return folder / "run"
+
+
+@pytest.fixture
+def shell(arena, third_party, finished, monkeypatch):
+    """Return what runs or validates a command, in a folder with what the documentation's reader has: maps, scenarios, a pack, runs."""
+    copies = {
+        "maps/hall/map.yaml": ("site.yaml", "map.yaml", "maps/hall/map.yaml", "maps/small_warehouse/map.yaml"),
+        "maps/hall/map.pgm": ("map.pgm", "maps/hall/map.pgm", "maps/small_warehouse/map.pgm"),
+        "scenarios/hall_obs03.json": ("scenario.json", "small_warehouse_obs05.json", "map5_obs05.json"),
+    }
+    for source, targets in copies.items():
+        for target in targets:
+            Path(target).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(DRAWN / source, target)
+    write_packs()
+    for name in ("outputs/2026-01-31/12-00-00", "multirun/teb", "multirun/dwa", "multirun/aio"):
+        shutil.copytree(finished, name)
+    return Shell(arena, third_party)
+
+
+def write_packs():
+    """Write two packs, a scenario of arena-rosnav and a file with an impossible problem, from the drawn ones."""
+    problem = {"name": "monday", "start": [1.0, 4.0], "goal": [11.0, 4.0]}
+    for pack in ("my_pack", "src/my_scenarios/my_pack"):
+        for folder in ("maps", "scenarios"):
+            Path(pack, folder).mkdir(parents=True)
+        Image.open("map.pgm").save(Path(pack, "maps", "lab.png"))
+        Path(pack, "maps", "lab.yaml").write_text(Path("map.yaml").read_text().replace("map.pgm", "lab.png"))
+        content = {"format": "arena-scenario", "version": 2, "map": "../maps/lab.yaml", "scenarios": [problem]}
+        Path(pack, "scenarios", "monday.json").write_text(json.dumps(content))
+    impossible = {**problem, "name": "corner", "start": [-1.0, -1.0]}
+    Path("scenes.json").write_text(json.dumps({"format": "arena-scenario", "version": 2, "scenarios": [problem, impossible]}))
+    world = Path("worlds/small_warehouse/scenarios/default.json")
+    world.parent.mkdir(parents=True)
+    world.write_text(json.dumps({"robots": [{"start": [1.0, 4.0], "goal": [11.0, 4.0]}], "obstacles": {"static": [], "dynamic": []}}))
+
+
+class Shell:
+    """Runs what is quick and validates what is not; whatever it does not know fails."""
+
+    def __init__(self, arena, third_party):
+        self.arena, self.third_party = arena, third_party
+
+    def __call__(self, line, after):
+        if after.startswith("arena: "):
+            return self.refused(line, after)
+        words = shlex.split(line)
+        while "=" in words[0]:  # VARIABLE=VALUE before a command
+            words.pop(0)
+        kind = words[0] if words[0] != "arena" else f"arena {words[1]}"
+        known = {
+            **{"arena run": self.composed, "arena train": self.train, "arena navrep": self.navrep, "arena choices": self.composed},
+            **{"arena crowd": self.crowd, "arena check": self.check, "make": self.make, "pip": self.pip, "python": self.python},
+            **{"for": self.loop, ".": lambda words: None, "git": lambda words: None},
+        }
+        if kind.startswith("scripts/"):
+            assert (TOP / kind).is_file()
+        elif kind in known:
+            known[kind](words[1:] if " " not in kind else words[2:])
+        else:
+            assert words[0] == "arena"
+            assert words[1] in COMMANDS
+            impossible = "scenes.json" in words  # one of its problems is, and the status says so
+            assert self.arena(*words[1:]).status == impossible
+        return None
+
+    def refused(self, line, after):
+        """The documentation shows the refusal: it is the one that comes, up to what is installed elsewhere."""
+        answer = self.arena(*shlex.split(line)[1:], "hydra.run.dir=run")
+        assert answer.status == 2
+        assert answer.line.partition("(possible")[0] == after.partition("(possible")[0]
+
+    def composed(self, words):
+        composed(words)
+
+    def train(self, words):
+        recipe = ["recipe=" + word.partition("=")[2] for word in words if word.startswith("planner=")]
+        composed([*recipe, *(word for word in words if not word.startswith(("planner=", "out=", "resume=")))], "train")
+
+    def navrep(self, words):
+        stage, *rest = words
+        if stage == "evidence":
+            assert all(word.startswith(("policy=", "out=", "episodes=", "seed=")) for word in rest)
+        else:
+            assert stage in (*STAGES, "all")
+            composed([word for word in rest if not word.startswith(("out=", "resume="))], "world_model")
+
+    def crowd(self, words):
+        what, *rest = words
+        if what == "measure":
+            read_request(rest)
+            return
+        assert what == "validate"
+        assert {word for word in rest if "=" not in word} <= set(EXPERIMENTS)
+        composed([word for word in rest if word.startswith("pedestrians")], "component")
+
+    def check(self, words):
+        if words == ["planner=my_planner"]:
+            assert self.arena("check", *words).status == 0
+        elif words != ["all"]:
+            composed(words, "component")
+
+    def make(self, words):
+        subprocess.run(["make", "--dry-run", *words], cwd=TOP, check=True, capture_output=True)
+
+    def pip(self, words):
+        """Nothing is on an index yet: what is installed are folders, with all that they need of the suite."""
+        assert words[0] == "install"
+        if words[1] == "-e":
+            self.install(Path(words[2]))
+            return
+        folders = {re.sub(r"\[\w+\]$", "", word) for word in words[1:]}
+        assert all((TOP / folder / "pyproject.toml").is_file() for folder in folders), words
+        there = {project(folder)["name"] for folder in folders | set(BASE)}
+        needed = {re.match(r"[\w-]+", line)[0] for folder in folders for line in project(folder)["dependencies"]}
+        assert {name for name in needed if name.startswith("arena-")} <= there, words
+
+    def install(self, folder):
+        """Make a package that ``arena new`` wrote look installed."""
+        if not folder.is_dir():
+            assert (TOP / "plugins" / folder).is_dir()
+            return
+        said = tomllib.loads((folder / "pyproject.toml").read_text())["project"]
+        ((name, module),) = said["entry-points"]["arena"].items()
+        self.third_party.write(f"{module}-0.1.0.dist-info/METADATA", f"Metadata-Version: 2.1\nName: {said['name']}\nVersion: 0.1.0\n")
+        self.third_party.write(f"{module}-0.1.0.dist-info/entry_points.txt", f"[arena]\n{name} = {module}\n")
+        os.symlink(folder.resolve() / module, self.third_party.folder / module)
+
+    def python(self, words):
+        if words[0] == "-m":
+            assert words[1] == "benchmarks"
+            assert all((TOP / "benchmarks" / f"bench_{word}.py").is_file() for word in words[2:])
+            return
+        text = (TOP / words[0]).read_text()
+        assert all(f'"{word}"' in text for word in words[1:] if word.startswith("--"))
+
+    def loop(self, words):
+        inner = " ".join(words).partition("; do ")[2].partition(";")[0]
+        self(re.sub(r"\$\w+", "0", inner), "")
+
+
+def project(folder):
+    return tomllib.loads((TOP / folder / "pyproject.toml").read_text())["project"]
+
+
+# what README installs first, which other packages stand on
+BASE = next(shlex.split(line)[2:] for block in BLOCKS if block.page == "README.md" for line, _ in block.commands if line.startswith("pip "))
+
+
+@pytest.mark.parametrize("block", BLOCKS, ids=lambda block: block.name)
+def test_commands_of_the_documentation_can_be_given(block, shell):
+    for line, after in block.commands:
+        shell(line, after)
+
+
+def test_there_are_commands():
+    assert len([line for block in BLOCKS for line, _ in block.commands]) > 150
+
+
+def test_what_is_installed_first_runs_the_first_planner():
+    """The list of README is complete: every package's needs are in it."""
+    needed = {re.match(r"[\w-]+", line)[0] for folder in BASE for line in project(folder)["dependencies"]}
+    assert {name for name in needed if name.startswith("arena-")} <= {project(folder)["name"] for folder in BASE}
+    assert "plugins/arena-dwa" in BASE
+
+
+def named():
+    """Yield what is named in running text: `make target`, `arena command`, `scripts/file`, `python file`."""
+    for path in PAGES:
+        text = re.sub(r"^```.*?^```$", "", path.read_text(), flags=re.M | re.S)
+        for kind, name in re.findall(r"`(make|arena|python(?: -m benchmarks)?) ([a-z-][\w./-]*)[^`]*`", text):
+            if "NAME" not in name:
+                yield path.relative_to(TOP), kind, name
+        files = re.findall(r"`(scripts/[\w.]+)[^`]*`", text)
+        yield from ((path.relative_to(TOP), "file", name) for name in files if "NAME" not in name)
+
+
+def test_what_running_text_names_is_there():
+    targets = set(re.findall(r"^([\w-]+):", (TOP / "Makefile").read_text(), re.M)) | {"test-browser"}
+    for page, kind, name in set(named()):
+        there = {
+            "make": name in targets,
+            "arena": name in COMMANDS or name in ("--help", "--version"),
+            "python": name == "-m" or (TOP / name).is_file(),
+            "python -m benchmarks": (TOP / "benchmarks" / f"bench_{name}.py").is_file(),
+            "file": (TOP / name).is_file(),
+        }
+        assert there[kind], (page, kind, name)
+
+
+def test_choices_takes_what_a_run_takes():
+    assert "[KEY=VALUE ...]" in CHOICES

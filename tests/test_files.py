@@ -1,0 +1,173 @@
+"""Files that do harm elsewhere are refused in one line: they are too large, damaged, no files, or lead out of their folder."""
+
+import gzip
+import os
+import struct
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from arena_core import LIMITS, InputFileError, harmless, read_array, read_arrays, read_bytes, read_json, read_record, read_table, read_yaml
+from arena_core.loop.recording import check_inside, write_record
+from arena_core.testing import record
+
+
+def refused(read, path, *words):
+    with pytest.raises(InputFileError) as caught:
+        read(path, *words, "a good one") if read is not read_record else read(path)
+    line = str(caught.value)
+    assert line.startswith(str(path))
+    assert "\n" not in line
+    return line
+
+
+@pytest.mark.parametrize(
+    "text", ["!!bool x", "!!int ''", "!!float ''", "!!timestamp x", "a: &a [*a]", "a: 1\na: 2", "? [1]\n: 2", "[" * 3000, "\x01"]
+)
+def test_yaml_that_its_own_reader_stumbles_over_is_one_line(tmp_path, text):
+    (tmp_path / "a.yaml").write_text(text)
+    assert "is no YAML" in refused(read_yaml, tmp_path / "a.yaml")
+
+
+@pytest.mark.parametrize("text", ["[" * 100_000, '{"a": 1, "a": 2}', "NaN", "1" * 5000, "{", '"\udc80"'])
+def test_json_of_deep_brackets_or_no_json_is_one_line(tmp_path, text):
+    (tmp_path / "a.json").write_bytes(text.encode("utf-8", "surrogateescape"))
+    assert "is no" in refused(read_json, tmp_path / "a.json")
+
+
+def header_of(text):
+    return b"\x93NUMPY\x01\x00" + struct.pack("<H", len(text)) + text
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"PK\x03\x04 and no more",
+        b"\x93NUMPY\x09\x09",
+        header_of(b"{'descr': '<f8', 'fortran_order': False, 'shape': (3,), }'''"),
+        header_of(b"(" * 300),
+        header_of(b"{'descr': '|O', 'fortran_order': False, 'shape': (1,), }") + bytes(8),
+        header_of(b"{'descr': '<f8', 'fortran_order': False, 'shape': (1000000000000,), }"),
+        header_of(b"{'descr': '<f8', 'fortran_order': False, 'shape': (-3,), }"),
+        header_of(b"{'descr': '<f8', 'fortran_order': False, 'shape': (3,), }") + bytes(7),
+    ],
+)
+def test_an_array_with_a_damaged_header_or_no_room_is_one_line(tmp_path, content):
+    (tmp_path / "a.npy").write_bytes(content)
+    assert "is no NumPy file" in refused(read_array, tmp_path / "a.npy")
+
+
+def test_arrays_are_read_as_they_were_written(tmp_path):
+    arrays = {"a": np.arange(6.0).reshape(2, 3).T, "b": np.array("text"), "c": np.zeros((0, 3), np.int8), "d": np.array(True)}
+    np.savez_compressed(tmp_path / "a.npz", **arrays)
+    read = read_arrays(tmp_path / "a.npz", "arrays")
+    assert read.keys() == arrays.keys()
+    for name, array in arrays.items():
+        assert np.array_equal(read[name], array)
+        assert (read[name].dtype, read[name].shape) == (array.dtype, array.shape)
+    np.save(tmp_path / "a.npy", arrays["a"])
+    assert np.array_equal(read_array(tmp_path / "a.npy", "an array"), arrays["a"])
+
+
+def test_an_archive_that_would_fill_the_memory_is_refused_before_it_is_unpacked(tmp_path):
+    with zipfile.ZipFile(tmp_path / "a.npz", "w", zipfile.ZIP_DEFLATED) as archive, archive.open("a.npy", "w", force_zip64=True) as member:
+        for _ in range(LIMITS.arrays_bytes // 10**7 + 1):
+            member.write(bytes(10**7))
+    assert (tmp_path / "a.npz").stat().st_size < 10**6
+    assert "at most" in refused(read_arrays, tmp_path / "a.npz")
+
+
+def test_a_gzip_file_is_unpacked_no_further_than_its_limit(tmp_path):
+    with gzip.open(tmp_path / "a.gz", "wb", compresslevel=1) as file:
+        file.write(bytes(10**6))
+    assert "larger than 999999 bytes unpacked" in refused(read_bytes, tmp_path / "a.gz", 10**6 - 1)
+    assert len(read_bytes(tmp_path / "a.gz", 10**6, "zeros")) == 10**6
+
+
+def test_what_is_no_file_is_refused_at_once(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    for path in (tmp_path, tmp_path / "pipe", Path("/dev/zero")):
+        assert "it is no file" in refused(read_bytes, path, 100)
+    assert "No such file" in refused(read_bytes, tmp_path / "gone", 100)
+
+
+def test_a_table_with_a_row_of_another_length_is_refused(tmp_path):
+    (tmp_path / "a.csv").write_text("a,b\n1,2\n3\n")
+    assert "line 3 has another number of fields" in refused(read_table, tmp_path / "a.csv")
+
+
+@pytest.mark.parametrize("text", ["=1+1", "@SUM(A1)", "+cmd|' /C calc'!A0", "-2+3+cmd|' /C calc'!A0", "\t=1", "\r=1"])
+def test_a_text_that_a_spreadsheet_would_run_begins_with_an_apostrophe(text):
+    assert harmless(text) == f"'{text}"
+
+
+@pytest.mark.parametrize("value", ["-1.5", "-0.2 (-0.4 – 0.1)", "+3", "-inf", "goal_reached", "", 3, -1.5, None])
+def test_figures_and_plain_texts_stay_as_they_are(value):
+    assert harmless(value) == value
+
+
+def test_a_record_that_is_a_link_out_of_its_run_is_not_read_and_none_is_written_through_one(tmp_path):
+    write_record(tmp_path / "other", 0, record())
+    (tmp_path / "run" / "records").mkdir(parents=True)
+    (tmp_path / "run" / "records" / "0000.npz").symlink_to(tmp_path / "other" / "records" / "0000.npz")
+    assert "leads out of" in refused(read_record, tmp_path / "run" / "records" / "0000.npz")
+    (tmp_path / "linked").mkdir()
+    (tmp_path / "linked" / "records").symlink_to(tmp_path / "other" / "records")
+    with pytest.raises(InputFileError, match="leads out of"):
+        write_record(tmp_path / "linked", 1, record())
+    assert [path.name for path in (tmp_path / "other" / "records").iterdir()] == ["0000.npz"]
+    with pytest.raises(InputFileError, match="leads out of"):
+        check_inside(tmp_path / "run", tmp_path / "run" / ".." / "other")
+
+
+@pytest.mark.parametrize("grid", ["/etc/passwd", "../../x.npz", "worlds/../../x.npz", "", None, "a\\b", "a\0b"])
+def test_a_record_whose_map_lies_outside_its_run_is_refused(tmp_path, grid):
+    good = record()
+    write_record(tmp_path, 0, type(good)(good.arrays, {**good.meta, "world": {"grid": grid}}, good.timing))
+    assert "world.grid lies outside" in refused(read_record, tmp_path / "records" / "0000.npz")
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"pose": np.zeros((3, 3))}, {"stamp": np.array(["a"] * 31)}, {"contact_kind": np.array([7])}, {"path_offsets": np.array([0, 9])}],
+)
+def test_a_record_with_arrays_of_another_extent_or_kind_is_refused(tmp_path, change):
+    good = record()
+    write_record(tmp_path, 0, type(good)({**good.arrays, **change}, good.meta, good.timing))
+    assert "no record (" in refused(read_record, tmp_path / "records" / "0000.npz")
+
+
+BASE = ("planner=pure_pursuit", "robot=jackal", "world=empty", "executor=serial", "report=false", "hydra.run.dir=run")
+
+
+@pytest.mark.parametrize(
+    ("word", "message"),
+    [
+        ("robot.lidar.beams=1000000000", "robot.lidar.beams is 1000000000; allowed: >= 1 and <= 10000"),
+        ("episodes=99999999999999999999", "episodes is 99999999999999999999; allowed: "),
+        ("episodes=100001", "episodes is 100001; allowed: >= 1 and <= 100000"),
+        ("executor=processes", "executor.workers is 100000; allowed: >= 1 and <= 1024"),
+        ("simulator.inner_step=1e-12", "simulator.inner_step is 1e-12; allowed: 0.0001 .. 10"),
+        ("robot.limits.vx_max=inf", "robot.limits.vx_max is inf; allowed: a number up to 1e+06, of either sign"),
+        ("task.time_limit=1e308", "task.time_limit is 1e+308; allowed: a number up to 1e+06"),
+        ("task.people.radius=inf", "task.people.radius is inf; allowed: a number up to 1e+06"),
+        ("timing.latency=1e308", "timing.latency is 1e+308; allowed: a number up to 1e+06"),
+        ("replan.period=1e-300", "replan.period is 1e-300; allowed: > 0, and 1e-09 at least"),
+        ("+planner.control_period=inf", "planner.control_period is inf; allowed: a number up to 1e+06"),
+        ("+x.y.z=1", "the configuration has a key x that nothing reads (possible: robot, "),
+        (f"hydra.run.dir={'/'.join(['a'] * 2000)}", "hydra.run.dir has 2000 parts; allowed: up to 64 folders inside each other"),
+    ],
+)
+def test_nonsense_in_a_configuration_is_one_line_and_status_2(arena, word, message):
+    answer = arena("run", *BASE, *(["executor=processes", "executor.workers=100000"] if word.startswith("executor=") else [word]))
+    assert answer.status == 2
+    assert answer.line.startswith(f"arena: {message}")
+
+
+def test_a_folder_with_a_name_that_none_can_have_is_one_line(arena):
+    answer = arena("evaluate", "a" * 2000)
+    assert answer.status == 2
+    assert "cannot be read" in answer.line

@@ -1,0 +1,34 @@
+"""What `arena run` does beside running: its help, and the configurations that it would run."""
+
+from pathlib import Path
+
+import pytest
+import yaml
+
+
+@pytest.mark.parametrize("words", [("--help",), ("planner=dwa", "-h")])
+def test_help_explains_multiruns_resuming_sweeps_and_configurations(arena, words):
+    answer = arena("run", *words)
+    assert (answer.status, answer.errors) == (0, [])
+    assert all(f" {word}" in answer.out for word in ("-m", "resume=true", "hydra/sweeper=optuna", "hydra/launcher=joblib", "--cfg job"))
+    assert max(map(len, answer.out.splitlines())) < 140
+
+
+def test_the_configurations_of_a_multirun_are_shown_and_nothing_is_left(arena):
+    answer = arena("run", "-m", "planner=pure_pursuit", "planner.gain=1,2", "robot=jackal", "--cfg", "job")
+    assert (answer.status, answer.errors) == (0, [])
+    jobs = list(yaml.safe_load_all(answer.out))
+    assert [(job["planner"]["gain"], job["robot"]["name"]) for job in jobs] == [(1, "jackal"), (2, "jackal")]
+    assert "# 1: planner=pure_pursuit planner.gain=2 robot=jackal\n" in answer.out
+    assert list(Path().iterdir()) == []
+
+
+def test_hydras_own_part_is_shown_resolved(arena):
+    answer = arena("run", "--cfg", "hydra", "--resolve", "-m", "planner=pure_pursuit,dwa", "hydra.sweep.dir=sweep")
+    assert [job["hydra"]["sweep"] for job in yaml.safe_load_all(answer.out)] == [{"dir": "sweep", "subdir": str(k)} for k in range(2)]
+
+
+def test_a_wrong_job_is_refused_when_it_is_shown(arena):
+    answer = arena("run", "-m", "planner=pure_pursuit,dwaa", "--cfg", "job")
+    assert answer.status == 2
+    assert answer.line.startswith("arena: unknown planner 'dwaa'")

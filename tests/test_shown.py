@@ -1,0 +1,129 @@
+"""What a planner sees is its own and cannot be written to; what it does to it changes nothing that others read or that is recorded."""
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from arena_core import build_benchmark, compose, load_registry, plain, read_record
+from arena_core.base.frozen import frozen
+
+QUICK = (
+    *("planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=8", "world.height=8", "task.pedestrians=2"),
+    *("localizer=ground_truth", "task.time_limit=4", "recording.scans=true", "tracker=kalman"),
+)
+
+
+def arrays_of(value, name="observation"):
+    """Yield every array that attributes lead to, by its name."""
+    if isinstance(value, np.ndarray):
+        yield name, value
+        return
+    if dataclasses.is_dataclass(value):
+        for attribute in dir(value):
+            if not attribute.startswith("_") and not callable(getattr(value, attribute)):
+                yield from arrays_of(getattr(value, attribute), f"{name}.{attribute}")
+
+
+def tamper(observation):
+    """Do what a careless or cheating planner can do to what it is shown; return how many arrays withstood."""
+    withstood = 0
+    for name, array in arrays_of(observation):
+        for way in (lambda a: a.__setitem__(..., 0), lambda a: setattr(a.flags, "writeable", True), lambda a: a.fill(0)):
+            with pytest.raises(ValueError):  # noqa: PT011 - numpy's words for it differ
+                way(array)
+        assert array.base is None or isinstance(array.base, bytes), name
+        withstood += 1
+    for pose in (observation.pose, observation.goal, observation.waypoint, observation.scan.mount):
+        object.__setattr__(pose, "x", 1e3)
+    object.__setattr__(observation.scan, "ranges", np.zeros(3, np.float32))
+    if observation.map is not None:
+        object.__setattr__(observation.map.origin, "x", 1e3)
+        observation.map._derived.clear()
+    return withstood
+
+
+def record_of(folder, meddle):
+    config = plain(compose(QUICK))
+    run = build_benchmark({**config, "choices": {}}, load_registry())
+    planner, seen = run.navigator.planner, []
+    compute = planner.compute_velocity
+
+    def compute_velocity(observation):
+        command = compute(observation)
+        observation.local_map, observation.tracks  # noqa: B018 - both are computed when asked for
+        seen.append(tamper(observation) if meddle else 0)
+        return command
+
+    planner.compute_velocity = compute_velocity
+    return run.run(0, folder), seen
+
+
+def test_a_planner_that_writes_to_all_it_sees_changes_neither_the_drive_nor_its_record(tmp_path):
+    honest, _ = record_of(tmp_path / "honest", False)
+    altered, withstood = record_of(tmp_path / "altered", True)
+    assert min(withstood) >= 12
+    assert len(withstood) > 10
+    assert honest.meta == altered.meta
+    assert honest.arrays.keys() == altered.arrays.keys()
+    for name, values in honest.arrays.items():
+        assert np.array_equal(values, altered[name], equal_nan=values.dtype.kind == "f"), name
+
+
+def test_a_planner_has_a_robot_and_a_map_of_its_own(tmp_path):
+    run = build_benchmark({**plain(compose(QUICK)), "choices": {}}, load_registry())
+    starts = []
+    run.navigator.planner.reset = starts.append
+    run.run(0, tmp_path)
+    scenario = run.task.scenario(run.settings.seed, 0)
+    shown = starts[0].map
+    assert shown is not scenario.world.grid
+    assert shown.data is scenario.world.grid.data or np.array_equal(shown.data, scenario.world.grid.data)
+    assert starts[0].goal == scenario.goal
+    assert starts[0].goal is not scenario.goal
+    assert run.robot.footprint.vertices_xy.flags.writeable is False
+
+
+@pytest.mark.parametrize("array", [np.arange(6.0).reshape(2, 3), np.zeros((0, 3)), np.arange(4, dtype=np.int32)[::2], np.array(True)])
+def test_a_frozen_array_has_the_same_values_and_nothing_leads_to_memory_that_can_be_written(array):
+    copy = frozen(array)
+    assert np.array_equal(copy, array)
+    assert (copy.dtype, copy.shape) == (array.dtype, array.shape)
+    assert isinstance(copy.base, bytes)
+    assert frozen(copy) is copy
+    with pytest.raises(ValueError, match="cannot set WRITEABLE flag"):
+        copy.flags.writeable = True
+
+
+def test_what_is_recorded_is_taken_before_the_planner_decides(third_party, arena):
+    third_party.package(
+        "eraser",
+        """
+        from arena_core import Planner, Robot, Twist, hookimpl
+
+        class Eraser(Planner):
+            def __init__(self, robot: Robot) -> None:
+                pass
+
+            def compute_velocity(self, observation):
+                object.__setattr__(observation.pose, "x", -5.0)
+                object.__setattr__(observation.waypoint, "x", -5.0)
+                object.__setattr__(observation.path, "poses", None)
+                return Twist(0.1)
+
+        @hookimpl
+        def register_planners(register):
+            register("eraser", Eraser)
+
+        @hookimpl
+        def config_package():
+            return "eraser.conf"
+        """,
+        {"planner/eraser": "name: eraser\n"},
+    )
+    words = [word for word in QUICK if not word.startswith("planner=")]
+    assert arena("run", "planner=eraser", *words, "episodes=1", "executor=serial", "report=false", "hydra.run.dir=run").status == 0
+    record = read_record(Path("run/records/0000.npz"))
+    assert record["estimate"][:, 0].min() > 0.0
+    assert record["waypoint"][:, 0].min() > 0.0
