@@ -27,6 +27,7 @@ DRAWN = TOP / "tests" / "data"
 PAGES = sorted([*TOP.glob("*.md"), *TOP.glob("docs/*.md"), *TOP.glob("plugins/*/README.md")])
 FIRST = r"(?:(?:arena|make|pip|python|git|for|\.) |scripts/|[A-Z_]+=\S+ (?:make|arena) )"
 USAGE = re.compile(r"\[-m\]|\[\w+=|DIR\.\.\.|KEY=VALUE|\bNAME\b|  +")  # words of a synopsis
+SOUGHT = re.compile(r"\w+\(")  # a range of which a sweeper tries some values
 OWN = re.compile(r"\bmy_\w+|\bmine\b")  # what a reader has made
 COMMANDS = set(load_registry().names("command"))
 
@@ -57,9 +58,9 @@ BLOCKS = list(blocks())
 
 
 def values(word):
-    """Return key and values of KEY=A,B; a bracketed list is one value."""
+    """Return key and values of KEY=A,B; a bracketed list and a range are one value."""
     key, value = word.split("=", 1)
-    return key, [value] if value.startswith(("[", "{", '"')) else value.split(",")
+    return key, [value] if re.match(r"[\[{\"]|\w+\(", value) else value.split(",")
 
 
 def composed(words, primary="config"):
@@ -70,7 +71,7 @@ def composed(words, primary="config"):
             assert word in ("-m", "--multirun"), word
             continue
         key, offered = values(word)
-        offered = [value for value in offered if not OWN.fullmatch(value)]
+        offered = [value for value in offered if not OWN.fullmatch(value) and not SOUGHT.match(value)]
         first += [f"{key}={offered[0]}"] if offered else []
         if re.fullmatch(r"\w+", key) and len(offered) > 1:
             options = set(option_files(key, groups))
@@ -154,7 +155,12 @@ class Shell:
 
     def refused(self, line, after):
         """The documentation shows the refusal: it is the one that comes, up to what is installed elsewhere."""
-        answer = self.arena(*shlex.split(line)[1:], "hydra.run.dir=run")
+        absent = re.search(r"comes with arena-(\w+), which is not installed", after)
+        with pytest.MonkeyPatch.context() as patch:
+            if absent:
+                patch.setenv("ARENA_DISABLED_PLUGINS", f"{absent[1]},aio")  # AIO's presets are made of other planners
+                patch.setattr("arena_core.base.suite._state", lambda distribution: "not installed")
+            answer = self.arena(*shlex.split(line)[1:], "hydra.run.dir=run")
         assert answer.status == 2
         assert answer.line.partition("(possible")[0] == after.partition("(possible")[0]
 

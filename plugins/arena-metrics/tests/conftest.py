@@ -5,24 +5,24 @@ from __future__ import annotations
 import csv
 import json
 from collections.abc import Callable, Mapping, Sequence
-from importlib.resources import files
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-import yaml
 from numpy.typing import ArrayLike
 
-from arena_core import EPISODE_COLUMNS, EpisodeRecord, Metric
+from arena_core import EPISODE_COLUMNS, EpisodeRecord, Metric, compose, plain
 from arena_metrics.paper_legacy import PaperLegacyMetrics
 from arena_metrics.si import SiMetrics
 
 RecordMaker = Callable[..., EpisodeRecord]
 
 
-def preset(name: str) -> dict[str, Any]:
-    values: dict[str, Any] = yaml.safe_load((files("arena_metrics.conf") / "metrics" / f"{name}.yaml").read_text())
+@cache
+def preset(name: str) -> Mapping[str, Any]:
+    values: dict[str, Any] = plain(compose([f"metrics=[{name}]"])["metrics"][name])
     return {key: value for key, value in values.items() if key != "name"}
 
 

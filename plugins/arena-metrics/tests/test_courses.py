@@ -146,6 +146,10 @@ def test_distances_from_a_box():
     assert distances(DISC, points) == pytest.approx([0.8, math.hypot(0.6, 0.6) - 0.2, 0.3, 0.0])
 
 
+def test_who_comes_nearer_too_slowly_for_a_number_never_touches():
+    assert np.isinf(times_to_contact(BOX, np.array([[0.0, 2.0]]), np.array([[0.0, -2e-311]]), np.array([0.5]), 5.0))
+
+
 places = st.tuples(*[st.floats(-3.0, 3.0)] * 2)
 speeds = st.tuples(*[st.floats(-1.5, 1.5)] * 2)
 

@@ -42,7 +42,7 @@ def _times_to_circle(offsets: FloatArray, velocities: FloatArray, radii: FloatAr
     a, b = (velocities**2).sum(axis=-1), (offsets * velocities).sum(axis=-1)
     c = (offsets**2).sum(axis=-1) - radii**2
     root = np.sqrt(np.maximum(b**2 - a * c, 0.0))
-    time = np.divide(np.maximum(c, 0.0), root - b, out=np.full(np.shape(root), np.inf), where=root - b > 0.0)
+    time = _quotient(np.maximum(c, 0.0), root - b, root - b > 0.0)
     return np.where((b < 0.0) & (b**2 >= a * c), time, np.inf)
 
 
@@ -53,10 +53,17 @@ def _times_to_sides(vertices: FloatArray, offsets: FloatArray, velocities: Float
     relative = offsets[:, None] - vertices
     height, closing = (relative * outward).sum(axis=2) - radii[:, None], -(velocities @ outward.T)
     outside = height > -radii[:, None]
-    time = np.divide(np.maximum(height, 0.0), closing, out=np.full(height.shape, np.inf), where=(closing > 0.0) & outside)
+    time = _quotient(np.maximum(height, 0.0), closing, (closing > 0.0) & outside)
     reached = (relative * along).sum(axis=2) + np.where(np.isfinite(time), time, 0.0) * (velocities @ along.T)
     touching: FloatArray = np.where((reached >= 0.0) & (reached <= lengths), time, np.inf)
     return touching
+
+
+def _quotient(distance: FloatArray, speed: FloatArray, where: NDArray[np.bool_]) -> FloatArray:
+    """Return distance / speed, inf elsewhere and at speeds so small that it overflows."""
+    with np.errstate(over="ignore"):
+        time: FloatArray = np.divide(distance, speed, out=np.full(np.shape(distance), np.inf), where=where)
+    return time
 
 
 def distances(footprint: Mapping[str, Any], points: FloatArray) -> FloatArray:
