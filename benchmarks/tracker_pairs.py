@@ -49,7 +49,7 @@ def drive(overrides: Sequence[str], episodes: range) -> FloatArray:
     config = plain(compose(list(overrides)))
     registry = load_registry()
     benchmark = build_benchmark(config, registry)
-    compute = {metric.name: metric.compute for metric in build_metrics(config, registry)["si"]}
+    compute = {metric.name: metric.compute for metric in build_metrics(config, registry)[""]}
     rows = []
     with tempfile.TemporaryDirectory() as folder:
         for episode in episodes:

@@ -62,9 +62,9 @@ def test_what_is_missing_is_named(config, key):
         build_benchmark({k: v for k, v in config.items() if k != key}, load_registry())
 
 
-def test_metric_packs_come_with_the_default_one_first():
+def test_metric_packs_come_with_the_bare_one_first():
     both = plain(compose([*WORDS, "metrics=[paper_legacy,si]"]))
-    assert list(build_benchmark(both, load_registry()).metrics) == ["si", "paper_legacy"]
+    assert list(build_benchmark(both, load_registry()).metrics) == ["", "paper_legacy"]
 
 
 def test_a_run_without_metrics_is_possible():

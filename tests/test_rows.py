@@ -11,7 +11,7 @@ from arena_core.testing import record
 
 STEPS = Metric("steps", "-", "lower", "control steps", lambda r: len(r["stamp"]) - 1)
 NOTHING = Metric("nothing", "m", "neither", "never defined", lambda r: math.nan)
-PACKS = {"si": [STEPS, NOTHING], "mine": [STEPS]}
+PACKS = {"": [STEPS, NOTHING], "mine": [STEPS]}
 
 
 def row(episode, **values):
@@ -23,7 +23,7 @@ def read(folder):
         return list(csv.DictReader(file))
 
 
-def test_columns_of_the_default_pack_are_bare_and_others_are_prefixed():
+def test_columns_of_the_bare_pack_have_its_metrics_names_and_others_are_prefixed():
     assert metric_columns(PACKS) == ["steps", "nothing", "mine.steps"]
 
 
@@ -75,7 +75,7 @@ def test_the_records_of_a_folder_are_evaluated_in_order(tmp_path):
 
 def test_a_figure_may_be_a_numpy_number():
     mean = Metric("mean", "m", "lower", "mean x", lambda r: np.float32(r["pose"][:, 0].mean()))
-    assert type(evaluate(record(), {"si": [mean]})["mean"]) is float
+    assert type(evaluate(record(), {"": [mean]})["mean"]) is float
 
 
 def test_a_table_that_cannot_be_written_is_named(tmp_path):

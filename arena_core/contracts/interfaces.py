@@ -193,6 +193,8 @@ class PedestrianModel(ABC):
     People may leave and come: who is not in the world is at NaN, ABSENT. Who comes back elsewhere is absent for a step at least. The
     simulator lets nobody appear in the robot's place: who is still absent in the crowd that ``step`` is given has to be put again.
 
+    Where its configuration has a key ``reaction`` (to the robot: ignore, yield ...), tables tell cells apart by it.
+
     ``gait`` is how lidars see who ``walks``: as two legs; None: everybody is a disc. Contacts and clearances are those of discs always.
     """
 
@@ -291,7 +293,12 @@ class Metric:
 
 
 class MetricPack(ABC):
-    """A named set of metrics: pure functions of an EpisodeRecord."""
+    """A named set of metrics: pure functions of an EpisodeRecord.
+
+    The columns of its metrics begin with its name and a dot, unless it is ``bare``, as one pack of a run may be.
+    """
+
+    bare: bool = False
 
     @abstractmethod
     def metrics(self) -> Sequence[Metric]:

@@ -156,12 +156,16 @@ def _parts(config: Mapping[str, Any], registry: Registry, robot: Robot) -> dict[
 
 
 def build_metrics(config: Mapping[str, Any], registry: Registry) -> dict[str, list[Metric]]:
-    """Build the chosen metric packs, in the order of their names, ``si`` first."""
+    """Build the chosen metric packs, in the order of their names; first, under an empty name, the one whose columns are bare."""
     packs = config.get("metrics") or {}
     if not isinstance(packs, Mapping):
         raise ConfigurationError(f"metrics is {packs!r}; allowed: a mapping of metric packs, or null")
-    built: dict[str, MetricPack] = {name: registry.build("metrics", packs[name]) for name in sorted(packs, key=lambda n: (n != "si", n))}
-    return {name: list(pack.metrics()) for name, pack in built.items()}
+    built: dict[str, MetricPack] = {name: registry.build("metrics", packs[name]) for name in sorted(packs)}
+    bare = [name for name, pack in built.items() if pack.bare]
+    if len(bare) > 1:
+        raise ConfigurationError(f"metrics has {' and '.join(bare)}, whose columns are bare alike; allowed: one of them")
+    ordered = [*bare, *(name for name in built if name not in bare)]
+    return {"" if name in bare else name: list(built[name].metrics()) for name in ordered}
 
 
 def cell_config(config: Mapping[str, Any]) -> dict[str, Any]:

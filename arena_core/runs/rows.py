@@ -19,18 +19,17 @@ COLUMNS = (
     *("config_hash", "code", "planner", "preset", "robot", "simulator", "world", "task", "scenario", "scenario_hash", "stage"),
     *("n_pedestrians", "pedestrian_model", "reaction", "localizer", "timing", "episode", "seed", "outcome", "error"),
 )
-DEFAULT_PACK = "si"
 TEXT = "text"  # the unit of metrics that are texts
 
 
 def metric_columns(packs: Mapping[str, Sequence[Metric]]) -> list[str]:
-    """Return the column of every metric: bare for the pack ``si``, prefixed for others."""
+    """Return the column of every metric of packs as ``build_metrics`` returns them."""
     return [metric_column(pack, metric) for pack, metrics in packs.items() for metric in metrics]
 
 
 def metric_column(pack: str, metric: Metric) -> str:
-    """Return the column of one metric."""
-    return metric.name if pack == DEFAULT_PACK else f"{pack}.{metric.name}"
+    """Return the column of one metric; ``pack`` is empty for the one whose columns are bare."""
+    return f"{pack}.{metric.name}" if pack else metric.name
 
 
 def evaluate(record: EpisodeRecord, packs: Mapping[str, Sequence[Metric]]) -> dict[str, Any]:

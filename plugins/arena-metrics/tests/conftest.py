@@ -234,7 +234,7 @@ def run_folder() -> Callable[..., Path]:
 
 @pytest.fixture(scope="session")
 def pack_metrics() -> Mapping[str, Sequence[Metric]]:
-    return {"si": PACKS["si"]}
+    return {"": PACKS["si"]}
 
 
 @pytest.fixture(scope="session")

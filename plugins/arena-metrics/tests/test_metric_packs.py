@@ -17,7 +17,7 @@ def packs(preset_of):
 
 
 def test_packs_are_built_from_their_presets(packs):
-    assert list(packs) == ["si", "paper_legacy"]
+    assert list(packs) == ["", "paper_legacy"]
     assert {len(metrics) for metrics in packs.values()} == {51, 13}
 
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from arena_metrics.intervals import Kind
 
 LATER = "code"  # a column that older tables lack
-DEFAULT_PACK = "si"
+OWN_PACK = "si"  # in which a bare column is looked for, even if no run was made with it
 Row = Mapping[str, Any]
 
 
@@ -43,7 +43,7 @@ class Run:
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """One metric's column: its name in episodes.csv, its pack, and what it means (unknown where its pack is not installed)."""
+    """One metric's column: its name in episodes.csv, its pack (empty where columns are bare), and what it means (unknown where its pack is not installed)."""
 
     name: str
     pack: str
@@ -151,12 +151,13 @@ def pooled(runs: Iterable[Run]) -> tuple[list[Episode], int]:
 
 
 def metric_columns(runs: Sequence[Run]) -> list[Column]:
-    """Return every metric's column in the order of the tables, ``si`` first."""
+    """Return every metric's column in the order of the tables: bare ones first."""
     names = dict.fromkeys(name for run in runs for row in run.rows[:1] for name in row if name not in EPISODE_COLUMNS)
-    packs = {name: name.rpartition(".")[0] or DEFAULT_PACK for name in names}
-    known = _described(runs, list(dict.fromkeys(packs.values())))
+    packs = {name: name.rpartition(".")[0] for name in names}
+    chosen = dict.fromkeys(name for run in runs for name in run.provenance.get("config", {}).get("metrics") or {})
+    known = _described(runs, list(dict.fromkeys([*chosen, *filter(None, packs.values()), OWN_PACK])))
     columns = [known[name] if name in known else _unknown(name, pack, runs) for name, pack in packs.items()]
-    return sorted(columns, key=lambda column: (column.pack != DEFAULT_PACK, column.pack))
+    return sorted(columns, key=lambda column: column.pack)
 
 
 def _unknown(name: str, pack: str, runs: Sequence[Run]) -> Column:
@@ -174,7 +175,7 @@ def _is_number(value: Any) -> bool:
 
 
 def columns_of(packs: Mapping[str, Sequence[Metric]]) -> list[Column]:
-    """Return the columns of metric packs; those of ``si`` carry no prefix."""
+    """Return the columns of metric packs as ``build_metrics`` returns them."""
     return [
         Column(metric_column(pack, m), pack, m.unit, m.better, m.description, m.path_metric)
         for pack, metrics in packs.items()

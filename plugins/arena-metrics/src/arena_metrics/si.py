@@ -20,6 +20,8 @@ def _path(name: str, unit: str, better: Better, description: str, compute: Calla
 class SiMetrics(MetricPack):
     """Metrics in SI units."""
 
+    bare = True
+
     def __init__(
         self,
         path_step: Positive,

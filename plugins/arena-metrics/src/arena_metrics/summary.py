@@ -16,7 +16,7 @@ from arena_core import Metric, harmless, write_text_whole
 from arena_metrics.cells import FACTORS, VARIANT, Cell, Cells, cells_of
 from arena_metrics.intervals import Estimate, Kind, estimate
 from arena_metrics.problems import labels
-from arena_metrics.runs import DEFAULT_PACK, Column, Episode, Run, columns_of
+from arena_metrics.runs import Column, Episode, Run, columns_of
 
 Over = Literal["all", "successful"]
 HEADER = ["config_hash", "code", "cell", *FACTORS.values(), VARIANT, "metric", "unit", "over"]
@@ -67,7 +67,7 @@ def successful(cell: Cell, pack: str) -> NDArray[np.bool_]:
 
 def success_column(cell: Cell, pack: str) -> str:
     """Return the column that says which episodes succeeded by a pack's own word, else by that of ``si``."""
-    own = "success" if pack == DEFAULT_PACK else f"{pack}.success"
+    own = f"{pack}.success" if pack else "success"
     return own if any(own in episode.row for episode in cell.episodes) else "success"
 
 

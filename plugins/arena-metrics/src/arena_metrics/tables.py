@@ -13,7 +13,7 @@ from arena_core import harmless
 from arena_metrics.cells import VARIANT, Cell
 from arena_metrics.intervals import Estimate
 from arena_metrics.problems import count
-from arena_metrics.runs import DEFAULT_PACK, Column
+from arena_metrics.runs import Column
 from arena_metrics.summary import Over, Summary
 
 HEADLINE: dict[str, Over] = {  # what a reader asks first; lengths and times say little where the goal was not reached
@@ -130,7 +130,7 @@ def _metric_table(summary: Summary, over: Over, pack: str, cells: Sequence[Cell]
         rows.append([column.title, unit_text(column.unit), *(f"{estimate_text(e, column, places)} ({e.n})" for e in found)])
     texts = [column for column in summary.texts if column.pack == pack and over == "all"]
     rows += [[column.title, "", *(_texts(cell.texts(column.name)) for cell in cells)] for column in texts]
-    name = "" if pack == DEFAULT_PACK else f"{pack}: "
+    name = f"{pack}: " if pack else ""
     caption = f"{name}mean [95 % interval] (n) over {over} episodes"
     return Table(caption, ["metric", "unit", *(summary.cells.name(cell) for cell in cells)], rows)
 
