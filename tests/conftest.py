@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import os
+import re
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -17,10 +18,14 @@ from arena_core import read_record
 from arena_core.cli.main import main
 from arena_core.config.plugins import _loaded
 from arena_core.runs.code_digest import _code
+from arena_core.runs.compiling import NOTICE
 from arena_core.runs.working import _benchmark, _registry
 
 settings.register_profile("suite", derandomize=True, deadline=None, suppress_health_check=list(HealthCheck))
 settings.load_profile("suite")
+
+
+BUSY = re.compile(rf"arena: ({NOTICE}|\d+ of \d+ episodes, )")  # what a cold or slow machine says besides
 
 
 @dataclass(frozen=True)
@@ -50,7 +55,7 @@ def arena(capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tm
         capfd.readouterr()
         status = main([str(word) for word in words])
         out, err = capfd.readouterr()
-        return Answer(status, out, err.splitlines())
+        return Answer(status, out, [line for line in err.splitlines() if not BUSY.match(line)])
 
     yield call
     _forget_plugins()

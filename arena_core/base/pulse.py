@@ -25,14 +25,15 @@ class Pulse:
 
     def __init__(self) -> None:
         self._cell: Cell = _Nobody()
+        self._compiled: Cell = _Nobody()
 
-    def share(self, cell: Cell) -> None:
-        """Count in a cell that the supervisor reads."""
-        self._cell = cell
+    def share(self, beats: Cell, compiled: Cell) -> None:
+        """Count in cells that the supervisor reads: control steps, and kernels that are compiled."""
+        self._cell, self._compiled = beats, compiled
 
     def detach(self) -> None:
         """Count for nobody: a forked child is not what is supervised."""
-        self._cell = _Nobody()
+        self._cell, self._compiled = _Nobody(), _Nobody()
 
     def begin(self) -> None:
         """Say that an episode begins."""
@@ -41,6 +42,14 @@ class Pulse:
     def beat(self) -> None:
         """Say that a control step begins (a tenth of a microsecond: no clock, no system call)."""
         self._cell.value += 1
+
+    def compile(self) -> None:
+        """Say that a kernel begins to be compiled."""
+        self._compiled.value += 1
+
+    def compiled(self) -> int:
+        """Return how many kernels have begun to be compiled."""
+        return self._compiled.value
 
     def finish(self) -> None:
         """Say that no control step will follow."""

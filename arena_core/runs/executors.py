@@ -11,8 +11,10 @@ from typing import Any, TypeVar
 
 from arena_core.base.ctrl_c import interrupts
 from arena_core.base.errors import described
+from arena_core.base.notices import tell
 from arena_core.contracts.interfaces import Executor, Job, Lost
 from arena_core.runs.budgets import Budgets, Watch
+from arena_core.runs.compiling import MANY, NOTICE, Turns, Waiting
 from arena_core.runs.workers import Task, Work, Worker
 from arena_core.values.parameters import Workers
 
@@ -39,9 +41,24 @@ class ProcessExecutor(Executor):
         self.workers = workers or os.cpu_count() or 1
         self._budgets = budgets
         self._staff: list[Worker] = []
+        self._turns = Turns()
 
     def map(self, work: Callable[[Job], T], jobs: Sequence[Job]) -> Iterator[T | Lost]:
         """Yield answers as they come, and ``Lost`` for a job that cannot be finished; raise what ``work`` raises."""
+        self._turns.expect(jobs)
+        return self._answers(work, jobs)
+
+    def prepare(self, check: Callable[[Job], T], jobs: Sequence[Job]) -> Iterator[T | Lost]:
+        """Run checks in the workers too, which keep what they build."""
+        self._turns.expect([])  # nothing is driven
+        return self._answers(check, jobs)
+
+    def close(self) -> None:
+        """End the workers, and with them what they are at."""
+        while self._staff:
+            self._dismiss(self._staff[-1])
+
+    def _answers(self, work: Callable[[Job], T], jobs: Sequence[Job]) -> Iterator[T | Lost]:
         waiting = deque((job, 1) for job in jobs)
         looked = monotonic()
         try:
@@ -58,41 +75,43 @@ class ProcessExecutor(Executor):
             for worker in self._busy():
                 self._dismiss(worker)
 
-    def prepare(self, check: Callable[[Job], T], jobs: Sequence[Job]) -> Iterator[T | Lost]:
-        """Run checks in the workers too, which keep what they build."""
-        return self.map(check, jobs)
-
-    def close(self) -> None:
-        """End the workers, and with them what they are at."""
-        while self._staff:
-            self._dismiss(self._staff[-1])
-
     def _busy(self) -> list[Worker]:
         return [worker for worker in self._staff if worker.task is not None]
 
-    def _employ(self, work: Work, waiting: deque[tuple[Job, int]]) -> None:
+    def _employ(self, work: Work, waiting: Waiting) -> None:
         """Give every idle worker a job, and take on more where jobs are left."""
         for worker in [worker for worker in self._staff if worker.task is None]:
             if waiting and not self._begin(worker, work, waiting):
                 self._dismiss(worker)  # it died while it had nothing to do
-        while waiting and len(self._staff) < self.workers:
+        while len(self._staff) < min(self.workers, len(self._busy()) + len(waiting)):
             self._staff.append(Worker())
             self._begin(self._staff[-1], work, waiting)
 
-    def _begin(self, worker: Worker, work: Work, waiting: deque[tuple[Job, int]]) -> bool:
-        job, attempt = waiting[0]
-        if worker.death() or not worker.begin(work, Task(job, attempt, Watch(self._budgets))):
+    def _begin(self, worker: Worker, work: Work, waiting: Waiting) -> bool:
+        """Give a worker what is its turn to do, if anything is; tell whether it is alive."""
+        if worker.death():
             return False
-        waiting.popleft()
-        return True
+        found = self._turns.take(worker, waiting)
+        if found is None:
+            return True
+        job, attempt = found
+        if worker.begin(work, Task(job, attempt, Watch(self._budgets))):
+            return True
+        waiting.appendleft(found)
+        return False
 
-    def _look(self, worker: Worker, passed: float, waiting: deque[tuple[Job, int]]) -> Iterator[Any]:
+    def _look(self, worker: Worker, passed: float, waiting: Waiting) -> Iterator[Any]:
         """Yield what has become of a busy worker's job, if anything has; put it back where it deserves another attempt."""
         task, death = worker.task, worker.death()  # before the answer is looked for: one may answer and die
         assert task is not None
+        if worker.has_commanded():
+            self._turns.given(worker)
+        if worker.compiled() >= MANY:
+            tell(NOTICE)
         answer = worker.answer()
         if answer is not None:
             worker.task = None
+            self._turns.given(worker)
             if not answer.unchanged:
                 self._dismiss(worker)
             if isinstance(answer.error, Exception):
@@ -107,4 +126,5 @@ class ProcessExecutor(Executor):
 
     def _dismiss(self, worker: Worker) -> None:
         self._staff.remove(worker)
+        self._turns.given(worker)
         worker.end()

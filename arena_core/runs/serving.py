@@ -21,13 +21,13 @@ LEFT_TO_THE_PARENT = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # a termina
 _PR_SET_PDEATHSIG = 1  # linux/prctl.h
 
 
-def serve(connection: Connection, beats: Cell, parent: int) -> None:
+def serve(connection: Connection, cells: tuple[Cell, Cell], parent: int) -> None:
     """Answer every (work, job) that comes with (result, error, whether this process is as it was before), until nothing comes any more.
 
     A process that an episode has changed is not used again: the supervisor puts a new one in its place.
     """
     _settle(parent)
-    pulse.share(beats)
+    pulse.share(*cells)
     os.register_at_fork(after_in_child=_be_a_child)
     worker = os.getpid()
     while (task := _next(connection)) is not None:

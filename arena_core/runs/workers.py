@@ -15,7 +15,7 @@ from typing import Any
 import psutil
 
 from arena_core.base.errors import RunStopped
-from arena_core.base.pulse import STARTING
+from arena_core.base.pulse import FINISHING, STARTING
 from arena_core.contracts.interfaces import Job
 from arena_core.runs.budgets import Watch
 from arena_core.runs.serving import LEFT_TO_THE_PARENT, serve
@@ -60,8 +60,9 @@ class Worker:
         self.task: Task | None = None
         self.connection, theirs = context.Pipe()
         self._mute = False
-        self._beats = context.RawValue("q", 0)
-        self._process = context.Process(target=serve, args=(theirs, self._beats, os.getpid()), name="arena worker")
+        self._beats, self._compiled = context.RawValue("q", 0), context.RawValue("q", 0)
+        cells = (self._beats, self._compiled)
+        self._process = context.Process(target=serve, args=(theirs, cells, os.getpid()), name="arena worker")
         before = signal.pthread_sigmask(signal.SIG_BLOCK, LEFT_TO_THE_PARENT)  # inherited, until the worker ignores them
         try:
             with _no_script():
@@ -98,6 +99,14 @@ class Worker:
         if code is None:
             return "worker died: it closed its pipe" if self._mute else None
         return f"worker died: {_signal_name(-code) if code < 0 else f'exit status {code}'}"
+
+    def has_commanded(self) -> bool:
+        """Tell whether the task's first command is given."""
+        return int(self._beats.value) > 1 or int(self._beats.value) == FINISHING
+
+    def compiled(self) -> int:
+        """Return how many kernels the process has begun to compile."""
+        return int(self._compiled.value)
 
     def over_budget(self, passed: float) -> str | None:
         """Return which budget of the task is at its end, ``passed`` seconds after the last look."""

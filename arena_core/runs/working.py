@@ -11,13 +11,14 @@ from typing import Any
 
 from arena_core.base.ctrl_c import interrupts
 from arena_core.base.errors import ArenaError, ConfigurationError, RunFolderError, described
-from arena_core.base.notices import untold
+from arena_core.base.notices import tell, untold
 from arena_core.base.pulse import pulse
 from arena_core.config.registry import Registry, load_registry
 from arena_core.contracts.interfaces import Finished, Job, Metric
 from arena_core.loop.recording import write_record
 from arena_core.runs.benchmark import Benchmark, build_benchmark, identification
 from arena_core.runs.code_digest import Code
+from arena_core.runs.compiling import MANY, NOTICE, announce
 from arena_core.runs.rows import evaluate
 from arena_core.values.episode import EpisodeRecord
 from arena_core.values.staging import Staging
@@ -48,6 +49,7 @@ def work(job: Job) -> Finished:
     try:
         with interrupts.let_go():
             benchmark = _benchmark(_text(job.config))
+            announce(_compiling)
         with interrupts.held():
             record = benchmark.run(job.episode, Path(job.folder), job.stage)
             pulse.finish()
@@ -92,6 +94,12 @@ def judged(job: Job, record: EpisodeRecord, packs: Mapping[str, Sequence[Metric]
 def cannot_be_built(job: Job, reason: str) -> ConfigurationError:
     """Return the error of a run that cannot be built."""
     return ConfigurationError(f"planner {job.config['planner']['name']}, or what it runs with, cannot be built: {reason}")
+
+
+def _compiling() -> None:
+    pulse.compile()
+    if pulse.compiled() == MANY:
+        tell(NOTICE)
 
 
 def _text(config: Mapping[str, Any]) -> str:

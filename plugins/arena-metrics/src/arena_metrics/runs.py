@@ -43,7 +43,7 @@ class Run:
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """One metric's column: its name in episodes.csv, its pack (empty where columns are bare), and what it means (unknown where its pack is not installed)."""
+    """One metric's column: its name in episodes.csv, its pack (empty: bare), and what it means, unknown where that is not installed."""
 
     name: str
     pack: str
