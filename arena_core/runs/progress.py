@@ -23,7 +23,7 @@ class Progress:
         self._bar = _bar() if sys.stderr.isatty() else None
         done, left = sum(len(run.rows) for run in runs), sum(run.left() for run in runs)
         self._task = self._bar.add_task("episodes", total=done + left, completed=done, successes="-") if self._bar else None
-        self._left = left
+        self._before, self._all = done, done + left
         self._successes = 0
         self._seen = 0
         self._began = self._last_line = monotonic()
@@ -54,9 +54,10 @@ class Progress:
             print(f"arena: {self._standing(self._last_line - self._began)}", file=sys.stderr, flush=True)
 
     def _standing(self, seconds: float) -> str:
-        """Return how far the run is: ``12 of 50 episodes, 9 succeeded, 0.8/s, 48 s left``."""
-        rate, left = self._seen / seconds, max(self._left - self._seen, 0)
-        return f"{self._seen} of {self._seen + left} episodes, {self._successes} succeeded, {rate:.2g}/s, {left / rate:.0f} s left"
+        """Return how far the run is: ``12 of 50 episodes, 9 of 12 succeeded, 0.8/s, 48 s left``."""
+        rate, there = self._seen / seconds, self._before + self._seen
+        said = f"{there} of {self._all} episodes, {self._successes} of {self._seen} succeeded"
+        return f"{said}, {rate:.2g}/s, {(self._all - there) / rate:.0f} s left"
 
     def end(self) -> None:
         """End a round: say what became of the blocks that ended in it."""
