@@ -1,6 +1,7 @@
 """What the first screen says of rivals: who is better, or that the episodes do not tell; by problem, and never across different code."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from arena_metrics.report import ReportCommand
 from arena_metrics.runs import metric_columns, pooled, read_runs
 from arena_metrics.summary import summarise
 from arena_metrics.tables import headline
-from arena_metrics.verdicts import verdict
+from arena_metrics.verdicts import sooner_at_the_goal, verdict
 
 FEW = ("success", "strict_success", "collisions", "path_length", "time_to_goal")
 
@@ -65,6 +66,25 @@ def test_the_report_says_it_after_holm_where_there_are_several_rivals(run_folder
     assert answers(summary_of(tmp_path), "teb")[1].startswith("teb succeeds more often than dwa")
     assert ReportCommand().run([str(tmp_path), "--no-figures"]) == 0
     assert said[2] in capsys.readouterr().out
+
+
+def test_the_faster_planner_is_named_first_with_seconds_and_p():
+    ours, theirs = np.array([8.0, 9.5, 7.0, 10.0, 8.5, 9.0]), np.array([11.0, 12.0, 9.5, 13.5, 11.5, 11.0])
+    said = "Where both succeed, teb is at the goal 2.8 s sooner than dwa ("
+    assert sooner_at_the_goal("teb", "dwa", compare(ours, theirs)).startswith(said)
+    assert sooner_at_the_goal("dwa", "teb", compare(theirs, ours)) == sooner_at_the_goal("teb", "dwa", compare(ours, theirs))
+
+
+def test_times_are_told_where_successes_do_not_tell(run_folder, tmp_path):
+    run_folder(tmp_path / "dwa", planner="dwa", episodes=12, fails=[0], only=FEW)
+    run_folder(tmp_path / "teb", planner="teb", episodes=12, fails=[1], only=FEW)
+    summary = summary_of(tmp_path)
+    assert len(answers(summary)) == 2  # both drive alike
+    teb = summary.cells.cells[1]
+    saved = {e: 0.1 * (1 + e.row["episode"] % 3) for e in teb.episodes}
+    faster = replace(teb, episodes=[replace(e, row={**e.row, "time_to_goal": e.row["time_to_goal"] - saved[e]}) for e in saved])
+    changed = replace(summary, cells=replace(summary.cells, cells=[summary.cells.cells[0], faster]))
+    assert answers(changed)[2].startswith("Where both succeed, teb is at the goal 0.2 s sooner than dwa (0.1–0.3), p ")
 
 
 def test_conditions_share_their_problems(run_folder, tmp_path):

@@ -158,13 +158,18 @@ def _percent(share: float) -> float | None:
 
 def answers(summary: Summary, baseline: str | None = None) -> list[str]:
     """Return the sentences that say what came out: of staged runs their levels, because all of them succeed about equally often."""
-    success = next((column for column in summary.columns if column.name == "success"), None)
+    named = {column.name: column for column in summary.columns}
+    success = named.get("success")
     if success is None:
         return []
     climbed = list(climbs(summary.cells))
     fixed = [cell for cell in summary.cells.cells if all(climb.cell is not cell for climb in climbed)]
     standing = replace(summary, cells=replace(summary.cells, cells=fixed))
-    return _successes(standing) + verdicts(standing.cells, success, baseline, SPOKEN) + _levels(summary.cells, climbed)
+    return (
+        _successes(standing)
+        + verdicts(standing.cells, success, named.get("time_to_goal"), baseline, SPOKEN)
+        + _levels(summary.cells, climbed)
+    )
 
 
 def _levels(cells: Cells, climbed: Sequence[Climb]) -> list[str]:

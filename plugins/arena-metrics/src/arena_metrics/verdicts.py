@@ -1,8 +1,9 @@
-"""Sentences that say which planner succeeds more often than the baseline, or that the episodes do not tell."""
+"""Sentences that say which planner succeeds more often than the baseline, or is sooner at the goal, or that the episodes do not tell."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 
 from arena_metrics.cells import Cells
 from arena_metrics.comparisons import WORTH, Comparison, after_holm
@@ -10,18 +11,36 @@ from arena_metrics.intervals import LEAST_PROBLEMS
 from arena_metrics.pairs import Pair, against, comparison, conditions, p_text, pairs
 from arena_metrics.runs import Column
 
+Names = tuple[str, str]  # a planner and the baseline
 
-def verdicts(cells: Cells, success: Column, baseline: str | None, most: int) -> list[str]:
-    """Return a sentence for each planner against the baseline, over all conditions; p after Holm among all of them."""
-    found: dict[tuple[str, str], list[Pair]] = {}
+
+def verdicts(cells: Cells, success: Column, time: Column | None, baseline: str | None, most: int) -> list[str]:
+    """Return a sentence for each planner against the baseline, over all conditions; p after Holm among all of them.
+
+    Where successes do not tell them apart and the ``time`` to the goal does, a second sentence says so.
+    """
+    successes = _against_baseline(cells, success, baseline)
+    times = _against_baseline(cells, time, baseline) if time else {}
+    sentences = [verdict(*names, one, _after(successes)) for names, one in successes.items()]
+    sooner = [sooner_at_the_goal(*n, one, _after(times)) for n, one in times.items() if one.told_apart and not successes[n].told_apart]
+    return [*_first(sentences, most), *_first(sooner, most)]
+
+
+def _first(sentences: Sequence[str], most: int) -> list[str]:
+    return [*sentences[:most], *([f"{len(sentences) - most} more comparisons are below."] if len(sentences) > most else [])]
+
+
+def _after(family: Mapping[Names, Comparison]) -> str:
+    return " after Holm" if len(family) > 1 else ""
+
+
+def _against_baseline(cells: Cells, column: Column, baseline: str | None) -> dict[Names, Comparison]:
+    found: dict[Names, list[Pair]] = {}
     for group in conditions(cells):
         for cell, base in against(group, baseline):
-            found.setdefault((cells.planner(cell), cells.planner(base)), []).extend(pairs(cell, base, success))
+            found.setdefault((cells.planner(cell), cells.planner(base)), []).extend(pairs(cell, base, column))
     met = {names: both for names, both in found.items() if both}
-    compared = after_holm([comparison(both, success) for both in met.values()])
-    after = " after Holm" if len(compared) > 1 else ""
-    sentences = [verdict(*names, one, after) for names, one in zip(met, compared, strict=True)]
-    return sentences[:most] + ([f"{len(sentences) - most} more comparisons are below."] if len(sentences) > most else [])
+    return dict(zip(met, after_holm([comparison(both, column) for both in met.values()]), strict=True))
 
 
 def verdict(ours: str, theirs: str, one: Comparison, after: str = "") -> str:
@@ -36,6 +55,17 @@ def verdict(ours: str, theirs: str, one: Comparison, after: str = "") -> str:
     if one.told_apart:
         return f"{first} succeeds more often than {second} by {how}."
     return f"{first} and {second} cannot be told apart by their successes, {how}; {_needed(one)}."
+
+
+def sooner_at_the_goal(ours: str, theirs: str, one: Comparison, after: str = "") -> str:
+    """Return what a comparison of times to the goal says that tells two planners apart, the faster one first."""
+    found = one.difference
+    first, second = (ours, theirs) if found.mean < 0.0 else (theirs, ours)
+    low, high = sorted((abs(found.low), abs(found.high)))
+    return (
+        f"Where both succeed, {first} is at the goal {abs(found.mean):.1f} s sooner than {second} ({low:.1f}–{high:.1f}), "
+        f"{_equal(one.holm)}{after}."
+    )
 
 
 def _range(low: float, high: float) -> str:
