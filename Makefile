@@ -13,7 +13,7 @@ SOURCES := pyproject.toml constraints.txt scripts/tools.txt $(wildcard plugins/*
 PYTEST := $(BIN)/pytest -n $(WORKERS) --dist worksteal
 
 help:
-	@echo "make demo   run the smoke experiment and print where its report is"
+	@echo "make demo   drive two classic planners and a learned one, say who was better and how sure that is, and where the report is"
 	@echo "make test   run all tests, as many at a time as there are cores; WORKERS=N: N at a time; PLUGIN=arena-dwa: those of that package"
 	@echo "make test-browser  open the report's page and the documentation in chromium (installs it)"
 	@echo "make coverage  run all tests and tell which lines none of them reaches"
@@ -37,7 +37,7 @@ setup: .venv/.complete
 	@touch $@
 
 demo: setup
-	$(BIN)/arena run experiment=smoke
+	$(BIN)/arena run experiment=demo
 
 test: setup
 	$(PYTEST) $(PLUGIN:%=plugins/%)

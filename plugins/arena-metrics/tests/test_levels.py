@@ -35,7 +35,7 @@ def test_seeds_are_runs_of_their_own(run_folder, tmp_path):
 def test_runs_that_are_not_staged_have_no_levels(run_folder, tmp_path):
     run_folder(tmp_path / "a")
     assert level_table(cells(tmp_path)) is None
-    assert level_image(cells(tmp_path)) is None
+    assert level_image(cells(tmp_path), False) is None
 
 
 def test_report_of_a_staged_run_holds_table_and_figure(run_folder, tmp_path):
@@ -48,4 +48,4 @@ def test_report_of_a_staged_run_holds_table_and_figure(run_folder, tmp_path):
     assert "teb succeeded in 2 of 3 episodes" in page
     assert 'alt="levels: ' in page
     assert "2 – 3 | 1 | 1 of 2" in (tmp_path / "out" / "tables" / "levels.md").read_text()
-    assert (tmp_path / "out" / "figures" / "levels.pdf").exists()
+    assert {path.name for path in (tmp_path / "out" / "figures").glob("levels.*")} == {"levels.png"}

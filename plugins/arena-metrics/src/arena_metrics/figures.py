@@ -58,11 +58,11 @@ STYLE: dict[Any, Any] = {
 
 @dataclass(frozen=True, slots=True)
 class Image:
-    """A drawn figure in both formats; ``width`` is how wide a page shows it, CSS pixels."""
+    """A drawn figure, as PDF too where that was asked for; ``width`` is how wide a page shows it, CSS pixels."""
 
     name: str
     png: bytes
-    pdf: bytes
+    pdf: bytes | None
     caption: str
     width: int
 
@@ -78,25 +78,26 @@ def style() -> Iterator[None]:
         yield
 
 
-def rendered(figure: Figure, name: str, caption: str) -> Image:
-    """Return a figure as PNG and PDF, the same bytes for the same figure."""
+def rendered(figure: Figure, name: str, caption: str, pdf: bool) -> Image:
+    """Return a figure as PNG, with ``pdf`` as PDF too, the same bytes for the same figure."""
     figure.draw_without_rendering()
     figure.set_layout_engine("none")  # the layout is settled: solve it once, not for each format
-    png, pdf = BytesIO(), BytesIO()
+    png, print_ = BytesIO(), BytesIO()
     figure.savefig(png, format="png", dpi=DPI, metadata={"Software": None})
-    figure.savefig(pdf, format="pdf", metadata={"CreationDate": None, "Producer": None})
+    if pdf:
+        figure.savefig(print_, format="pdf", metadata={"CreationDate": None, "Producer": None})
     pixels = int.from_bytes(png.getvalue()[16:20], "big")  # the width stands there in every PNG
-    return Image(name, png.getvalue(), pdf.getvalue(), caption, round(pixels * SHOWN_DPI / DPI))
+    return Image(name, png.getvalue(), print_.getvalue() if pdf else None, caption, round(pixels * SHOWN_DPI / DPI))
 
 
-def metric_figures(cells: Cells, columns: Sequence[Column]) -> Iterator[Image]:
+def metric_figures(cells: Cells, columns: Sequence[Column], pdf: bool) -> Iterator[Image]:
     """Draw every metric that is defined in some episode; those of the path over successful episodes, where there are any."""
     for column in columns:
         data = _frame(cells, column)
         if column.path_metric and data["success"].any():
-            yield _metric_figure(cells, column, data[data["success"]], f"{column.description} (successful episodes)")
+            yield _metric_figure(cells, column, data[data["success"]], f"{column.description} (successful episodes)", pdf)
         elif len(data):
-            yield _metric_figure(cells, column, data, column.description)
+            yield _metric_figure(cells, column, data, column.description, pdf)
 
 
 def _frame(cells: Cells, column: Column) -> pd.DataFrame:
@@ -119,7 +120,7 @@ def _frame(cells: Cells, column: Column) -> pd.DataFrame:
     return pd.concat(parts, ignore_index=True).dropna(subset=["value"])
 
 
-def _metric_figure(cells: Cells, column: Column, data: pd.DataFrame, caption: str) -> Image:
+def _metric_figure(cells: Cells, column: Column, data: pd.DataFrame, caption: str, pdf: bool) -> Image:
     from matplotlib.figure import Figure
 
     conditions = list(dict.fromkeys(cells.condition(cell, without=["people"]) for cell in cells.cells))[:PANELS]
@@ -142,7 +143,7 @@ def _metric_figure(cells: Cells, column: Column, data: pd.DataFrame, caption: st
         axes.set_ylabel(axis_label(column))
     if over_people:
         _legend(figure, planners)
-    return rendered(figure, column.name, caption)
+    return rendered(figure, column.name, caption, pdf)
 
 
 def _comparable(data: pd.DataFrame) -> bool:

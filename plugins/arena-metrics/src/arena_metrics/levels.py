@@ -57,7 +57,7 @@ def level_table(cells: Cells) -> Table | None:
     return Table("Levels of staged runs, block by block", ["cell", "seed", "episodes", "level", "succeeded"], rows) if rows else None
 
 
-def level_image(cells: Cells) -> Image | None:
+def level_image(cells: Cells, pdf: bool) -> Image | None:
     """Draw the level of every staged run over its episodes; None where no run is staged."""
     from matplotlib.figure import Figure
 
@@ -78,7 +78,7 @@ def level_image(cells: Cells) -> Image | None:
     for axes in panels[max(0, len(shown) - across) : len(shown)]:
         axes.set_xlabel("episode [–]")
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
-    return rendered(figure, "levels", "level of each episode of the staged runs; at every block its share of successes")
+    return rendered(figure, "levels", "level of each episode of the staged runs; at every block its share of successes", pdf)
 
 
 def _draw(axes: Axes, climb: Climb) -> None:

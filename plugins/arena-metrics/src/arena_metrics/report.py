@@ -46,7 +46,7 @@ class Report(Reporter):
 
 
 class ReportCommand(Command):
-    """Make tables (CSV, Markdown, LaTeX), figures (PNG, PDF) and one HTML page over all runs below the given folders."""
+    """Make tables (CSV, Markdown, LaTeX), figures (PNG, with --pdf PDF) and one HTML page over all runs below the given folders."""
 
     help: ClassVar[str] = "tables, figures and one HTML page: arena report DIR..."
 
@@ -60,12 +60,12 @@ class ReportCommand(Command):
         target = Path(given.out) if given.out else folders[0] / "report"
         if given.out is None:
             _write_summaries(runs)
-        write_report(runs, target, given.pictures, figures=not given.no_figures, baseline=given.baseline)
+        write_report(runs, target, given.pictures, figures=not given.no_figures, baseline=given.baseline, pdf=given.pdf)
         return 0
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
         """Return the options; folders are the shell's."""
-        return ["--out", "--pictures", "--baseline", "--no-figures"] if word.startswith("-") else ()
+        return ["--out", "--pictures", "--baseline", "--pdf", "--no-figures"] if word.startswith("-") else ()
 
 
 def _parser(description: str | None) -> argparse.ArgumentParser:
@@ -78,11 +78,14 @@ def _parser(description: str | None) -> argparse.ArgumentParser:
         "--pictures", type=int, default=PICTURES, metavar="N", help=f"most cells whose trajectories are drawn (default {PICTURES})"
     )
     parser.add_argument("--baseline", metavar="PLANNER", help="what the other planners are compared with in pairs (default: the first)")
+    parser.add_argument("--pdf", action="store_true", help="write each figure as PDF too, for print")
     parser.add_argument("--no-figures", action="store_true", help="tables alone, within seconds")
     return parser
 
 
-def write_report(runs: Sequence[Run], target: Path, pictures: int = PICTURES, figures: bool = True, baseline: str | None = None) -> None:
+def write_report(
+    runs: Sequence[Run], target: Path, pictures: int = PICTURES, figures: bool = True, baseline: str | None = None, pdf: bool = False
+) -> None:
     """Write a report over these runs to the folder ``target``; raise InputFileError when they hold no episode, or not the baseline."""
     from arena_metrics.cells import cells_of
     from arena_metrics.levels import level_table
@@ -101,7 +104,7 @@ def write_report(runs: Sequence[Run], target: Path, pictures: int = PICTURES, fi
     _write_tables(summary, pairs, levels, problems, target)
     drives = _drives(summary, pictures) if figures else {}
     tables = _tables_of_drives(summary, drives, target)
-    drawn = _draw(summary, drives, target) if figures else ([], [], [])
+    drawn = _draw(summary, drives, target, pdf) if figures else ([], [], [])
     write_text_whole(target / "index.html", render(summary, baseline, pairs, levels, tables, problems, runs, repeats, *drawn))
     _print_headline(summary, baseline)
     print(f"report: {target / 'index.html'}")
@@ -169,7 +172,7 @@ def _tables_of_drives(summary: Summary, drives: Mapping[str, Sequence[Drive]], t
     return list(known.values())
 
 
-def _draw(summary: Summary, drives: Mapping[str, Sequence[Drive]], target: Path) -> tuple[list[Image], list[Image], list[Image]]:
+def _draw(summary: Summary, drives: Mapping[str, Sequence[Drive]], target: Path, pdf: bool) -> tuple[list[Image], list[Image], list[Image]]:
     """Draw and write the figures of all metrics (with one cell and nothing to compare: of the headline alone), pictures and levels."""
     from arena_metrics.figures import metric_figures, style
     from arena_metrics.levels import level_image
@@ -181,14 +184,15 @@ def _draw(summary: Summary, drives: Mapping[str, Sequence[Drive]], target: Path)
     columns = summary.columns if len(cells.cells) > 1 else [column for column, _ in headline_columns(summary)]
     panels = layouts(cells, drives)
     with style():
-        figures = list(metric_figures(cells, columns))
+        figures = list(metric_figures(cells, columns, pdf))
         images = [
-            cell_image(cells, cell, drives[cell.hash], panels[cells.condition(cell)]) for cell in cells.cells if drives.get(cell.hash)
+            cell_image(cells, cell, drives[cell.hash], panels[cells.condition(cell)], pdf) for cell in cells.cells if drives.get(cell.hash)
         ]
-        levels = [image for image in [level_image(cells)] if image is not None]
+        levels = [image for image in [level_image(cells, pdf)] if image is not None]
     for image in [*figures, *images, *levels]:
         write_bytes_whole(target / "figures" / f"{image.name}.png", image.png)
-        write_bytes_whole(target / "figures" / f"{image.name}.pdf", image.pdf)
+        if image.pdf is not None:
+            write_bytes_whole(target / "figures" / f"{image.name}.pdf", image.pdf)
     return figures, images, levels
 
 

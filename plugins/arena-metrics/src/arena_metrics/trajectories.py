@@ -32,7 +32,7 @@ SHORT = 1.0  # m from its goal, from where on a drive is said to have ended else
 NUMBERED = 40  # trajectories in one panel whose numbers can still be read; of more, the failed ones are numbered
 
 
-def cell_image(cells: Cells, cell: Cell, drives: Sequence[Drive], layout: Layout) -> Image:
+def cell_image(cells: Cells, cell: Cell, drives: Sequence[Drive], layout: Layout, pdf: bool) -> Image:
     """Draw a cell's drives in the panels of its condition."""
     from matplotlib.figure import Figure
 
@@ -53,7 +53,7 @@ def cell_image(cells: Cells, cell: Cell, drives: Sequence[Drive], layout: Layout
     _legend(figure, [drive for of in shown for drive in of], [record for read in records for record in read])
     drawn = sum(map(len, shown))
     note = f" ({layout.left_out} more problem{'s' * (layout.left_out > 1)} not drawn)" if layout.left_out else ""
-    return rendered(figure, f"cell_{cell.hash}", f"{cells.name(cell)}: {drawn} episode{'s' * (drawn != 1)}{note}")
+    return rendered(figure, f"cell_{cell.hash}", f"{cells.name(cell)}: {drawn} episode{'s' * (drawn != 1)}{note}", pdf)
 
 
 def _panel_sizes(panels: Sequence[Panel]) -> tuple[int, float, float]:
