@@ -72,3 +72,65 @@ def test_planner_that_no_robot_fits_says_what_the_first_one_lacks(choosy, arena)
     answer = arena("check", "planner=choosy", "planner.gain=3.0")
     assert answer.status == 2
     assert "choosy: gain is 3.0 on jackal" in answer.errors[0]
+
+
+@pytest.mark.parametrize("word", ["world=warehouse", "metrics=si", "dwa.gain=1", "planner=dwa"])
+def test_a_word_that_says_nothing_of_the_component_is_refused(word, arena):
+    answer = arena("check", "planner=pure_pursuit", word)
+    assert (answer.status, answer.line) == (
+        2,
+        f"arena: {word} says nothing of planner=pure_pursuit; allowed: planner.KEY=VALUE, robot=NAME",
+    )
+
+
+SIDEWAYS = """
+    from arena_core import ConfigurationError, Robot, hookimpl
+    from arena_pure_pursuit import PurePursuit
+
+    class Sideways(PurePursuit):
+        def __init__(self, robot: Robot) -> None:
+            if robot.kinematics == "ackermann":
+                raise ConfigurationError("sideways: robot has ackermann drive; allowed: differential, omnidirectional")
+            super().__init__(robot, None, 1.0, 2.0)
+
+    @hookimpl
+    def register_planners(register):
+        register("sideways", Sideways)
+
+    @hookimpl
+    def config_package():
+        return "sideways.conf"
+"""
+
+
+def test_a_drive_that_a_planner_refuses_is_named_and_the_others_are_tried(third_party, arena):
+    third_party.package("sideways", SIDEWAYS, {"planner/sideways": "name: sideways\n"})
+    answer = arena("check", "planner=sideways")
+    first, *held = answer.out.splitlines()
+    assert answer.status == 0
+    assert first.startswith("-- planner=sideways drives no robot with ackermann drive: sideways: robot has ackermann drive")
+    assert [line.split(" with ")[1] for line in held] == ["differential drive", "omnidirectional drive"]
+
+
+WISHFUL = """
+    from arena_core import Metric, MetricPack, hookimpl
+
+    class Wishful(MetricPack):
+        def metrics(self):
+            return [Metric("steps", "-", "less", "control steps", lambda record: float(len(record["stamp"]) - 1))]
+
+    @hookimpl
+    def register_metrics(register):
+        register("wishful", Wishful)
+
+    @hookimpl
+    def config_package():
+        return "wishful.conf"
+"""
+
+
+def test_a_wish_that_no_table_knows_breaks_the_contract(third_party, arena):
+    third_party.package("wishful", WISHFUL, {"metrics/wishful": "# @package metrics.wishful\nname: wishful\n"})
+    answer = arena("check", "metrics=wishful")
+    assert answer.status == 1
+    assert "not so: better is higher, lower, neither" in answer.out

@@ -86,12 +86,13 @@ def test_listing_loads_no_heavy_library(tmp_path):
     assert answer.stdout.splitlines()[-1] == "[]"
 
 
-def test_output_that_nobody_reads_is_no_error(tmp_path):
+@pytest.mark.parametrize("words", [["list"], ["check", "--help"], ["run", "planner=pure_pursuit", "--cfg", "job"]])
+def test_output_that_nobody_reads_is_no_error(tmp_path, words):
     read, write = os.pipe()
     os.close(read)
-    answer = subprocess.run(
-        [sys.executable, "-m", "arena_core.cli.main", "list"], stdout=write, stderr=subprocess.PIPE, timeout=60, cwd=tmp_path
-    )
+    command = [sys.executable, "-m", "arena_core.cli.main", *words]
+    usual = {key: value for key, value in os.environ.items() if key != "PYTHONUNBUFFERED"}
+    answer = subprocess.run(command, stdout=write, stderr=subprocess.PIPE, timeout=60, cwd=tmp_path, env=usual)
     os.close(write)
     assert (answer.returncode, answer.stderr) == (141, b"")
 

@@ -81,12 +81,12 @@ limits:
 
 
 def test_a_robot_of_ones_own_folder_carries_its_own_name_without_a_package(arena):
-    for path, text in {"robot/scout_mini": OWN, "world/hall": "defaults:\n  - empty\n  - _self_\nwidth: 9.0\nheight: 9.0\n"}.items():
+    for path, text in {"robot/jackal_slow": OWN, "world/hall": "defaults:\n  - empty\n  - _self_\nwidth: 9.0\nheight: 9.0\n"}.items():
         Path("conf", path).parent.mkdir(parents=True, exist_ok=True)
         Path("conf", f"{path}.yaml").write_text(text)
     words = (
         "planner=dwa",
-        "robot=scout_mini",
+        "robot=jackal_slow",
         "world=hall",
         "localizer=ground_truth",
         "task.pedestrians=0",
@@ -95,9 +95,9 @@ def test_a_robot_of_ones_own_folder_carries_its_own_name_without_a_package(arena
     )
     answer = arena("run", *words, "hydra.run.dir=run")
     assert answer.status == 0
-    assert any("untuned for scout_mini" in line for line in answer.errors)
+    assert any("untuned for jackal_slow" in line for line in answer.errors)
     with Path("run/episodes.csv").open(newline="") as file:
         (row,) = csv.DictReader(file)
-    assert (row["robot"], row["world"]) == ("scout_mini", "hall")
-    assert "scout_mini" in Path("run/report/index.html").read_text()
-    assert "robot=scout_mini" in arena("list", "preset").out
+    assert (row["robot"], row["world"]) == ("jackal_slow", "hall")
+    assert "jackal_slow" in Path("run/report/index.html").read_text()
+    assert "robot=jackal_slow" in arena("list", "preset").out

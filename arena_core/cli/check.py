@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 from arena_core.base.errors import ConfigurationError, ContractViolation, ImpossibleScenario, UnknownComponent
@@ -43,6 +44,9 @@ class CheckCommand(Command):
             raise UnknownComponent(unknown("kind", kind, list(CHECKS)))
         if not preset:
             raise ConfigurationError(f"no name given; allowed: {kind}= one of {', '.join(presets(load_registry(), kind))}")
+        strangers = [word for word in given[1:] if not re.match(rf"[+~]*({kind}[.@]|robot[.=])", word)]
+        if strangers:
+            raise ConfigurationError(f"{strangers[0]} says nothing of {kind}={preset}; allowed: {kind}.KEY=VALUE, robot=NAME")
         return _check_preset(kind, preset, given[1:])
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
@@ -61,8 +65,11 @@ def _check_or_say_why_not(kind: str, preset: str) -> int:
 
 
 def _check_preset(kind: str, preset: str, overrides: Sequence[str]) -> int:
-    """Check one preset on every kind of robot that matters to it and print what held."""
-    for tuned_for, body in _bodies(kind, preset, overrides):
+    """Check one preset on every kind of robot that matters to it and print what held, and what a planner refuses to drive."""
+    bodies, refused = _bodies(kind, preset, overrides)
+    for drive, reason in refused.items():
+        print(f"-- {kind}={preset} drives no robot with {drive} drive: {reason}")
+    for tuned_for, body in bodies:
         try:
             facts = check(kind, component(kind, preset, overrides, tuned_for, **_context(kind, body)), body)
         except ContractViolation as violation:
@@ -73,14 +80,20 @@ def _check_preset(kind: str, preset: str, overrides: Sequence[str]) -> int:
     return 0
 
 
-def _bodies(kind: str, preset: str, overrides: Sequence[str]) -> list[Body]:
-    """Return a sample of each drive that matters to a kind; for a planner that knows robots by name, those of them that are installed.
+def _bodies(kind: str, preset: str, overrides: Sequence[str]) -> tuple[list[Body], Mapping[str, ConfigurationError]]:
+    """Return a sample of each drive that matters to a kind, and why a planner refuses others.
 
-    Raises ConfigurationError, the first robot's, where a planner drives none.
+    For a planner that takes none of them, because it knows robots by name, those of them that are installed. Raises
+    ConfigurationError, the first robot's, where a planner drives none.
     """
     samples: list[Body] = [(None, robot(kinematics)) for kinematics in BODIES.get(kind, ("differential",))]
-    if kind != "planner" or _refusal(preset, overrides, samples[0]) is None:
-        return samples
+    if kind != "planner":
+        return samples, {}
+    refused: dict[str, ConfigurationError] = {
+        body.kinematics: why for tuned_for, body in samples if (why := _refusal(preset, overrides, (tuned_for, body)))
+    }
+    if len(refused) < len(samples):
+        return [(tuned_for, body) for tuned_for, body in samples if body.kinematics not in refused], refused
     given = [word.removeprefix("robot=") for word in overrides if word.startswith("robot=")]
     named: list[Body] = [(None, component("robot", name)) for name in given]  # the overrides tune for it
     named = named or [(name, component("robot", name)) for name in presets(load_registry(), "robot")]
@@ -88,7 +101,7 @@ def _bodies(kind: str, preset: str, overrides: Sequence[str]) -> list[Body]:
     accepted = [body for body, refusal in zip(named, refusals, strict=False) if refusal is None]
     if not accepted and refusals[0] is not None:
         raise refusals[0]
-    return accepted
+    return accepted, {}
 
 
 def _refusal(preset: str, overrides: Sequence[str], body: Body) -> ConfigurationError | None:

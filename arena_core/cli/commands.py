@@ -139,6 +139,8 @@ class RunCommand(Command):
         except Shown:
             new_folders.remove()
         except OSError as error:
+            if isinstance(error, BrokenPipeError):  # nobody reads what --cfg prints
+                raise
             raise ConfigurationError(f"cannot use the run's folder {error.filename}: {error.strerror}") from error
         finally:
             sys.argv = before

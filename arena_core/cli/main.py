@@ -18,9 +18,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return the exit status: 0 done, 1 some episode failed, 2 the request was wrong."""
     arguments = list(sys.argv[1:] if arguments is None else arguments)
     try:
-        status = _dispatch(load_registry(), arguments)
-        sys.stdout.flush()
-        return status
+        try:
+            return _dispatch(load_registry(), arguments)
+        finally:
+            sys.stdout.flush()  # here, where a broken pipe is known; argparse ends the process after --help
     except ArenaError as error:
         print(f"arena: {error}", file=sys.stderr)
         return error.exit_status

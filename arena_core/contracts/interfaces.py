@@ -19,6 +19,7 @@ from arena_core.values.staging import Staging
 from arena_core.values.world import Costmap, Crowd, Gait, OccupancyGrid, Path, World
 
 T = TypeVar("T")
+Better = Literal["higher", "lower", "neither"]  # what a reader wishes of a metric
 
 
 class Planner(ABC):
@@ -286,7 +287,7 @@ class Metric:
 
     name: str
     unit: str
-    better: Literal["higher", "lower", "neither"]
+    better: Better
     description: str
     compute: Callable[[EpisodeRecord], float | str]
     path_metric: bool = False

@@ -6,13 +6,14 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import replace
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
 from arena_core.base.errors import ArenaError, ContractViolation, NoPath, NoValidCommand
 from arena_core.base.random_streams import generator
 from arena_core.contracts.interfaces import (
+    Better,
     Executor,
     GlobalPlanner,
     Job,
@@ -44,6 +45,7 @@ from arena_core.values.world import ABSENT, LETHAL, Costmap, OccupancyGrid, Pede
 
 Facts = Iterator[tuple[str, bool]]
 SLOT = np.zeros(1, np.int64)
+BETTER = get_args(Better)
 
 
 def check(kind: str, component: Any, body: Robot) -> list[str]:
@@ -273,6 +275,7 @@ def check_metrics(pack: MetricPack, body: Robot) -> Facts:
     metrics = pack.metrics()
     yield "names are unique", len({m.name for m in metrics}) == len(metrics)
     yield "every metric has a unit and a description", all(m.unit and m.description for m in metrics)
+    yield f"better is {', '.join(BETTER)}", all(m.better in BETTER for m in metrics)
     for sample in (samples.record(), samples.record(contact=True), samples.record(contact=True, leaves=True)):
         values = [m.compute(sample) for m in metrics]
         yield "every value is a text in unit text, else a number", all(map(_suits, metrics, values))

@@ -11,12 +11,11 @@ import math
 from bisect import bisect_left
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import EpisodeRecord, Metric, MetricPack, NonNegativeInt, Positive
+from arena_core import Better, EpisodeRecord, Metric, MetricPack, NonNegativeInt, Positive
 from arena_metrics.motion import triangles
 
 FloatArray = NDArray[np.float64]
@@ -110,9 +109,7 @@ class PaperLegacyMetrics(MetricPack):
     def _of(self, reduce: Callable[[LegacyRows], float]) -> Callable[[EpisodeRecord], float]:
         return lambda record: reduce(self.rows(record))
 
-    def _path(
-        self, name: str, unit: str, better: Literal["higher", "lower", "neither"], text: str, reduce: Callable[[LegacyRows], float]
-    ) -> Metric:
+    def _path(self, name: str, unit: str, better: Better, text: str, reduce: Callable[[LegacyRows], float]) -> Metric:
         return Metric(name, unit, better, text, self._of(reduce), path_metric=True)
 
 

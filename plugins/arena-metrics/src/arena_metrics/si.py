@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Literal
 
-from arena_core import EpisodeRecord, Metric, MetricPack, Positive
+from arena_core import Better, EpisodeRecord, Metric, MetricPack, Positive
 from arena_metrics import courses, motion, outcome, proximity, timing
-
-Better = Literal["higher", "lower", "neither"]
 
 
 def _path(name: str, unit: str, better: Better, description: str, compute: Callable[[EpisodeRecord], float]) -> Metric:
