@@ -46,9 +46,14 @@ def kill_worker(process, chance):
     return True
 
 
-def test_a_sweep_killed_again_and_again_ends_with_the_same_bytes(tmp_path, capsys):
+@pytest.fixture
+def log(tmp_path):
+    with (tmp_path / "log").open("w") as file:
+        yield file
+
+
+def test_a_sweep_killed_again_and_again_ends_with_the_same_bytes(tmp_path, log, capsys):
     chance = random.Random(0)
-    log = (tmp_path / "log").open("w")
     assert start(tmp_path / "whole", log).wait() == 0
     whole, groups, single, begun = records(tmp_path / "whole"), 0, 0, time.monotonic()
     while groups < KILLED_WHOLE or single < KILLED_WORKERS:

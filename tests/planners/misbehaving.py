@@ -89,6 +89,7 @@ class Misbehaving(Planner):
         self.answer, self.steps = None, 0
         self.bad = os.environ.get("GOAL") == f"{episode.goal.x:.6f} {episode.goal.y:.6f}"
         self.do("reset", episode)
+        self.answer = None  # no command is asked for yet
 
     def compute_velocity(self, observation):
         self.steps += 1
