@@ -33,7 +33,7 @@ def test_a_robot_that_drives_straight_on_is_stopped_by_the_threatening_alone():
 
 
 def test_a_person_who_comes_and_goes_is_recorded_drawn_and_measured_while_there(arena):
-    people = [{"position": [3, 6], "waypoints": [[3, 6], [5, 6]], "max_speed": 1.0, "behaviour": {"spawn_time": 1.0, "respawn": 1}}]
+    people = [{"position": [3, 6], "waypoints": [[3, 6], [5, 6]], "desired_speed": 1.0, "behaviour": {"spawn_time": 1.0, "respawn": 1}}]
     problem = {"name": "coming", "start": [1, 2, 0], "goal": [7, 2], "pedestrians": people}
     Path("coming.json").write_text(json.dumps({"format": "arena-scenario", "version": 1, "scenarios": [problem]}))
     world = ("world=empty", "world.width=8", "world.height=8", "task=scenario", "task.path=coming.json", "episodes=1")

@@ -21,7 +21,7 @@ Box = tuple[float, float, float, float]  # x_min, x_max, y_min, y_max, m
 FENCE = [{"center": [4.0, 2.0 + 0.3 * k], "radius": 0.1} for k in range(10)]  # posts on no map, gaps of 0.1 m; its ends are open
 DOOR: list[Box] = [(4.0, 4.2, 0.0, 2.8), (4.0, 4.2, 3.2, 6.0)]  # a gap of 0.40 m
 POST: list[Box] = [(0.0, 3.0, 3.0, 3.1)]  # its end is just before the robot, a little aside: it must turn away from its path first
-PERSON = {"position": [2.6, 3.0], "waypoints": [[2.6, 3.0]], "max_speed": 0.3}
+PERSON = {"position": [2.6, 3.0], "waypoints": [[2.6, 3.0]], "desired_speed": 0.3}
 
 SCENES: dict[str, tuple[list[Box], dict[str, Any]]] = {
     "posts before the waypoint": ([], {"start": [3.5, 3.3, 0.0], "goal": [5.2, 3.3], "obstacles": FENCE}),

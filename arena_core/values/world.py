@@ -130,7 +130,7 @@ class World:
 class PedestrianSpec:
     """How one person starts and where it goes: the input of a pedestrian model.
 
-    ``waypoints_xy`` has shape (K, 2), m, walked in a loop; none means standing. ``max_speed`` in m/s, ``radius`` in m.
+    ``waypoints_xy`` has shape (K, 2), m, walked in a loop; none means standing. ``desired_speed`` in m/s, ``radius`` in m.
     ``behaviour`` carries what a model may use beyond that (factors of forces, chances of social states). ``stamps`` (K,), s, rising
     from 0, is when it is at each waypoint, anew every ``stamps[-1]`` s; None where the model decides that.
     """
@@ -138,7 +138,7 @@ class PedestrianSpec:
     id: int
     position_xy: FloatArray
     waypoints_xy: FloatArray
-    max_speed: float
+    desired_speed: float
     radius: float
     behaviour: dict[str, float | str] = field(default_factory=dict)
     stamps: FloatArray | None = None

@@ -53,7 +53,7 @@ CURRICULUM = b"""levels:
 PERSON = {
     "position": [2, 1],
     "waypoints": [[3, 1], [2, 3]],
-    "max_speed": 0.5,
+    "desired_speed": 0.5,
     "radius": 0.3,
     "behaviour": {"type": "adult", "wait_time": 2},
 }

@@ -29,7 +29,7 @@ def test_two_who_meet_head_on_pass_without_touching(stage, orca, offset, speeds,
 def test_nobody_walks_through_walls_or_faster_than_may_be(stage, orca):
     hall = stage.hall(20, 20, stage.racks)
     scenario = stage.crowded(hall, 40, 3)
-    speeds = np.array([spec.max_speed for spec in scenario.pedestrians])
+    speeds = np.array([spec.desired_speed for spec in scenario.pedestrians])
     room, before = hall.derive(grid_distance), None
     for crowd in stage.walk(orca, [scenario], 60.0):
         cells = hall.cells(crowd.positions[0])

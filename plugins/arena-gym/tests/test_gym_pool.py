@@ -152,7 +152,7 @@ def test_what_is_varied_stays_within_its_span():
     assert {episode.latency for episode in episodes} == {1, 2, 3}
     assert {len(s.pedestrians) for s in scenarios} == {1, 2}
     assert all(0.5 <= s.speed_share <= 0.8 for s in scenarios)
-    speeds = [person.max_speed for s in scenarios for person in s.pedestrians]
+    speeds = [person.desired_speed for s in scenarios for person in s.pedestrians]
     assert 0.25 <= min(speeds) < 0.35 < 0.65 < max(speeds) <= 0.75
     plain = draw_episode(pool, PLAIN, 0, 0)
     assert (plain.noise, plain.latency, plain.problem.scenario.speed_share) == (0.0, 0, 1.0)

@@ -133,7 +133,7 @@ def test_a_scenario_may_mix_reactions(stage, make_model):
 def test_nobody_enters_a_wall_another_or_a_robot_and_nobody_exceeds_the_own_speed(stage, make_model, reaction):
     hall = stage.hall(14, 14, [(6, 6, 8, 8), (0, 10, 4, 10.2)])
     scenarios = [stage.crowded(hall, 12, seed) for seed in range(6)]
-    speeds = np.array([[spec.max_speed for spec in scenario.pedestrians] for scenario in scenarios])
+    speeds = np.array([[spec.desired_speed for spec in scenario.pedestrians] for scenario in scenarios])
     room, robots = hall, stage.robots((3.0, 3.0, 0.7), radius=0.25, worlds=6)
     for number, crowd in enumerate(stage.walk(make_model(reaction=reaction), scenarios, 40.0, robots)):
         assert (np.hypot(*np.moveaxis(crowd.velocities, 2, 0)) <= speeds * (1.0 + 1e-9)).all()

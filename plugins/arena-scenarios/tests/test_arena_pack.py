@@ -87,7 +87,7 @@ def test_people_start_apart_and_walk_at_a_human_speed(name: str) -> None:
         gaps = np.hypot(*(places[:, None] - places[None]).transpose(2, 0, 1)) + np.diag(np.full(len(places), np.inf))
         assert gaps.min() > APART - 0.02
         assert np.hypot(*(places - (scenario.start.x, scenario.start.y)).T).min() > KEEP_OFF - 0.02
-        assert all(0.3 <= person.max_speed <= 1.3 for person in scenario.pedestrians)
+        assert all(0.3 <= person.desired_speed <= 1.3 for person in scenario.pedestrians)
 
 
 @pytest.mark.parametrize("name", NAMES)

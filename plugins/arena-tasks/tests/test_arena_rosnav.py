@@ -51,7 +51,7 @@ def test_every_key_is_read(tmp_path: Path) -> None:
     problem = read(tmp_path, GOOD)
     assert (problem.name, problem.start, problem.goal, problem.repeats) == ("default", Pose(24.0, 20.0, 0.7), Pose(2.0, 2.0), 50)
     (person,) = problem.pedestrians
-    assert (person.position_xy.tolist(), person.max_speed, person.radius) == ([14.0, 2.0], 0.5, 0.3)
+    assert (person.position_xy.tolist(), person.desired_speed, person.radius) == ([14.0, 2.0], 0.5, 0.3)
     assert person.waypoints_xy.tolist() == [[2.0, 14.0], [14.0, 2.0]]
     assert person.behaviour == {"type": "adult", "waypoint_mode": 1.0}
     (shelf,) = problem.obstacles

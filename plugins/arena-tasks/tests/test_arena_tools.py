@@ -58,7 +58,7 @@ def test_every_used_key_is_read(tmp_path: Path) -> None:
     (problem,) = read_scenarios(write(tmp_path, GOOD), DEFAULTS)
     assert (problem.name, problem.start, problem.goal, problem.repeats) == ("site", Pose(0.0, 0.0), Pose(4.0, 0.0), 30)
     (person,) = problem.pedestrians
-    assert (person.id, person.max_speed, person.radius) == (0, 0.2, 0.3)
+    assert (person.id, person.desired_speed, person.radius) == (0, 0.2, 0.3)
     assert person.position_xy.tolist() == [1.0, 2.0]
     assert person.waypoints_xy.tolist() == [[3.0, 2.0], [1.0, 2.0]]
     assert person.behaviour == {"type": "adult", "force_factor_social": 5}
@@ -223,5 +223,5 @@ def test_published_scenario_survives_our_own_format(tmp_path: Path, data: Path, 
 )
 def test_vehicles_of_arena_tools_are_read(path: Path, count: int) -> None:
     (problem,) = read_scenarios(path, DEFAULTS)
-    assert [p.max_speed for p in problem.pedestrians] == [1.0] * count
+    assert [p.desired_speed for p in problem.pedestrians] == [1.0] * count
     assert problem.pedestrians[0].behaviour["type"] == "vehicle"

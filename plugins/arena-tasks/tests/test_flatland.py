@@ -56,7 +56,7 @@ def test_every_key_is_read(tmp_path: Path, title: str) -> None:
     assert (problem.name, problem.repeats) == ("hall", 5)
     assert (problem.start, problem.goal) == (Pose(0.0, 7.0, 0.5), Pose(24.0, 7.0, 0.0))
     (person,) = problem.pedestrians
-    assert (person.id, person.max_speed, person.radius) == (0, 0.1, 0.4)
+    assert (person.id, person.desired_speed, person.radius) == (0, 0.1, 0.4)
     assert person.position_xy.tolist() == [4.0, 9.0]
     assert person.behaviour == {"start_up_mode": "trigger_zone", "trigger_zone_x": 2, "trigger_zone_y": 8.5, "trigger_zone_radius": 2}
     circle, polygon = problem.obstacles
@@ -82,7 +82,7 @@ def test_a_way_becomes_a_round(tmp_path: Path, changes: dict[str, Any], waypoint
     (problem,) = read(tmp_path, {"scenarios": [disc(**changes)]})
     assert problem.pedestrians[0].waypoints_xy.tolist() == waypoints
     assert problem.pedestrians[0].waypoints_xy.shape == (len(waypoints), 2)
-    assert problem.pedestrians[0].max_speed > 0.0
+    assert problem.pedestrians[0].desired_speed > 0.0
 
 
 def test_without_a_trigger_a_person_starts_at_once(tmp_path: Path) -> None:

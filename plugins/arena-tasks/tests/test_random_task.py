@@ -71,7 +71,7 @@ def make(grid: OccupancyGrid = HALL, robot: Robot | None = None, **changes: obje
 
 
 def text(scenario: Scenario) -> str:
-    people = [(p.id, p.position_xy.tolist(), p.waypoints_xy.tolist(), p.max_speed, p.radius) for p in scenario.pedestrians]
+    people = [(p.id, p.position_xy.tolist(), p.waypoints_xy.tolist(), p.desired_speed, p.radius) for p in scenario.pedestrians]
     return repr((scenario.name, scenario.seed, scenario.start, scenario.goal, people, scenario.goal_radius, scenario.time_limit))
 
 
@@ -107,7 +107,7 @@ def test_every_promise_is_kept(seed: int, index: int, placement: str, radius: fl
     assert labels[0] == labels[1] > 0
     assert [p.id for p in scenario.pedestrians] == list(range(6))
     for person in scenario.pedestrians:
-        assert (person.max_speed, person.radius) == (0.3, 0.3)
+        assert (person.desired_speed, person.radius) == (0.3, 0.3)
         assert 2 <= len(person.waypoints_xy) <= 6  # four places, and two of them on the way back
         assert space.has_room(np.vstack((person.waypoints_xy, person.position_xy[None])), 0.35).all()
         assert len(HALL.derive(Ways).round(person.waypoints_xy, 0.3)) == len(person.waypoints_xy)

@@ -115,7 +115,7 @@ def test_a_share_of_the_people_walks_in_groups_on_one_round() -> None:
     assert all(2 <= len(members) <= 3 for members in groups.values())
     for members in groups.values():
         assert all(np.array_equal(member.waypoints_xy, members[0].waypoints_xy) for member in members)
-        assert {member.max_speed for member in members} == {members[0].max_speed}
+        assert {member.desired_speed for member in members} == {members[0].desired_speed}
         assert all(np.hypot(*(member.position_xy - members[0].position_xy)) < 1.0 for member in members)
     assert [person.id for person in people] == list(range(10))
 
@@ -123,7 +123,7 @@ def test_a_share_of_the_people_walks_in_groups_on_one_round() -> None:
 def test_speeds_have_the_mean_and_spread_that_are_asked_for() -> None:
     weidmann = {"speed": 1.34, "speed_spread": 0.194}
     people = [p for k in range(30) for p in draw(k, pedestrians=10, people=weidmann).pedestrians]
-    speeds = np.array([person.max_speed for person in people])
+    speeds = np.array([person.desired_speed for person in people])
     assert speeds.mean() == pytest.approx(1.34, abs=0.05)
     assert speeds.std() == pytest.approx(0.26, abs=0.03)
     assert speeds.min() >= 1.34 * (1.0 - 2.5 * 0.194)

@@ -1,5 +1,6 @@
 """Our scenario format is read strictly, written back unchanged, and each slip is one line with file and key."""
 
+import copy
 import json
 from collections.abc import Callable
 from dataclasses import replace
@@ -34,7 +35,7 @@ GOOD: dict[str, Any] = {
                 {
                     "position": [2.0, 2.0],
                     "waypoints": [[2.0, 0.0], [2.0, 2.0]],
-                    "max_speed": 1.2,
+                    "desired_speed": 1.2,
                     "radius": 0.35,
                     "behaviour": {"force_factor_social": 2, "type": "elder"},
                 },
@@ -59,11 +60,19 @@ def as_scenario(problem: Problem) -> Scenario:
 
 
 def people(problem: Scenario | Problem) -> list[object]:
-    return [(p.id, p.position_xy.tolist(), p.waypoints_xy.tolist(), p.max_speed, p.radius, p.behaviour) for p in problem.pedestrians]
+    return [(p.id, p.position_xy.tolist(), p.waypoints_xy.tolist(), p.desired_speed, p.radius, p.behaviour) for p in problem.pedestrians]
 
 
 def obstacles(problem: Scenario | Problem) -> list[object]:
     return [(o.vertices_xy.tolist(), o.radius) for o in problem.obstacles]
+
+
+def test_the_former_name_of_the_desired_speed_is_read(tmp_path: Path) -> None:
+    content = copy.deepcopy(GOOD)
+    person = content["scenarios"][0]["pedestrians"][1]
+    person["max_speed"] = person.pop("desired_speed")
+    (crossing, _) = read_scenarios(write(tmp_path, content), DEFAULTS)
+    assert crossing.pedestrians[1].desired_speed == 1.2
 
 
 def test_every_key_is_read(tmp_path: Path) -> None:
@@ -190,7 +199,8 @@ def first(content: dict[str, Any]) -> dict[str, Any]:
         (lambda c: first(c).update(time_limit=True), r"scenarios\[0\]\.time_limit is true; allowed: a number > 0"),
         (lambda c: first(c).update(robots=[]), r"scenarios\[0\]\.robots is unknown; allowed: name, repeats, start, goal"),
         (lambda c: first(c)["pedestrians"][0].pop("position"), r"scenarios\[0\]\.pedestrians\[0\]\.position is missing"),
-        (lambda c: first(c)["pedestrians"][1].update(max_speed=-1), r"pedestrians\[1\]\.max_speed is -1; allowed: a number > 0"),
+        (lambda c: first(c)["pedestrians"][1].update(desired_speed=-1), r"pedestrians\[1\]\.desired_speed is -1; allowed: a number > 0"),
+        (lambda c: first(c)["pedestrians"][1].update(max_speed=1.0), r"pedestrians\[1\]\.max_speed is 1\.0; allowed: desired_speed alone"),
         (lambda c: first(c)["pedestrians"][1].update(radius=0), r"pedestrians\[1\]\.radius is 0; allowed: a number > 0"),
         (lambda c: first(c)["pedestrians"][1].update(speed=1), r"pedestrians\[1\]\.speed is unknown"),
         (lambda c: first(c)["pedestrians"][1].update(waypoints=[[1, 2, 3]]), r"waypoints\[0\] is \[1, 2, 3\]; allowed: \[x, y\]"),

@@ -56,7 +56,7 @@ def obstacles(draw: st.DrawFn) -> Obstacle:
 @st.composite
 def problems(draw: st.DrawFn) -> Problem:
     crowd = tuple(
-        PedestrianSpec(k, p.position_xy, p.waypoints_xy, p.max_speed, p.radius, p.behaviour)
+        PedestrianSpec(k, p.position_xy, p.waypoints_xy, p.desired_speed, p.radius, p.behaviour)
         for k, p in enumerate(draw(st.lists(people(), max_size=3)))
     )
     ends = [Pose(*draw(positions).tolist()) for _ in range(2)]
@@ -85,7 +85,7 @@ def test_a_problem_survives_arena_tools(tmp_path_factory: pytest.TempPathFactory
         assert person.id == given_person.id
         assert person.position_xy.tolist() == given_person.position_xy.tolist()
         assert person.waypoints_xy.tolist() == given_person.waypoints_xy.tolist()
-        assert person.max_speed == given_person.max_speed
+        assert person.desired_speed == given_person.desired_speed
         assert person.behaviour == {**AGENT, **given_person.behaviour}
     assert shape(found.obstacles).symmetric_difference(shape(problem.obstacles)).area < 1e-6
     assert left_out(problem) == []
@@ -104,7 +104,7 @@ def test_a_problem_survives_arena_rosnav(tmp_path_factory: pytest.TempPathFactor
     for given_person, person in zip(problem.pedestrians, found.pedestrians, strict=True):
         assert person.position_xy.tolist() == given_person.position_xy.tolist()
         assert person.waypoints_xy.tolist() == given_person.waypoints_xy.tolist()
-        assert person.max_speed == given_person.max_speed
+        assert person.desired_speed == given_person.desired_speed
         assert person.behaviour == {"type": "adult", **given_person.behaviour}
     assert shape(found.obstacles).symmetric_difference(shape(problem.obstacles)).area < 1e-6
 
@@ -231,7 +231,7 @@ SAMPLES: dict[str, Callable[[], dict[str, Any]]] = {
                 "goal": [1, 1],
                 "goal_radius": 0.3,
                 "time_limit": 9,
-                "pedestrians": [{"position": [1, 2], "waypoints": [[1, 2]], "max_speed": 1, "radius": 0.3, "behaviour": {"type": "adult"}}],
+                "pedestrians": [{"position": [1, 2], "waypoints": [[1, 2]], "desired_speed": 1, "radius": 0.3, "behaviour": {"type": "adult"}}],
                 "obstacles": [{"center": [0, 0], "radius": 1}, {"vertices": [[0, 0], [1, 0], [0, 1]]}],
             }
         ],

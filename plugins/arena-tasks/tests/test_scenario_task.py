@@ -71,7 +71,7 @@ def test_file_goes_before_the_task_and_the_task_fills_the_rest(tmp_path: Path) -
     task = make(tmp_path, problem(goal_radius=1.0, time_limit=10.0, pedestrians=[{"position": [0, 2]}]), problem("two"))
     one, two = task.scenario(0, 0), task.scenario(0, 1)
     assert (one.goal_radius, one.time_limit, two.goal_radius, two.time_limit) == (1.0, 10.0, 0.25, 120.0)
-    assert (one.pedestrians[0].max_speed, one.pedestrians[0].radius) == (0.3, 0.3)
+    assert (one.pedestrians[0].desired_speed, one.pedestrians[0].radius) == (0.3, 0.3)
 
 
 @pytest.mark.parametrize(

@@ -88,7 +88,7 @@ def test_a_level_changes_what_it_names_and_nothing_else(tmp_path: Path) -> None:
     easy, scenario = task.at_stage(0).scenario(2, 5), task.at_stage(1).scenario(2, 5)
     assert (easy.world.name, easy.speed_share, easy.stage, easy.pedestrians, easy.obstacles) == ("hall/0", 1.0, 0, (), ())
     assert (scenario.world.name, scenario.speed_share, scenario.stage, len(scenario.obstacles)) == ("hall/0.5", 0.5, 1, 2)
-    assert [p.max_speed for p in scenario.pedestrians] == [0.9] * 3
+    assert [p.desired_speed for p in scenario.pedestrians] == [0.9] * 3
     assert 4.0 <= scenario.start.distance(scenario.goal) <= 6.0 < 10.0 <= easy.start.distance(easy.goal)
     assert (scenario.goal_radius, scenario.time_limit) == (easy.goal_radius, easy.time_limit) == (0.3, 180.0)
     assert (scenario.name, task.scenario(2, 5).name) == ("staged/1/0005", "staged/0/0005")

@@ -50,7 +50,7 @@ def _varied_people(
     if number == len(people) and factor == 1.0:
         return people  # the very same, which simulators may know by now
     chosen = np.sort(random.permutation(len(people))[:number]).tolist()
-    return tuple(replace(people[i], max_speed=people[i].max_speed * factor) for i in chosen)
+    return tuple(replace(people[i], desired_speed=people[i].desired_speed * factor) for i in chosen)
 
 
 def _drawn(span: Span, random: np.random.Generator) -> float:

@@ -15,7 +15,8 @@ MAX_CORNERS = 24  # of one route; a longer one is planned again on arrival at th
 
 PERSON = np.dtype(
     [
-        ("max_speed", np.float64),  # m/s, of the present state
+        ("walking_speed", np.float64),  # m/s, desired when walking; each state has its share of it
+        ("max_speed", np.float64),  # m/s, that nothing makes the person exceed in the present state
         ("factor_desired", np.float64),
         ("factor_social", np.float64),
         ("factor_obstacle", np.float64),
@@ -75,8 +76,8 @@ PERSON = np.dtype(
 def remember(spec: PedestrianSpec, factors: ForceFactors) -> np.void:
     """Return the memory of somebody who is about to start."""
     person: np.void = np.zeros(1, PERSON)[0]
-    person["max_speed"] = spec.max_speed
-    share = 1.0 if factors.reference_speed is None else spec.max_speed / factors.reference_speed
+    person["walking_speed"] = person["max_speed"] = spec.desired_speed
+    share = 1.0 if factors.reference_speed is None else spec.desired_speed / factors.reference_speed
     person["factor_desired"] = _factor(spec, "force_factor_desired", factors.desired)
     person["factor_social"] = share * _factor(spec, "force_factor_social", factors.social)
     person["factor_obstacle"] = share * _factor(spec, "force_factor_obstacle", factors.obstacle)

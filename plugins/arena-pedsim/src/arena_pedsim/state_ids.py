@@ -18,7 +18,7 @@ BLOCKING_ROBOT = 26  # threatening: goes and stands in front of the robot
 @compiled
 def desired_speed(person: Any, state: int, parameters: Any) -> float:
     """Return how fast somebody in this state wants to go along the own way, m/s."""
-    speed: float = person.pace if state == SHYING_FROM_ROBOT else parameters.state_pace[state] * person.max_speed
+    speed: float = person.pace if state == SHYING_FROM_ROBOT else parameters.state_speed[state] * person.walking_speed
     return speed
 
 
@@ -32,7 +32,7 @@ def feels_forces(state: int, parameters: Any) -> bool:
 @compiled
 def goes_somewhere(state: int, parameters: Any) -> bool:
     """Tell whether somebody in this state is on the way to a waypoint, or to another place."""
-    moves: bool = parameters.state_pace[state] > 0.0
+    moves: bool = parameters.state_speed[state] > 0.0
     return moves
 
 

@@ -66,6 +66,6 @@ def _write_experiment(pack: Path, path: Path) -> None:
 
 
 if __name__ == "__main__":
-    if len(sys.argv) > 2:
+    if len(sys.argv) > 2 or any(given.startswith("-") for given in sys.argv[1:]):
         sys.exit(__doc__)
     make(Path(sys.argv[1]) if len(sys.argv) == 2 else Path(__file__).parent)

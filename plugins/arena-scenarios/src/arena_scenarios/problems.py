@@ -51,7 +51,7 @@ def _problem(name: str, problem: Problem) -> str:
 
 def _person(person: Person) -> dict[str, Any]:
     waypoints = [_rounded(waypoint) for waypoint in person.waypoints]
-    entry = {"position": _rounded(person.position), "waypoints": waypoints, "max_speed": round(person.speed, 2), "radius": RADIUS}
+    entry = {"position": _rounded(person.position), "waypoints": waypoints, "desired_speed": round(person.speed, 2), "radius": RADIUS}
     return {**entry, "behaviour": person.behaviour} if person.behaviour else entry
 
 

@@ -89,7 +89,7 @@ def _step_crowd(
     chosen = np.empty((people, 2))
     for i in range(people):
         states[i], hx, hy, way = follow(memory[i], states[i], positions[i, 0], positions[i, 1], radii[i], corners[i], ground, dt, rules.way)
-        speed = memory[i].max_speed
+        speed = memory[i].desired_speed
         wish = _wish(hx, hy, min(speed, way / dt), rules.side if nears[i] > 0 or rules.yields else 0.0)
         chosen[i, 0], chosen[i, 1] = choose_velocity(
             i, positions, velocities, radii, near[i, : nears[i]], wish, speed, ground, robot, rules, lines, scratch
@@ -154,10 +154,10 @@ def _walk(
     for i in range(people):
         dx, dy = positions[i, 0] - starts[i, 0], positions[i, 1] - starts[i, 1]
         if touching and (pushes[i, 0] != 0.0 or pushes[i, 1] != 0.0):
-            dx, dy = _shortened(dx + pushes[i, 0], dy + pushes[i, 1], memory[i].max_speed * dt)
+            dx, dy = _shortened(dx + pushes[i, 0], dy + pushes[i, 1], memory[i].desired_speed * dt)
             positions[i, 0], positions[i, 1] = slide(ground, starts[i, 0], starts[i, 1], dx, dy, radii[i])
             dx, dy = positions[i, 0] - starts[i, 0], positions[i, 1] - starts[i, 1]
-        velocities[i, 0], velocities[i, 1] = _shortened(dx / dt, dy / dt, memory[i].max_speed)
+        velocities[i, 0], velocities[i, 1] = _shortened(dx / dt, dy / dt, memory[i].desired_speed)
 
 
 @compiled

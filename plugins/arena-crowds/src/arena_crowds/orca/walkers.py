@@ -16,7 +16,7 @@ MAX_CORNERS = 24  # of one route; a longer one is searched again on arrival at t
 
 WALKER = np.dtype(
     [
-        ("max_speed", np.float64),
+        ("desired_speed", np.float64),
         ("goal_x", np.float64),  # where the present waypoint can be reached
         ("goal_y", np.float64),
         ("look_clock", np.float64),  # s since the way ahead was looked at
@@ -69,7 +69,7 @@ class Walkers:
         count = len(spec.waypoints_xy)
         self.memory[slot, place] = np.zeros((), WALKER)
         walker = self.memory[slot, place]
-        walker["max_speed"], walker["waypoints"], walker["waypoint"] = spec.max_speed, count, -1
+        walker["desired_speed"], walker["waypoints"], walker["waypoint"] = spec.desired_speed, count, -1
         walker["goal_x"], walker["goal_y"] = walker["anchor_x"], walker["anchor_y"] = spec.position_xy
         walker["wish"] = NEXT_WAYPOINT if count else NOTHING
         walker["stay_chance"], walker["stay_time"] = (float(spec.behaviour.get(key, 0.0)) for key in ("pause_probability", "pause_time"))

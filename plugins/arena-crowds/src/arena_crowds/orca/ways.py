@@ -70,7 +70,7 @@ def _notice_stuck(walker: Any, x: float, y: float, dt: float, rules: WayRules) -
     walker.stuck_clock += dt
     if walker.stuck_clock < rules.stuck_period:
         return
-    if sqrt((walker.anchor_x - x) ** 2 + (walker.anchor_y - y) ** 2) < rules.stuck_speed * walker.max_speed * walker.stuck_clock:
+    if sqrt((walker.anchor_x - x) ** 2 + (walker.anchor_y - y) ** 2) < rules.stuck_speed * walker.desired_speed * walker.stuck_clock:
         walker.wish = NEXT_WAYPOINT
     walker.anchor_x, walker.anchor_y, walker.stuck_clock = x, y, 0.0
 

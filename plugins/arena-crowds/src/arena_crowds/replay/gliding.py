@@ -47,7 +47,7 @@ def _round(spec: PedestrianSpec) -> tuple[Floats, Floats]:
     if len(spec.waypoints_xy) == 0:
         return np.zeros(1), np.reshape(spec.position_xy, (1, 2))
     places = np.vstack((spec.position_xy, spec.waypoints_xy, spec.position_xy))
-    return np.concatenate(((0.0,), np.cumsum(np.hypot(*np.diff(places, axis=0).T) / spec.max_speed))), places
+    return np.concatenate(((0.0,), np.cumsum(np.hypot(*np.diff(places, axis=0).T) / spec.desired_speed))), places
 
 
 def glide(tables: Timetables, elapsed: float, dt: float) -> tuple[Floats, Floats]:

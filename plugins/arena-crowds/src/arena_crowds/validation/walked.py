@@ -73,7 +73,7 @@ class Walked:
         return np.asarray(moved / (self.stamps[after] - self.stamps[before])[:, None] / self._greatest())
 
     def _greatest(self) -> Floats:
-        return np.array([spec.max_speed for spec in self.scenario.pedestrians])
+        return np.array([spec.desired_speed for spec in self.scenario.pedestrians])
 
 
 def waypoint_spans(scenario: Scenario) -> Floats:

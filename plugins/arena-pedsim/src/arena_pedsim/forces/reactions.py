@@ -48,7 +48,7 @@ def take_reaction(person: np.void, name: str, reactions: Reactions, share: float
     if STATES[name] == NONE:
         return
     rule = getattr(reactions, name)
-    person["sight"], person["stop_distance"], person["pace"] = rule.sight, rule.distance, rule.pace * person["max_speed"]
+    person["sight"], person["stop_distance"], person["pace"] = rule.sight, rule.distance, rule.pace * person["walking_speed"]
     person["fear"] = share * rule.force
     person["interest"] = person["interest_left"] = inf if rule.duration is None else rule.duration
     person["pause"] = rule.pause

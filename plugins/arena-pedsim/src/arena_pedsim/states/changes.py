@@ -70,7 +70,7 @@ def settle_into(scene: Scene, i: int) -> None:
     """Give somebody the speed and the sensitivity to others of the present state."""
     person, mind, state = scene.people[i], scene.minds[i], scene.table[scene.states[i]]
     mind.state = scene.states[i]
-    person.max_speed = mind.own_speed * max(state.speed, 1.0)
+    person.max_speed = person.walking_speed * max(state.speed, 1.0)
     person.factor_social = mind.own_social if isnan(state.social) else person.share * state.social
     person.anchor_x, person.anchor_y, person.stuck_clock = scene.positions[i, 0], scene.positions[i, 1], 0.0
 

@@ -34,6 +34,6 @@ class Customs:
         """Return the memory of somebody who is about to start; raise ConfigurationError for an impossible behaviour."""
         person, kind = remember(spec, self.factors), getattr(self.types, type_name(spec))
         person["mass"], person["sociable"] = kind.mass, kind.sociable
-        share = 1.0 if self.factors.reference_speed is None else spec.max_speed / self.factors.reference_speed
+        share = 1.0 if self.factors.reference_speed is None else spec.desired_speed / self.factors.reference_speed
         take_reaction(person, reaction_of(spec, self.reaction), self.reactions, share)
         return person

@@ -117,7 +117,7 @@ def _walk_beside(scene: Scene, i: int, partner: int, distance: float) -> None:
     x, y = scene.positions[partner, 0], scene.positions[partner, 1]
     vx, vy = scene.velocities[partner, 0], scene.velocities[partner, 1]
     speed = sqrt(vx * vx + vy * vy)
-    if speed < STILL * scene.minds[partner].own_speed:
+    if speed < STILL * scene.people[partner].walking_speed:
         _keep_from(scene, i, x, y, distance)
         return
     aside = vx * (scene.positions[i, 1] - y) - vy * (scene.positions[i, 0] - x)  # > 0: on the left

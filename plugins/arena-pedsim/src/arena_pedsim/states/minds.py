@@ -10,7 +10,6 @@ NOBODY, ROBOT, NOT_MET = -1, -2, -3  # partners that are no place in the list of
 
 MIND = np.dtype(
     [
-        ("own_speed", np.float64),  # m/s, the greatest speed when walking
         ("own_social", np.float64),  # m/s^2, the size of others' repulsion when walking
         ("clock", np.float64),  # s in this state; in a queue, s at its head
         ("duration", np.float64),  # s that the state lasts, inf without an end of its own

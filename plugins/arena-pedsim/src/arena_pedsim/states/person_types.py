@@ -26,4 +26,4 @@ def type_name(spec: PedestrianSpec) -> str:
 
 def embodied(spec: PedestrianSpec, kind: PersonType) -> PedestrianSpec:
     """Return somebody with the body of a type."""
-    return replace(spec, max_speed=kind.speed * spec.max_speed, radius=kind.radius or spec.radius)
+    return replace(spec, desired_speed=kind.speed * spec.desired_speed, radius=kind.radius or spec.radius)

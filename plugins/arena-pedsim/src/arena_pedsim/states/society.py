@@ -69,7 +69,7 @@ class Society:
 
     def _mind(self, spec: PedestrianSpec, person: np.void, state: int, group: int, queue: int) -> np.void:
         mind: np.void = np.zeros(1, MIND)[0]
-        mind["own_speed"], mind["own_social"] = person["max_speed"], person["factor_social"]
+        mind["own_social"] = person["factor_social"]
         mind["traits"] = traits_of(spec, self._defaults, bool(person["sociable"]))
         mind["state"], mind["partner"], mind["group"], mind["queue"] = state, NOBODY, group, queue
         mind["duration"] = mind["traits"][TRAITS.index("wait_time")] if state == self._table.code("waiting_for_timer") else np.inf

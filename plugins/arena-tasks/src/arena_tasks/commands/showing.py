@@ -67,7 +67,7 @@ def _person(person: PedestrianSpec) -> tuple[str, ...]:
         f"({person.position_xy[0]:.2f}, {person.position_xy[1]:.2f})",
         str(len(ways)) if len(ways) else "stands",
         f"{length:.1f} m",
-        f"{person.max_speed:g} m/s",
+        f"{person.desired_speed:g} m/s",
         f"{person.radius:g} m",
         ", ".join([*telling, *([f"{rest} more" if telling else f"{rest} keys"] if rest else [])]),
     )

@@ -18,7 +18,7 @@ def with_manners(people: Sequence[PedestrianSpec], rules: PeopleParameters, rand
         common |= {"pause_probability": rules.pause_probability, "pause_time": rules.pause_time}
     types, paces = random.random(len(people)), _paces(people, rules, random)
     return tuple(
-        replace(person, max_speed=person.max_speed * pace, behaviour={**person.behaviour, **common, **_type(share, rules)})
+        replace(person, desired_speed=person.desired_speed * pace, behaviour={**person.behaviour, **common, **_type(share, rules)})
         for person, share, pace in zip(people, types, paces, strict=True)
     )
 

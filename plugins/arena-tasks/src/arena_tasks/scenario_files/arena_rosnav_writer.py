@@ -52,7 +52,7 @@ def _person(person: PedestrianSpec) -> dict[str, Any]:
         "name": str(person.id + 1),
         "model": PERSON,
         "pos": [*person.position_xy.tolist(), 0.0],
-        "vmax": person.max_speed,
+        "vmax": person.desired_speed,
         "waypoints": [[*waypoint, 0.0] for waypoint in person.waypoints_xy.tolist()],
         **behaviour,
         "waypoint_mode": int(behaviour.get("waypoint_mode", 0)),

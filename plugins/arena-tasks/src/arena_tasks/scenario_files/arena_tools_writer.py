@@ -98,7 +98,7 @@ def _agent(number: int, person: PedestrianSpec) -> dict[str, Any]:
         "type": behaviour["type"],
         "yaml_file": BODIES.get(str(behaviour["type"]), PERSON),
         "number_of_peds": 1,
-        "vmax": person.max_speed,
+        "vmax": person.desired_speed,
         **{key: value for key, value in behaviour.items() if key in AGENT},
         "waypoints": person.waypoints_xy.tolist(),
         "waypoint_mode": int(at_random),

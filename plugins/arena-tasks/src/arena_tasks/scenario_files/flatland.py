@@ -89,7 +89,7 @@ def _people(disc: Field, scene: Field, defaults: PersonDefaults) -> list[Pedestr
         id=0,
         position_xy=position,
         waypoints_xy=_round(disc, position) if speed > 0.0 else np.empty((0, 2)),
-        max_speed=speed or defaults.speed,
+        desired_speed=speed or defaults.speed,
         radius=disc["obstacle_radius"].number(above=0.0) if disc.has("obstacle_radius") else defaults.radius,
         behaviour={**{ours: disc[theirs].number() for theirs, ours in BEHAVIOUR.items() if disc.has(theirs)}, **_trigger(disc, scene)},
     )

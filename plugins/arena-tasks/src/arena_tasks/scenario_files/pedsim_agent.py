@@ -21,7 +21,7 @@ def people_of(agent: Field, defaults: PersonDefaults) -> list[PedestrianSpec]:
         id=0,
         position_xy=place(agent["pos"]),
         waypoints_xy=places(agent["waypoints"]) if agent.has("waypoints") else np.empty((0, 2)),
-        max_speed=agent["vmax"].number(above=0.0) if agent.has("vmax") else defaults.speed,
+        desired_speed=agent["vmax"].number(above=0.0) if agent.has("vmax") else defaults.speed,
         radius=defaults.radius,
         behaviour=_behaviour(agent),
     )

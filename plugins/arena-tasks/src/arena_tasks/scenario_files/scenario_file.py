@@ -119,12 +119,15 @@ def _problem(field: Field, defaults: PersonDefaults) -> Problem:
 
 
 def _person(number: int, field: Field, defaults: PersonDefaults) -> PedestrianSpec:
-    field.only("position", "waypoints", "max_speed", "radius", "behaviour")
+    field.only("position", "waypoints", "desired_speed", "max_speed", "radius", "behaviour")
+    if field.has("desired_speed") and field.has("max_speed"):
+        raise field["max_speed"].refused("desired_speed alone, of which this is the former name")
+    speed = next((field[key].number(above=0.0) for key in ("desired_speed", "max_speed") if field.has(key)), defaults.speed)
     return PedestrianSpec(
         id=number,
         position_xy=field["position"].position(),
         waypoints_xy=field["waypoints"].positions() if field.has("waypoints") else np.empty((0, 2)),
-        max_speed=field["max_speed"].number(above=0.0) if field.has("max_speed") else defaults.speed,
+        desired_speed=speed,
         radius=field["radius"].number(above=0.0) if field.has("radius") else defaults.radius,
         behaviour={name: _behaviour(value) for name, value in field["behaviour"].entries()} if field.has("behaviour") else {},
     )
@@ -170,7 +173,7 @@ def _written_person(person: PedestrianSpec) -> dict[str, Any]:
     return {
         "position": person.position_xy.tolist(),
         "waypoints": person.waypoints_xy.tolist(),
-        "max_speed": person.max_speed,
+        "desired_speed": person.desired_speed,
         "radius": person.radius,
         "behaviour": person.behaviour,
     }
