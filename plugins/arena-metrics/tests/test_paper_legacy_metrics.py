@@ -23,6 +23,7 @@ def forward(speeds, dt=0.4, **more):
 def test_rows_are_kept_every_record_period():
     assert recorded_rows(0.1 * np.arange(14), 0.4) == [0, 4, 8, 12]
     assert recorded_rows(0.3 * np.arange(7), 0.4) == [0, 2, 4, 6]
+    assert recorded_rows(1e17 + 100.0 * np.arange(3), 0.4) == [0, 1, 2]  # no float of that size is 0.4 further
 
 
 def test_differences_are_per_record_and_signed(legacy, record_of):

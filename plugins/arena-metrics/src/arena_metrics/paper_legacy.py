@@ -135,7 +135,7 @@ def recorded_rows(stamps: FloatArray, period: float) -> list[int]:
     row = 0
     while row < len(times):
         kept.append(row)
-        row = bisect_left(times, times[row] + period - 1e-6)
+        row = bisect_left(times, times[row] + period - 1e-6, row + 1)
     return kept
 
 

@@ -76,7 +76,7 @@ def _looked_up(scenario: Path, key: str, wanted: Sequence[str], folders: Sequenc
     """Return the one file that ends as wanted, the first of ``wanted`` in the first of ``folders`` that has it."""
     for folder in folders:
         for end in wanted:
-            found = [path for depth in range(DEEPEST) for path in sorted(folder.glob("*/" * depth + glob.escape(end)))]
+            found = _below(folder, end)
             if len(found) > 1:
                 places = ", ".join(map(str, found))
                 raise InputFileError(f"{scenario}: {key}: {end} is there {len(found)} times ({places}); allowed: once, {INSTEAD}")
@@ -84,6 +84,14 @@ def _looked_up(scenario: Path, key: str, wanted: Sequence[str], folders: Sequenc
                 return found[0]
     places, ends = ", ".join(map(str, folders)), " or ".join(wanted)
     raise InputFileError(f"{scenario}: {key}: no {ends} below {places}; allowed: world.maps=FOLDER with such a map, {INSTEAD}")
+
+
+def _below(folder: Path, end: str) -> list[Path]:
+    """Return the files in a folder, or a few folders deeper, that end so; a name that is too long for a file's is nowhere."""
+    try:
+        return [path for depth in range(DEEPEST) for path in sorted(folder.glob("*/" * depth + glob.escape(end)))]
+    except OSError:
+        return []
 
 
 def _keys(scenario: Path) -> Mapping[str, object]:
