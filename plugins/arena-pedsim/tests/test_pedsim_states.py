@@ -50,20 +50,20 @@ def to_and_fro(stage, **behaviour):
 def test_every_state_can_be_reached_and_left():
     table = state_table()
     for code, name in enumerate(table.names):
-        row = table.states[code]
-        targets = {table.names[t["to"]] for t in table.transitions[row["first"] : row["last"]]}
+        row = table.rules.states[code]
+        targets = {table.names[t["to"]] for t in table.rules.transitions[row["first"] : row["last"]]}
         assert targets or name in OPEN_ENDED, name
         assert name not in targets
-    drawn_in = set(table.transitions["calls"].tolist())
-    reached = set(table.transitions["to"].tolist()) | drawn_in
+    drawn_in = set(table.rules.transitions["calls"].tolist())
+    reached = set(table.rules.transitions["to"].tolist()) | drawn_in
     starts = {table.code(name) for name in ("none", "waiting", "walking", "waiting_for_timer", "waiting_for_trigger")}
     assert reached | starts | {table.code(name) for name in REACTIONS} == set(range(len(table.names)))
 
 
 def test_every_state_with_a_base_time_ends_when_that_is_over():
     table = state_table()
-    for row in table.states:
-        leaving = table.transitions[row["first"] : row["last"]]
+    for row in table.rules.states:
+        leaving = table.rules.transitions[row["first"] : row["last"]]
         assert (row["base_time"] >= 0) == (NEEDS.index("over") in leaving["needs"])
 
 
@@ -379,9 +379,11 @@ def test_people_make_every_transition_of_the_table_and_no_other(stage, make_mode
     made = {(NAMES[a], NAMES[b]) for a, b in set(zip(states[:-1].ravel().tolist(), states[1:].ravel().tolist(), strict=True)) if a != b}
     table = state_table()
     listed = {
-        (name, NAMES[t["to"]]) for name, row in zip(NAMES, table.states, strict=True) for t in table.transitions[row["first"] : row["last"]]
+        (name, NAMES[t["to"]])
+        for name, row in zip(NAMES, table.rules.states, strict=True)
+        for t in table.rules.transitions[row["first"] : row["last"]]
     }
-    drawn_in = {(free, NAMES[t["calls"]]) for free in ("walking", "running") for t in table.transitions if t["calls"] > 0}
+    drawn_in = {(free, NAMES[t["calls"]]) for free in ("walking", "running") for t in table.rules.transitions if t["calls"] > 0}
     assert (listed | drawn_in) - made == set()
     elsewhere = {pair for pair in made if {"none", "waiting"} & set(pair) or REACTIONS & set(pair)}
     at_once = {(a, c) for a, b in listed for d, c in listed | drawn_in if b == d == "walking"}

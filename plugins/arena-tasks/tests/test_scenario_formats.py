@@ -231,7 +231,9 @@ SAMPLES: dict[str, Callable[[], dict[str, Any]]] = {
                 "goal": [1, 1],
                 "goal_radius": 0.3,
                 "time_limit": 9,
-                "pedestrians": [{"position": [1, 2], "waypoints": [[1, 2]], "desired_speed": 1, "radius": 0.3, "behaviour": {"type": "adult"}}],
+                "pedestrians": [
+                    {"position": [1, 2], "waypoints": [[1, 2]], "desired_speed": 1, "radius": 0.3, "behaviour": {"type": "adult"}}
+                ],
                 "obstacles": [{"center": [0, 0], "radius": 1}, {"vertices": [[0, 0], [1, 0], [0, 1]]}],
             }
         ],

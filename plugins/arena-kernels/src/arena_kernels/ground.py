@@ -42,6 +42,20 @@ def layouts_of(stack: GridStack) -> NDArray[np.void]:
     return layouts
 
 
+class Land(NamedTuple):
+    """The grids of N worlds: ``grids`` (N,) says which of the ``layouts`` each has, ``distance`` holds all of their cells."""
+
+    grids: NDArray[np.int64]
+    distance: NDArray[np.float32]
+    layouts: NDArray[np.void]
+
+
+@compiled
+def ground_below(land: Land, world: int) -> Ground:
+    """Return the grid of one world."""
+    return ground_of(land.distance, land.layouts[land.grids[world]])
+
+
 @compiled
 def ground_of(distance: NDArray[np.float32], layout: Any) -> Ground:
     """Return the grid with this layout."""

@@ -8,18 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.grids import GridStack, PlacedGrid
-from arena_kernels.ground import layouts_of
+from arena_kernels.ground import Land, layouts_of
 from arena_kernels.pool import GridPool
 from arena_kernels.route_grid import RoomStack, stack_rooms
 from arena_kernels.routes import nodes_for
 
 
 class Terrain:
-    """Which grid each world has; ``index`` (N,) points into ``layouts`` and ``rooms``. Packed anew only when a grid is not there yet."""
+    """Which grid each world has, and its rooms, one for each of the grids. Packed anew only when a grid is not there yet."""
 
-    index: NDArray[np.int64]
-    distance: NDArray[np.float32]
-    layouts: NDArray[np.void]
+    land: Land
     rooms: RoomStack
     nodes: NDArray[np.int32]
 
@@ -35,12 +33,14 @@ class Terrain:
             self._grids = [grids[0]] * total
         for slot, grid in zip(slots, grids, strict=True):
             self._grids[int(slot)] = grid
-        self.index = self._pool.place(self._grids)
-        if self._pool.stack is not self._stack:
-            self._unpack(self._pool.stack)
+        places = self._pool.place(self._grids)
+        if self._pool.stack is self._stack:
+            self.land = self.land._replace(grids=places)
+        else:
+            self._unpack(places, self._pool.stack)
 
-    def _unpack(self, stack: GridStack) -> None:
+    def _unpack(self, places: NDArray[np.int64], stack: GridStack) -> None:
         self._stack = stack
-        self.distance, self.layouts = stack.distance, layouts_of(stack)
+        self.land = Land(places, stack.distance, layouts_of(stack))
         self.rooms = stack_rooms(self._pool.grids, self._cell)
         self.nodes = nodes_for(self.rooms)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from arena_kernels.compiled import compiled
 from arena_kernels.grids import PlacedGrid
-from arena_kernels.ground import Ground, clearance, ground_of
+from arena_kernels.ground import Ground, Land, clearance, ground_below
 from arena_kernels.route_grid import Rooms, rooms_of
 from arena_kernels.routes import find_corners, nearest_room
 from arena_kernels.sliding import SIGHT, is_visible
@@ -33,7 +33,7 @@ class Ways:
         terrain = self._terrain
         way = np.empty((MOST_CORNERS + 2, 2))
         ends = (float(start_xy[0]), float(start_xy[1])), (float(end_xy[0]), float(end_xy[1]))
-        found = _write_way(terrain.distance, terrain.layouts, terrain.rooms, terrain.nodes, *ends, float(radius), way)
+        found = _write_way(terrain.land, terrain.rooms, terrain.nodes, *ends, float(radius), way)
         return way[:found]
 
     def round(self, waypoints_xy: Floats, radius: float) -> list[Floats]:
@@ -59,17 +59,10 @@ def place_on_round(legs: list[Floats], share: float) -> tuple[Floats, int]:
 
 @compiled
 def _write_way(
-    distance: NDArray[np.float32],
-    layouts: NDArray[np.void],
-    stack: Any,
-    nodes: NDArray[np.int32],
-    start: tuple[float, float],
-    end: tuple[float, float],
-    radius: float,
-    way: Floats,
+    land: Land, stack: Any, nodes: NDArray[np.int32], start: tuple[float, float], end: tuple[float, float], radius: float, way: Floats
 ) -> int:
     """Write the way and return how many points it has, 0 for none."""
-    ground, rooms = ground_of(distance, layouts[0]), rooms_of(stack, 0)
+    ground, rooms = ground_below(land, 0), rooms_of(stack, 0)
     way[0, 0], way[0, 1] = start
     corners = 0
     if not is_visible(ground, start[0], start[1], end[0], end[1], SIGHT * radius):

@@ -18,6 +18,7 @@ from arena_core import (
     Step,
     with_obstacles,
 )
+from arena_kernels.crowds import Crowds, Robots
 from arena_kernels.terrain import Terrain
 from arena_pedsim.forces.crowd_step import step_crowds
 from arena_pedsim.parameters import (
@@ -41,7 +42,6 @@ from arena_pedsim.states.society import Society
 from arena_pedsim.states.state_step import step_states
 from arena_pedsim.states.state_table import state_table
 
-Floats = NDArray[np.float64]
 Ticks = NDArray[np.int64]
 
 
@@ -81,7 +81,7 @@ class SocialForceModel(PedestrianModel):
             "spawning": spawning,
             "groups": groups,
         }
-        self._parameters = parameter_record(relaxation_time, longest_step, self._table.states, **named)
+        self._parameters = parameter_record(relaxation_time, longest_step, self._table.rules.states, **named)
         self._behaviour = behaviour
         self._population = Population(0)
         self._society = Society(0, behaviour)
@@ -115,93 +115,20 @@ class SocialForceModel(PedestrianModel):
 
         People who ignore robots are the same whatever ``robots`` do, unless they come or go, or wait for a robot, or want a guide.
         """
-        population, terrain = self._population, self._terrain
-        positions, velocities, states = crowd.positions.copy(), crowd.velocities.copy(), crowd.states.copy()
+        population = self._population
+        people = Crowds(crowd.counts, crowd.positions.copy(), crowd.velocities.copy(), crowd.radii, crowd.states.copy())
+        moving, land = Robots(robots.poses, robots.velocities_xy, float(robots.radius)), self._terrain.land
         if self._society.lively:
-            self._change_states(crowd, positions, velocities, states, robots, ticks, dt)
-        wishes = step_crowds(
-            crowd.counts,
-            positions,
-            velocities,
-            crowd.radii,
-            states,
-            population.people,
-            population.corners,
-            terrain.index,
-            terrain.distance,
-            terrain.layouts,
-            robots.poses,
-            robots.velocities_xy,
-            float(robots.radius),
-            float(dt),
-            self._parameters,
-        )
-        population.crowd = Crowd(crowd.counts, crowd.ids, positions, velocities, crowd.radii, states)
+            social, rules = self._society.social, self._table.rules
+            step_states(people, population.people, social, moving, ticks, float(dt), land, rules, self._parameters)
+        wishes = step_crowds(people, population.people, population.corners, land, moving, float(dt), self._parameters)
+        population.crowd = Crowd(crowd.counts, crowd.ids, people.positions, people.velocities, crowd.radii, people.states)
         if wishes:
-            self._let_come_and_go(population.crowd, robots)
+            come_and_go(people, population.people, population.waypoints, moving, land, self._parameters)
             self._grant_wishes(population.crowd)
         return population.crowd
 
-    def _change_states(
-        self, crowd: Crowd, positions: Floats, velocities: Floats, states: NDArray[np.int8], robots: RobotBatch, ticks: Ticks, dt: float
-    ) -> None:
-        terrain, society, table = self._terrain, self._society, self._table
-        step_states(
-            crowd.counts,
-            positions,
-            velocities,
-            crowd.radii,
-            states,
-            self._population.people,
-            society.minds,
-            society.worlds,
-            robots.poses,
-            ticks,
-            float(dt),
-            terrain.index,
-            terrain.distance,
-            terrain.layouts,
-            table.states,
-            table.transitions,
-            table.numbers,
-            self._parameters,
-            society.links,
-            society.angles,
-        )
-
-    def _let_come_and_go(self, crowd: Crowd, robots: RobotBatch) -> None:
-        terrain = self._terrain
-        come_and_go(
-            crowd.counts,
-            crowd.positions,
-            crowd.velocities,
-            crowd.radii,
-            crowd.states,
-            self._population.people,
-            self._population.waypoints,
-            robots.poses,
-            float(robots.radius),
-            terrain.index,
-            terrain.distance,
-            terrain.layouts,
-            self._parameters,
-        )
-
     def _grant_wishes(self, crowd: Crowd) -> None:
         population, terrain = self._population, self._terrain
-        grant_wishes(
-            crowd.counts,
-            crowd.positions,
-            crowd.radii,
-            population.people,
-            population.waypoints,
-            population.corners,
-            population.legs,
-            population.leg_corners,
-            terrain.index,
-            terrain.distance,
-            terrain.layouts,
-            terrain.rooms,
-            terrain.nodes,
-            self._parameters,
-        )
+        people = Crowds(crowd.counts, crowd.positions, crowd.velocities, crowd.radii, crowd.states)
+        grant_wishes(people, population.people, population.routes, terrain.land, terrain.rooms, terrain.nodes, self._parameters)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from math import cos, pi, sin, sqrt
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from arena_crowds.orca.parameters import Rules
 from arena_kernels.compiled import compiled
+from arena_kernels.crowds import Bodies, Robot
 from arena_kernels.ground import Ground, clearance_and_gradient
 from arena_kernels.half_planes import put_bound, put_person
 from arena_kernels.programme import nearest_allowed, safest
@@ -25,29 +25,28 @@ BEHIND = 1e-6  # m
 @compiled
 def choose_velocity(
     i: int,
-    positions: Floats,
-    velocities: Floats,
-    radii: Floats,
+    bodies: Bodies,
     near: NDArray[np.int32],
     wish: tuple[float, float],
     speed: float,
     ground: Ground,
-    robot: Any,
+    robot: Robot,
     rules: Rules,
     lines: Floats,
     scratch: Floats,
 ) -> tuple[float, float]:
     """Return the velocity nearest to ``wish`` that stays clear of all, or the safest; walls are never given up for people.
 
-    ``near`` are the neighbours, nearest first; ``robot`` is (x, y, vx, vy, radius).
+    ``near`` are the neighbours, nearest first.
     """
+    positions, velocities, radii, _ = bodies
     x, y, own, radius = positions[i, 0], positions[i, 1], (velocities[i, 0], velocities[i, 1]), radii[i]
     walls = _put_walls(lines, ground, x, y, radius, speed, rules, scratch)
     count = walls
     if rules.yields:
-        place = (robot[0] - x, robot[1] - y, robot[2], robot[3])
+        place = (robot.x - x, robot.y - y, robot.vx, robot.vy)
         how = (rules.horizon, rules.overlap_time, rules.robot_share)
-        put_person(lines, count, place, own, radius + robot[4] + rules.robot_margin, how)
+        put_person(lines, count, place, own, radius + robot.radius + rules.robot_margin, how)
         count += 1
     how = (rules.horizon, rules.overlap_time, 0.5)
     for j in near:

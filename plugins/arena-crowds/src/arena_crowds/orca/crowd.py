@@ -13,6 +13,7 @@ from arena_crowds.orca.orca_step import step_crowds
 from arena_crowds.orca.parameters import RobotRules, Rules, Wayfinding, WayRules
 from arena_crowds.orca.walkers import Walkers
 from arena_crowds.orca.ways import grant_wishes
+from arena_kernels.crowds import Crowds, Robots
 from arena_kernels.terrain import Terrain
 
 
@@ -65,22 +66,14 @@ class OrcaCrowd(PedestrianModel):
 
     def step(self, crowd: Crowd, robots: RobotBatch, ticks: NDArray[np.int64], dt: float) -> Crowd:
         """Return the crowd ``dt`` seconds later; with ``reaction: ignore`` nothing of ``robots`` is used."""
-        walkers, terrain = self._walkers, self._terrain
+        walkers = self._walkers
         positions, velocities, states = crowd.positions.copy(), crowd.velocities.copy(), crowd.states.copy()
         wishes = step_crowds(
-            crowd.counts,
-            positions,
-            velocities,
-            crowd.radii,
-            states,
+            Crowds(crowd.counts, positions, velocities, crowd.radii, states),
             walkers.memory,
             walkers.corners,
-            terrain.index,
-            terrain.distance,
-            terrain.layouts,
-            robots.poses,
-            robots.velocities_xy,
-            float(robots.radius),
+            self._terrain.land,
+            Robots(robots.poses, robots.velocities_xy, float(robots.radius)),
             float(dt),
             self._rules,
         )
@@ -91,16 +84,5 @@ class OrcaCrowd(PedestrianModel):
 
     def _grant_wishes(self) -> None:
         crowd, walkers, terrain = self._walkers.crowd, self._walkers, self._terrain
-        grant_wishes(
-            crowd.counts,
-            crowd.positions,
-            crowd.radii,
-            walkers.memory,
-            walkers.waypoints,
-            walkers.corners,
-            terrain.index,
-            terrain.distance,
-            terrain.layouts,
-            terrain.rooms,
-            terrain.nodes,
-        )
+        people = Crowds(crowd.counts, crowd.positions, crowd.velocities, crowd.radii, crowd.states)
+        grant_wishes(people, walkers.memory, walkers.waypoints, walkers.corners, terrain.land, terrain.rooms, terrain.nodes)

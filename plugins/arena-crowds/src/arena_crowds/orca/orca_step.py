@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from math import cos, sin, sqrt
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +12,8 @@ from arena_crowds.orca.parameters import Rules
 from arena_crowds.orca.walkers import NOTHING
 from arena_crowds.orca.ways import follow
 from arena_kernels.compiled import compiled
-from arena_kernels.ground import Ground, ground_of
+from arena_kernels.crowds import Bodies, Crowds, Robot, Robots, bodies_of, robot_of
+from arena_kernels.ground import Ground, Land, ground_below
 from arena_kernels.neighbours import CELLS_FROM, near_pairs
 from arena_kernels.separation import push_apart
 from arena_kernels.sliding import slide
@@ -22,66 +22,34 @@ Floats = NDArray[np.float64]
 
 
 @compiled
-def step_crowds(
-    counts: NDArray[np.int32],
-    positions: Floats,
-    velocities: Floats,
-    radii: Floats,
-    states: NDArray[np.int8],
-    memory: NDArray[np.void],
-    corners: Floats,
-    grids: NDArray[np.int64],
-    distance: NDArray[np.float32],
-    layouts: NDArray[np.void],
-    robot_poses: Floats,
-    robot_velocities: Floats,
-    robot_radius: float,
-    dt: float,
-    rules: Rules,
-) -> int:
+def step_crowds(crowds: Crowds, memory: NDArray[np.void], corners: Floats, land: Land, robots: Robots, dt: float, rules: Rules) -> int:
     """Move everybody by ``dt`` s, in place; return how many people wish for a route."""
-    small = min(positions.shape[1], CELLS_FROM)
+    small = min(crowds.positions.shape[1], CELLS_FROM)
     pairs = np.empty((small * small // 2, 2), np.int32)
     wishes = 0
-    for world in range(len(counts)):
-        n = counts[world]
-        if n == 0:
+    for world in range(len(crowds.counts)):
+        if crowds.counts[world] == 0:
             continue
-        robot = (robot_poses[world, 0], robot_poses[world, 1], robot_velocities[world, 0], robot_velocities[world, 1], robot_radius)
-        ground = ground_of(distance, layouts[grids[world]])
-        pairs = _step_crowd(
-            positions[world, :n],
-            velocities[world, :n],
-            radii[world, :n],
-            states[world, :n],
-            memory[world],
-            corners[world],
-            ground,
-            robot,
-            dt,
-            rules,
-            pairs,
-        )
-        for i in range(n):
+        bodies, robot, ground = bodies_of(crowds, world), robot_of(robots, world), ground_below(land, world)
+        pairs = _step_crowd(bodies, memory[world], corners[world], ground, robot, dt, rules, pairs)
+        for i in range(crowds.counts[world]):
             wishes += memory[world, i].wish != NOTHING
     return wishes
 
 
 @compiled
 def _step_crowd(
-    positions: Floats,
-    velocities: Floats,
-    radii: Floats,
-    states: NDArray[np.int8],
+    bodies: Bodies,
     memory: NDArray[np.void],
     corners: Floats,
     ground: Ground,
-    robot: Any,
+    robot: Robot,
     dt: float,
     rules: Rules,
     pairs: NDArray[np.int32],
 ) -> NDArray[np.int32]:
     """Move the people of one world in place; return the pair list for further use."""
+    positions, _, radii, states = bodies
     people = len(positions)
     pairs, found = near_pairs(positions, rules.range, pairs)
     near, nears = _nearest(positions, pairs, found, rules.neighbours)
@@ -91,10 +59,8 @@ def _step_crowd(
         states[i], hx, hy, way = follow(memory[i], states[i], positions[i, 0], positions[i, 1], radii[i], corners[i], ground, dt, rules.way)
         speed = memory[i].desired_speed
         wish = _wish(hx, hy, min(speed, way / dt), rules.side if nears[i] > 0 or rules.yields else 0.0)
-        chosen[i, 0], chosen[i, 1] = choose_velocity(
-            i, positions, velocities, radii, near[i, : nears[i]], wish, speed, ground, robot, rules, lines, scratch
-        )
-    _walk(positions, velocities, radii, memory, ground, dt, pairs, found, chosen)
+        chosen[i, 0], chosen[i, 1] = choose_velocity(i, bodies, near[i, : nears[i]], wish, speed, ground, robot, rules, lines, scratch)
+    _walk(bodies, memory, ground, dt, pairs, found, chosen)
     return pairs
 
 
@@ -135,17 +101,10 @@ def _insert(near: NDArray[np.int32], apart: Floats, count: int, other: int, squa
 
 @compiled
 def _walk(
-    positions: Floats,
-    velocities: Floats,
-    radii: Floats,
-    memory: NDArray[np.void],
-    ground: Ground,
-    dt: float,
-    pairs: NDArray[np.int32],
-    found: int,
-    chosen: Floats,
+    bodies: Bodies, memory: NDArray[np.void], ground: Ground, dt: float, pairs: NDArray[np.int32], found: int, chosen: Floats
 ) -> None:
     """Move the bodies, apart from each other and out of walls; who was hindered has the velocity of the real move."""
+    positions, velocities, radii, _ = bodies
     people = len(positions)
     starts, pushes = positions.copy(), np.empty((people, 2))
     for i in range(people):

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from arena_crowds.orca.parameters import WayRules
 from arena_crowds.orca.walkers import NEW_ROUTE, NEXT_WAYPOINT, NOTHING, STANDING, WALKING
 from arena_kernels.compiled import compiled
-from arena_kernels.ground import Ground, clearance, ground_of
+from arena_kernels.crowds import Crowds, bodies_of
+from arena_kernels.ground import Ground, Land, clearance, ground_below
 from arena_kernels.random import uniform
 from arena_kernels.route_grid import Rooms, rooms_of
 from arena_kernels.routes import find_corners, nearest_room
@@ -96,27 +97,18 @@ def _look_ahead(walker: Any, x: float, y: float, radius: float, corners: Floats,
 
 @compiled
 def grant_wishes(
-    counts: NDArray[np.int32],
-    positions: Floats,
-    radii: Floats,
-    memory: NDArray[np.void],
-    waypoints: Floats,
-    corners: Floats,
-    grids: NDArray[np.int64],
-    distance: NDArray[np.float32],
-    layouts: NDArray[np.void],
-    rooms: Any,
-    nodes: NDArray[np.int32],
+    crowds: Crowds, memory: NDArray[np.void], waypoints: Floats, corners: Floats, land: Land, rooms: Any, nodes: NDArray[np.int32]
 ) -> None:
     """Give everybody who wishes for it the next of the ``waypoints``, and a route there in ``corners``."""
-    for world in range(len(counts)):
-        ground, world_rooms = ground_of(distance, layouts[grids[world]]), rooms_of(rooms, grids[world])
-        for i in range(counts[world]):
+    for world in range(len(crowds.counts)):
+        positions, _, radii, _ = bodies_of(crowds, world)
+        ground, world_rooms = ground_below(land, world), rooms_of(rooms, land.grids[world])
+        for i in range(len(positions)):
             walker = memory[world, i]
             if walker.wish == NOTHING:
                 continue
-            x, y = positions[world, i, 0], positions[world, i, 1]
-            if walker.wish == NEW_ROUTE and _finds_back(walker, x, y, radii[world, i], corners[world, i], ground):
+            x, y = positions[i, 0], positions[i, 1]
+            if walker.wish == NEW_ROUTE and _finds_back(walker, x, y, radii[i], corners[world, i], ground):
                 walker.wish = NOTHING
                 continue
             if walker.wish == NEXT_WAYPOINT:
@@ -126,7 +118,7 @@ def grant_wishes(
                 walker.anchor_x, walker.anchor_y, walker.stuck_clock = x, y, 0.0
             walker.goal_x, walker.goal_y = waypoints[world, i, walker.waypoint, 0], waypoints[world, i, walker.waypoint, 1]
             walker.wish, walker.look_clock, walker.corner = NOTHING, 0.0, 0
-            walker.corners = _route(walker, x, y, radii[world, i], corners[world, i], ground, world_rooms, nodes)
+            walker.corners = _route(walker, x, y, radii[i], corners[world, i], ground, world_rooms, nodes)
 
 
 @compiled

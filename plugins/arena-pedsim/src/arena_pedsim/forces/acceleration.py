@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import compiled
+from arena_kernels.crowds import Bodies, Robot
 from arena_kernels.ground import Ground, clearance_and_gradient
 from arena_pedsim.forces.forces import sight_weight, social_force, wall_force
 from arena_pedsim.forces.giving_way import hold_back
@@ -20,13 +21,10 @@ Floats = NDArray[np.float64]
 
 @compiled
 def sum_forces(
-    positions: Floats,
-    velocities: Floats,
-    radii: Floats,
-    states: NDArray[np.int8],
+    bodies: Bodies,
     people: NDArray[np.void],
     ground: Ground,
-    robot: Any,
+    robot: Robot,
     parameters: Any,
     headings: Floats,
     pairs: NDArray[np.int32],
@@ -37,6 +35,7 @@ def sum_forces(
 
     ``headings`` (P, 4) gets the gap between body and walls in its last column.
     """
+    positions, velocities, radii, states = bodies
     for i in range(len(forces)):
         forces[i, 0], forces[i, 1] = 0.0, 0.0
     rear = parameters.social_rear_weight
@@ -66,7 +65,7 @@ def sum_forces(
             push = person.factor_obstacle * wall_force(headings[i, 3], parameters)
             ax, ay = forces[i, 0] + push * gx, forces[i, 1] + push * gy
             if person.gives_way == 1 and not turns_to_robot(states[i]):
-                fx, fy, ex, ey = social_force(robot[0] - x, robot[1] - y, vx - robot[2], vy - robot[3], radii[i] + robot[4], parameters)
+                fx, fy, ex, ey = social_force(robot.x - x, robot.y - y, vx - robot.vx, vy - robot.vy, radii[i] + robot.radius, parameters)
                 weight = person.factor_robot * sight_weight(hx, hy, ex, ey, rear)
                 ax, ay = ax + weight * fx, ay + weight * fy
             if states[i] == SHYING_FROM_ROBOT:
@@ -80,18 +79,9 @@ def sum_forces(
 
 
 @compiled
-def accelerate(
-    positions: Floats,
-    velocities: Floats,
-    radii: Floats,
-    states: NDArray[np.int8],
-    people: NDArray[np.void],
-    robot: Any,
-    dt: float,
-    parameters: Any,
-    forces: Floats,
-) -> None:
+def accelerate(bodies: Bodies, people: NDArray[np.void], robot: Robot, dt: float, parameters: Any, forces: Floats) -> None:
     """Integrate the velocities, hold people back from a robot they see, and clip at their own greatest speeds."""
+    positions, velocities, radii, states = bodies
     for i in range(len(positions)):
         if states[i] == NONE:
             continue

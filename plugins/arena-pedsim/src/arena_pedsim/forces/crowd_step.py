@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import compiled
-from arena_kernels.ground import Ground, ground_of
+from arena_kernels.crowds import Bodies, Crowds, Robot, Robots, bodies_of, robot_of
+from arena_kernels.ground import Ground, Land, ground_below
 from arena_kernels.neighbours import CELLS_FROM, near_pairs
 from arena_pedsim.forces.acceleration import accelerate, sum_forces
 from arena_pedsim.forces.giving_way import detour
@@ -25,57 +26,29 @@ Floats = NDArray[np.float64]
 
 @compiled
 def step_crowds(
-    counts: NDArray[np.int32],
-    positions: Floats,
-    velocities: Floats,
-    radii: Floats,
-    states: NDArray[np.int8],
-    people: NDArray[np.void],
-    corners: Floats,
-    grids: NDArray[np.int64],
-    distance: NDArray[np.float32],
-    layouts: NDArray[np.void],
-    robot_poses: Floats,
-    robot_velocities: Floats,
-    robot_radius: float,
-    dt: float,
-    parameters: NDArray[np.void],
+    crowds: Crowds, people: NDArray[np.void], corners: Floats, land: Land, robots: Robots, dt: float, parameters: NDArray[np.void]
 ) -> int:
     """Move everybody by ``dt`` s, in place; return how many people wish for a route, to come or to leave.
 
-    ``people`` (N, P) and ``corners`` (N, P, C, 2) are the model's memory, ``grids`` (N,) says which of the ``layouts`` each world uses.
+    ``people`` (N, P) and ``corners`` (N, P, C, 2) are the model's memory.
     """
-    slots = positions.shape[1]
+    slots = crowds.positions.shape[1]
     headings, forces = np.empty((slots, 4)), np.empty((slots, 2))
     small = min(slots, CELLS_FROM)
     pairs = np.empty((small * small // 2, 2), np.int32)
     substeps = max(ceil(dt / parameters[0].longest_step - 1e-9), 1)
     wishes = 0
-    for world in range(len(counts)):
-        n = counts[world]
+    for world in range(len(crowds.counts)):
+        n = crowds.counts[world]
         if n == 0:
             continue
-        x, y, theta = robot_poses[world, 0], robot_poses[world, 1], robot_poses[world, 2]
-        robot = (x, y, robot_velocities[world, 0], robot_velocities[world, 1], robot_radius, theta)
-        ground = ground_of(distance, layouts[grids[world]])
+        bodies, robot, ground = bodies_of(crowds, world), robot_of(robots, world), ground_below(land, world)
         for _ in range(substeps):
             pairs = _step_crowd(
-                positions[world, :n],
-                velocities[world, :n],
-                radii[world, :n],
-                states[world, :n],
-                people[world],
-                corners[world],
-                ground,
-                robot,
-                dt / substeps,
-                parameters[0],
-                headings[:n],
-                forces[:n],
-                pairs,
+                bodies, people[world], corners[world], ground, robot, dt / substeps, parameters[0], headings[:n], forces[:n], pairs
             )
         for i in range(n):
-            if states[world, i] == NONE:
+            if bodies.states[i] == NONE:
                 _await_coming(people[world, i], dt)
             wishes += people[world, i].wish != NOTHING
     return wishes
@@ -90,14 +63,11 @@ def _await_coming(person: Any, dt: float) -> None:
 
 @compiled
 def _step_crowd(
-    positions: Floats,
-    velocities: Floats,
-    radii: Floats,
-    states: NDArray[np.int8],
+    bodies: Bodies,
     people: NDArray[np.void],
     corners: Floats,
     ground: Ground,
-    robot: Any,
+    robot: Robot,
     dt: float,
     parameters: Any,
     headings: Floats,
@@ -105,29 +75,28 @@ def _step_crowd(
     pairs: NDArray[np.int32],
 ) -> NDArray[np.int32]:
     """Move the people of one world in place; return the pair list for further use."""
-    _choose_headings(positions, radii, states, people, corners, ground, robot, dt, parameters, headings)
-    pairs, found = near_pairs(positions, parameters.social_range, pairs)
-    notice_meetings(positions, radii, people, headings, pairs, found)
-    sum_forces(positions, velocities, radii, states, people, ground, robot, parameters, headings, pairs, found, forces)
-    accelerate(positions, velocities, radii, states, people, robot, dt, parameters, forces)
-    walk(positions, velocities, radii, people, ground, robot, dt, parameters, pairs, found, headings, forces)
+    _choose_headings(bodies, people, corners, ground, robot, dt, parameters, headings)
+    pairs, found = near_pairs(bodies.positions, parameters.social_range, pairs)
+    notice_meetings(bodies.positions, bodies.radii, people, headings, pairs, found)
+    sum_forces(bodies, people, ground, robot, parameters, headings, pairs, found, forces)
+    accelerate(bodies, people, robot, dt, parameters, forces)
+    walk(bodies, people, ground, robot, dt, parameters, pairs, found, headings, forces)
     return pairs
 
 
 @compiled
 def _choose_headings(
-    positions: Floats,
-    radii: Floats,
-    states: NDArray[np.int8],
+    bodies: Bodies,
     people: NDArray[np.void],
     corners: Floats,
     ground: Ground,
-    robot: Any,
+    robot: Robot,
     dt: float,
     parameters: Any,
     headings: Floats,
 ) -> None:
     """Write each person's unit vector of the desired direction and the desired speed; who is nowhere gets state NONE and nothing else."""
+    positions, _, radii, states = bodies
     for i in range(len(positions)):
         x, y, person = positions[i, 0], positions[i, 1], people[i]
         if isnan(x):

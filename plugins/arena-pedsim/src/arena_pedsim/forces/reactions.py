@@ -13,6 +13,7 @@ import numpy as np
 
 from arena_core import ConfigurationError, PedestrianSpec
 from arena_kernels.compiled import compiled
+from arena_kernels.crowds import Robot
 from arena_kernels.ground import Ground
 from arena_kernels.sliding import is_visible
 from arena_pedsim.parameters import Reactions
@@ -55,7 +56,7 @@ def take_reaction(person: np.void, name: str, reactions: Reactions, share: float
 
 
 @compiled
-def notice_robot(person: Any, state: int, x: float, y: float, ground: Ground, robot: Any, dt: float, parameters: Any) -> int:
+def notice_robot(person: Any, state: int, x: float, y: float, ground: Ground, robot: Robot, dt: float, parameters: Any) -> int:
     """Return the state of somebody who looks out for the robot, as often as at the way ahead.
 
     A reaction begins in sight of the robot. It ends when the robot is out of sight, to go on another time, or when its time is over.
@@ -80,28 +81,28 @@ def notice_robot(person: Any, state: int, x: float, y: float, ground: Ground, ro
 
 
 @compiled
-def _sees(x: float, y: float, sight: float, ground: Ground, robot: Any) -> bool:
-    if (robot[0] - x) ** 2 + (robot[1] - y) ** 2 > sight * sight:
+def _sees(x: float, y: float, sight: float, ground: Ground, robot: Robot) -> bool:
+    if (robot.x - x) ** 2 + (robot.y - y) ** 2 > sight * sight:
         return False
-    return is_visible(ground, x, y, robot[0], robot[1], EYE)
+    return is_visible(ground, x, y, robot.x, robot.y, EYE)
 
 
 @compiled
 def turn_to_robot(
-    person: Any, state: int, x: float, y: float, radius: float, robot: Any, parameters: Any
+    person: Any, state: int, x: float, y: float, radius: float, robot: Robot, parameters: Any
 ) -> tuple[float, float, float, float]:
     """Return unit vector to, distance from and speed towards where the curious or threatening want to be.
 
     The curious stop at their distance to the robot. The threatening stand ahead of it at theirs, or nearer when it has come nearer: they
     step aside with it, but never back.
     """
-    target_x, target_y, keep = robot[0], robot[1], person.stop_distance - NEARER
+    target_x, target_y, keep = robot.x, robot.y, person.stop_distance - NEARER
     if state == BLOCKING_ROBOT:
-        c, s = cos(robot[5]), sin(robot[5])
-        ahead = (x - robot[0]) * c + (y - robot[1]) * s
-        touch = radius + robot[4] + parameters.giving_way_margin
+        c, s = cos(robot.theta), sin(robot.theta)
+        ahead = (x - robot.x) * c + (y - robot.y) * s
+        touch = radius + robot.radius + parameters.giving_way_margin
         reach = min(max(ahead, touch), person.stop_distance) if ahead > 0.0 else person.stop_distance
-        target_x, target_y, keep = robot[0] + reach * c, robot[1] + reach * s, 0.0
+        target_x, target_y, keep = robot.x + reach * c, robot.y + reach * s, 0.0
     dx, dy = target_x - x, target_y - y
     distance = sqrt(dx * dx + dy * dy)
     if distance == 0.0:
@@ -113,9 +114,9 @@ def turn_to_robot(
 
 
 @compiled
-def fear_of_robot(person: Any, x: float, y: float, radius: float, robot: Any) -> tuple[float, float]:
+def fear_of_robot(person: Any, x: float, y: float, radius: float, robot: Robot) -> tuple[float, float]:
     """Return the extra acceleration away from the robot of somebody who is scared."""
-    dx, dy = x - robot[0], y - robot[1]
+    dx, dy = x - robot.x, y - robot.y
     separation = sqrt(dx * dx + dy * dy)
     if separation == 0.0:
         return 0.0, 0.0

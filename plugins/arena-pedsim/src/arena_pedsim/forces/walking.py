@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import compiled
+from arena_kernels.crowds import Bodies, Robot
 from arena_kernels.ground import Ground
 from arena_kernels.sliding import slide
 from arena_pedsim.forces.acceleration import clipped
@@ -24,12 +25,10 @@ FREE_STRIDE = 2.0  # no wall is met on a move of half the gap: the interpolated 
 
 @compiled
 def walk(
-    positions: Floats,
-    velocities: Floats,
-    radii: Floats,
+    bodies: Bodies,
     people: NDArray[np.void],
     ground: Ground,
-    robot: Any,
+    robot: Robot,
     dt: float,
     parameters: Any,
     pairs: NDArray[np.int32],
@@ -41,6 +40,7 @@ def walk(
 
     ``starts`` (P, 4) comes with the gap to the walls in its last column; it and ``pushes`` (P, 2) are overwritten.
     """
+    positions, velocities, radii, _ = bodies
     for i in range(len(positions)):
         x, y, dx, dy = positions[i, 0], positions[i, 1], dt * velocities[i, 0], dt * velocities[i, 1]
         if isnan(x):

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import compiled
-from arena_kernels.ground import Ground, clearance, ground_of
+from arena_kernels.crowds import Crowds, bodies_of
+from arena_kernels.ground import Ground, Land, clearance, ground_below
 from arena_kernels.random import uniform
 from arena_kernels.route_grid import Rooms, rooms_of
 from arena_kernels.routes import find_corners, nearest_room
@@ -22,37 +23,35 @@ STAYS, LENGTHS = 2 << 32, 3 << 32  # of those that say whether and how long peop
 SPREAD = 0.5  # a stay lasts its mean x U(1 - SPREAD, 1 + SPREAD), as a state does
 
 
-@compiled
-def grant_wishes(
-    counts: NDArray[np.int32],
-    positions: Floats,
-    radii: Floats,
-    people: NDArray[np.void],
-    waypoints: Floats,
-    corners: Floats,
-    legs: Floats,
-    leg_corners: NDArray[np.int32],
-    grids: NDArray[np.int64],
-    distance: NDArray[np.float32],
-    layouts: NDArray[np.void],
-    rooms: Any,
-    nodes: NDArray[np.int32],
-    parameters: NDArray[np.void],
-) -> None:
-    """Give everybody who wishes for it the next of the ``waypoints`` (N, P, W, 2), and a route there in ``corners`` (N, P, C, 2).
+class Routes(NamedTuple):
+    """Where the people of N worlds walk, m: ``waypoints`` (N, P, W, 2), and the ``corners`` (N, P, C, 2) of the present routes.
 
     ``legs`` (N, P, W, C, 2) and their lengths ``leg_corners`` (N, P, W), -1 when not known yet, keep the route to each waypoint for the
     next time round.
     """
-    for world in range(len(counts)):
-        if not anybody_wishes(people[world], counts[world]):
+
+    waypoints: Floats
+    corners: Floats
+    legs: Floats
+    leg_corners: NDArray[np.int32]
+
+
+@compiled
+def grant_wishes(
+    crowds: Crowds, people: NDArray[np.void], routes: Routes, land: Land, rooms: Any, nodes: NDArray[np.int32], parameters: NDArray[np.void]
+) -> None:
+    """Give everybody who wishes for it the next waypoint and a route there."""
+    waypoints, corners, legs, leg_corners = routes
+    for world in range(len(crowds.counts)):
+        if not anybody_wishes(people[world], crowds.counts[world]):
             continue
-        ground, world_rooms = ground_of(distance, layouts[grids[world]]), rooms_of(rooms, grids[world])
-        for i in range(counts[world]):
+        positions, _, radii, _ = bodies_of(crowds, world)
+        ground, world_rooms = ground_below(land, world), rooms_of(rooms, land.grids[world])
+        for i in range(len(positions)):
             person = people[world, i]
             if person.wish not in (NEXT_WAYPOINT, NEW_ROUTE):
                 continue
-            x, y, radius, next_leg = positions[world, i, 0], positions[world, i, 1], radii[world, i], person.wish == NEXT_WAYPOINT
+            x, y, radius, next_leg = positions[i, 0], positions[i, 1], radii[i], person.wish == NEXT_WAYPOINT
             if next_leg:
                 person.waypoint = _next_waypoint(person, i)
                 person.stay = _stay(person, i)

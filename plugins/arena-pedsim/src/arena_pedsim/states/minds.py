@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
 from arena_pedsim.states.behaviour import TRAITS
 
@@ -44,3 +47,12 @@ WORLD = np.dtype(
     ],
     align=True,
 )
+
+
+class Social(NamedTuple):
+    """The social side of N worlds: ``minds`` (N, P), ``worlds`` (N,); ``links`` (3, P) and ``angles`` (P,) are room to work in."""
+
+    minds: NDArray[np.void]
+    worlds: NDArray[np.void]
+    links: NDArray[np.int32]
+    angles: NDArray[np.float64]

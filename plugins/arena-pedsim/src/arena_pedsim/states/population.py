@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from arena_core import Crowd, ImpossibleScenario, OccupancyGrid, PedestrianSpec, Scenario, stream_key
 from arena_pedsim.people import MAX_CORNERS, PERSON
+from arena_pedsim.routes.trips import Routes
 from arena_pedsim.state_ids import NONE
 from arena_pedsim.states.customs import Customs
 from arena_pedsim.states.draft import draft
@@ -18,8 +19,7 @@ from arena_pedsim.states.draft import draft
 class Population:
     """N worlds with P slots for people each.
 
-    ``people`` (N, P) is what the model remembers of them; ``waypoints`` (N, P, W, 2) m; ``corners`` (N, P, C, 2) m of the present routes;
-    ``legs`` (N, P, W, C, 2) m are the routes to each waypoint found so far, ``leg_corners`` (N, P, W) their lengths, -1 when not known.
+    ``people`` (N, P) is what the model remembers of them; all else is as in Routes.
     """
 
     def __init__(self, worlds: int) -> None:
@@ -36,6 +36,11 @@ class Population:
         self.corners = np.zeros((worlds, 0, MAX_CORNERS, 2))
         self.legs = np.zeros((worlds, 0, 1, MAX_CORNERS, 2))
         self.leg_corners = np.full((worlds, 0, 1), -1, np.int32)
+
+    @property
+    def routes(self) -> Routes:
+        """Where all of them walk, as kernels take it."""
+        return Routes(self.waypoints, self.corners, self.legs, self.leg_corners)
 
     def __len__(self) -> int:
         return len(self.people)

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from arena_core import ConfigurationError, PedestrianSpec
 from arena_kernels.compiled import compiled
-from arena_kernels.ground import Ground, clearance, ground_of
+from arena_kernels.crowds import Crowds, Robots, bodies_of, robot_of
+from arena_kernels.ground import Ground, Land, clearance, ground_below
 from arena_kernels.random import uniform
 from arena_pedsim.people import AT_RANDOM, AT_START, COME, LEAVE, NEVER, NEXT_WAYPOINT, NOTHING
 from arena_pedsim.routes.trips import anybody_wishes
@@ -40,43 +41,32 @@ def take_presence(person: np.void, spec: PedestrianSpec) -> bool:
 
 @compiled
 def come_and_go(
-    counts: NDArray[np.int32],
-    positions: Floats,
-    velocities: Floats,
-    radii: Floats,
-    states: NDArray[np.int8],
-    people: NDArray[np.void],
-    waypoints: Floats,
-    robot_poses: Floats,
-    robot_radius: float,
-    grids: NDArray[np.int64],
-    distance: NDArray[np.float32],
-    layouts: NDArray[np.void],
-    parameters: NDArray[np.void],
+    crowds: Crowds, people: NDArray[np.void], waypoints: Floats, robots: Robots, land: Land, parameters: NDArray[np.void]
 ) -> None:
     """Let everybody who wishes for it leave, or come where there is room."""
-    for world in range(len(counts)):
-        if not anybody_wishes(people[world], counts[world]):
+    for world in range(len(crowds.counts)):
+        if not anybody_wishes(people[world], crowds.counts[world]):
             continue
-        ground = ground_of(distance, layouts[grids[world]])
-        for i in range(counts[world]):
+        positions, velocities, radii, states = bodies_of(crowds, world)
+        robot, ground = robot_of(robots, world), ground_below(land, world)
+        for i in range(len(positions)):
             person = people[world, i]
             if person.wish == LEAVE:
-                person.wish, person.absence, states[world, i] = NOTHING, parameters[0].spawning_pause, NONE
-                positions[world, i, 0], positions[world, i, 1] = nan, nan
-                velocities[world, i, 0], velocities[world, i, 1] = nan, nan
+                person.wish, person.absence, states[i] = NOTHING, parameters[0].spawning_pause, NONE
+                positions[i, 0], positions[i, 1] = nan, nan
+                velocities[i, 0], velocities[i, 1] = nan, nan
             elif person.wish == COME:
                 person.wish, person.absence = NOTHING, AGAIN
                 x, y, before = _place(person, waypoints[world, i], i)
-                away = parameters[0].spawning_robot_distance + robot_radius + radii[world, i]
-                near = (robot_poses[world, 0] - x) ** 2 + (robot_poses[world, 1] - y) ** 2 < away * away
-                if near or not _is_free(x, y, before, radii[world, i], ground, positions[world, : counts[world]], radii[world]):
+                away = parameters[0].spawning_robot_distance + robot.radius + radii[i]
+                near = (robot.x - x) ** 2 + (robot.y - y) ** 2 < away * away
+                if near or not _is_free(x, y, before, radii[i], ground, positions, radii):
                     continue
-                positions[world, i, 0], positions[world, i, 1] = x, y
-                velocities[world, i, 0], velocities[world, i, 1] = 0.0, 0.0
+                positions[i, 0], positions[i, 1] = x, y
+                velocities[i, 0], velocities[i, 1] = 0.0, 0.0
                 person.absence, person.waypoint, person.sees_robot = 0.0, before, 0
                 person.interest_left, person.pause_left = person.interest, 0.0
-                states[world, i], person.wish = (WALKING, NEXT_WAYPOINT) if person.waypoints > 0 else (STANDING, NOTHING)
+                states[i], person.wish = (WALKING, NEXT_WAYPOINT) if person.waypoints > 0 else (STANDING, NOTHING)
 
 
 @compiled

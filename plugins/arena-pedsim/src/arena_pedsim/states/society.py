@@ -12,7 +12,7 @@ from arena_core import Crowd, PedestrianSpec, Scenario, stream_key
 from arena_pedsim.state_ids import NONE, STANDING, WALKING
 from arena_pedsim.states.behaviour import CHANCES, TRAITS, Behaviour, serves, traits_of
 from arena_pedsim.states.draft import KEPT
-from arena_pedsim.states.minds import MIND, NOBODY, WORLD
+from arena_pedsim.states.minds import MIND, NOBODY, WORLD, Social
 from arena_pedsim.states.state_table import state_table
 
 Beginning = tuple[NDArray[np.void], NDArray[np.int8], bool]
@@ -33,6 +33,11 @@ class Society:
         self.links, self.angles = np.zeros((3, 0), np.int32), np.zeros(0)
         self.lively = False
         self._beginnings: dict[tuple[PedestrianSpec, ...], Beginning] = {}
+
+    @property
+    def social(self) -> Social:
+        """All of it as kernels take it."""
+        return Social(self.minds, self.worlds, self.links, self.angles)
 
     def settle(self, slot: int, scenario: Scenario, crowd: Crowd, people: NDArray[np.void]) -> None:
         """Begin a scenario in a slot, whose ``people`` (P,) are settled; who starts up later waits in ``crowd.states``."""

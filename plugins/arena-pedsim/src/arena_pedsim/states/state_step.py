@@ -8,52 +8,43 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing, inner
-from arena_kernels.ground import ground_of
+from arena_kernels.crowds import Crowds, Robots, bodies_of, robot_of
+from arena_kernels.ground import Land, ground_below
 from arena_pedsim.states.changes import change, take_note
 from arena_pedsim.states.errands import set_errands
 from arena_pedsim.states.group_walking import count_members, walk_in_groups
+from arena_pedsim.states.minds import Social
 from arena_pedsim.states.needs import QUEUE_GOAL, next_transition
 from arena_pedsim.states.scene import Scene
-
-Floats = NDArray[np.float64]
+from arena_pedsim.states.state_table import StateRules
 
 
 @borrowing
 def step_states(
-    counts: NDArray[np.int32],
-    positions: Floats,
-    velocities: Floats,
-    radii: Floats,
-    states: NDArray[np.int8],
+    crowds: Crowds,
     people: NDArray[np.void],
-    minds: NDArray[np.void],
-    worlds: NDArray[np.void],
-    robot_poses: Floats,
+    social: Social,
+    robots: Robots,
     ticks: NDArray[np.int64],
     dt: float,
-    grids: NDArray[np.int64],
-    distance: NDArray[np.float32],
-    layouts: NDArray[np.void],
-    table: NDArray[np.void],
-    transitions: NDArray[np.void],
-    numbers: NDArray[np.void],
+    land: Land,
+    rules: StateRules,
     parameters: NDArray[np.void],
-    links: NDArray[np.int32],
-    angles: Floats,
 ) -> None:
-    """Let ``dt`` s pass for what people are doing, in place, and say where each of them goes.
-
-    ``links`` (3, P) and ``angles`` (P,) are room to work in.
-    """
-    for world in range(len(counts)):
-        n = counts[world]
+    """Let ``dt`` s pass for what people are doing, in place, and say where each of them goes."""
+    minds, worlds, links, angles = social
+    table, transitions, numbers = rules
+    for world in range(len(crowds.counts)):
+        n = crowds.counts[world]
         if worlds[world].lively == 0 or n == 0:
             continue
+        positions, velocities, radii, states = bodies_of(crowds, world)
+        robot = robot_of(robots, world)
         scene = Scene(
-            positions[world, :n],
-            velocities[world, :n],
-            radii[world, :n],
-            states[world, :n],
+            positions,
+            velocities,
+            radii,
+            states,
             people[world],
             minds[world],
             links[0, :n],
@@ -62,9 +53,9 @@ def step_states(
             angles[:n],
             worlds[world],
             ticks[world],
-            robot_poses[world, 0],
-            robot_poses[world, 1],
-            ground_of(distance, layouts[grids[world]]),
+            robot.x,
+            robot.y,
+            ground_below(land, world),
             table,
             transitions,
             numbers[0],

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import yaml
@@ -31,14 +31,20 @@ TRANSITION = np.dtype([(name, np.int64) for name in ("to", "chance", "needs", "o
 # ``of``: a bit for each state; ``calls``: a state or 0; ``draw``: number of the random draw, the row's place in the file
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class StateTable:
-    """``states`` (S,) by code, ``transitions`` (T,) sorted by the state they leave, ``numbers`` (1,) records; ``names`` by code."""
+class StateRules(NamedTuple):
+    """What kernels read: ``states`` (S,) by code, ``transitions`` (T,) sorted by the state they leave, ``numbers`` (1,)."""
 
-    names: tuple[str, ...]
     states: NDArray[np.void]
     transitions: NDArray[np.void]
     numbers: NDArray[np.void]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StateTable:
+    """The states' ``names`` by code, and the rules by which people go from one to another."""
+
+    names: tuple[str, ...]
+    rules: StateRules
 
     def code(self, name: str) -> int:
         """Return the code that records hold for a state."""
@@ -68,7 +74,7 @@ def read_table(table: Mapping[str, Any]) -> StateTable:
     states["first"] = states["last"] - [len(group) for group in leaving]
     transitions = np.array([row for group in leaving for row in group], TRANSITION)
     numbers = np.array([tuple(table["numbers"].values())], [(name, np.float64) for name in table["numbers"]])
-    return StateTable(names, states, transitions, numbers)
+    return StateTable(names, StateRules(states, transitions, numbers))
 
 
 def _state(row: Mapping[str, Any]) -> tuple[Any, ...]:
