@@ -62,6 +62,13 @@ def test_what_is_missing_is_named(config, key):
         build_benchmark({k: v for k, v in config.items() if k != key}, load_registry())
 
 
+@pytest.mark.parametrize("key", ["planner", "recoveries", "world"])
+@pytest.mark.parametrize("value", [None, 3, "dwa", []])
+def test_a_part_without_keys_is_named(config, key, value):
+    with pytest.raises(ConfigurationError, match=f"{key} is .*; allowed: a mapping"):
+        build_benchmark(changed(config, key, value), load_registry())
+
+
 def test_metric_packs_come_with_the_bare_one_first():
     both = plain(compose([*WORDS, "metrics=[paper_legacy,si]"]))
     assert list(build_benchmark(both, load_registry()).metrics) == ["", "paper_legacy"]

@@ -198,10 +198,13 @@ def identification(config: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def check_complete(config: Mapping[str, Any]) -> None:
-    """Raise ConfigurationError when a whole part of the configuration is missing."""
+    """Raise ConfigurationError when a whole part of the configuration is missing, or is nothing with keys."""
     lacking = [key for key in (*NEEDED, *RunSettings.__slots__) if key not in config]
     if lacking:
         raise ConfigurationError(f"the configuration lacks {', '.join(lacking)}; `arena list` shows what can be chosen")
+    for key in NEEDED:
+        if not isinstance(config[key], Mapping):
+            raise ConfigurationError(f"{key} is {config[key]!r}; allowed: a mapping, as {key}=... chooses it")
     known = (*NEEDED, *RunSettings.__slots__, "metrics", "choices")
     foreign = [str(key) for key in config if key not in known]
     if foreign:

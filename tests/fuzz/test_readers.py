@@ -66,6 +66,7 @@ def quiet(monkeypatch: pytest.MonkeyPatch, recwarn: pytest.WarningsRecorder) -> 
     import warnings
 
     warnings.simplefilter("ignore")
+    gc.collect()
     gc.freeze()  # what other readers left behind is not searched again in this one's time
     for module in ("arena_crowds.replay.recordings", "arena_worlds.formats.flatland_world", "arena_tasks.scenario_files.scenario_task"):
         monkeypatch.setattr(f"{module}.tell", lambda line: None)

@@ -93,12 +93,13 @@ def test_other_packs_have_tables_of_their_own(run_folder, tmp_path):
     assert [row[0] for row in tables[1].rows][:3] == ["success", "collision", "time"]
 
 
-def test_columns_of_a_pack_that_is_not_installed_are_shown_without_unit(run_folder, tmp_path):
+@pytest.mark.parametrize("pack", ["foreign", "0", "si,barn", "a" * 300])
+def test_columns_of_a_pack_that_is_not_installed_are_shown_without_unit(run_folder, tmp_path, pack):
     folder = run_folder(tmp_path / "a")
     text = (folder / "episodes.csv").read_text().splitlines()
-    (folder / "episodes.csv").write_text("\n".join([text[0] + ",foreign.calm", *(line + ",1.5" for line in text[1:])]) + "\n")
+    (folder / "episodes.csv").write_text("\n".join([f'{text[0]},"{pack}.calm"', *(line + ",1.5" for line in text[1:])]) + "\n")
     column = metric_columns(read_runs([folder]))[-1]
-    assert (column.name, column.pack, column.unit) == ("foreign.calm", "foreign", "")
+    assert (column.name, column.pack, column.unit) == (f"{pack}.calm", pack, "")
 
 
 def test_texts_are_counted_in_the_tables_and_shown_with_each_episode(run_folder, tmp_path, capsys):

@@ -20,6 +20,7 @@ from arena_core import (
     find_runs,
     load_registry,
     metric_column,
+    option_files,
     read_json,
     read_table,
 )
@@ -204,7 +205,8 @@ def _nodes(runs: Sequence[Run], pack: str) -> Iterator[Callable[[], Any]]:
         if pack in metrics:
             yield partial(metrics.__getitem__, pack)
             break
-    yield partial(_preset, pack)
+    if pack in option_files("metrics", load_registry().manager):
+        yield partial(_preset, pack)
 
 
 def _preset(pack: str) -> Any:
