@@ -1,4 +1,7 @@
-"""Compilation: said while it happens, and left to one worker at a time, whose kernels the others then find on disk."""
+"""Compilation: said while it happens, and left to one worker at a time, whose kernels the others then find on disk.
+
+While that one has the simulator compiled, others can have what they will need of the robots' brains compiled: that is a rehearsal.
+"""
 
 from __future__ import annotations
 
@@ -9,8 +12,10 @@ from importlib import import_module
 from typing import Any
 
 from arena_core.contracts.interfaces import Job
+from arena_core.runs.benchmark import BRAIN
 
-COMPILED = ("simulator", "pedestrians", "localizer", "global_planner", "waypoints", "local_map", "tracker", "planner")  # kinds with kernels
+NAVIGATOR = (*BRAIN, "planner")
+COMPILED = ("simulator", "pedestrians", *NAVIGATOR)  # kinds with kernels
 NOTICE = "compiling kernels for this machine; this happens once and can take minutes"
 MANY = 5  # kernels; fewer are compiled within a second or two, and nothing is said
 Parts = tuple[str, ...]
@@ -44,13 +49,32 @@ class Turns:
 
     def __init__(self) -> None:
         self._driven: set[Parts] = {()}  # nothing to compile
-        self._new: set[Parts] = set()
+        self._new: dict[Parts, Job] = {}
+        self._rehearsed: set[Parts] = set()
         self._leader: tuple[object, Parts] | None = None
+
+    @property
+    def leader(self) -> object | None:
+        """The worker that has something new to drive and has not given its first command."""
+        return self._leader and self._leader[0]
 
     def expect(self, jobs: Iterable[Job]) -> None:
         """Take in what will be asked for; nobody is at anything yet."""
-        self._new = {parts_of(job) for job in jobs} - self._driven
+        self._new = {}
+        for job in jobs:
+            if (parts := parts_of(job)) not in self._driven:
+                self._new.setdefault(parts, job)
         self._leader = None
+
+    def rehearsal(self) -> Job | None:
+        """Return a job whose brain an idle worker can have compiled meanwhile, the leader's first; each brain once."""
+        if self._leader is None:
+            return None
+        for job in (self._new[self._leader[1]], *self._new.values()):
+            if (brain := parts_of(job, NAVIGATOR)) not in self._rehearsed:
+                self._rehearsed.add(brain)
+                return job
+        return None
 
     def take(self, worker: object, waiting: Waiting) -> tuple[Job, int] | None:
         """Take a worker's next job, and the how manieth attempt at it, out of ``waiting``; None where it has to wait itself."""
@@ -67,13 +91,13 @@ class Turns:
         """Take in that a worker has given its job's first command, or never will."""
         if self._leader is not None and self._leader[0] == worker:
             self._driven.add(self._leader[1])
-            self._new.discard(self._leader[1])
+            self._new.pop(self._leader[1], None)
             self._leader = None
 
 
-def parts_of(job: Job) -> Parts:
+def parts_of(job: Job, kinds: Iterable[str] = COMPILED) -> Parts:
     """Return the names of the components that may have to be compiled for a job, those within others too."""
-    return tuple(name for kind in COMPILED for name in _names(job.config.get(kind)))
+    return tuple(name for kind in kinds for name in _names(job.config.get(kind)))
 
 
 def _names(node: Any) -> Iterator[str]:

@@ -16,6 +16,7 @@ from arena_core.contracts.interfaces import Executor, Job, Lost
 from arena_core.runs.budgets import Budgets, Watch
 from arena_core.runs.compiling import MANY, NOTICE, Turns, Waiting
 from arena_core.runs.workers import Task, Work, Worker
+from arena_core.runs.working import rehearse
 from arena_core.values.parameters import Workers
 
 T = TypeVar("T")
@@ -62,8 +63,9 @@ class ProcessExecutor(Executor):
         waiting = deque((job, 1) for job in jobs)
         looked = monotonic()
         try:
-            while waiting or self._busy():
+            while waiting or self._awaited():
                 self._employ(work, waiting)
+                self._rehearse()
                 wait([worker.connection for worker in self._busy()], LOOK_EVERY)
                 interrupts.check()
                 now = monotonic()
@@ -77,6 +79,25 @@ class ProcessExecutor(Executor):
 
     def _busy(self) -> list[Worker]:
         return [worker for worker in self._staff if worker.task is not None]
+
+    def _awaited(self) -> list[Worker]:
+        return [worker for worker in self._busy() if not (worker.task and worker.task.rehearsal)]
+
+    def _rehearse(self) -> None:
+        """Let whoever has nothing to do compile what will be needed, while the leader is at its kernels for longer than a moment."""
+        leader = self._turns.leader
+        if not isinstance(leader, Worker) or leader.compiled() < MANY:
+            return
+        while (idle := self._idle()) is not None and (job := self._turns.rehearsal()) is not None:
+            idle.begin(rehearse, Task(job, 1, Watch(self._budgets), rehearsal=True))
+
+    def _idle(self) -> Worker | None:
+        """Return a worker without a task, a new one where there may be another."""
+        idle = next((worker for worker in self._staff if worker.task is None and not worker.death()), None)
+        if idle is None and len(self._staff) < self.workers:
+            idle = Worker()
+            self._staff.append(idle)
+        return idle
 
     def _employ(self, work: Work, waiting: Waiting) -> None:
         """Give every idle worker a job, and take on more where jobs are left."""
@@ -114,11 +135,15 @@ class ProcessExecutor(Executor):
             self._turns.given(worker)
             if not answer.unchanged:
                 self._dismiss(worker)
+            if task.rehearsal:
+                return
             if isinstance(answer.error, Exception):
                 raise answer.error
             yield answer.result if answer.error is None else Lost(task.job, described(answer.error))
         elif reason := death or worker.over_budget(passed):
             self._dismiss(worker)
+            if task.rehearsal:
+                return
             if death and task.attempt < ATTEMPTS:
                 waiting.appendleft((task.job, task.attempt + 1))
             else:

@@ -26,11 +26,12 @@ PATIENCE = 2.0  # s that a killed process may take to go; one that the kernel ho
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Task:
-    """A job under way: the how manieth attempt it is, and what it has taken."""
+    """A job under way: the how manieth attempt it is, and what it has taken; nobody waits for the answer to a ``rehearsal``."""
 
     job: Job
     attempt: int
     watch: Watch
+    rehearsal: bool = False
 
 
 @dataclass(frozen=True, slots=True)

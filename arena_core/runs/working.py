@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -15,6 +16,7 @@ from arena_core.base.notices import tell, untold
 from arena_core.base.pulse import pulse
 from arena_core.config.registry import Registry, load_registry
 from arena_core.contracts.interfaces import Finished, Job, Metric
+from arena_core.loop import rehearsal
 from arena_core.loop.recording import write_record
 from arena_core.runs.benchmark import Benchmark, build_benchmark, identification
 from arena_core.runs.code_digest import Code
@@ -62,6 +64,14 @@ def work(job: Job) -> Finished:
         if interrupts.raised(error):
             raise
         return failed(job, described(error))
+
+
+def rehearse(job: Job) -> None:
+    """Have what guides a robot and decides for it compiled in this process; what is wrong with it is left to the episode to tell."""
+    with suppress(Exception, SystemExit):
+        with interrupts.let_go():
+            benchmark = _benchmark(_text(job.config))
+        rehearsal.rehearse(benchmark.navigator, job.config["world"].get("known") is not False)
 
 
 def check(job: Job) -> Checked:

@@ -153,7 +153,7 @@ def test_summary_of_rows_equals_that_of_the_table(run_folder, tmp_path, pack_met
 def test_report_writes_tables_figures_and_a_page_without_external_requests(run_folder, tmp_path, capsys):
     for i, (planner, people) in enumerate([("dwa", 0), ("dwa", 5), ("teb", 0), ("teb", 5)]):
         run_folder(tmp_path / str(i), planner=planner, people=people, episodes=4, errors=[3] if i == 3 else [], only=FEW)
-    assert report(tmp_path, "--pictures", "1", "--pdf") == 0
+    assert report(tmp_path, "--pictures", "1", "--pdf", "--all-figures") == 0
     page = (tmp_path / "report" / "index.html").read_text()
     assert "2 planners × 2 crowd sizes · jackal · hall" in page
     assert "NoPath: &lt;none&gt;" in page

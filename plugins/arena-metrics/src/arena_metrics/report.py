@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from arena_core import Command, InputFileError, Reporter, aligned, write_bytes_whole, write_text_whole
 
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from arena_metrics.summary import Summary
     from arena_metrics.tables import Table
 
+Figures = Literal["headline", "all", "none"]
 PICTURES = 12  # cells whose trajectories are drawn unless --pictures says otherwise
 PRINTED = 40  # rows of the headline that go to the terminal
 
@@ -60,12 +61,13 @@ class ReportCommand(Command):
         target = Path(given.out) if given.out else folders[0] / "report"
         if given.out is None:
             _write_summaries(runs)
-        write_report(runs, target, given.pictures, figures=not given.no_figures, baseline=given.baseline, pdf=given.pdf)
+        figures: Figures = "none" if given.no_figures else "all" if given.all_figures else "headline"
+        write_report(runs, target, given.pictures, figures, given.baseline, given.pdf)
         return 0
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
         """Return the options; folders are the shell's."""
-        return ["--out", "--pictures", "--baseline", "--pdf", "--no-figures"] if word.startswith("-") else ()
+        return ["--out", "--pictures", "--baseline", "--pdf", "--all-figures", "--no-figures"] if word.startswith("-") else ()
 
 
 def _parser(description: str | None) -> argparse.ArgumentParser:
@@ -79,14 +81,23 @@ def _parser(description: str | None) -> argparse.ArgumentParser:
     )
     parser.add_argument("--baseline", metavar="PLANNER", help="what the other planners are compared with in pairs (default: the first)")
     parser.add_argument("--pdf", action="store_true", help="write each figure as PDF too, for print")
+    parser.add_argument("--all-figures", action="store_true", help="draw every metric, not those of the headline alone")
     parser.add_argument("--no-figures", action="store_true", help="tables alone, within seconds")
     return parser
 
 
 def write_report(
-    runs: Sequence[Run], target: Path, pictures: int = PICTURES, figures: bool = True, baseline: str | None = None, pdf: bool = False
+    runs: Sequence[Run],
+    target: Path,
+    pictures: int = PICTURES,
+    figures: Figures = "headline",
+    baseline: str | None = None,
+    pdf: bool = False,
 ) -> None:
-    """Write a report over these runs to the folder ``target``; raise InputFileError when they hold no episode, or not the baseline."""
+    """Write a report over these runs to the folder ``target``; raise InputFileError when they hold no episode, or not the baseline.
+
+    ``figures`` says which metrics are drawn; with none, no record is read and no picture drawn either.
+    """
     from arena_metrics.cells import cells_of
     from arena_metrics.levels import level_table
     from arena_metrics.page import render
@@ -102,9 +113,9 @@ def write_report(
     _check_baseline(summary.cells, baseline)
     pairs, levels, problems = paired_tables(summary, baseline), level_table(summary.cells), problem_table(summary.cells, summary.columns)
     _write_tables(summary, pairs, levels, problems, target)
-    drives = _drives(summary, pictures) if figures else {}
+    drives = _drives(summary, pictures) if figures != "none" else {}
     tables = _tables_of_drives(summary, drives, target)
-    drawn = _draw(summary, drives, target, pdf) if figures else ([], [], [])
+    drawn = _draw(summary, drives, target, figures, pdf) if figures != "none" else ([], [], [])
     write_text_whole(target / "index.html", render(summary, baseline, pairs, levels, tables, problems, runs, repeats, *drawn))
     _print_headline(summary, baseline)
     print(f"report: {target / 'index.html'}")
@@ -172,8 +183,10 @@ def _tables_of_drives(summary: Summary, drives: Mapping[str, Sequence[Drive]], t
     return list(known.values())
 
 
-def _draw(summary: Summary, drives: Mapping[str, Sequence[Drive]], target: Path, pdf: bool) -> tuple[list[Image], list[Image], list[Image]]:
-    """Draw and write the figures of all metrics (with one cell and nothing to compare: of the headline alone), pictures and levels."""
+def _draw(
+    summary: Summary, drives: Mapping[str, Sequence[Drive]], target: Path, figures: Figures, pdf: bool
+) -> tuple[list[Image], list[Image], list[Image]]:
+    """Draw and write the figures of metrics, pictures and levels."""
     from arena_metrics.figures import metric_figures, style
     from arena_metrics.levels import level_image
     from arena_metrics.panels import layouts
@@ -181,19 +194,19 @@ def _draw(summary: Summary, drives: Mapping[str, Sequence[Drive]], target: Path,
     from arena_metrics.trajectories import cell_image
 
     cells = summary.cells
-    columns = summary.columns if len(cells.cells) > 1 else [column for column, _ in headline_columns(summary)]
+    columns = summary.columns if figures == "all" else [column for column, _ in headline_columns(summary)]
     panels = layouts(cells, drives)
     with style():
-        figures = list(metric_figures(cells, columns, pdf))
+        metrics = list(metric_figures(cells, columns, pdf))
         images = [
             cell_image(cells, cell, drives[cell.hash], panels[cells.condition(cell)], pdf) for cell in cells.cells if drives.get(cell.hash)
         ]
         levels = [image for image in [level_image(cells, pdf)] if image is not None]
-    for image in [*figures, *images, *levels]:
+    for image in [*metrics, *images, *levels]:
         write_bytes_whole(target / "figures" / f"{image.name}.png", image.png)
         if image.pdf is not None:
             write_bytes_whole(target / "figures" / f"{image.name}.pdf", image.pdf)
-    return figures, images, levels
+    return metrics, images, levels
 
 
 def _print_headline(summary: Summary, baseline: str | None) -> None:
