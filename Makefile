@@ -6,15 +6,16 @@ APART := browser
 .PHONY: help demo test long lint bench clean setup wheels dist policies fuzz coverage docs $(APART:%=test-%)
 PYTHON ?= python3
 PLUGIN ?=
-WORKERS ?= logical
+WORKERS ?= $(shell $(PYTHON) -c 'import os; print(os.cpu_count() + 1)')
 FUZZ_EXAMPLES ?= 4200
 BIN := .venv/bin
 SOURCES := pyproject.toml constraints.txt scripts/tools.txt $(wildcard plugins/*/pyproject.toml)
+unexport PYTHONDONTWRITEBYTECODE  # a suite of many processes: compile each module once
 PYTEST := $(BIN)/pytest -n $(WORKERS) --dist worksteal
 
 help:
 	@echo "make demo   drive two classic planners and a learned one, say who was better and how sure that is, and where the report is"
-	@echo "make test   run all tests, as many at a time as there are cores; WORKERS=N: N at a time; PLUGIN=arena-dwa: those of that package"
+	@echo "make test   run all tests, one more at a time than there are cores (some wait for a clock); WORKERS=N: N at a time; PLUGIN=arena-dwa: those of that package"
 	@echo "make test-browser  open the report's page and the documentation in chromium (installs it)"
 	@echo "make coverage  run all tests and tell which lines none of them reaches"
 	@echo "make long   the long studies: every fault at every moment, a sweep killed again and again, 10,000 episodes in one worker, how often intervals hold the truth"
