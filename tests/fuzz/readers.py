@@ -217,9 +217,9 @@ def evaluate_run(path: Path) -> object:
 
 def report_run(path: Path) -> object:
     """Read a run as a report does, up to its figures."""
-    from arena_metrics.cells import cells_of
-    from arena_metrics.runs import metric_columns, pooled, read_runs
-    from arena_metrics.summary import summarise, summary_csv
+    from arena_metrics.pooling.cells import cells_of
+    from arena_metrics.pooling.runs import metric_columns, pooled, read_runs
+    from arena_metrics.pooling.summary import summarise, summary_csv
 
     folder = path.parent
     runs = read_runs([folder])
@@ -229,7 +229,7 @@ def report_run(path: Path) -> object:
 
 def read_map_of_run(path: Path) -> object:
     """Read the map of a run."""
-    from arena_metrics.trajectories import read_grid
+    from arena_metrics.pages.trajectories import read_grid
 
     return read_grid(path)
 

@@ -14,8 +14,8 @@ import pytest
 from numpy.typing import ArrayLike
 
 from arena_core import EPISODE_COLUMNS, EpisodeRecord, Metric, compose, plain
-from arena_metrics.paper_legacy import PaperLegacyMetrics
-from arena_metrics.si import SiMetrics
+from arena_metrics.packs.paper_legacy import PaperLegacyMetrics
+from arena_metrics.packs.si import SiMetrics
 
 RecordMaker = Callable[..., EpisodeRecord]
 

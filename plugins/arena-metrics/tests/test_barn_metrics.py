@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arena_core import ConfigurationError
-from arena_metrics.barn import BarnMetrics, score
+from arena_metrics.packs.barn import BarnMetrics, score
 
 BARN = Path(__file__).parents[3].parent / "shared" / "data" / "barn"
 needs_barn = pytest.mark.skipif(not BARN.is_dir(), reason="the recorded runs of the BARN challenge are not at ../shared/data/barn")

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_metrics.courses import times_to_collision
-from arena_metrics.footprints import distances, times_to_contact
+from arena_metrics.packs.courses import times_to_collision
+from arena_metrics.packs.footprints import distances, times_to_contact
 
 DISC = {"radius": 0.2, "vertices_xy": []}
 BOX = {"radius": math.hypot(0.3, 0.2), "vertices_xy": [[0.3, 0.2], [-0.3, 0.2], [-0.3, -0.2], [0.3, -0.2]]}

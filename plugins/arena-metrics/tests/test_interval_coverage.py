@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from arena_metrics.comparisons import after_holm, compare
-from arena_metrics.intervals import estimate
+from arena_metrics.statistics.comparisons import after_holm, compare
+from arena_metrics.statistics.intervals import estimate
 
 REPLICATIONS = int(os.environ.get("ARENA_REPLICATIONS", "10"))
 WHOLE = REPLICATIONS >= 1000

@@ -2,10 +2,10 @@
 
 import pytest
 
-from arena_metrics.cells import cells_of
-from arena_metrics.levels import level_image, level_table
-from arena_metrics.report import ReportCommand
-from arena_metrics.runs import pooled, read_runs
+from arena_metrics.pages.levels import level_image, level_table
+from arena_metrics.pages.report import ReportCommand
+from arena_metrics.pooling.cells import cells_of
+from arena_metrics.pooling.runs import pooled, read_runs
 
 FEW = ("success", "collisions", "path_length")
 

@@ -7,13 +7,13 @@ import re
 import numpy as np
 import pytest
 
-from arena_metrics.cells import cells_of
-from arena_metrics.drives import Problem, drives_of, numbered
-from arena_metrics.endings import verdict
-from arena_metrics.panels import layouts
-from arena_metrics.repeats import distances_table, repeats_table
-from arena_metrics.report import ReportCommand
-from arena_metrics.runs import pooled, read_runs
+from arena_metrics.pages.panels import layouts
+from arena_metrics.pages.report import ReportCommand
+from arena_metrics.pooling.cells import cells_of
+from arena_metrics.pooling.drives import Problem, drives_of, numbered
+from arena_metrics.pooling.endings import verdict
+from arena_metrics.pooling.runs import pooled, read_runs
+from arena_metrics.tables.repeats import distances_table, repeats_table
 
 FEW = ("success", "collisions", "path_length")
 

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from arena_core import InputFileError, RunFolderError
-from arena_metrics.cells import cells_of
-from arena_metrics.report import ReportCommand
-from arena_metrics.runs import columns_of, metric_columns, pooled, read_runs
-from arena_metrics.summary import summarise, write_summary
-from arena_metrics.tables import headline, latex, markdown, metric_tables
-from arena_metrics.trajectories import people_colours, scale_bar_length
+from arena_metrics.pages.report import ReportCommand
+from arena_metrics.pages.trajectories import people_colours, scale_bar_length
+from arena_metrics.pooling.cells import cells_of
+from arena_metrics.pooling.runs import columns_of, metric_columns, pooled, read_runs
+from arena_metrics.pooling.summary import summarise, write_summary
+from arena_metrics.tables.tables import headline, latex, markdown, metric_tables
 
 FEW = ("success", "strict_success", "collisions", "path_length", "jerk")  # metrics enough to draw
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_metrics.motion import curvatures, resample_by_length, touched_spans, velocities_map
+from arena_metrics.packs.motion import curvatures, resample_by_length, touched_spans, velocities_map
 
 GEOMETRY = ["path_length", "curvature_mean", "curvature_max", "curvature_min", "curvature_normalised", "angle_over_length", "roughness"]
 

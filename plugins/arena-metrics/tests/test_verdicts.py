@@ -6,16 +6,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arena_metrics.cells import cells_of
-from arena_metrics.codes import other_code
-from arena_metrics.comparisons import compare
-from arena_metrics.headline import answers
-from arena_metrics.problem_table import problem_table
-from arena_metrics.report import ReportCommand
-from arena_metrics.runs import metric_columns, pooled, read_runs
-from arena_metrics.summary import summarise
-from arena_metrics.tables import headline
-from arena_metrics.verdicts import sooner_at_the_goal, verdict
+from arena_metrics.pages.headline import answers
+from arena_metrics.pages.report import ReportCommand
+from arena_metrics.pooling.cells import cells_of
+from arena_metrics.pooling.codes import other_code
+from arena_metrics.pooling.runs import metric_columns, pooled, read_runs
+from arena_metrics.pooling.summary import summarise
+from arena_metrics.statistics.comparisons import compare
+from arena_metrics.tables.problem_table import problem_table
+from arena_metrics.tables.tables import headline
+from arena_metrics.tables.verdicts import sooner_at_the_goal, verdict
 
 FEW = ("success", "strict_success", "collisions", "path_length", "time_to_goal")
 

@@ -6,21 +6,21 @@ from arena_core import Register, hookimpl
 @hookimpl
 def register_metrics(register: Register) -> None:
     """Offer metrics in SI units, those of the original release, and the score of the BARN challenge."""
-    register("si", "arena_metrics.si:SiMetrics")
-    register("barn", "arena_metrics.barn:BarnMetrics")
-    register("paper_legacy", "arena_metrics.paper_legacy:PaperLegacyMetrics")
+    register("si", "arena_metrics.packs.si:SiMetrics")
+    register("barn", "arena_metrics.packs.barn:BarnMetrics")
+    register("paper_legacy", "arena_metrics.packs.paper_legacy:PaperLegacyMetrics")
 
 
 @hookimpl
 def register_commands(register: Register) -> None:
     """Offer ``arena report``."""
-    register("report", "arena_metrics.report:ReportCommand")
+    register("report", "arena_metrics.pages.report:ReportCommand")
 
 
 @hookimpl
 def register_reporters(register: Register) -> None:
     """Offer the report."""
-    register("report", "arena_metrics.report:Report")
+    register("report", "arena_metrics.pages.report:Report")
 
 
 @hookimpl

@@ -9,8 +9,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from arena_metrics.clusters import MOST_RESAMPLED, Clusters
-from arena_metrics.intervals import LEAST_PROBLEMS, Estimate, FloatArray, Kind, Labels, defined, excess, figure, no_scatter, quantile
+from arena_metrics.statistics.clusters import MOST_RESAMPLED, Clusters
+from arena_metrics.statistics.intervals import (
+    LEAST_PROBLEMS,
+    Estimate,
+    FloatArray,
+    Kind,
+    Labels,
+    defined,
+    excess,
+    figure,
+    no_scatter,
+    quantile,
+)
 
 ALPHA = 0.05  # false alarms among the comparisons of one family
 POWER = 0.8  # with which the episodes asked for would show a difference (Cohen 1988, section 2.4)

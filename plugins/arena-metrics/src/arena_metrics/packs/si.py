@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 
 from arena_core import Better, EpisodeRecord, Metric, MetricPack, Positive
-from arena_metrics import courses, motion, outcome, proximity, timing
+from arena_metrics.packs import courses, motion, outcome, proximity, timing
 
 
 def _path(name: str, unit: str, better: Better, description: str, compute: Callable[[EpisodeRecord], float]) -> Metric:

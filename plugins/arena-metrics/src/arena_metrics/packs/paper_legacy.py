@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import Better, EpisodeRecord, Metric, MetricPack, NonNegativeInt, Positive
-from arena_metrics.motion import triangles
+from arena_metrics.packs.motion import triangles
 
 FloatArray = NDArray[np.float64]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from arena_metrics.cells import Cell, Cells
+from arena_metrics.pooling.cells import Cell, Cells
 
 
 def other_code(cells: Cells) -> list[str]:

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from arena_metrics.cells import Cell, Cells
-from arena_metrics.figures import PALETTE, Image, rendered
-from arena_metrics.runs import Episode
-from arena_metrics.tables import Table
+from arena_metrics.pages.figures import PALETTE, Image, rendered
+from arena_metrics.pooling.cells import Cell, Cells
+from arena_metrics.pooling.runs import Episode
+from arena_metrics.tables.tables import Table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 from arena_core import Command, InputFileError, Reporter, aligned, write_bytes_whole, write_text_whole
 
 if TYPE_CHECKING:
-    from arena_metrics.cells import Cells
-    from arena_metrics.drives import Drive
-    from arena_metrics.figures import Image
-    from arena_metrics.runs import Run
-    from arena_metrics.summary import Summary
-    from arena_metrics.tables import Table
+    from arena_metrics.pages.figures import Image
+    from arena_metrics.pooling.cells import Cells
+    from arena_metrics.pooling.drives import Drive
+    from arena_metrics.pooling.runs import Run
+    from arena_metrics.pooling.summary import Summary
+    from arena_metrics.tables.tables import Table
 
 Figures = Literal["headline", "all", "none"]
 PICTURES = 12  # cells whose trajectories are drawn unless --pictures says otherwise
@@ -27,7 +27,7 @@ class Report(Reporter):
 
     def report(self, folders: Sequence[Path], target: Path, baseline: str | None = None) -> None:
         """Write the report and print its headline and place; a report inside the runs' own folder renews their summaries too."""
-        from arena_metrics.runs import read_runs
+        from arena_metrics.pooling.runs import read_runs
 
         runs = read_runs(folders)
         if target == folders[0] / "report":
@@ -36,9 +36,9 @@ class Report(Reporter):
 
     def compare(self, folders: Sequence[Path], baseline: str | None = None) -> list[dict[str, Any]]:
         """Return a row for each planner, condition and metric: the mean difference to the baseline, its interval, p and effect."""
-        from arena_metrics.cells import cells_of
-        from arena_metrics.pairs import compared
-        from arena_metrics.runs import metric_columns, pooled, read_runs
+        from arena_metrics.pooling.cells import cells_of
+        from arena_metrics.pooling.runs import metric_columns, pooled, read_runs
+        from arena_metrics.tables.pairs import compared
 
         runs = read_runs(folders)
         cells = cells_of(pooled(runs)[0])
@@ -53,7 +53,7 @@ class ReportCommand(Command):
 
     def run(self, arguments: Sequence[str]) -> int:
         """Write the report and print its headline and place."""
-        from arena_metrics.runs import read_runs
+        from arena_metrics.pooling.runs import read_runs
 
         given = _parser(self.__doc__).parse_args(list(arguments))
         folders = [Path(directory) for directory in given.directories]
@@ -98,13 +98,13 @@ def write_report(
 
     ``figures`` says which metrics are drawn; with none, no record is read and no picture drawn either.
     """
-    from arena_metrics.cells import cells_of
-    from arena_metrics.levels import level_table
-    from arena_metrics.page import render
-    from arena_metrics.pairs import paired_tables
-    from arena_metrics.problem_table import problem_table
-    from arena_metrics.runs import metric_columns, pooled
-    from arena_metrics.summary import summarise
+    from arena_metrics.pages.levels import level_table
+    from arena_metrics.pages.page import render
+    from arena_metrics.pooling.cells import cells_of
+    from arena_metrics.pooling.runs import metric_columns, pooled
+    from arena_metrics.pooling.summary import summarise
+    from arena_metrics.tables.pairs import paired_tables
+    from arena_metrics.tables.problem_table import problem_table
 
     episodes, repeats = pooled(runs)
     if not episodes:
@@ -129,9 +129,9 @@ def _check_baseline(cells: Cells, baseline: str | None) -> None:
 
 def _write_summaries(runs: Sequence[Run]) -> None:
     """Renew the summary in every run's own folder."""
-    from arena_metrics.cells import cells_of
-    from arena_metrics.runs import metric_columns, pooled
-    from arena_metrics.summary import summarise, summary_csv
+    from arena_metrics.pooling.cells import cells_of
+    from arena_metrics.pooling.runs import metric_columns, pooled
+    from arena_metrics.pooling.summary import summarise, summary_csv
 
     columns = metric_columns(runs)
     for run in runs:
@@ -141,8 +141,8 @@ def _write_summaries(runs: Sequence[Run]) -> None:
 
 
 def _write_tables(summary: Summary, pairs: Sequence[Table], levels: Table | None, problems: Table | None, target: Path) -> None:
-    from arena_metrics.summary import summary_csv
-    from arena_metrics.tables import headline, metric_tables
+    from arena_metrics.pooling.summary import summary_csv
+    from arena_metrics.tables.tables import headline, metric_tables
 
     write_text_whole(target / "summary.csv", summary_csv(summary))
     tables: dict[str, Sequence[Table]] = {
@@ -158,7 +158,7 @@ def _write_tables(summary: Summary, pairs: Sequence[Table], levels: Table | None
 
 
 def _write_table(target: Path, name: str, content: Sequence[Table]) -> None:
-    from arena_metrics.tables import comma_separated, latex, markdown
+    from arena_metrics.tables.tables import comma_separated, latex, markdown
 
     write_text_whole(target / "tables" / f"{name}.csv", comma_separated(content))
     write_text_whole(target / "tables" / f"{name}.md", markdown(content))
@@ -167,14 +167,14 @@ def _write_table(target: Path, name: str, content: Sequence[Table]) -> None:
 
 def _drives(summary: Summary, pictures: int) -> dict[str, list[Drive]]:
     """Read the records of the cells that are drawn, by the cells' hashes."""
-    from arena_metrics.drives import drives_of
+    from arena_metrics.pooling.drives import drives_of
 
     return {cell.hash: drives_of(summary.cells, cell) for cell in summary.cells.cells[: max(0, pictures)]}
 
 
 def _tables_of_drives(summary: Summary, drives: Mapping[str, Sequence[Drive]], target: Path) -> list[Table]:
     """Write and return what the records of the cells drawn say together: repeats of one problem, and planners on the same scenarios."""
-    from arena_metrics.repeats import distances_table, repeats_table
+    from arena_metrics.tables.repeats import distances_table, repeats_table
 
     found = {"repeats": repeats_table(summary.cells, drives), "path_distances": distances_table(summary.cells, drives)}
     known = {name: table for name, table in found.items() if table is not None}
@@ -187,11 +187,11 @@ def _draw(
     summary: Summary, drives: Mapping[str, Sequence[Drive]], target: Path, figures: Figures, pdf: bool
 ) -> tuple[list[Image], list[Image], list[Image]]:
     """Draw and write the figures of metrics, pictures and levels."""
-    from arena_metrics.figures import metric_figures, style
-    from arena_metrics.levels import level_image
-    from arena_metrics.panels import layouts
-    from arena_metrics.tables import headline_columns
-    from arena_metrics.trajectories import cell_image
+    from arena_metrics.pages.figures import metric_figures, style
+    from arena_metrics.pages.levels import level_image
+    from arena_metrics.pages.panels import layouts
+    from arena_metrics.pages.trajectories import cell_image
+    from arena_metrics.tables.tables import headline_columns
 
     cells = summary.cells
     columns = summary.columns if figures == "all" else [column for column, _ in headline_columns(summary)]
@@ -211,8 +211,8 @@ def _draw(
 
 def _print_headline(summary: Summary, baseline: str | None) -> None:
     """Print the headline table with aligned columns, and what it answers."""
-    from arena_metrics.headline import answers
-    from arena_metrics.tables import headline
+    from arena_metrics.pages.headline import answers
+    from arena_metrics.tables.tables import headline
 
     table = headline(summary)
     print("\n".join(aligned([table.head, *table.rows[:PRINTED]])))

@@ -9,14 +9,14 @@ from itertools import groupby
 
 import numpy as np
 
-from arena_metrics.cells import Cell, Cells
-from arena_metrics.intervals import Estimate, estimate
-from arena_metrics.levels import Climb, climbs
-from arena_metrics.problems import count, labels
-from arena_metrics.runs import Column, Row
-from arena_metrics.summary import Over, Summary
-from arena_metrics.tables import decimals, headline_columns, interval_text, mean_text, unit_text
-from arena_metrics.verdicts import verdicts
+from arena_metrics.pages.levels import Climb, climbs
+from arena_metrics.pooling.cells import Cell, Cells
+from arena_metrics.pooling.problems import count, labels
+from arena_metrics.pooling.runs import Column, Row
+from arena_metrics.pooling.summary import Over, Summary
+from arena_metrics.statistics.intervals import Estimate, estimate
+from arena_metrics.tables.tables import decimals, headline_columns, interval_text, mean_text, unit_text
+from arena_metrics.tables.verdicts import verdicts
 
 OUTCOMES = {  # how an episode ended, in words, with the colour of its bar
     "clean": ("success, no collision", "#0072B2"),

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from arena_metrics.runs import Episode
+from arena_metrics.pooling.runs import Episode
 
 FACTORS = {  # columns that tell cells apart, in the order in which a reader wants them
     "preset": "planner",

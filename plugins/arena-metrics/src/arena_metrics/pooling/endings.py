@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from arena_core import COLLISIONS_ALLOWED
-from arena_metrics.runs import Row
+from arena_metrics.pooling.runs import Row
 
 
 def verdict(row: Row) -> str:

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import EpisodeRecord
-from arena_metrics.footprints import distances, times_to_contact
-from arena_metrics.outcome import PERSON
+from arena_metrics.packs.footprints import distances, times_to_contact
+from arena_metrics.packs.outcome import PERSON
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

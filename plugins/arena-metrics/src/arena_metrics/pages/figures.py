@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from arena_metrics.cells import Cells
-from arena_metrics.intervals import estimate
-from arena_metrics.problems import labels
-from arena_metrics.runs import Column
-from arena_metrics.summary import successful
-from arena_metrics.tables import unit_text
+from arena_metrics.pooling.cells import Cells
+from arena_metrics.pooling.problems import labels
+from arena_metrics.pooling.runs import Column
+from arena_metrics.pooling.summary import successful
+from arena_metrics.statistics.intervals import estimate
+from arena_metrics.tables.tables import unit_text
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -7,12 +7,12 @@ from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from arena_metrics.cells import FACTORS, Cell, Cells
-from arena_metrics.comparisons import Comparison, after_holm, compare
-from arena_metrics.problems import problem
-from arena_metrics.runs import Column, Episode
-from arena_metrics.summary import Summary, success_column
-from arena_metrics.tables import Table, column_title, decimals, headline_columns
+from arena_metrics.pooling.cells import FACTORS, Cell, Cells
+from arena_metrics.pooling.problems import problem
+from arena_metrics.pooling.runs import Column, Episode
+from arena_metrics.pooling.summary import Summary, success_column
+from arena_metrics.statistics.comparisons import Comparison, after_holm, compare
+from arena_metrics.tables.tables import Table, column_title, decimals, headline_columns
 
 PAIRED = ("collisions_caused", "jerk")  # beside the headline's metrics
 HEAD = ["mean [95 % interval]", "p", "p after Holm", "effect", "higher / lower", "pairs", "problems"]

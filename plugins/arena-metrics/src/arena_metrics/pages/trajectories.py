@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 from arena_core import LIMITS, EpisodeRecord, InputFileError, check_inside, one_line, read_arrays, read_record
 from arena_drawing.painter import draw_goal, draw_map, draw_obstacles, draw_start, frame_axes
-from arena_metrics.cells import Cell, Cells
-from arena_metrics.drives import Drive
-from arena_metrics.figures import INK, Image, rendered
-from arena_metrics.outcome import PERSON
-from arena_metrics.panels import Layout, Panel, Window
+from arena_metrics.packs.outcome import PERSON
+from arena_metrics.pages.figures import INK, Image, rendered
+from arena_metrics.pages.panels import Layout, Panel, Window
+from arena_metrics.pooling.cells import Cell, Cells
+from arena_metrics.pooling.drives import Drive
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,15 +8,15 @@ from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from typing import Any
 
-from arena_metrics.cells import VARIANT, Cell, Cells, differences
-from arena_metrics.codes import other_code
-from arena_metrics.drives import numbered
-from arena_metrics.endings import verdict
-from arena_metrics.figures import Image
-from arena_metrics.headline import OUTCOMES, Group, answers, groups, headings, outcome
-from arena_metrics.runs import Episode, Run
-from arena_metrics.summary import Summary
-from arena_metrics.tables import BLOCK, Table, headline_columns, metric_tables
+from arena_metrics.pages.figures import Image
+from arena_metrics.pages.headline import OUTCOMES, Group, answers, groups, headings, outcome
+from arena_metrics.pooling.cells import VARIANT, Cell, Cells, differences
+from arena_metrics.pooling.codes import other_code
+from arena_metrics.pooling.drives import numbered
+from arena_metrics.pooling.endings import verdict
+from arena_metrics.pooling.runs import Episode, Run
+from arena_metrics.pooling.summary import Summary
+from arena_metrics.tables.tables import BLOCK, Table, headline_columns, metric_tables
 
 LINES = 60  # rows of the headline table before the rest is folded away
 LARGE = 1.5  # scale of a picture that stands alone

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import EpisodeRecord, read_record
-from arena_metrics.cells import Cell, Cells
-from arena_metrics.motion import resample_by_length
-from arena_metrics.runs import Episode
+from arena_metrics.packs.motion import resample_by_length
+from arena_metrics.pooling.cells import Cell, Cells
+from arena_metrics.pooling.runs import Episode
 
 FloatArray = NDArray[np.float64]
 STEP = 0.1  # m of arc length between the points of a path that is compared with others

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from arena_metrics.cells import Cells
-from arena_metrics.drives import Drive, Problem, name
-from arena_metrics.repeats import by_problem
+from arena_metrics.pooling.cells import Cells
+from arena_metrics.pooling.drives import Drive, Problem, name
+from arena_metrics.tables.repeats import by_problem
 
 PANELS = 16  # most in one picture
 MARGIN = 1.0  # m around all that happened

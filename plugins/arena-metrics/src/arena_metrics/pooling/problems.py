@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 
-from arena_metrics.cells import Cell
-from arena_metrics.runs import Row
+from arena_metrics.pooling.cells import Cell
+from arena_metrics.pooling.runs import Row
 
 FIXED = ("scenario", "barn", "dynabarn")  # tasks whose problems are those of files, the same for every seed
 

@@ -1,0 +1,1 @@
+"""What metrics compute from one record: the packs, and what they share."""

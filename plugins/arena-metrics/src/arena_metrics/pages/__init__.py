@@ -1,0 +1,1 @@
+"""What the report shows: figures, pictures, the page, and ``arena report``."""

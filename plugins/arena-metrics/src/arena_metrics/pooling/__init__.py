@@ -1,0 +1,1 @@
+"""Episodes of many runs: read, pooled, sorted into cells, summed up."""

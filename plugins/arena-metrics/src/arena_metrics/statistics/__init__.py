@@ -1,0 +1,1 @@
+"""Intervals, tests and distances; they know nothing of runs."""
