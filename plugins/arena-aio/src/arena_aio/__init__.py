@@ -10,6 +10,12 @@ def register_planners(register: Register) -> None:
 
 
 @hookimpl
+def register_observation_encoders(register: Register) -> None:
+    """Offer what the switch sees."""
+    register("aio", "arena_aio.encoder:AioEncoder")
+
+
+@hookimpl
 def register_commands(register: Register) -> None:
     """Offer ``arena choices``."""
     register("choices", "arena_aio.choices_command:ChoicesCommand")

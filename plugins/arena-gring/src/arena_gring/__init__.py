@@ -10,6 +10,18 @@ def register_planners(register: Register) -> None:
 
 
 @hookimpl
+def register_observation_encoders(register: Register) -> None:
+    """Offer what GRING sees: the nearest returns, now and before, and waypoints ahead."""
+    register("gring", "arena_gring.encoder:GringEncoder")
+
+
+@hookimpl
+def register_rewards(register: Register) -> None:
+    """Offer what it is trained by."""
+    register("gring", "arena_gring.reward:GringReward")
+
+
+@hookimpl
 def config_package() -> str:
     """Name the configuration package."""
     return "arena_gring.conf"

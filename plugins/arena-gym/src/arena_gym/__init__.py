@@ -8,7 +8,6 @@ def register_rewards(register: Register) -> None:
     """Offer the rewards."""
     register("release", "arena_gym.release_reward:ReleaseReward")
     register("progress", "arena_gym.progress_reward:ProgressReward")
-    register("gring", "arena_gym.gring_reward:GringReward")
     register("switch", "arena_gym.switch_reward:SwitchReward")
 
 

@@ -1,4 +1,4 @@
-"""What learned planners of the arena suite share: observation encoders and the scaling of actions."""
+"""What learned planners of the arena suite share: encoders of scan and waypoint, policies and the scaling of actions."""
 
 from arena_core import Register, hookimpl
 
@@ -8,8 +8,6 @@ def register_observation_encoders(register: Register) -> None:
     """Offer the encoders."""
     register("rosnav", "arena_policies.rosnav:RosnavEncoder")
     register("rosnav_sectors", "arena_policies.rosnav_sectors:RosnavSectorsEncoder")
-    register("gring", "arena_policies.gring:GringEncoder")
-    register("aio", "arena_policies.aio:AioEncoder")
 
 
 @hookimpl

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from arena_aio.pooled_returns import MappedWalls, pool_returns
 from arena_core import NonNegative, ObservationBatch, ObservationField, Positive, PositiveInt, Robot
 from arena_policies.encoding import BoundedEncoder, Numbers, closeness_field, sectors_shown, speed_scales, ways_to, write_closeness
 from arena_policies.looking_back import beams_of
-from arena_policies.pooled_returns import MappedWalls, pool_returns
 
 
 class AioEncoder(BoundedEncoder):
