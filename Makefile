@@ -3,7 +3,7 @@
 ROBOTS := turtlebot3 jackal robotino
 # What needs more than Python: a marker in pyproject.toml, a case in scripts/setup and scripts/NAME.txt, a name here. make test-NAME runs it.
 APART := browser
-.PHONY: help demo test long lint bench clean setup wheels dist policies fuzz coverage docs $(APART:%=test-%)
+.PHONY: help demo test test-slow long lint bench clean setup wheels dist policies fuzz coverage docs $(APART:%=test-%)
 PYTHON ?= python3
 PLUGIN ?=
 WORKERS ?= $(shell $(PYTHON) -c 'import os; print(os.cpu_count() + 1)')
@@ -15,7 +15,8 @@ PYTEST := $(BIN)/pytest -n $(WORKERS) --dist worksteal
 
 help:
 	@echo "make demo   drive two classic planners and a learned one, say who was better and how sure that is, and where the report is"
-	@echo "make test   run all tests, one more at a time than there are cores (some wait for a clock); WORKERS=N: N at a time; PLUGIN=arena-dwa: those of that package"
+	@echo "make test   run the tests, one more at a time than there are cores (some wait for a clock); WORKERS=N: N at a time; PLUGIN=arena-dwa: all of that package"
+	@echo "make test-slow  run those that take more than a few seconds each: kills, faults, trainings, whole runs"
 	@echo "make test-browser  open the report's page and the documentation in chromium (installs it)"
 	@echo "make coverage  run all tests and tell which lines none of them reaches"
 	@echo "make long   the long studies: every fault at every moment, a sweep killed again and again, 10,000 episodes in one worker, how often intervals hold the truth"
@@ -41,7 +42,10 @@ demo: setup
 	$(BIN)/arena run experiment=demo
 
 test: setup
-	$(PYTEST) $(PLUGIN:%=plugins/%)
+	$(PYTEST) $(if $(PLUGIN),$(PLUGIN:%=plugins/%),-m "not slow and not long and not browser")
+
+test-slow: setup
+	$(PYTEST) -m "slow and not long and not browser"
 
 $(APART:%=test-%): test-%: .venv/.%
 	$(BIN)/pytest -m $* $(wildcard tests/$* plugins/*/tests/$*)

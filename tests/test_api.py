@@ -64,6 +64,7 @@ def test_a_run_from_python_is_the_run_of_the_command_line(arena, runs):
     ]
 
 
+@pytest.mark.slow
 def test_a_plain_script_without_a_main_guard_runs_in_worker_processes(tmp_path):
     (tmp_path / "script.py").write_text(SCRIPT)
     done = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, capture_output=True, text=True, check=True)
@@ -71,6 +72,7 @@ def test_a_plain_script_without_a_main_guard_runs_in_worker_processes(tmp_path):
     assert done.stdout.count("1 [") == 1
 
 
+@pytest.mark.slow
 def test_it_works_inside_a_hydra_application_which_goes_on_afterwards(tmp_path):
     (tmp_path / "app.py").write_text(
         dedent(

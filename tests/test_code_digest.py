@@ -128,6 +128,7 @@ def test_only_the_episodes_of_other_code_are_run_anew(creeper, arena):
     assert len({row["code"] for row in rows()}) == 1
 
 
+@pytest.mark.slow
 def test_a_worker_that_dies_does_not_pass_off_an_old_record_as_its_own(creeper, arena):
     assert arena("run", *SLOW).status == 0
     dying = CREEPER.replace("return Twist(SPEED, 0.0, 0.0)", "__import__('os')._exit(3)")

@@ -196,6 +196,7 @@ RUN = (
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("executor", ["executor=serial", "executor.workers=3"])
 def test_each_kernel_is_compiled_once(executor, third_party, arena):
     third_party.package("compiled", PLANNER, {"planner/compiled": "name: compiled\n"})
@@ -205,6 +206,7 @@ def test_each_kernel_is_compiled_once(executor, third_party, arena):
     assert len(told) == 1 if executor == "executor=serial" else 1 < len(told) <= 3  # one may rehearse until all is driven
 
 
+@pytest.mark.slow
 def test_who_waits_is_told(third_party):
     third_party.package("compiled", PLANNER, {"planner/compiled": "name: compiled\n"})
     command = [sys.executable, "-m", "arena_core.cli.main", "run", *RUN, "executor.workers=2"]

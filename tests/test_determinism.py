@@ -20,6 +20,7 @@ def run(arena):
     return run
 
 
+@pytest.mark.slow
 def test_two_workers_give_the_records_that_one_gives(run):
     one = run("one", "executor=serial", "episodes=3")
     two = run("two", "executor=processes", "executor.workers=2", "episodes=3")

@@ -13,7 +13,7 @@ import pytest
 
 from arena_core.base.errors import RunFolderError
 from arena_core.base.folders import locked
-from arena_core.loop.recording import remove_half_written
+from arena_core.loop.recording import keep_room, remove_half_written
 
 pytestmark = pytest.mark.slow
 WAY_BEYOND = 60.0  # s: that nothing hangs is what is tested, and the tests' machine may be busy
@@ -131,6 +131,14 @@ def test_a_disk_that_is_full_ends_a_run_that_can_be_continued(misbehaving):
         assert is_whole(misbehaving)
     finally:
         subprocess.run(["umount", "run"], check=True)
+
+
+def test_room_that_is_kept_for_a_table_is_given_back(tmp_path):
+    keep_room(tmp_path, 5000)
+    assert [path.stat().st_size for path in tmp_path.iterdir()] == [5000]
+    remove_half_written(tmp_path)
+    assert not list(tmp_path.iterdir())
+    keep_room(tmp_path / "missing", 5000)  # where none can be kept, none is
 
 
 def test_a_refused_multirun_leaves_nothing_behind_and_changes_nothing(misbehaving):

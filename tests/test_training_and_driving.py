@@ -136,6 +136,7 @@ def test_robots_that_localise_and_plan_anew_in_training_see_what_they_would_in_a
     assert all((seen == before).all() for seen, before in zip(planner.seen, shown, strict=False))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("robot", ["turtlebot3", "robotino"])
 def test_switch_drives_in_a_benchmark_as_it_did_in_training(robot, tmp_path, monkeypatch):
     (tmp_path / "conf" / "switch").mkdir(parents=True)

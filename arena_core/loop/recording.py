@@ -31,6 +31,7 @@ from arena_core.values.world import Path as GlobalPath
 FORMAT = 1
 CONTACT_KINDS = ("wall", "obstacle", "person")
 HALF_WRITTEN = re.compile(r"\..+\.[0-9a-f]{8}")  # the names that write_whole gives
+ROOM = ".room.00000000"  # goes wherever half-written files go
 
 
 class Recorder:
@@ -170,8 +171,14 @@ def write_bytes_whole(path: Path, content: bytes) -> None:
     write_whole(path, lambda file: file.write(content))
 
 
+def keep_room(folder: Path, size: int) -> None:
+    """Keep so many bytes of the disk free for a table, as far as they are there: ``remove_half_written`` gives them back."""
+    with suppress(OSError), (folder / ROOM).open("wb") as file:
+        file.write(bytes(size))
+
+
 def remove_half_written(folder: Path) -> None:
-    """Remove what killed writers left in a run's folder; nobody may be writing there."""
+    """Remove what killed writers left in a run's folder, and the room that was kept; nobody may be writing there."""
     for place in (folder, *(folder / name for name in ("records", "timing", "worlds"))):
         for path in place.glob(".*") if place.is_dir() else ():
             if HALF_WRITTEN.fullmatch(path.name) and path.is_file():

@@ -17,13 +17,15 @@ from arena_core.base.notices import tell
 from arena_core.config.configuration import plain
 from arena_core.config.registry import Registry
 from arena_core.contracts.interfaces import Executor, Finished, Job, Lost
-from arena_core.loop.recording import remove_half_written, write_text_whole
+from arena_core.loop.recording import keep_room, remove_half_written, write_text_whole
 from arena_core.runs.benchmark import build_metrics, check_complete
 from arena_core.runs.progress import Progress
 from arena_core.runs.provenance import NAME, provenance, untuned
 from arena_core.runs.resuming import complete, row_of_lost, take_over
 from arena_core.runs.schedule import OpenRun, rounds
 from arena_core.runs.working import Checked, cannot_be_built, check, work
+
+ROW, MOST_ROOM = 2000, 2**24  # bytes kept free for the table: so that it has a row for every record on a disk that is full, too
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,6 +86,7 @@ def _drive(runs: Sequence[OpenRun], executor: Executor, staff: ExitStack) -> Non
                     progress.add(_take(answer, runs))
                 progress.end()
         for run in runs:
+            remove_half_written(run.folder)
             run.write()
         staff.close()
     except BaseException as error:
@@ -151,3 +154,4 @@ def _open(run: OpenRun, files: Mapping[str, str], registry: Registry) -> None:
         write_text_whole(run.folder / name, text)
     write_text_whole(run.folder / NAME, json.dumps(provenance(run.config, run.code, notes), indent=2, sort_keys=True) + "\n")
     run.write()
+    keep_room(run.folder, min(ROW * run.config["episodes"], MOST_ROOM))

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from arena_metrics.statistics.comparisons import after_holm, compare
 from arena_metrics.statistics.intervals import estimate
 
-REPLICATIONS = int(os.environ.get("ARENA_REPLICATIONS", "10"))
+REPLICATIONS = int(os.environ.get("ARENA_REPLICATIONS", "4"))
 WHOLE = REPLICATIONS >= 1000
 NUMBERS = (15, 50, 300) if WHOLE else (15, 50)  # episodes
 REPEATS = 5  # of a problem, where problems are repeated; of 15 episodes 3

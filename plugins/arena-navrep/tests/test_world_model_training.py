@@ -67,6 +67,7 @@ def test_vision_draws_again_what_it_coded(tmp_path):
     assert vision(test).abs().max() <= 6.0
 
 
+@pytest.mark.slow
 def test_vision_that_grants_less_noise_to_what_is_near_draws_that_better(tmp_path):
     from arena_gym.training.settings import Convolution
     from arena_navrep.training.vision import Vision

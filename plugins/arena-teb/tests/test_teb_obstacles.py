@@ -99,6 +99,7 @@ def test_slow_tracks_stay_cells(people):
     assert kept.tolist() == [2.0, 0.0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("robot", ["turtlebot3", "jackal", "robotino"])
 def test_as_released_takes_people_for_cells(robot, build, observe, costmap, people):
     person = costmap((0.9, 1.3, 0.3, 0.8))
