@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import platform
 import subprocess
+import sys
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from importlib.metadata import distributions
 from pathlib import Path
 from typing import Any
@@ -22,14 +24,13 @@ NAME = "provenance.json"
 
 def provenance(config: Mapping[str, Any], code: Code, notes: Sequence[str]) -> dict[str, Any]:
     """Return what a reader needs to repeat a run: versions, code, seed, commit, machine, and ``notes`` of what is untuned."""
-    versions = {d.metadata["Name"]: d.version for d in distributions() if d.metadata["Name"]}
     return {
         "config_hash": config_hash(config),
         "seed": config["seed"],
         "episodes": config["episodes"],
         "config": {key: value for key, value in config.items() if key != "code"},
         "code": {"digest": code.digest, "parts": dict(code.parts)},
-        "versions": dict(sorted(versions.items())),
+        "versions": dict(_versions(tuple(sys.path))),
         "python": platform.python_version(),
         "commit": _commit(),
         "machine": {"system": platform.platform(), "processor": platform.machine()},
@@ -44,6 +45,14 @@ def untuned(choices: Mapping[str, str], manager: PluginManager) -> list[str]:
     return [f"{group.rpartition('/')[2].removesuffix('_tuning')}: untuned for {option}" for group, option in lacking]
 
 
+@lru_cache(maxsize=1)
+def _versions(path: tuple[str, ...]) -> Mapping[str, str]:
+    """Return the version of every installed distribution, sorted by name; looked up once in a process, as plugins are."""
+    facts = [distribution.metadata for distribution in distributions(path=list(path))]
+    return dict(sorted((fact["Name"], fact["Version"]) for fact in facts if fact["Name"]))
+
+
+@lru_cache(maxsize=1)
 def _commit() -> str:
     """Return the commit of the checkout that the core runs from, with + when it has changes; empty outside a checkout."""
     here = Path(__file__).resolve().parents[2]
