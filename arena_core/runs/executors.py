@@ -88,16 +88,17 @@ class ProcessExecutor(Executor):
         leader = self._turns.leader
         if not isinstance(leader, Worker) or leader.compiled() < MANY:
             return
-        while (idle := self._idle()) is not None and (job := self._turns.rehearsal()) is not None:
+        while (idle := self._idle()) or len(self._staff) < self.workers:
+            job = self._turns.rehearsal()
+            if job is None:
+                return
+            if idle is None:
+                idle = Worker()
+                self._staff.append(idle)
             idle.begin(rehearse, Task(job, 1, Watch(self._budgets), rehearsal=True))
 
     def _idle(self) -> Worker | None:
-        """Return a worker without a task, a new one where there may be another."""
-        idle = next((worker for worker in self._staff if worker.task is None and not worker.death()), None)
-        if idle is None and len(self._staff) < self.workers:
-            idle = Worker()
-            self._staff.append(idle)
-        return idle
+        return next((worker for worker in self._staff if worker.task is None and not worker.death()), None)
 
     def _employ(self, work: Work, waiting: Waiting) -> None:
         """Give every idle worker a job, and take on more where jobs are left."""
