@@ -2,6 +2,7 @@ import json
 from pathlib import Path
 
 import pytest
+from hydra._internal.config_loader_impl import ConfigLoaderImpl
 
 SWEEP = (
     *("-m", "planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=8", "world.height=8", "task.pedestrians=0"),
@@ -23,6 +24,14 @@ def test_every_job_of_a_multirun_has_a_folder_of_its_own(arena):
     for job in range(4):
         assert Path(f"sweep/{job}/records/0000.npz").exists()
         assert Path(f"sweep/{job}/.hydra/config.yaml").exists()
+
+
+def test_every_job_is_composed_once_though_it_is_checked_first(arena, monkeypatch):
+    composed, compose = [], ConfigLoaderImpl.load_sweep_config
+    monkeypatch.setattr(ConfigLoaderImpl, "load_sweep_config", lambda *words: composed.append(words[-1]) or compose(*words))
+    assert arena("run", *SWEEP, "planner.gain=1,2,3").status == 0
+    assert [words[-1] for words in composed] == ["planner.gain=1", "planner.gain=2", "planner.gain=3"]
+    assert [provenance(k)["config"]["planner"]["gain"] for k in range(3)] == [1, 2, 3]
 
 
 def test_an_experiment_can_be_a_sweep_whose_axes_the_command_line_replaces(arena):

@@ -23,6 +23,9 @@ class ArenaLauncher(Launcher):
             raise TypeError("hydra/launcher=arena launches `arena run -m` alone")
         self.task = task_function
         self.config = config
+        self._checked: dict[tuple[str, ...], DictConfig] = {}
+        self._compose = hydra_context.config_loader.load_sweep_config
+        hydra_context.config_loader.load_sweep_config = self._check  # type: ignore[method-assign]  # what sweepers check a batch by
         logging.getLogger("optuna").setLevel(logging.WARNING)  # a sweeper that prints lines of its own
 
     def launch(self, job_overrides: Sequence[Sequence[str]], initial_job_idx: int) -> Sequence[JobReturn]:
@@ -44,9 +47,16 @@ class ArenaLauncher(Launcher):
                 print(f"trial {initial_job_idx + i}: {wanted} {value}")
         return prepared
 
+    def _check(self, master_config: DictConfig, sweep_overrides: list[str]) -> DictConfig:
+        """Compose a job for the sweeper, and keep it for its launch: nothing is composed twice."""
+        config = self._checked[tuple(sweep_overrides)] = self._compose(master_config, sweep_overrides)
+        return config
+
     def _composed(self, overrides: list[str], number: int) -> DictConfig:
-        """Compose one job."""
-        config = self.hydra_context.config_loader.load_sweep_config(self.config, overrides)
+        """Compose one job, unless the sweeper had it composed."""
+        config = self._checked.pop(tuple(overrides), None)
+        if config is None:
+            config = self._compose(self.config, overrides)
         with open_dict(config):
             config.hydra.job.id = number
             config.hydra.job.num = number
