@@ -4,6 +4,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections import deque
 from contextlib import closing
 
 import pytest
@@ -13,6 +14,7 @@ from arena_core.base.errors import RunFolderError
 from arena_core.config.registry import load_registry
 from arena_core.runs.budgets import Budgets, Watch
 from arena_core.runs.executors import ProcessExecutor, SerialExecutor
+from arena_core.runs.workers import Task, Worker
 from arena_core.testing import check, robot
 from arena_core.testing.checks import echo
 
@@ -298,3 +300,15 @@ def test_workers_end_when_their_parent_has_gone_whatever_they_are_at(working, th
     parent.send_signal(number)
     parent.wait()
     assert all(gone(pid) for pid in pids)
+
+
+@pytest.mark.parametrize("work", [echo, time.sleep], ids=["answers", "raises"])
+def test_what_comes_of_a_rehearsal_is_nobodys_row(work):
+    with closing(processes(1)) as executor:
+        worker = Worker()
+        executor._staff.append(worker)
+        assert worker.begin(work, Task(JOBS[0], 1, Watch(GENEROUS), rehearsal=True))
+        while worker.task:
+            assert list(executor._look(worker, 0.0, deque())) == []
+            time.sleep(0.02)
+        assert not executor._awaited()

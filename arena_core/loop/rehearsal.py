@@ -22,7 +22,7 @@ def rehearse(navigator: Navigator, known: bool) -> None:
 
     Raises what its parts raise. The next ``reset`` forgets all but compiled code, as it does after an episode.
     """
-    mission = Mission(_room() if known else None, Pose(-2.0, 0.0), Pose(2.0, 0.0), 0.3, 0, "rehearsal")
+    mission = Mission(walled_room() if known else None, Pose(-2.0, 0.0), Pose(2.0, 0.0), 0.3, 0, "rehearsal")
     navigator.reset(mission)
     for step in range(STEPS):
         sensors = _sensors(navigator, step)
@@ -32,11 +32,12 @@ def rehearse(navigator: Navigator, known: bool) -> None:
             navigator.look(sensors).local_map()
 
 
-def _room() -> OccupancyGrid:
-    cells = round(SIDE / RESOLUTION)
-    data = np.zeros((cells, cells), np.int8)
+def walled_room(side: float = SIDE, resolution: float = RESOLUTION) -> OccupancyGrid:
+    """Return a square room, walled, its centre at the origin of ``map``."""
+    n = round(side / resolution)
+    data = np.zeros((n, n), np.int8)
     data[[0, -1], :] = data[:, [0, -1]] = 100
-    return OccupancyGrid(data, RESOLUTION, Pose(-SIDE / 2, -SIDE / 2))
+    return OccupancyGrid(data, resolution, Pose(-side / 2, -side / 2, 0.0))
 
 
 def _sensors(navigator: Navigator, step: int) -> Sensors:

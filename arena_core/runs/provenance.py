@@ -49,7 +49,8 @@ def untuned(choices: Mapping[str, str], manager: PluginManager) -> list[str]:
 def _versions(path: tuple[str, ...]) -> Mapping[str, str]:
     """Return the version of every installed distribution, sorted by name; looked up once in a process, as plugins are."""
     facts = [distribution.metadata for distribution in distributions(path=list(path))]
-    return dict(sorted((fact["Name"], fact["Version"]) for fact in facts if fact["Name"]))
+    found = {fact["Name"]: fact["Version"] for fact in reversed(facts) if fact["Name"]}  # of two of a name the first is imported
+    return dict(sorted(found.items()))
 
 
 @lru_cache(maxsize=1)

@@ -17,6 +17,7 @@ from arena_core.contracts.interfaces import Planner
 from arena_core.loop.execution import Timing
 from arena_core.loop.navigator import NO_TIME, Decision, Spent
 from arena_core.loop.recording import Recorder
+from arena_core.loop.rehearsal import walled_room
 from arena_core.loop.shown import shown
 from arena_core.values.episode import Contact, EpisodeRecord, EpisodeStart, Event, Scenario, WorldState
 from arena_core.values.geometry import FloatArray, Footprint, Pose, Twist
@@ -49,10 +50,7 @@ def robot(kinematics: Kinematics = "differential") -> Robot:
 
 def room(side: float = ROOM_SIDE, resolution: float = 0.05) -> OccupancyGrid:
     """Return a square room, walled, its centre at the origin of ``map``."""
-    n = round(side / resolution)
-    data = np.zeros((n, n), np.int8)
-    data[[0, -1], :] = data[:, [0, -1]] = 100
-    return OccupancyGrid(data, resolution, Pose(-side / 2, -side / 2, 0.0))
+    return walled_room(side, resolution)
 
 
 def scan(pose: Pose, body: Robot, side: float = ROOM_SIDE, resolution: float = 0.05, stamp: float = 0.0) -> LaserScan:

@@ -31,7 +31,7 @@ BRAKING = 1.0  # s, in which the way to the waypoint would be driven
 
 @dataclass(frozen=True, slots=True)
 class Weights:
-    """What a direction costs by the angle, in sectors, to each of these."""
+    """What a direction costs by its angle to each of these."""
 
     waypoint: NonNegative
     heading: NonNegative

@@ -116,19 +116,19 @@ class SocialForceModel(PedestrianModel):
         People who ignore robots are the same whatever ``robots`` do, unless they come or go, or wait for a robot, or want a guide.
         """
         population = self._population
-        people = Crowds(crowd.counts, crowd.positions.copy(), crowd.velocities.copy(), crowd.radii, crowd.states.copy())
+        crowds = Crowds(crowd.counts, crowd.positions.copy(), crowd.velocities.copy(), crowd.radii, crowd.states.copy())
         moving, land = Robots(robots.poses, robots.velocities_xy, float(robots.radius)), self._terrain.land
         if self._society.lively:
             social, rules = self._society.social, self._table.rules
-            step_states(people, population.people, social, moving, ticks, float(dt), land, rules, self._parameters)
-        wishes = step_crowds(people, population.people, population.corners, land, moving, float(dt), self._parameters)
-        population.crowd = Crowd(crowd.counts, crowd.ids, people.positions, people.velocities, crowd.radii, people.states)
+            step_states(crowds, population.people, social, moving, ticks, float(dt), land, rules, self._parameters)
+        wishes = step_crowds(crowds, population.people, population.corners, land, moving, float(dt), self._parameters)
+        population.crowd = Crowd(crowd.counts, crowd.ids, crowds.positions, crowds.velocities, crowd.radii, crowds.states)
         if wishes:
-            come_and_go(people, population.people, population.waypoints, moving, land, self._parameters)
+            come_and_go(crowds, population.people, population.waypoints, moving, land, self._parameters)
             self._grant_wishes(population.crowd)
         return population.crowd
 
     def _grant_wishes(self, crowd: Crowd) -> None:
         population, terrain = self._population, self._terrain
-        people = Crowds(crowd.counts, crowd.positions, crowd.velocities, crowd.radii, crowd.states)
-        grant_wishes(people, population.people, population.routes, terrain.land, terrain.rooms, terrain.nodes, self._parameters)
+        crowds = Crowds(crowd.counts, crowd.positions, crowd.velocities, crowd.radii, crowd.states)
+        grant_wishes(crowds, population.people, population.routes, terrain.land, terrain.rooms, terrain.nodes, self._parameters)
