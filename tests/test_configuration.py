@@ -144,4 +144,5 @@ def test_in_a_checkout_its_own_conf_is_searched_once(monkeypatch):
 def test_sources_come_in_order_of_the_plugins_names(tuned):
     providers = [provider for provider, _ in search_path()]
     assert providers == sorted(providers)
-    assert dict(search_path())["tuned"] == "pkg://tuned.conf"
+    assert dict(search_path())["tuned"].startswith("arena:///")
+    assert dict(search_path())["tuned"].endswith("tuned/conf")

@@ -16,7 +16,7 @@ from arena_core.base.folders import locked, new_folders
 from arena_core.base.limits import LIMITS
 from arena_core.cli.candidates import complete_overrides
 from arena_core.cli.words import key_value, read_words
-from arena_core.config.configuration import PRIMARY, compose, conf_directory, one_line_errors, plain
+from arena_core.config.configuration import PRIMARY, compose, conf_directory, one_line_errors, plain, yaml_text
 from arena_core.config.registry import load_registry
 from arena_core.contracts.interfaces import Command
 from arena_core.loop.recording import find_runs
@@ -48,7 +48,7 @@ class Show:
         parts = {"job": [key for key in config if key != "hydra"], "hydra": ["hydra"], "all": list(config)}
         with flag_override(config, ["struct", "readonly"], [False, False]):
             chosen = OmegaConf.masked_copy(config, parts[self.what])
-        print(f"---\n# {number}: {' '.join(overrides)}\n{OmegaConf.to_yaml(chosen, resolve=self.resolve)}", end="")
+        print(f"---\n# {number}: {' '.join(overrides)}\n{yaml_text(chosen, self.resolve)}", end="")
 
 
 class RunTask:
@@ -97,11 +97,9 @@ class RunTask:
 
 def request(config: Any, hydra: Any) -> RunRequest:
     """Return the request of one job, from its configuration and Hydra's own, which go to ``.hydra`` once the request is accepted."""
-    from omegaconf import OmegaConf
-
     own = hydra.hydra
     contents = {"config": config, "hydra": hydra, "overrides": own.overrides.task}
-    files = {f".hydra/{name}.yaml": OmegaConf.to_yaml(content) for name, content in contents.items()}
+    files = {f".hydra/{name}.yaml": yaml_text(content) for name, content in contents.items()}
     return RunRequest(config, Path(own.runtime.output_dir), dict(own.runtime.choices), files)
 
 

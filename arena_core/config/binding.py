@@ -8,6 +8,7 @@ import reprlib
 import types
 from collections.abc import Callable, Mapping, Sequence
 from difflib import get_close_matches
+from functools import lru_cache
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from arena_core.base.errors import ConfigurationError
@@ -40,7 +41,8 @@ def read_settings(node: Any, record: type[Record], key: str) -> Record:
     return settings
 
 
-def parameters(factory: Callable[..., Any]) -> dict[str, Any]:
+@lru_cache(maxsize=512)
+def parameters(factory: Callable[..., Any]) -> Mapping[str, Any]:
     """Return the annotation of each parameter of a constructor or function."""
     function = factory.__init__ if inspect.isclass(factory) else factory
     hints = get_type_hints(function, include_extras=True)

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from difflib import get_close_matches
+from functools import cache
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 from pathlib import Path
@@ -40,9 +41,15 @@ def search_path() -> list[tuple[str, str]]:
     """
     manager = load_plugins()
     _check_options(_folders(manager))
-    sources = [(plugin, f"pkg://{package}") for plugin, package in config_packages(manager).items()]
+    sources = [(plugin, _address(package)) for plugin, package in config_packages(manager).items()]
     own = _own_folder()
     return [*sources, ("working-directory", own.as_uri())] if own else sources
+
+
+def _address(package: str) -> str:
+    """Return where Hydra finds a configuration package: its folder, where it is one (an archive has none)."""
+    folder = files(package)
+    return f"arena://{folder}" if isinstance(folder, Path) else f"pkg://{package}"
 
 
 def option_files(group: str, manager: PluginManager) -> dict[str, Traversable]:
@@ -128,6 +135,29 @@ def plain(config: Any) -> dict[str, Any]:
     with one_line_errors():
         container = OmegaConf.to_container(config, resolve=True, throw_on_missing=True)
     return container  # type: ignore[return-value]
+
+
+def yaml_text(config: Any, resolve: bool = False) -> str:
+    """Return a configuration as YAML, as ``OmegaConf.to_yaml`` does, written by libyaml where PyYAML was built with it."""
+    import yaml
+    from omegaconf import OmegaConf
+
+    container = OmegaConf.to_container(config, resolve=resolve, enum_to_str=True)
+    return str(yaml.dump(container, default_flow_style=False, allow_unicode=True, sort_keys=False, Dumper=_dumper()))
+
+
+@cache
+def _dumper() -> Any:
+    """Return a dumper that quotes texts which OmegaConf would read as something else."""
+    import yaml
+    from omegaconf._utils import get_omega_conf_dumper
+
+    own = get_omega_conf_dumper()
+    if not yaml.__with_libyaml__:
+        return own
+    fast: Any = type("Dumper", (yaml.CDumper,), {})
+    fast.add_representer(str, own.str_representer)
+    return fast
 
 
 def _options(folder: Traversable, group: str = "") -> Iterator[str]:

@@ -43,7 +43,12 @@ def _loaded(disabled: str, path: tuple[str, ...]) -> pluggy.PluginManager:
 def enabled_entry_points() -> list[EntryPoint]:
     """Return the entry points of the plugins that are not switched off, sorted by name."""
     disabled = {name.strip() for name in os.environ.get(DISABLED, "").split(",")}
-    return sorted((e for e in entry_points(group=GROUP) if e.name not in disabled), key=lambda e: e.name)
+    return [point for point in _installed(tuple(sys.path)) if point.name not in disabled]
+
+
+@lru_cache(maxsize=1)
+def _installed(path: tuple[str, ...]) -> list[EntryPoint]:
+    return sorted(entry_points(group=GROUP), key=lambda point: point.name)
 
 
 def distributions() -> dict[str, tuple[str, str]]:

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from hashlib import blake2b
-from importlib.metadata import Distribution, PackageNotFoundError, distribution
+from importlib.metadata import Distribution, EntryPoint, PackageNotFoundError, distribution
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -38,13 +38,13 @@ class Code:
 def code_of(config: Mapping[str, Any], registry: Registry) -> Code:
     """Return the code that a composed configuration runs with, as it lies on the disk when this process first asks."""
     chosen = {registry.component(kind, name).plugin for kind, name in _named(config, registry)}
-    brought = [point.dist for point in enabled_entry_points() if point.name in chosen and point.dist]
-    return _code(frozenset(_name(dist) for dist in brought))
+    return _code(frozenset(point for point in enabled_entry_points() if point.name in chosen and point.dist))
 
 
 @lru_cache(maxsize=64)
-def _code(brought: frozenset[str]) -> Code:
-    parts = {name: f"{dist.version} {content}" for name, dist, content in _parts({CORE, *brought})}
+def _code(brought: frozenset[EntryPoint]) -> Code:
+    names = {_name(point.dist) for point in brought if point.dist}
+    parts = {name: f"{dist.version} {content}" for name, dist, content in _parts({CORE, *names})}
     digest = blake2b(json.dumps(parts, sort_keys=True).encode(), digest_size=4).hexdigest()
     return Code(digest, parts)
 
@@ -53,8 +53,7 @@ def _named(config: Mapping[str, Any], registry: Registry) -> Iterator[tuple[str,
     """Yield kind and name of every component that the configuration builds, also inside others (a switch's members)."""
     kinds = [kind for kind in HOOKS if kind not in APART]
     for key, node in config.items():
-        if key not in APART:
-            names = set(_names(node))
+        if key not in APART and (names := set(_names(node))):
             yield from ((kind, name) for kind in kinds for name in registry.names(kind) if name in names)
 
 

@@ -5,10 +5,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from hydra.core.utils import JobReturn, JobStatus, run_job, setup_globals
+from hydra.core.hydra_config import HydraConfig
+from hydra.core.utils import JobReturn, JobRuntime, JobStatus, setup_globals
 from hydra.plugins.launcher import Launcher
 from hydra.types import HydraContext, TaskFunction
-from omegaconf import DictConfig, open_dict
+from omegaconf import DictConfig, open_dict, read_write
+
+from arena_core.config.jobs import Jobs
 
 
 class ArenaLauncher(Launcher):
@@ -23,6 +26,7 @@ class ArenaLauncher(Launcher):
             raise TypeError("hydra/launcher=arena launches `arena run -m` alone")
         self.task = task_function
         self.config = config
+        Jobs(hydra_context.config_loader)
         self._checked: dict[tuple[str, ...], DictConfig] = {}
         self._compose = hydra_context.config_loader.load_sweep_config
         hydra_context.config_loader.load_sweep_config = self._check  # type: ignore[method-assign]  # what sweepers check a batch by
@@ -63,18 +67,24 @@ class ArenaLauncher(Launcher):
         return config
 
     def _prepare(self, overrides: list[str], number: int) -> JobReturn:
-        """Compose one job and let Hydra make its folder; the job's return value is that folder."""
+        """Compose one job and make its folder as Hydra's ``run_job`` does, without the copies of the configuration that it takes."""
         from arena_core.base.folders import new_folders
 
         config = self._composed(overrides, number)
-        new_folders.expect(Path(str(config.hydra.sweep.dir)) / str(config.hydra.sweep.subdir))
-        job = run_job(_folder, config, "hydra.sweep.dir", "hydra.sweep.subdir", self.hydra_context)
-        if job.status == JobStatus.FAILED:
-            raise job._return_value
+        shared: Any = HydraConfig.instance()
+        before, shared.cfg = shared.cfg, config  # what ${hydra:...} in names of folders refers to
+        try:
+            folder = Path(str(config.hydra.sweep.dir), str(config.hydra.sweep.subdir))
+            new_folders.expect(folder)
+            with read_write(config.hydra.runtime), open_dict(config.hydra.runtime):
+                config.hydra.runtime.output_dir = str(folder.absolute())
+            folder.mkdir(parents=True, exist_ok=True)
+            shared.set_config(config)
+            job = JobReturn(overrides, None, shared.cfg, str(Path.cwd()), JobRuntime.instance().get("name"), JobStatus.COMPLETED)
+            self.hydra_context.callbacks.on_job_start(config=config, task_function=self.task)
+            with read_write(config), open_dict(config):
+                del config["hydra"]
+            job.cfg = config
+        finally:
+            shared.cfg = before
         return job
-
-
-def _folder(config: Any) -> str:
-    from hydra.core.hydra_config import HydraConfig
-
-    return str(HydraConfig.get().runtime.output_dir)

@@ -1,0 +1,150 @@
+"""Composes the jobs of one multirun: what a file holds is read and converted once, and merged as plain containers.
+
+OmegaConf's nodes were most of what a job took. They are made once a job, of what is merged; Hydra's own node stays Hydra's.
+"""
+
+from collections.abc import Mapping, Sequence
+from copy import deepcopy
+from typing import Any
+
+from hydra._internal import defaults_list
+from hydra._internal.config_repository import CachingConfigRepository, IConfigRepository
+from hydra.core.config_search_path import ConfigSearchPath
+from hydra.core.default_element import ResultDefault
+from hydra.core.object_type import ObjectType
+from hydra.plugins.config_source import ConfigResult, ConfigSource
+from omegaconf import OmegaConf, flag_override
+
+MISSING = "???"
+
+
+class KeptFiles(IConfigRepository):
+    """Hydra's configuration sources, each file of which is read once for all jobs; nobody may change what it returns."""
+
+    def __init__(self, sources: IConfigRepository) -> None:
+        self.sources = sources
+        self._files: dict[str, ConfigResult | None] = {}
+        self._there: dict[tuple[str, str], bool] = {}
+
+    def __deepcopy__(self, memo: Mapping[int, Any]) -> "KeptFiles":
+        """Return what a job may give other sources, as ``hydra.searchpath`` does; until then it shares what is kept."""
+        copy = KeptFiles(self.sources)
+        copy._files, copy._there = self._files, self._there
+        return copy
+
+    def initialize_sources(self, config_search_path: ConfigSearchPath) -> None:
+        """Take other sources from now on."""
+        self.sources = deepcopy(self.sources)
+        self.sources.initialize_sources(config_search_path)
+        self._files, self._there = {}, {}
+
+    def load_config(self, config_path: str) -> ConfigResult | None:
+        """Return the content of a file, None where there is none."""
+        if config_path not in self._files:
+            self._files[config_path] = self.sources.load_config(config_path)
+        return self._files[config_path]
+
+    def group_exists(self, config_path: str) -> bool:
+        """Tell whether any source has such a group."""
+        return self._known("group", config_path)
+
+    def config_exists(self, config_path: str) -> bool:
+        """Tell whether any source has such a file."""
+        return self._known("config", config_path)
+
+    def get_schema_source(self) -> ConfigSource:
+        """Return the source of structured configurations."""
+        return self.sources.get_schema_source()
+
+    def get_group_options(self, group_name: str, results_filter: ObjectType | None = ObjectType.CONFIG) -> list[str]:
+        """Return the options of a group, of all sources."""
+        return self.sources.get_group_options(group_name, results_filter)
+
+    def get_sources(self) -> list[ConfigSource]:
+        """Return the sources, in their order."""
+        return self.sources.get_sources()
+
+    def _known(self, kind: str, path: str) -> bool:
+        if (kind, path) not in self._there:
+            self._there[kind, path] = getattr(self.sources, f"{kind}_exists")(path)
+        return self._there[kind, path]
+
+
+def choices_made(overrides: Any, defaults: Sequence[Any], self_added: bool, by_hydra: Any = defaults_list._create_interpolation_map) -> Any:
+    """Return the choices that interpolations of a defaults list refer to; Hydra collects them for lists without any as well."""
+    return by_hydra(overrides, defaults, self_added) if any(default.is_interpolation() for default in defaults) else OmegaConf.create()
+
+
+class Jobs:
+    """Makes a loader of configurations compose one job after the other quickly; what it returns is what Hydra would return."""
+
+    def __init__(self, loader: Any) -> None:
+        self._loader = loader
+        self._merge_by_hydra = loader._compose_config_from_defaults_list
+        self._contents: dict[tuple[str, str | None], dict[str, Any]] = {}
+        self._hydra: dict[tuple[tuple[str, str | None], ...], Any] = {}
+        loader.repository = KeptFiles(loader.repository)
+        vars(defaults_list)["_create_interpolation_map"] = choices_made
+        loader._compose_config_from_defaults_list = self._merge
+
+    def _merge(self, defaults: list[ResultDefault], repo: Any) -> Any:
+        """Merge the files of a defaults list, in its order."""
+        files: KeptFiles = repo.delegate
+        if files._files is not self._loader.repository._files:  # a search path of its own
+            return self._merge_by_hydra(defaults, repo)
+        contents = [self._content(default, files) for default in defaults]
+        whole: dict[str, Any] = {}
+        try:
+            for content in contents:
+                merge(whole, {key: value for key, value in content.items() if key != "hydra"})
+        except Unmergeable:
+            return self._merge_by_hydra(defaults, CachingConfigRepository(files.sources))
+        config: Any = OmegaConf.create({"hydra": None, **whole})
+        own = [default for default, content in zip(defaults, contents, strict=True) if "hydra" in content]
+        with flag_override(config, "no_deepcopy_set_nodes", True):
+            config.hydra = deepcopy(self._hydra_node(own, files))
+        return config
+
+    def _content(self, default: ResultDefault, files: KeptFiles) -> dict[str, Any]:
+        """Return what a file adds, in its package, as plain containers."""
+        name = _name(default)
+        if name not in self._contents:
+            result = self._loader._load_single_config(default, CachingConfigRepository(files.sources))
+            content: Any = OmegaConf.to_container(result.config, resolve=False)
+            package = default.package if default.package is not None else result.header["package"]
+            _at(content, package).pop("defaults", None)
+            self._contents[name] = content
+        return self._contents[name]
+
+    def _hydra_node(self, defaults: list[ResultDefault], files: KeptFiles) -> Any:
+        """Return Hydra's own node, which is typed, and the same for most jobs."""
+        names = tuple(map(_name, defaults))
+        if names not in self._hydra:
+            self._hydra[names] = self._merge_by_hydra(defaults, CachingConfigRepository(files.sources)).hydra
+        return self._hydra[names]
+
+
+class Unmergeable(Exception):
+    """Where a mapping is to be merged into an interpolation, OmegaConf alone knows what comes of it."""
+
+
+def merge(whole: dict[str, Any], content: Mapping[str, Any]) -> None:
+    """Merge a mapping into another one as OmegaConf does: mappings key by key, all else replaced, unless it is missing."""
+    for key, value in content.items():
+        before = whole.get(key)
+        if isinstance(value, Mapping) and isinstance(before, dict):
+            merge(before, value)
+        elif isinstance(value, Mapping) and isinstance(before, str) and "${" in before:
+            raise Unmergeable(key)
+        elif value != MISSING or key not in whole:
+            whole[key] = deepcopy(value)
+
+
+def _name(default: ResultDefault) -> tuple[str, str | None]:
+    return str(default.config_path), default.package
+
+
+def _at(content: dict[str, Any], package: str | None) -> dict[str, Any]:
+    for part in package.split(".") if package else ():
+        content = content[part]
+    return content
