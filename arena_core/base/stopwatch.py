@@ -3,27 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from time import perf_counter, process_time
-from typing import Protocol, TypeVar
+from typing import NamedTuple, Protocol, TypeVar
 
 T = TypeVar("T")
 
 
-@dataclass(frozen=True, slots=True)
-class Duration:
+class Duration(NamedTuple):
     """Seconds by the clock on the wall, and of the processor, all threads of the process together."""
 
     wall: float
     cpu: float
-
-    def __add__(self, other: Duration) -> Duration:
-        """Return both durations one after the other."""
-        return Duration(self.wall + other.wall, self.cpu + other.cpu)
-
-    def __sub__(self, other: Duration) -> Duration:
-        """Return what is left without the other."""
-        return Duration(self.wall - other.wall, self.cpu - other.cpu)
 
 
 NOTHING = Duration(0.0, 0.0)
@@ -49,14 +39,15 @@ class Stopwatch:
 
     def timed(self, part: str, compute: Callable[[], T]) -> T:
         """Return what ``compute`` returns; what it takes counts for this part, less the parts that run inside it."""
-        outside, self._within = self._within, NOTHING
+        (wall, cpu), self._within = self._within, NOTHING
         began = _now()
         try:
             return compute()
         finally:
-            took = _now() - began
-            self._spent[part] = self._spent.get(part, NOTHING) + (took - self._within)
-            self._within = outside + took
+            ended, before, within = _now(), self._spent.get(part, NOTHING), self._within
+            took_wall, took_cpu = ended.wall - began.wall, ended.cpu - began.cpu
+            self._spent[part] = Duration(before.wall + took_wall - within.wall, before.cpu + took_cpu - within.cpu)
+            self._within = Duration(wall + took_wall, cpu + took_cpu)
 
 
 def _now() -> Duration:

@@ -17,5 +17,6 @@ def register_commands(register: Register) -> None:
     register("evaluate", "arena_core.cli.commands:EvaluateCommand")
     register("list", "arena_core.cli.listing:ListCommand")
     register("check", "arena_core.cli.check:CheckCommand")
+    register("profile", "arena_core.cli.profiling:ProfileCommand")
     register("new", "arena_core.cli.scaffold:NewCommand")
     register("completion", "arena_core.cli.completion:CompletionCommand")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pathlib
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, TypeVar
 
 import numpy as np
@@ -255,7 +255,9 @@ class Snapshot:
 
     def sensors(self, slot: int) -> Sensors:
         """Return what the robot of world ``slot`` measures."""
-        scan = replace(self.scan_header, stamp=float(self.scan_stamps[slot]), ranges=self.ranges[slot].copy())
+        head = self.scan_header
+        beams = head.angle_min, head.angle_increment, head.range_min, head.range_max
+        scan = LaserScan(float(self.scan_stamps[slot]), *beams, self.ranges[slot].copy(), head.mount)
         odometry = Odometry(float(self.odometry_stamps[slot]), Pose.of(self.odometry_poses[slot]), Twist.of(self.odometry_twists[slot]))
         return Sensors(float(self.stamps[slot]), scan, odometry, Pose.of(self.poses[slot]))
 

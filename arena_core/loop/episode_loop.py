@@ -104,7 +104,7 @@ class EpisodeLoop:
 
     def __init__(self, simulator: Simulator, control_period: float, worlds: int, collisions_to_end: int | None) -> None:
         self._simulator = simulator
-        self._collisions_to_end = collisions_to_end
+        self._collisions_to_end = NEVER if collisions_to_end is None else collisions_to_end
         self._queue = CommandQueue(worlds)
         self._all = np.arange(worlds)
         self.ticks = round(control_period / simulator.inner_step)
@@ -138,7 +138,7 @@ class EpisodeLoop:
         """Judge what is now; ``claims`` (N,) say which navigators believe to have arrived."""
         near = self.goal_distances() <= self.goal_radii + ARRIVAL_SLACK
         collided = np.array([len(contacts) > 0 for contacts in self.snapshot.contacts]) & ~claims
-        failed = np.zeros_like(claims) if self._collisions_to_end is None else collided & (self.collisions >= self._collisions_to_end)
+        failed = collided & (self.collisions >= self._collisions_to_end)
         timed_out = (self.snapshot.stamps >= self.time_limits - 1e-9) & ~claims
         return Verdicts(claims & near, claims & ~near, collided, failed, timed_out)
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, replace
-from functools import cache
+from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
 
 from arena_core.base.errors import NoPath
 from arena_core.base.frozen import frozen
+from arena_core.base.once import Once
 from arena_core.base.random_streams import generator
 from arena_core.base.stopwatch import Timed
 from arena_core.contracts.interfaces import (
@@ -21,19 +21,19 @@ from arena_core.contracts.interfaces import (
     GlobalPlanner,
     Localizer,
     LocalMap,
-    PathBatch,
     Tracker,
     WaypointGenerator,
 )
 from arena_core.loop.recovery import Begun, Recoveries, RecoveryRules
 from arena_core.loop.shown import shown, shown_map
+from arena_core.loop.way import Way
 from arena_core.values.episode import Event
-from arena_core.values.geometry import FloatArray, Pose
+from arena_core.values.geometry import Pose
 from arena_core.values.obstacles import with_obstacles
 from arena_core.values.parameters import Fraction, NonNegative, Positive
 from arena_core.values.robot import Robot
 from arena_core.values.sensing import Observation, PoseEstimate, Sensors
-from arena_core.values.world import INSCRIBED, Costmap, Obstacle, OccupancyGrid, Path
+from arena_core.values.world import Costmap, Obstacle, OccupancyGrid, Path
 
 T = TypeVar("T")
 _SLOT = np.zeros(1, np.int64)
@@ -118,7 +118,7 @@ class Guide:
     def reset(self, mission: Mission) -> None:
         """Begin an episode; nothing of the one before is kept."""
         self.mission = mission
-        self._path: Path | None = None
+        self._way: Way | None = None
         self._planned_at = -math.inf
         self._blocked_since: float | None = None
         self._avoided: list[tuple[Obstacle, float]] = []  # places that paths are not to lead through, and until when
@@ -136,23 +136,23 @@ class Guide:
         """
         estimate = _kept(self.localizer.update(sensors))
         scan_pose = _pose_at_scan(estimate.pose, sensors)
-        local_map: Callable[[], Costmap] = cache(lambda: timed("local_map", lambda: self.local_map.update(sensors.scan, scan_pose)))
+        local_map: Callable[[], Costmap] = Once(lambda: timed("local_map", lambda: self.local_map.update(sensors.scan, scan_pose)))
         if estimate.pose.distance(self.mission.goal) <= self.mission.goal_radius:
             return View(estimate, self.mission.goal, None, True, (), None, local_map)
         begun = self._begin_recovery(estimate.pose, sensors.stamp)
-        before = self._path
-        path, waypoint, events = self._plan(estimate.pose, sensors.stamp, local_map, begun)
+        before = self._way
+        way, waypoint, events = self._plan(estimate.pose, sensors.stamp, local_map, begun)
         observation = shown(
             sensors,
             estimate,
             self.mission.goal,
             waypoint,
-            self._shown_path,
+            way.shown,
             self._shown_map,
             local_map,
             lambda: timed("tracker", lambda: self.tracker.update(sensors.scan, scan_pose, sensors.stamp)),
         )
-        return View(estimate, waypoint, path if path is not before else None, False, events, observation, local_map)
+        return View(estimate, waypoint, way.path if way is not before else None, False, events, observation, local_map)
 
     def _stream(self, name: str) -> np.random.Generator:
         return generator(self.mission.seed, self.mission.scenario, name)
@@ -162,15 +162,13 @@ class Guide:
         begun = self.recoveries.begin(pose, stamp)
         if begun is not None and begun.clear_beyond is not None:
             self.local_map.clear(pose, begun.clear_beyond)
-        if begun is not None and begun.behaviour == "detour" and self._path is not None:
-            place = _ahead(self._path, pose, self.rules.detour_ahead)
+        if begun is not None and begun.behaviour == "detour" and self._way is not None:
+            place = self._way.ahead(pose, self.rules.detour_ahead)
             self._avoided.append((Obstacle(place, self.rules.detour_radius), stamp + self.rules.detour_time))
         return begun
 
-    def _plan(
-        self, pose: Pose, stamp: float, local_map: Callable[[], Costmap], begun: Begun | None
-    ) -> tuple[Path, Pose, tuple[Event, ...]]:
-        """Return path, waypoint and the events that led there: a recovery, a due replan, and one that the waypoint asked for."""
+    def _plan(self, pose: Pose, stamp: float, local_map: Callable[[], Costmap], begun: Begun | None) -> tuple[Way, Pose, tuple[Event, ...]]:
+        """Return way, waypoint and the events that led there: a recovery, a due replan, and one that the waypoint asked for."""
         reason = "recovery" if begun is not None else self._due(pose, stamp, local_map)
         events: tuple[Event, ...] = () if begun is None else (begun.event,)
         events += self._replan(pose, stamp, reason, local_map) if reason else ()
@@ -178,18 +176,18 @@ class Guide:
         if status != WAYPOINT_FOUND and self.replan.on_request and self._may_replan(stamp):
             events += self._replan(pose, stamp, REPLAN_REASONS[status], local_map)
             waypoint, status = self._next_waypoint(pose, stamp)
-        assert self._path is not None
-        return self._path, waypoint, events
+        assert self._way is not None
+        return self._way, waypoint, events
 
     def _due(self, pose: Pose, stamp: float, local_map: Callable[[], Costmap]) -> str | None:
         """Return why a new path is due now, None if none is."""
-        if self._path is None:
+        if self._way is None:
             return "start"
         if self.replan.period is not None and stamp - self._planned_at >= self.replan.period - 1e-9:
             return "period"
         if self.replan.blocked_for is None:
             return None
-        if not _blocked(self._path, pose, local_map()):
+        if not self._way.is_blocked(pose, local_map()):
             self._blocked_since = None
             return None
         self._blocked_since = stamp if self._blocked_since is None else self._blocked_since
@@ -205,13 +203,12 @@ class Guide:
         try:
             grid, path = self._new_path(pose, reason, local_map)
         except NoPath:
-            if self._path is None:
+            if self._way is None:
                 raise
             return (Event(stamp, "replan", f"{reason}: no path, keeping the old one"),)
         if reason == "period" and self._is_as_good(grid, pose, path):
             return (Event(stamp, "replan", "period: little to gain, keeping the old one"),)
-        self._path = Path(frozen(path.poses))
-        self._shown_path = Path(self._path.poses)
+        self._way = Way(path)
         self.waypoints.reset(_SLOT, 1)
         return (Event(stamp, "replan", reason),)
 
@@ -235,13 +232,13 @@ class Guide:
 
     def _is_as_good(self, grid: OccupancyGrid, pose: Pose, new: Path) -> bool:
         """Tell whether what is left of the old path costs little more than the new one."""
-        assert self._path is not None
-        old = self.global_planner.cost(grid, _rest(self._path, pose))
+        assert self._way is not None
+        old = self.global_planner.cost(grid, self._way.rest(pose))
         return math.isfinite(old) and (1.0 - self.replan.gain) * old <= self.global_planner.cost(grid, new)
 
     def _next_waypoint(self, pose: Pose, stamp: float) -> tuple[Pose, int]:
-        assert self._path is not None
-        found = self.waypoints.next(PathBatch.of([self._path]), pose.array()[None], np.array((stamp,)))
+        assert self._way is not None
+        found = self.waypoints.next(self._way.batch, pose.array()[None], np.array((stamp,)))
         return Pose.of(found.poses[0]), int(found.status[0])
 
 
@@ -256,31 +253,6 @@ def _pose_at_scan(pose: Pose, sensors: Sensors) -> Pose:
     if age <= 0.0:
         return pose
     twist = sensors.odometry.twist
-    back = Pose(-twist.vx * age, -twist.vy * age, 0.0)
-    turned = replace(pose, theta=pose.theta - 0.5 * twist.wz * age)
-    moved = turned.compose(back)
-    return replace(moved, theta=pose.theta - twist.wz * age)
-
-
-def _nearest(path: Path, pose: Pose) -> int:
-    return int(np.argmin(((path.poses[:, :2] - (pose.x, pose.y)) ** 2).sum(axis=1)))
-
-
-def _rest(path: Path, pose: Pose) -> Path:
-    """Return the path from the robot on: its own pose, then those behind the nearest one."""
-    return Path(np.vstack((pose.array(), path.poses[min(_nearest(path, pose) + 1, len(path.poses) - 1) :])))
-
-
-def _ahead(path: Path, pose: Pose, distance: float) -> FloatArray:
-    """Return the first position (1, 2) of the rest of the path that is so far from the robot, m, or its end."""
-    rest = path.poses[_nearest(path, pose) :, :2]
-    far = np.hypot(*(rest - (pose.x, pose.y)).T) >= distance
-    return rest[[int(np.argmax(far)) if far.any() else -1]]
-
-
-def _blocked(path: Path, pose: Pose, local_map: Costmap) -> bool:
-    """Tell whether the rest of the path, inside the window, runs through cells where the robot would touch something."""
-    cells = ((path.poses[_nearest(path, pose) :, :2] - local_map.origin_xy) / local_map.resolution).astype(np.int64)
-    inside = (cells >= 0).all(axis=1) & (cells < local_map.costs.shape[::-1]).all(axis=1)
-    end = len(cells) if inside.all() else int(np.argmin(inside))
-    return bool((local_map.costs[cells[:end, 1], cells[:end, 0]] >= INSCRIBED).any())
+    turned = Pose(pose.x, pose.y, pose.theta - 0.5 * twist.wz * age)
+    moved = turned.compose(Pose(-twist.vx * age, -twist.vy * age))
+    return Pose(moved.x, moved.y, pose.theta - twist.wz * age)

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass, replace
-from itertools import chain
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -45,10 +44,9 @@ class Spent:
     @staticmethod
     def of(parts: Mapping[str, Duration]) -> Spent:
         """Return what a step took from its parts: ``planner``, ``local_map``, ``tracker`` and the rest."""
-        planner, local_map, tracker = (parts.get(name, NOTHING) for name in ("planner", "local_map", "tracker"))
-        whole = sum(parts.values(), NOTHING)
-        times = ((part.wall, part.cpu) for part in (planner, whole, local_map, tracker))
-        return Spent(*chain.from_iterable(times))
+        whole = sum(part.wall for part in parts.values()), sum(part.cpu for part in parts.values())
+        get = parts.get
+        return Spent(*get("planner", NOTHING), *whole, *get("local_map", NOTHING), *get("tracker", NOTHING))
 
 
 NO_TIME = Spent(0.0, 0.0, 0.0)
@@ -68,6 +66,9 @@ class Decision:
     arrived: bool
     events: tuple[Event, ...]
     spent: Spent
+
+
+Decided = tuple[Twist, PoseEstimate, Pose, Path | None, bool, tuple[Event, ...]]  # the fields of a decision but the time it took
 
 
 class Navigator(Guide):
@@ -114,17 +115,17 @@ class Navigator(Guide):
         Raises NoPath when there is no first path, InvalidCommand when the planner returns no finite Twist.
         """
         watch = Stopwatch()
-        decision = watch.timed("rest", lambda: self._decide(sensors, watch.timed))
-        return replace(decision, spent=Spent.of(watch.spent))
+        decided = watch.timed("rest", lambda: self._decide(sensors, watch.timed))
+        return Decision(*decided, Spent.of(watch.spent))
 
-    def _decide(self, sensors: Sensors, timed: Timed) -> Decision:
+    def _decide(self, sensors: Sensors, timed: Timed) -> Decided:
         view = self.look(sensors, timed)
         observation = view.observation
         if observation is None:
-            return Decision(BRAKE, view.estimate, view.waypoint, None, True, (), NO_TIME)
+            return BRAKE, view.estimate, view.waypoint, None, True, ()
         recovering = self.recoveries.command(view.estimate.pose, sensors.stamp, view.local_map, view.waypoint)
         command, refusals = (recovering, ()) if recovering is not None else timed("planner", lambda: self._ask_planner(observation))
-        return Decision(command, view.estimate, view.waypoint, view.planned, False, view.events + refusals, NO_TIME)
+        return command, view.estimate, view.waypoint, view.planned, False, view.events + refusals
 
     def _ask_planner(self, observation: Observation) -> tuple[Twist, tuple[Event, ...]]:
         """Return the planner's command, the brake if it has none, and the event of a refusal."""

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
 
 from arena_core.base.frozen import frozen
+from arena_core.base.once import Once
 from arena_core.values.geometry import Pose, Twist
 from arena_core.values.sensing import LaserScan, Observation, PoseEstimate, Sensors, Tracks
 from arena_core.values.world import Costmap, OccupancyGrid, Path
@@ -33,8 +33,8 @@ def shown(
         shown_pose(waypoint),
         path,
         grid,
-        cache(lambda: _costmap(local_map())),
-        cache(lambda: _tracks(tracks())),
+        Once(lambda: _costmap(local_map())),
+        Once(lambda: _tracks(tracks())),
     )
 
 

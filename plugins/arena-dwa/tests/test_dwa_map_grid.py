@@ -27,7 +27,7 @@ def path(*points):
 def test_free_space_distance_is_within_an_eighth_of_euclidean(row, column, seed_row, seed_column):
     cells = np.full((33, 43), UNSEEN, np.int32)
     cells[[0, -1]] = cells[:, [0, -1]] = -2
-    spread(cells.reshape(-1), 43, np.array([(seed_row + 1) * 43 + seed_column + 1]))
+    spread(cells.reshape(-1), 43, np.array([(seed_row + 1) * 43 + seed_column + 1]), np.empty(cells.size + 1, np.int32))
     straight = np.hypot(row - seed_row, column - seed_column)
     assert 0.89 * straight - 1e-9 <= cells[row + 1, column + 1] <= straight + 1.0
 

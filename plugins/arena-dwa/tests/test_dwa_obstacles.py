@@ -19,7 +19,7 @@ ORIGIN = stand_at(0.0, 0.0, 0.0)
 def cost(window, body, sample, pose=(0.0, 0.0, 0.0), mean=False):
     stand = stand_at(*pose)
     start = clearance(window, body.outline, *stand, 1.0)
-    return obstacle_cost(window, body, LIMITS, ROLL_OUT, 0.1, stand, sample, start, mean)
+    return obstacle_cost(window, body, LIMITS, ROLL_OUT, 0.1, stand, sample, start, mean, math.inf)
 
 
 def test_sample_that_reaches_a_wall_within_its_time_is_rejected(costmap):
@@ -39,8 +39,8 @@ def test_fast_sample_is_followed_until_it_could_have_stopped(costmap):
     window = window_of(costmap((0.9, 1.0, -1.0, 1.0)))
     slow_brakes = LIMITS._replace(vx_max=1.0, trans_max=1.0, ax_max=0.5)
     short = ROLL_OUT._replace(sim_time=0.2)
-    assert obstacle_cost(window, DISC, slow_brakes, short, 0.1, stand_at(0.0, 0.0, 0.0), (0.3, 0.0, 0.0), 1.0, False) != REJECTED
-    assert obstacle_cost(window, DISC, slow_brakes, short, 0.1, stand_at(0.0, 0.0, 0.0), (0.9, 0.0, 0.0), 1.0, False) == REJECTED
+    assert obstacle_cost(window, DISC, slow_brakes, short, 0.1, stand_at(0.0, 0.0, 0.0), (0.3, 0.0, 0.0), 1.0, False, math.inf) != REJECTED
+    assert obstacle_cost(window, DISC, slow_brakes, short, 0.1, stand_at(0.0, 0.0, 0.0), (0.9, 0.0, 0.0), 1.0, False, math.inf) == REJECTED
 
 
 def test_polygon_passes_a_gap_that_its_circumscribed_disc_does_not(costmap):

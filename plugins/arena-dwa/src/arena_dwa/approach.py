@@ -9,7 +9,7 @@ import numpy as np
 from arena_core import Costmap
 from arena_dwa.settings import Approach, Body, FieldArray
 from arena_dwa.trajectory import Stand, arc, moved
-from arena_kernels.compiled import compiled
+from arena_kernels.compiled import borrowing, compiled
 from arena_kernels.window import Window, clearance
 
 STEPS = 10  # that an arc is looked at, evenly over the critic's time
@@ -38,7 +38,7 @@ def closing_speed(
     return speeds
 
 
-@compiled
+@borrowing
 def approach_cost(
     window: Window, body: Body, speeds: FieldArray, approach: Approach, start: Stand, sample: tuple[float, float, float]
 ) -> float:
@@ -63,7 +63,7 @@ def approach_cost(
     return total / STEPS
 
 
-@compiled
+@borrowing
 def lack(gap: float, margin: float) -> float:
     """Return the square of the share of ``margin`` that ``gap`` falls short of it."""
     return max(0.0, 1.0 - gap / margin) ** 2

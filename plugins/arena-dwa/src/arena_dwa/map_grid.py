@@ -8,14 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_dwa.settings import Body, FieldArray, FloatArray, MapGrids, Scales
-from arena_kernels.compiled import compiled
+from arena_kernels.compiled import borrowing, compiled, inlined
 from arena_kernels.window import Window
 
 UNSEEN = -1
 WALL = -2
 
 
-@compiled
+@borrowing
 def nearest_index(path: FloatArray, x: float, y: float) -> int:
     """Return the row of ``path`` (M, 3) nearest to (x, y)."""
     best, best_squared = 0, np.inf
@@ -26,7 +26,7 @@ def nearest_index(path: FloatArray, x: float, y: float) -> int:
     return best
 
 
-@compiled
+@borrowing
 def bordered_index(window: Window, x: float, y: float) -> int:
     """Return the index of a position in the window's flat grid with a border of one cell; -1 outside the window."""
     rows, columns = window.distance.shape
@@ -37,7 +37,7 @@ def bordered_index(window: Window, x: float, y: float) -> int:
     return (row + 1) * (columns + 2) + column + 1  # type: ignore[no-any-return]
 
 
-@compiled
+@borrowing
 def clamped_index(window: Window, x: float, y: float) -> int:
     """Return the index of the window's cell nearest to a position, in the flat grid with its border."""
     rows, columns = window.distance.shape
@@ -88,15 +88,14 @@ def blocked_cells(window: Window, body: Body, x: float, y: float) -> NDArray[np.
     return cells
 
 
-@compiled
-def spread(steps: NDArray[np.int32], stride: int, seeds: NDArray[np.int64]) -> int:
+@borrowing
+def spread(steps: NDArray[np.int32], stride: int, seeds: NDArray[np.int64], queue: NDArray[np.int32]) -> int:
     """Number the UNSEEN cells of ``steps`` in place with their steps from the nearest seed and return the first number not used.
 
     Steps to four and to eight neighbours alternate, which makes the front an octagon: within 11 % of the Euclidean distance
     (Rosenfeld, Pfaltz: Distance functions on digital pictures, 1968), where the diamond of ROS's map grid is off by 41 %.
+    ``queue`` is room for one cell more than there are.
     """
-    queue = np.empty(len(steps), np.int32)
-    offsets = np.array((1, -1, stride, -stride, stride + 1, stride - 1, 1 - stride, -stride - 1))
     begin, end, ring = 0, 0, 0
     for seed in seeds:
         if steps[seed] != 0:
@@ -104,20 +103,35 @@ def spread(steps: NDArray[np.int32], stride: int, seeds: NDArray[np.int64]) -> i
             queue[end] = seed
             end += 1
     while begin < end:
-        ring_end, neighbours = end, 4 if ring % 2 == 0 else 8
+        ring_end, diagonal = end, ring % 2 == 1
         ring += 1
         for i in range(begin, ring_end):
-            for k in range(neighbours):
-                cell = queue[i] + offsets[k]
-                if steps[cell] == UNSEEN:
-                    steps[cell] = ring
-                    queue[end] = cell
-                    end += 1
+            cell = queue[i]
+            end = reach(steps, cell + 1, ring, queue, end)
+            end = reach(steps, cell - 1, ring, queue, end)
+            end = reach(steps, cell + stride, ring, queue, end)
+            end = reach(steps, cell - stride, ring, queue, end)
+            if diagonal:
+                end = reach(steps, cell + stride + 1, ring, queue, end)
+                end = reach(steps, cell + stride - 1, ring, queue, end)
+                end = reach(steps, cell - stride + 1, ring, queue, end)
+                end = reach(steps, cell - stride - 1, ring, queue, end)
         begin = ring_end
     return ring
 
 
-@compiled
+@inlined
+def reach(steps: NDArray[np.int32], cell: int, ring: int, queue: NDArray[np.int32], end: int) -> int:
+    """Number an UNSEEN cell, and queue it; return how many are queued."""
+    place = np.uint64(cell)  # no cell is negative
+    if steps[place] != UNSEEN:
+        return end
+    steps[place] = ring
+    queue[np.uint64(end)] = cell
+    return end + 1
+
+
+@borrowing
 def open_inside(steps: NDArray[np.int32], stride: int) -> None:
     """Make every cell but the border's UNSEEN."""
     for row in range(1, len(steps) // stride - 1):
@@ -126,16 +140,16 @@ def open_inside(steps: NDArray[np.int32], stride: int) -> None:
 
 
 @compiled
-def map_grid(blocked: NDArray[np.int32], stride: int, seeds: NDArray[np.int64], robot: int) -> NDArray[np.int32]:
+def map_grid(blocked: NDArray[np.int32], stride: int, seeds: NDArray[np.int64], robot: int, queue: NDArray[np.int32]) -> NDArray[np.int32]:
     """Return every cell's steps from the nearest seed round walls; walls and what is cut off count as one step beyond the last.
 
     Where the robot itself is cut off, walls are ignored, so that it comes near and waits.
     """
     steps = blocked.copy()
-    ring = spread(steps, stride, seeds)
+    ring = spread(steps, stride, seeds, queue)
     if steps[robot] < 0:
         open_inside(steps, stride)
-        ring = spread(steps, stride, seeds)
+        ring = spread(steps, stride, seeds, queue)
     for i in range(len(steps)):
         if steps[i] < 0:
             steps[i] = ring
@@ -152,14 +166,15 @@ def map_grids(window: Window, body: Body, path: FloatArray, x: float, y: float, 
     cells, ends_inside = path_cells(path, window, x, y)
     blocked = blocked_cells(window, body, x, y)
     stride, robot = window.distance.shape[1] + 2, clamped_index(window, x, y)
-    goal = map_grid(blocked, stride, cells[-1:], robot)
+    queue = np.empty(len(blocked) + 1, np.int32)
+    goal = map_grid(blocked, stride, cells[-1:], robot, queue)
     goal_front = goal
     if ends_inside:
         bearing = math.atan2(path[-1, 1] - y, path[-1, 0] - x)
         beyond_x = path[-1, 0] + forward_point_distance * math.cos(bearing)
         beyond_y = path[-1, 1] + forward_point_distance * math.sin(bearing)
-        goal_front = map_grid(blocked, stride, np.full(1, clamped_index(window, beyond_x, beyond_y)), robot)
-    return MapGrids(map_grid(blocked, stride, cells, robot), goal, goal_front)
+        goal_front = map_grid(blocked, stride, np.full(1, clamped_index(window, beyond_x, beyond_y)), robot, queue)
+    return MapGrids(map_grid(blocked, stride, cells, robot, queue), goal, goal_front)
 
 
 @compiled
@@ -182,7 +197,7 @@ def cost_fields(grids: MapGrids, window: Window, scales: Scales, aligning: bool)
     return place, front
 
 
-@compiled
+@borrowing
 def interpolated(field: FieldArray, window: Window, x: float, y: float) -> float:
     """Return a field's value at a position, between the centres of the four cells around it; beyond the edge the edge's."""
     rows, columns = field.shape

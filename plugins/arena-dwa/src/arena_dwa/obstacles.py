@@ -6,19 +6,20 @@ import math
 
 from arena_dwa.settings import Body, Limits, RollOut
 from arena_dwa.trajectory import Stand, arc, moved
-from arena_kernels.compiled import compiled
-from arena_kernels.window import Window, clearance
+from arena_kernels.compiled import borrowing
+from arena_kernels.window import Window, clearance, distance_at
 
 REJECTED = -1.0
+STEEPEST = 1.5  # by which distance between cells falls at most, per m of way: as they are interpolated, below the root of 2
 
 
-@compiled
+@borrowing
 def cell_cost(window: Window, x: float, y: float) -> float:
     """Return the cost of the cell at a position inside the window."""
     return float(window.costs[int((y - window.origin_y) / window.resolution), int((x - window.origin_x) / window.resolution)])
 
 
-@compiled
+@borrowing
 def outline_growth(body: Body, limits: Limits, speed: float) -> float:
     """Return how far the outline is widened at ``speed``, m: ROS's scaling_speed and max_scaling_factor."""
     if speed <= body.scaling_speed or limits.trans_max <= body.scaling_speed:
@@ -26,21 +27,30 @@ def outline_growth(body: Body, limits: Limits, speed: float) -> float:
     return body.outline.inscribed_radius * body.max_scaling_factor * (speed - body.scaling_speed) / (limits.trans_max - body.scaling_speed)
 
 
-@compiled
+@borrowing
 def stopping_time(vx: float, vy: float, wz: float, limits: Limits) -> float:
     """Return how long the robot brakes from a velocity, s."""
     time = max(abs(vx) / limits.ax_max, abs(wz) / limits.alpha_max)
     return max(time, abs(vy) / limits.ay_max) if limits.ay_max > 0.0 else time
 
 
-@compiled
+@borrowing
 def least_gap(window: Window, body: Body, start_clearance: float) -> float:
     """Return how near an obstacle may be, m: the padding, or somewhat less than now where the robot already stands nearer."""
     nearer = 0.5 * start_clearance if start_clearance > 0.0 else start_clearance - 0.5 * window.resolution
     return min(body.padding, nearer)
 
 
-@compiled
+@borrowing
+def free_around(window: Window, body: Body, stand: Stand) -> float:
+    """Return how much room there is about the circle round the outline, up to the nearest lethal cell and to the window's edge, m."""
+    rows, columns = window.distance.shape
+    east, north = stand[0] - window.origin_x, stand[1] - window.origin_y
+    edge = min(min(east, columns * window.resolution - east), min(north, rows * window.resolution - north))
+    return float(min(edge, distance_at(window, stand[0], stand[1]) - body.outline.radius))
+
+
+@borrowing
 def obstacle_cost(
     window: Window,
     body: Body,
@@ -51,11 +61,12 @@ def obstacle_cost(
     sample: tuple[float, float, float],
     start_clearance: float,
     mean: bool,
+    within: float,
 ) -> float:
     """Return the greatest (or mean) cell cost under the robot's centre along the arc; REJECTED where the outline would touch.
 
-    REJECTED too where the arc leaves the window. It lasts ``sim_time``, or as long as the robot needs to stop, with
-    ``stop_time_buffer`` to spare.
+    REJECTED too where the arc leaves the window. Well beyond ``within`` something that is no more than the cost will do. The arc lasts
+    ``sim_time``, or as long as the robot needs to stop, with ``stop_time_buffer`` to spare.
     """
     vx, vy, wz = sample
     speed = math.hypot(vx, vy)
@@ -63,13 +74,18 @@ def obstacle_cost(
     braking = 0.5 * stopping_time(vx, vy, wz, limits)  # at full speed as far as the robot comes while it brakes evenly
     time = max(roll_out.sim_time, period + braking + roll_out.stop_time_buffer)
     steps = max(1, math.ceil(max(speed * time / roll_out.sim_granularity, abs(wz) * time / roll_out.angular_sim_granularity)))
-    step = arc(vx, vy, wz, time / steps)
-    total, greatest = 0.0, 0.0
+    step, length = arc(vx, vy, wz, time / steps), speed * time / steps
+    total, greatest, free = 0.0, 0.0, 0.0
     for _ in range(steps):
         stand = moved(stand, step)
-        if clearance(window, body.outline, *stand, allowed) < allowed:
-            return REJECTED
+        free -= STEEPEST * length
+        if free <= 0.0:
+            free = free_around(window, body, stand) - allowed
+            if free <= 0.0 and clearance(window, body.outline, *stand, allowed) < allowed:
+                return REJECTED
         cost = cell_cost(window, stand[0], stand[1])
         total += cost
         greatest = max(greatest, cost)
+        if (total / steps if mean else greatest) > 1.001 * within + 1e-6:
+            break
     return total / steps if mean else greatest

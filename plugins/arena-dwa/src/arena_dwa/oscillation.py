@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 from arena_core import Pose, Twist
 from arena_dwa.parameters import OscillationParameters
-from arena_kernels.compiled import compiled
+from arena_kernels.compiled import borrowing
 
 FORWARD, LEFT, TURN = 0, 1, 2
 
 
-@compiled
+@borrowing
 def oscillates(only: NDArray[np.int8], vx: float, vy: float, wz: float) -> bool:
     """Tell whether a sample runs against a flag: ``only`` (3,) holds for vx, vy, wz the one sign allowed, or 0."""
     return bool(vx * only[FORWARD] < 0.0 or vy * only[LEFT] < 0.0 or wz * only[TURN] < 0.0)

@@ -118,7 +118,7 @@ class DwaPlanner(Planner):
         limits, roll_out, body, scales, _ = self._settings
         start, (vx, vy, wz) = stand_at(state[0], state[1], state[2]), velocity.tolist()
         gap = clearance(window, body.outline, *start, body.padding)
-        cost = obstacle_cost(window, body, limits, roll_out, self._period, start, (vx, vy, wz), gap, scales.occdist_mean)
+        cost = obstacle_cost(window, body, limits, roll_out, self._period, start, (vx, vy, wz), gap, scales.occdist_mean, math.inf)
         return bool(cost != REJECTED)
 
 

@@ -12,9 +12,9 @@ from arena_dwa.map_grid import cost_fields, interpolated
 from arena_dwa.obstacles import REJECTED, obstacle_cost
 from arena_dwa.oscillation import oscillates
 from arena_dwa.settings import FieldArray, FloatArray, MapGrids, Settings
-from arena_dwa.trajectory import arc, moved, stand_at
+from arena_dwa.trajectory import Stand, arc, bent, moved, stand_at, turned
 from arena_dwa.window import axis_samples, driven, turn_samples
-from arena_kernels.compiled import compiled
+from arena_kernels.compiled import borrowing, compiled
 from arena_kernels.window import Window, clearance
 
 
@@ -32,35 +32,99 @@ def cheapest_sample(
 ) -> FloatArray:
     """Return (vx, vy, wz, cost) of the cheapest admissible sample of the window ``velocities`` (3, 2); its cost is inf if there is none.
 
-    ``state`` is (x, y, theta, vx, vy, wz); ``path`` (M, 3), both in ``map``. A sample is followed over obstacles only if the cheap
-    critics leave it a chance, which changes no choice because no critic is negative.
+    ``state`` is (x, y, theta, vx, vy, wz); ``path`` (M, 3), both in ``map``. The samples that the cheap critics like best are followed
+    over obstacles first, and those that are left no chance never, which changes no choice because no critic is negative.
     """
     limits, roll_out, body, scales, approach = settings
     start = stand_at(state[0], state[1], state[2])
     gap = clearance(window, body.outline, *start, body.padding)
     aligning = math.hypot(path[-1, 0] - state[0], path[-1, 1] - state[1]) > scales.forward_point_distance
     place, front = cost_fields(grids, window, scales, aligning)
+    samples, lows = cheap_costs(window, place, front, start, velocities, settings, only)
+    best, cheapest = np.array((0.0, 0.0, 0.0, np.inf)), -1
+    heap = heaped(lows)
+    for left in range(len(heap), 0, -1):
+        sample = heap[0]
+        cost = lows[sample]
+        if cost > best[3]:
+            break
+        heap[0] = heap[left - 1]
+        sink(heap, left - 1, 0, lows)
+        velocity = samples[sample, 0], samples[sample, 1], samples[sample, 2]
+        within = (best[3] - cost) / scales.occdist_scale if scales.occdist_scale > 0.0 else np.inf
+        near = obstacle_cost(window, body, limits, roll_out, period, start, velocity, gap, scales.occdist_mean, within)
+        if near == REJECTED:
+            continue
+        cost += scales.occdist_scale * near
+        if gap < body.padding:
+            end = moved(start, arc(velocity[0], velocity[1], velocity[2], roll_out.sim_time))
+            cost += scales.escape_scale * max(0.0, body.padding - clearance(window, body.outline, *end, body.padding))
+        if approach.scale > 0.0 and cost <= best[3]:
+            cost += approach.scale * approach_cost(window, body, speeds, approach, start, velocity)
+        if cost < best[3] or (cost == best[3] and sample < cheapest):
+            best[0], best[1], best[2], best[3] = velocity[0], velocity[1], velocity[2], cost
+            cheapest = sample
+    return best
+
+
+@compiled
+def cheap_costs(
+    window: Window,
+    place: FieldArray,
+    front: FieldArray,
+    start: Stand,
+    velocities: FloatArray,
+    settings: Settings,
+    only: NDArray[np.int8],
+) -> tuple[FloatArray, FloatArray]:
+    """Return the samples of the window (K, 3), and what the critics that need no trajectory say of each (K,)."""
+    limits, roll_out, scales = settings.limits, settings.roll_out, settings.scales
     ahead = scales.forward_point_distance, 0.0, 1.0, 0.0
-    best = np.array((0.0, 0.0, 0.0, np.inf))
-    for vx in axis_samples(velocities[0, 0], velocities[0, 1], roll_out.vx_samples)[::-1]:  # fast ones first: few others get past them
-        for vy in axis_samples(velocities[1, 0], velocities[1, 1], roll_out.vy_samples):
-            for wz in turn_samples(vx, velocities, limits, roll_out.vth_samples):
+    along = axis_samples(velocities[0, 0], velocities[0, 1], roll_out.vx_samples)[::-1]  # of equal ones the fastest is driven
+    aside = axis_samples(velocities[1, 0], velocities[1, 1], roll_out.vy_samples)
+    turning, turns = axis_samples(velocities[2, 0], velocities[2, 1], roll_out.vth_samples), np.empty((0, 2))
+    if limits.turn_radius == 0.0:  # all turn alike, whatever their speed
+        turns = turned(turning, roll_out.sim_time)
+    most = len(along) * len(aside) * (max(roll_out.vth_samples, 1) + 1)
+    samples, lows, count = np.empty((most, 3)), np.empty(most), 0
+    for vx in along:
+        if limits.turn_radius > 0.0:
+            turning = turn_samples(vx, velocities, limits, roll_out.vth_samples)
+            turns = turned(turning, roll_out.sim_time)
+        for vy in aside:
+            for k in range(len(turning)):
+                wz = turning[k]
                 if not driven(vx, vy, wz, limits) or oscillates(only, vx, vy, wz):
                     continue
-                end = moved(start, arc(vx, vy, wz, roll_out.sim_time))
+                end = moved(start, bent(vx, vy, wz, roll_out.sim_time, turns[k, 0], turns[k, 1]))
                 front_x, front_y, _, _ = moved(end, ahead)
                 cost = interpolated(place, window, end[0], end[1]) + interpolated(front, window, front_x, front_y)
                 cost += scales.twirling_scale * abs(wz) + scales.reverse_scale * max(0.0, -vx)
-                if cost >= best[3]:
-                    continue
-                near = obstacle_cost(window, body, limits, roll_out, period, start, (vx, vy, wz), gap, scales.occdist_mean)
-                if near == REJECTED:
-                    continue
-                cost += scales.occdist_scale * near
-                if gap < body.padding:
-                    cost += scales.escape_scale * max(0.0, body.padding - clearance(window, body.outline, *end, body.padding))
-                if approach.scale > 0.0 and cost < best[3]:
-                    cost += approach.scale * approach_cost(window, body, speeds, approach, start, (vx, vy, wz))
-                if cost < best[3]:
-                    best[0], best[1], best[2], best[3] = vx, vy, wz, cost
-    return best
+                samples[count, 0], samples[count, 1], samples[count, 2], lows[count] = vx, vy, wz, cost
+                count += 1
+    return samples[:count], lows[:count]
+
+
+@compiled
+def heaped(values: FloatArray) -> NDArray[np.int64]:
+    """Return the rows of ``values`` as a binary heap, the least value first."""
+    heap = np.arange(len(values))
+    for place in range(len(heap) // 2 - 1, -1, -1):
+        sink(heap, len(heap), place, values)
+    return heap
+
+
+@borrowing
+def sink(heap: NDArray[np.int64], count: int, place: int, values: FloatArray) -> None:
+    """Let the row at a place of a heap of ``count`` sink below those with lesser values."""
+    row = heap[place]
+    while 2 * place + 1 < count:
+        below = 2 * place + 1
+        if below + 1 < count and values[heap[below + 1]] < values[heap[below]]:
+            below += 1
+        if values[row] <= values[heap[below]]:
+            break
+        heap[place] = heap[below]
+        place = below
+    if place < count:
+        heap[place] = row

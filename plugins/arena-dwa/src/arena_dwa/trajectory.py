@@ -4,28 +4,45 @@ from __future__ import annotations
 
 import math
 
-from arena_kernels.compiled import compiled
+import numpy as np
+
+from arena_dwa.settings import FloatArray
+from arena_kernels.compiled import borrowing, compiled
 
 Stand = tuple[float, float, float, float]  # x, y (m, map) and cosine and sine of the heading
 
 
-@compiled
+@borrowing
 def stand_at(x: float, y: float, theta: float) -> Stand:
     """Return a pose with its heading as cosine and sine."""
     return x, y, math.cos(theta), math.sin(theta)
 
 
-@compiled
+@borrowing
 def arc(vx: float, vy: float, wz: float, time: float) -> Stand:
     """Return the pose after ``time`` s at constant velocity, seen from where it began (Fox, Burgard, Thrun 1997, eq. 10-12)."""
     turn = wz * time
-    c, s = math.cos(turn), math.sin(turn)
-    if abs(turn) < 1e-6:
+    return bent(vx, vy, wz, time, math.cos(turn), math.sin(turn))
+
+
+@compiled
+def turned(speeds: FloatArray, time: float) -> FloatArray:
+    """Return cosine and sine (K, 2) of how far turning speeds (K,) turn in ``time`` s."""
+    turns = np.empty((len(speeds), 2))
+    for k in range(len(speeds)):
+        turns[k, 0], turns[k, 1] = math.cos(speeds[k] * time), math.sin(speeds[k] * time)
+    return turns
+
+
+@borrowing
+def bent(vx: float, vy: float, wz: float, time: float, c: float, s: float) -> Stand:
+    """Return the pose at the end of an arc whose turn has this cosine and sine."""
+    if abs(wz * time) < 1e-6:
         return vx * time, vy * time, c, s
     return (vx * s - vy * (1.0 - c)) / wz, (vx * (1.0 - c) + vy * s) / wz, c, s
 
 
-@compiled
+@borrowing
 def moved(stand: Stand, step: Stand) -> Stand:
     """Return the pose that ``step``, seen from ``stand``, has in the frame of ``stand``."""
     x, y, c, s = stand

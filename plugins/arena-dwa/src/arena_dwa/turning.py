@@ -7,8 +7,10 @@ import math
 import numpy as np
 
 from arena_core import Pose, wrap_angle
+from arena_dwa.map_grid import nearest_index
 from arena_dwa.parameters import TurnParameters
 from arena_dwa.settings import FloatArray
+from arena_kernels.compiled import borrowing
 
 
 class TurnInPlace:
@@ -49,9 +51,15 @@ class TurnInPlace:
 
 def path_bearing(pose: Pose, path: FloatArray, ahead: float) -> float:
     """Return the bearing, rad, of the point of a path that lies ``ahead`` m beyond the one nearest to ``pose``."""
-    nearest = int(np.argmin((path[:, 0] - pose.x) ** 2 + (path[:, 1] - pose.y) ** 2))
-    rest = path[nearest:]
-    along = np.concatenate(((0.0,), np.cumsum(np.hypot(*np.diff(rest[:, :2], axis=0).T))))
-    x, y, _ = rest[min(int(np.searchsorted(along, ahead)), len(rest) - 1)].tolist()
+    x, y, _ = path[_place_ahead(path, pose.x, pose.y, ahead)].tolist()
     target = pose.relative(Pose(x, y))
     return math.atan2(target.y, target.x)
+
+
+@borrowing
+def _place_ahead(path: FloatArray, x: float, y: float, ahead: float) -> int:
+    place, way = nearest_index(path, x, y), 0.0
+    while place + 1 < len(path) and way < ahead:
+        place += 1
+        way += math.hypot(path[place, 0] - path[place - 1, 0], path[place, 1] - path[place - 1, 1])
+    return place

@@ -7,13 +7,13 @@ import math
 import numpy as np
 
 from arena_dwa.settings import FloatArray, Limits
-from arena_kernels.compiled import compiled
+from arena_kernels.compiled import borrowing, compiled
 
 REST = 1e-9  # speeds below this are none
 TOLERANCE = 1e-4  # speeds this close to a minimum count as fast enough, as in ROS
 
 
-@compiled
+@borrowing
 def reachable(speed: float, low: float, high: float, acceleration: float, period: float) -> tuple[float, float]:
     """Return the least and greatest speed on one axis after ``period`` s; a speed beyond the limits is led back to them."""
     now = min(max(speed, low), high)
@@ -64,7 +64,7 @@ def turn_samples(vx: float, window: FloatArray, limits: Limits, count: int) -> F
     return axis_samples(low, high, count)
 
 
-@compiled
+@borrowing
 def driven(vx: float, vy: float, wz: float, limits: Limits) -> bool:
     """Tell whether a sample is neither too slow nor, along its direction, too fast."""
     speed = math.hypot(vx, vy)

@@ -7,7 +7,10 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_kernels.compiled import compiled
+from arena_kernels.compiled import borrowing, compiled
+
+NARROW = 256  # columns, up to which a row's cells are compared with each other
+SQUARED_FITS = 2**15 - 1  # cells, up to which twice a square is a number of 32 bits
 
 
 class Grid(Protocol):
@@ -25,7 +28,8 @@ class Grid(Protocol):
 def distance_field(blocked: NDArray[Any], resolution: float) -> NDArray[np.float32]:
     """Return the distance from each cell's centre to the centre of the nearest blocked cell, m, inf when none is; (H, W).
 
-    Felzenszwalb and Huttenlocher, Distance Transforms of Sampled Functions, Theory of Computing 8, 2012.
+    Felzenszwalb and Huttenlocher, Distance Transforms of Sampled Functions, Theory of Computing 8, 2012; narrow grids, such as windows,
+    by comparing the cells of each row.
     """
     cells = np.ascontiguousarray(blocked, dtype=np.bool_).view(np.uint8)
     field = np.empty(cells.shape, np.float32)
@@ -43,10 +47,50 @@ def _transform(cells: NDArray[np.uint8], resolution: float, field: NDArray[np.fl
     rows, columns = cells.shape
     none = rows + columns  # farther than any cell of the grid
     along = _distance_along_columns(cells, none)
+    if columns <= NARROW and none <= SQUARED_FITS:
+        squares, nearest = np.empty(3 * columns + 2, np.int32), np.empty(columns, np.int32)
+        for row in range(rows):
+            _nearest_in_row(along[row], none, squares, nearest, resolution, field[row])
+        return
     sites = np.empty(columns, np.int64)
     starts = np.empty(columns + 1, np.float64)
     for row in range(rows):
         _lower_envelope(along[row], none, sites, starts, resolution, field[row])
+
+
+@borrowing
+def _nearest_in_row(
+    heights: NDArray[np.int32],
+    none: int,
+    squares: NDArray[np.int32],
+    nearest: NDArray[np.int32],
+    resolution: float,
+    out: NDArray[np.float32],
+) -> None:
+    """Compare every column with those one, two, three ... columns away, until none of these can be nearer: in vector registers.
+
+    ``squares`` and ``nearest`` are room for three rows and two more columns, and for one row.
+    """
+    columns = np.uint64(len(heights))  # unsigned: an index that cannot count from an array's end leaves the loops to vector registers
+    middle, one, far = columns + np.uint64(1), np.uint64(1), np.int32(2 * none * none)
+    squares[:] = far  # what lies beyond the row's ends is no nearer
+    farthest = np.int32(0)
+    for i in range(columns):
+        square = heights[i] * heights[i] if heights[i] < none else far
+        squares[middle + i] = nearest[i] = square
+        farthest = max(farthest, square)
+    away = one
+    while away < columns and farthest > np.int32(away * away):
+        square, next_square = np.int32(away * away), np.int32((away + one) * (away + one))
+        left, right, farthest = middle - away, middle + away, np.int32(0)
+        for i in range(columns):
+            beside = min(squares[left + i], squares[right + i]) + square
+            further = min(squares[left - one + i], squares[right + one + i]) + next_square
+            nearest[i] = min(nearest[i], min(beside, further))
+            farthest = max(farthest, nearest[i])
+        away += one + one
+    for i in range(columns):
+        out[i] = np.inf if nearest[i] >= far else np.sqrt(np.float64(nearest[i])) * resolution
 
 
 @compiled

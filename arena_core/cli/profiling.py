@@ -1,0 +1,63 @@
+"""``arena profile``: where the time of a planner's control steps goes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, ClassVar
+
+from arena_core.cli.candidates import complete_overrides
+from arena_core.cli.words import read_words
+from arena_core.config.configuration import compose
+from arena_core.config.registry import load_registry
+from arena_core.contracts.interfaces import Command
+from arena_core.runs.benchmark import build_benchmark
+from arena_core.runs.profiling import METRICS, TASK, Profile, profile
+from arena_core.values.parameters import Bounds
+
+USAGE = "arena profile [KEY=VALUE ...] [first=3] [functions=15]"
+Number = Annotated[int, Bounds(low=1, high=1000)]
+
+
+class ProfileCommand(Command):
+    """Run the first episodes of a configuration and tell where their time goes."""
+
+    help: ClassVar[str] = f"where the time of a control step goes: {USAGE}"
+
+    def run(self, arguments: Sequence[str]) -> int:
+        """Print a table of parts, and the functions that take most."""
+        words = read_words(USAGE, arguments, keys=("first", "functions"), overrides=None)
+        episodes, most = words.value("first", Number, 3), words.value("functions", Number, 15)
+        print("\n".join(told(profile(build_benchmark(compose(words.overrides), load_registry()), episodes), most)))
+        return 0
+
+    def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
+        """Return what a run takes, and the command's own keys."""
+        return [*(key for key in ("first=", "functions=") if key.startswith(word)), *complete_overrides(words, word)]
+
+
+def told(found: Profile, most: int) -> list[str]:
+    """Return the lines of a profile."""
+    in_steps = {part: spent for part, spent in found.parts.items() if part not in (TASK, METRICS)}
+    whole = sum(spent.cpu for spent in in_steps.values())
+    times = f"{found.simulated:.1f} s simulated in {whole:.2f} s of CPU time, {found.simulated / whole:.0f} x real time"
+    lines = [f"{found.episodes} episodes, {found.steps} control steps: {times}", ""]
+    lines += [f"{'ms a control step':24}{'all':>9}{'compiled':>10}{'libraries':>11}{'Python':>9}"]
+    each = 1e3 / found.steps
+    for part, spent in sorted(in_steps.items(), key=lambda item: -item[1].cpu):
+        lines.append(_row(part, each, spent.cpu, spent.compiled, spent.libraries, spent.python))
+    sums = (sum(getattr(spent, name) for spent in in_steps.values()) for name in ("cpu", "compiled", "libraries", "python"))
+    lines += [_row("together", each, *sums), ""]
+    once = [f"{part} {1e3 * found.parts[part].cpu / found.episodes:.1f}" for part in (TASK, METRICS) if part in found.parts]
+    lines += [f"ms an episode: {', '.join(once)}", "", f"{'ms a step':>9}  calls  most time in (Python as the profiler slows it)"]
+    for called in found.functions[:most]:
+        file, line, name = called.place
+        where = f"{Path(file).parent.name}/{Path(file).name}:{line}"
+        kind = " compiled" if called.compiled else ""
+        lines.append(f"{called.own * each:9.4f}{called.calls / found.steps:7.2f}  {name} ({where}){kind}")
+    return lines
+
+
+def _row(name: str, each: float, *spent: float) -> str:
+    cpu, compiled, libraries, python = (each * seconds for seconds in spent)
+    return f"{name:24}{cpu:9.3f}{compiled:10.3f}{libraries:11.3f}{python:9.3f}"
