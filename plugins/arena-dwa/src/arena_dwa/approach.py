@@ -28,13 +28,15 @@ def closing_speed(
     rows, columns = now.shape
     last_row, last_column = before.shape[0] - 1, before.shape[1] - 1
     speeds = np.zeros((rows, columns), np.float32)
+    first, end = max(0, -left), min(columns, before.shape[1] - left)
     for row in range(max(0, -down), min(rows, before.shape[0] - down)):
-        for column in range(max(0, -left), min(columns, before.shape[1] - left)):
-            r, c = row + down, column + left
-            outside = (min(min(r, last_row - r), min(c, last_column - c)) + 1) * resolution  # to the nearest cell beyond the window
-            speed = (before[r, c] - now[row, column]) / lapse
-            if least <= speed and now[row, column] < outside:
-                speeds[row, column] = min(speed, greatest)
+        r = row + down
+        to_row_edge, was, is_now, out = min(r, last_row - r), before[r, first + left :], now[row, first:end], speeds[row, first:]
+        for k in range(len(is_now)):  # without a branch: in vector registers
+            c = first + k + left
+            outside = (min(to_row_edge, min(c, last_column - c)) + 1) * resolution  # to the nearest cell beyond the window
+            speed = (was[k] - is_now[k]) / lapse
+            out[k] = min(speed, greatest) if (least <= speed) & (is_now[k] < outside) else 0.0
     return speeds
 
 

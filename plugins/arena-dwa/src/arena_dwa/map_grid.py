@@ -74,10 +74,9 @@ def blocked_cells(window: Window, body: Body, x: float, y: float) -> NDArray[np.
     cells = np.full((rows + 2) * (columns + 2), WALL, np.int32)
     least = np.float32(body.outline.inscribed_radius)
     for row in range(rows):
-        start = (row + 1) * (columns + 2) + 1
+        inside, distances = cells[(row + 1) * (columns + 2) + 1 :], window.distance[row]
         for column in range(columns):
-            if window.distance[row, column] >= least:
-                cells[start + column] = UNSEEN
+            inside[column] = UNSEEN if distances[column] >= least else WALL
     reach = math.ceil(body.outline.inscribed_radius / window.resolution)
     centre = clamped_index(window, x, y)
     centre_row, centre_column = centre // (columns + 2), centre % (columns + 2)
@@ -151,8 +150,7 @@ def map_grid(blocked: NDArray[np.int32], stride: int, seeds: NDArray[np.int64], 
         open_inside(steps, stride)
         ring = spread(steps, stride, seeds, queue)
     for i in range(len(steps)):
-        if steps[i] < 0:
-            steps[i] = ring
+        steps[i] = ring if steps[i] < 0 else steps[i]
     return steps
 
 

@@ -33,7 +33,7 @@ def distance_field(blocked: NDArray[Any], resolution: float) -> NDArray[np.float
     """
     cells = np.ascontiguousarray(blocked, dtype=np.bool_).view(np.uint8)
     field = np.empty(cells.shape, np.float32)
-    _transform(cells, float(resolution), field)
+    write_distances(cells, float(resolution), field)
     return field
 
 
@@ -43,7 +43,8 @@ def grid_distance(grid: Grid) -> NDArray[np.float32]:
 
 
 @compiled
-def _transform(cells: NDArray[np.uint8], resolution: float, field: NDArray[np.float32]) -> None:
+def write_distances(cells: NDArray[np.uint8], resolution: float, field: NDArray[np.float32]) -> None:
+    """Write the distance field of ``cells`` (H, W), blocked where they are not 0, to ``field`` (H, W): for other kernels."""
     rows, columns = cells.shape
     none = rows + columns  # farther than any cell of the grid
     along = _distance_along_columns(cells, none)

@@ -7,12 +7,11 @@ import math
 import numpy as np
 
 from arena_core import Costmap, LaserScan, LocalMap, NonNegative, OccupancyGrid, Pose, Positive, Robot
-from arena_kernels.distance import distance_field
 from arena_navigation.local_map.evidence import Evidence
 from arena_navigation.local_map.mapping import SeenMap, with_marks
-from arena_navigation.local_map.marks import NEVER, Beams, Reach, take_in
-from arena_navigation.local_map.window import MapLayer, blocked_cells, shifted
-from arena_navigation.planning.inflation import Inflation, inflate
+from arena_navigation.local_map.marks import NEVER, Beams, Reach
+from arena_navigation.local_map.window import MapLayer, shifted, window_with
+from arena_navigation.planning.inflation import Inflation
 
 
 class RollingMap(LocalMap):
@@ -60,11 +59,9 @@ class RollingMap(LocalMap):
         """Take in one scan and return the window around ``pose``."""
         beams = Beams.of(scan, pose)
         self._move_to(pose)
-        take_in(self._hit_at, *self._corner, self._resolution, beams, self._reach)
+        costs, distance = window_with(self._hit_at, self._static, self._corner, self._resolution, beams, self._reach, self._table)
         if self._seen is not None:
             self._seen.update(beams)
-        distance = distance_field(blocked_cells(self._hit_at, self._static), self._resolution)
-        costs = inflate(distance, self._resolution, self._table)
         return Costmap(costs, distance, self._resolution, np.array(self._corner[::-1]) * self._resolution)
 
     def clear(self, pose: Pose, beyond: float) -> None:

@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 
 from arena_core import OccupancyGrid
 from arena_kernels.compiled import compiled
-from arena_navigation.local_map.marks import NEVER
+from arena_kernels.distance import write_distances
+from arena_navigation.local_map.marks import NEVER, Beams, Reach, take_in
+from arena_navigation.planning.inflation import inflate
 
 
 class MapLayer(NamedTuple):
@@ -86,10 +88,27 @@ def _on_map(layer: MapLayer, row: int, column: int) -> bool:
 
 
 @compiled
-def blocked_cells(hit_at: NDArray[np.float32], static: NDArray[np.uint8]) -> NDArray[np.bool_]:
+def window_with(
+    hit_at: NDArray[np.float32],
+    static: NDArray[np.uint8],
+    corner: tuple[int, int],
+    resolution: float,
+    beams: Beams,
+    reach: Reach,
+    table: NDArray[np.uint8],
+) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+    """Take in a scan, and return costs (H, W) and distances (H, W), m, of the window whose corner is (row, column)."""
+    take_in(hit_at, corner[0], corner[1], resolution, beams, reach)
+    distance = np.empty(hit_at.shape, np.float32)
+    write_distances(blocked_cells(hit_at, static), resolution, distance)
+    return inflate(distance, resolution, table), distance
+
+
+@compiled
+def blocked_cells(hit_at: NDArray[np.float32], static: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """Return which cells are marked or occupied on the map."""
     rows, columns = hit_at.shape
-    blocked = np.empty((rows, columns), np.bool_)
+    blocked = np.empty((rows, columns), np.uint8)
     for row in range(rows):
         for column in range(columns):
             blocked[row, column] = static[row, column] != 0 or hit_at[row, column] > NEVER
