@@ -124,6 +124,8 @@ class RunCommand(Command):
     def _run(self, arguments: Sequence[str]) -> int:
         import hydra
 
+        from arena_core.config.jobs import quick_loaders
+
         _check_folders(arguments)
         os.environ["HYDRA_FULL_ERROR"] = "1"  # Hydra then raises instead of printing and exiting by itself
         flags = [argument for argument in arguments if argument in MULTIRUN]  # Hydra wants them ahead of overrides
@@ -132,7 +134,7 @@ class RunCommand(Command):
         task = RunTask(show)
         before, sys.argv = sys.argv, ["arena run", *flags, *words]
         try:
-            with one_line_errors():
+            with one_line_errors(), quick_loaders():
                 hydra.main(str(conf_directory()), PRIMARY, version_base="1.3")(task)()
         except Shown:
             new_folders.remove()

@@ -3,11 +3,13 @@
 OmegaConf's nodes were most of what a job took. They are made once a job, of what is merged; Hydra's own node stays Hydra's.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from copy import deepcopy
 from typing import Any
 
 from hydra._internal import defaults_list
+from hydra._internal.config_loader_impl import ConfigLoaderImpl
 from hydra._internal.config_repository import CachingConfigRepository, IConfigRepository
 from hydra.core.config_search_path import ConfigSearchPath
 from hydra.core.default_element import ResultDefault
@@ -122,6 +124,22 @@ class Jobs:
         if names not in self._hydra:
             self._hydra[names] = self._merge_by_hydra(defaults, CachingConfigRepository(files.sources)).hydra
         return self._hydra[names]
+
+
+@contextmanager
+def quick_loaders() -> Iterator[None]:
+    """Let every loader that Hydra makes inside compose as jobs are composed: Hydra composes a single run twice as well."""
+    made: Any = ConfigLoaderImpl.__init__
+
+    def make(loader: Any, config_search_path: ConfigSearchPath) -> None:
+        made(loader, config_search_path)
+        Jobs(loader)
+
+    ConfigLoaderImpl.__init__ = make  # type: ignore[method-assign, assignment]
+    try:
+        yield
+    finally:
+        ConfigLoaderImpl.__init__ = made  # type: ignore[method-assign]
 
 
 class Unmergeable(Exception):

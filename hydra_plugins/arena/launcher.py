@@ -11,8 +11,6 @@ from hydra.plugins.launcher import Launcher
 from hydra.types import HydraContext, TaskFunction
 from omegaconf import DictConfig, open_dict, read_write
 
-from arena_core.config.jobs import Jobs
-
 
 class ArenaLauncher(Launcher):
     """Prepare each job's folder as Hydra does, then run the episodes of all of them together."""
@@ -26,7 +24,6 @@ class ArenaLauncher(Launcher):
             raise TypeError("hydra/launcher=arena launches `arena run -m` alone")
         self.task = task_function
         self.config = config
-        Jobs(hydra_context.config_loader)
         self._checked: dict[tuple[str, ...], DictConfig] = {}
         self._compose = hydra_context.config_loader.load_sweep_config
         hydra_context.config_loader.load_sweep_config = self._check  # type: ignore[method-assign]  # what sweepers check a batch by

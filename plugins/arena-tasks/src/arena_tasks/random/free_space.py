@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import ndimage
 
 from arena_core import OccupancyGrid
 from arena_kernels.distance import distance_field
+from arena_kernels.regions import connected_regions
 
 
 class FreeSpace:
@@ -57,8 +57,7 @@ class _Regions:
     clearance: float
 
     def __call__(self, grid: OccupancyGrid) -> NDArray[np.int32]:
-        labels, _ = ndimage.label(grid.derive(FreeSpace).clearance >= self.clearance)
-        return np.asarray(labels, np.int32)
+        return connected_regions(grid.derive(FreeSpace).clearance >= self.clearance)
 
 
 @dataclass(frozen=True, slots=True)
