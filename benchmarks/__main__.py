@@ -1,4 +1,4 @@
-"""Run every benchmark, print one table and write benchmarks/results/latest.json."""
+"""Run every benchmark, print one table and write benchmarks/results/latest.json; with ``--against COMMIT`` compare with a commit."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ HERE = Path(__file__).resolve().parent
 def main(names: list[str]) -> int:
     """Run the named benchmarks (all without names) in turn in this process."""
     sys.path.insert(0, str(HERE))
+    if "--against" in names:
+        return int(importlib.import_module("against").main(names))
     there = sorted(path.stem.removeprefix("bench_") for path in HERE.glob("bench_*.py"))
     if unknown := sorted(set(names) - set(there)):
         print(f"benchmarks: no {', '.join(unknown)}; allowed: {', '.join(there)}", file=sys.stderr)
