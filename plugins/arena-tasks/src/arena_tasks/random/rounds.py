@@ -95,7 +95,7 @@ def _crossing(floor: Floor, trip: Trip, length: float, wanted: int, rules: Round
     first = _one_of(random, near & beside & (away >= (1.0 - NEAR) * rules.leg_min), near)
     if first is None:
         return []
-    leg, opposite = same & _leg(floor, first, rules), across * across[first] < 0.0
+    leg, opposite = same & _leg(floor.away(floor.places[first]), rules), across * across[first] < 0.0
     second = _one_of(random, leg & near & beside & opposite, leg & opposite, leg)
     if second is None:
         return [first]
@@ -115,15 +115,16 @@ def _along(floor: Floor, trip: Trip, length: float, rules: RoundParameters, rand
 
 def _with_another(floor: Floor, found: list[int], rules: RoundParameters, random: np.random.Generator) -> list[int]:
     """Return the places with one more, a leg from the last; none when there is none anywhere."""
-    same = floor.labels == floor.labels[found[-1]]
-    away = np.where(same, floor.away(floor.places[found[-1]]), 0.0)
-    another = _one_of(random, same & _leg(floor, found[-1], rules), (away > 0.0) & (away >= SHRINKING * away.max()))
+    same, away = floor.labels == floor.labels[found[-1]], floor.away(floor.places[found[-1]])
+    another = _one_of(random, same & _leg(away, rules))
+    if another is None:  # a region too small
+        within = np.where(same, away, 0.0)
+        another = _one_of(random, (within > 0.0) & (within >= SHRINKING * within.max()))
     return [] if another is None else [*found, another]
 
 
-def _leg(floor: Floor, place: int, rules: RoundParameters) -> Mask:
-    """Tell which places are a leg from this one."""
-    away = floor.away(floor.places[place])
+def _leg(away: Points, rules: RoundParameters) -> Mask:
+    """Tell which places are a leg off, by how far they are, m."""
     return np.asarray((away >= rules.leg_min) & (away <= rules.leg_max))
 
 

@@ -57,31 +57,72 @@ class Trip:
         return replace(self, route_xy=route, lengths=_lengths(route)) if len(route) else None
 
 
+class Ground:
+    """Where a robot has room to stand: ``positions`` (N, 2) m, and which of them a way joins."""
+
+    def __init__(self, positions: NDArray[np.float64], labels: NDArray[np.int32]) -> None:
+        self.positions = positions
+        self._labels = labels
+        self._joined: dict[int, Joined] = {}
+
+    def joined_with(self, start: int) -> Joined:
+        """Return all positions that can be reached from this one."""
+        label = int(self._labels[start])
+        if label not in self._joined:
+            self._joined[label] = Joined.of(self.positions[self._labels == label])
+        return self._joined[label]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Joined:
+    """Positions (N, 2) that are joined by ways, their coordinates apart, and the diagonal of the box about them, m."""
+
+    positions: NDArray[np.float64]
+    coordinates: tuple[NDArray[np.float64], NDArray[np.float64]]
+    diagonal: float
+
+    @staticmethod
+    def of(positions: NDArray[np.float64]) -> Joined:
+        """Prepare positions."""
+        x, y = np.ascontiguousarray(positions.T)
+        return Joined(positions, (x, y), float(np.hypot(*np.ptp(positions, axis=0))))
+
+    def in_range(self, start: NDArray[np.float64], rules: TripRules) -> NDArray[np.float64]:
+        """Return those of the positions that may be the goal of a robot at ``start``, (M, 2)."""
+        least = min(rules.min_distance, 0.5 * self.diagonal) if rules.shrink_to_world else rules.min_distance
+        away = np.hypot(self.coordinates[0] - start[0], self.coordinates[1] - start[1])
+        return np.asarray(self.positions[(away >= least) & (away <= rules.max_distance) & (away > 0.0)])
+
+
+@dataclass(frozen=True, slots=True)
+class GroundOf:
+    """A key and function for ``grid.derive``: the ground of robots that need this much clearance, and this much of it on the way."""
+
+    clearance: float
+    passage: float
+
+    def __call__(self, grid: OccupancyGrid) -> Ground:
+        """Return the ground."""
+        space = grid.derive(FreeSpace)
+        positions = space.places(self.clearance)
+        return Ground(positions, space.regions(self.passage)[tuple(grid.cells(positions).T)])
+
+
 def draw_trip(space: FreeSpace, rules: TripRules, random: np.random.Generator, tries: int) -> Trip:
     """Draw a start, then a goal that can be reached from it; raise ImpossibleScenario after so many starts in vain."""
-    positions = space.places(rules.clearance)
-    if len(positions) == 0:
+    ground = space.grid.derive(GroundOf(rules.clearance, rules.passage))
+    if len(ground.positions) == 0:
         raise ImpossibleScenario(f"no cell is free with {rules.clearance:.2f} m around it for the robot to start from")
-    labels = space.regions(rules.passage)[tuple(space.grid.cells(positions).T)]
     for _ in range(tries):
-        start = int(random.integers(len(positions)))
-        mates = positions[labels == labels[start]]
-        goals = mates[_in_range(mates, positions[start], rules)]
+        number = int(random.integers(len(ground.positions)))
+        start = ground.positions[number]
+        goals = ground.joined_with(number).in_range(start, rules)
         if len(goals):
-            goal = goals[random.integers(len(goals))]
-            return _trip(space, rules, positions[start], goal, random)
+            return _trip(space, rules, start, goals[random.integers(len(goals))], random)
     raise ImpossibleScenario(
         f"no goal {rules.min_distance:g} .. {rules.max_distance:g} m from its start was found with {tries} starts; "
         "lower task.trip.min_distance or raise task.trip.max_distance"
     )
-
-
-def _in_range(mates: NDArray[np.float64], start: NDArray[np.float64], rules: TripRules) -> NDArray[np.bool_]:
-    least = rules.min_distance
-    if rules.shrink_to_world:
-        least = min(least, 0.5 * float(np.hypot(*np.ptp(mates, axis=0))))
-    away = np.hypot(*(mates - start).T)
-    return np.asarray((away >= least) & (away <= rules.max_distance) & (away > 0.0))
 
 
 def _trip(space: FreeSpace, rules: TripRules, start: NDArray[np.float64], goal: NDArray[np.float64], random: np.random.Generator) -> Trip:
