@@ -18,6 +18,7 @@ from arena_navigation.tracking.returns import PastScans, Returns, chosen, follow
 
 _STEPS = 8  # of Gauss-Newton at most
 _COARSE, _FINE = 1e-2, 1e-4  # m and rad of a step, after which outliers count less, and after which it is done
+_WIDEST = 20  # beams to either side
 _EDGE = 1e-6  # of a sector at either side, where rounding might tell another beam
 _TURN = 2.0 * math.pi
 
@@ -42,18 +43,20 @@ class Points(NamedTuple):
 
     That is the direction of the past scan's beam it was laid through, its own normal, both in ``map``, and its distance from the past
     sensor, ``lines`` (B, 5), and how many beams to either side it reaches, ``half`` (B,), 0 to look anew; ``found`` (B,) tells whether
-    there is one.
+    there is one. ``turns`` are the cosine and sine of so many beams.
     """
 
     ends: NDArray[np.float64]
     half: NDArray[np.int64]
     lines: NDArray[np.float64]
     found: NDArray[np.uint8]
+    turns: NDArray[np.float64]
 
     @staticmethod
     def room(beams: int) -> Points:
         """Return room for so many beams."""
-        return Points(np.zeros((beams, 2)), np.zeros(beams, np.int64), np.zeros((beams, 5)), np.zeros(beams, np.uint8))
+        lines, turns = np.zeros((beams, 5)), np.zeros((_WIDEST + 1, 2))
+        return Points(np.zeros((beams, 2)), np.zeros(beams, np.int64), lines, np.zeros(beams, np.uint8), turns)
 
 
 @borrowing
@@ -72,6 +75,8 @@ def slip(
     The ``returns`` of the new scan are placed. At first all that is less than ten outlier distances off counts almost fully.
     """
     count = _standing_ends(beams, returns, tracks, rules, points)
+    for half in range(_WIDEST + 1):
+        points.turns[half, 0], points.turns[half, 1] = math.cos(half * beams.angle_increment), math.sin(half * beams.angle_increment)
     moved[:] = 0.0
     outlier = 10.0 * rules.outlier
     for step in range(_STEPS):
@@ -148,22 +153,31 @@ def _lay(beams: Beams, past: PastScans, k: Integer, dx: float, dy: float, rules:
     As long as the point stays in one beam's sector and about as far away, it is.
     """
     away = math.sqrt(dx * dx + dy * dy)
-    half = min(max(math.ceil(0.5 * rules.baseline / (max(away, 1e-3) * beams.angle_increment)), 1), 20)
+    half = min(max(math.ceil(0.5 * rules.baseline / (max(away, 1e-3) * beams.angle_increment)), 1), _WIDEST)
     if points.half[i] == half:
         c, s = points.lines[i, 0], points.lines[i, 1]
         if abs(c * dy - s * dx) < (0.5 - _EDGE) * beams.angle_increment * (c * dx + s * dy):
             return
     bearing = within_a_turn(math.atan2(dy, dx) - past.sensors[k, 2] - beams.angle_min) / beams.angle_increment
     at = round(bearing)
-    whole = 0 < at and (at + 0.5) * beams.angle_increment < _TURN  # not one that the first beam's sector overlaps
+    whole = at > 0 and (at + 0.5) * beams.angle_increment < _TURN  # not one that the first beam's sector overlaps
     points.half[i] = half if whole else 0
     angle = past.sensors[k, 2] + beams.angle_min + at * beams.angle_increment
     points.lines[i, 0], points.lines[i, 1] = math.cos(angle), math.sin(angle)
-    points.found[i] = _line(beams, past, k, at, half, rules, points.lines[i])
+    points.found[i] = _line(beams, past, k, at, half, rules, points.turns[half], points.lines[i])
 
 
 @inner
-def _line(beams: Beams, past: PastScans, k: Integer, at: Integer, half: Integer, rules: Alignment, line: NDArray[np.float64]) -> bool:
+def _line(
+    beams: Beams,
+    past: PastScans,
+    k: Integer,
+    at: Integer,
+    half: Integer,
+    rules: Alignment,
+    turn: NDArray[np.float64],
+    line: NDArray[np.float64],
+) -> bool:
     """Write normal and distance of the straight piece that past scan ``k`` saw about a beam; return whether there is one."""
     if not half <= at < len(beams.ranges) - half:
         return False
@@ -171,7 +185,7 @@ def _line(beams: Beams, past: PastScans, k: Integer, at: Integer, half: Integer,
     if not (beams.range_min <= min(low, middle, high) and max(low, middle, high) <= beams.range_max):
         return False
     # in the frame whose first axis is the beam in the middle
-    c, s = math.cos(half * beams.angle_increment), math.sin(half * beams.angle_increment)
+    c, s = turn[0], turn[1]
     ax, ay, bx, by = low * c, -low * s, high * c, high * s
     length = math.sqrt((bx - ax) ** 2 + (by - ay) ** 2)
     if not 1e-6 < length < 10.0 * rules.baseline:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Iterable
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing, inner
 from arena_kernels.scalars import Integer
-from arena_navigation.local_map.marks import Beams
 from arena_navigation.tracking.discs import Discs
 from arena_navigation.tracking.filter import predict
 from arena_navigation.tracking.sight import GONE, SEEN
@@ -45,7 +45,8 @@ class Belief(NamedTuple):
     def with_room(self, count: int) -> Belief:
         """Return the same tracks with room for so many."""
         larger = Belief.room(count)
-        for old, new in zip(self, larger, strict=True):
+        arrays: Iterable[tuple[NDArray[Any], NDArray[Any]]] = zip(self, larger, strict=True)
+        for old, new in arrays:
             new[: len(old)] = old
         return larger
 
@@ -131,7 +132,7 @@ def _move(belief: Belief, k: int, to: int) -> None:
 
 @inner
 def begin_tracks(belief: Belief, stamp: float, discs: Discs, taken: NDArray[np.uint8], life: LifeSpan) -> None:
-    """Begin a resting track at every disc that is not ``taken``, and whose middle is in no body that was seen now: that is its other side."""
+    """Begin a resting track at every disc that is not ``taken`` and has its middle in no body that was seen now: that is its other side."""
     before = belief.numbers[0]
     for m in range(len(discs.radii)):
         if not taken[m] and not _in_seen(belief, before, stamp, discs.positions[m]):

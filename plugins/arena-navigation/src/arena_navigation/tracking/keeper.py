@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
+import math
 
 from arena_core import OccupancyGrid
 from arena_navigation.local_map.marks import Beams
@@ -18,12 +18,19 @@ class ScanKeeper:
         self._scans = scans
         self._interval = interval
         self._least = least
-        self.reset(None)
+        self._workings = Workings.room(0, 0, 0)
+        self._plane = KnownPlane.of(None)
+        self._forget(0)
 
     def reset(self, grid: OccupancyGrid | None) -> None:
         """Begin an episode: forget all scans."""
         self._plane = KnownPlane.of(grid)
-        self._forget(0)
+        self._forget(self._past.ranges.shape[1])
+
+    def _forget(self, beams: int) -> None:
+        self._past = PastScans.none(self._scans, beams)
+        self._kept = 0
+        self._kept_at = -math.inf
 
     def room(self, beams: int, belief: Belief) -> tuple[Belief, Workings]:
         """Return the belief with room for all that so many beams may show, and workings to match; scans of other beams are forgotten."""
@@ -33,7 +40,7 @@ class ScanKeeper:
         most = int(belief.numbers[0]) + discs
         if most > len(belief.ids):
             belief = belief.with_room(2 * most)
-        if self._workings is None or len(self._workings.matches) != len(belief.ids):
+        if not self._workings.fits(beams, len(belief.ids), discs):
             self._workings = Workings.room(beams, len(belief.ids), discs)
         return belief, self._workings
 
@@ -50,7 +57,3 @@ class ScanKeeper:
             self._past.sensors[slot] = beams.sensor
             self._past.stamps[slot] = beams.stamp
             self._kept, self._kept_at = self._kept + 1, beams.stamp
-
-    def _forget(self, beams: int) -> None:
-        self._past, self._kept, self._kept_at = PastScans.none(self._scans, beams), 0, -np.inf
-        self._workings: Workings | None = None

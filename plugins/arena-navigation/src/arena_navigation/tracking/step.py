@@ -72,6 +72,10 @@ class Workings(NamedTuple):
             Assignment.room(tracks, discs),
         )
 
+    def fits(self, beams: int, tracks: int, discs: int) -> bool:
+        """Tell whether this is the room for so many."""
+        return (len(self.points.half), len(self.matches), len(self.taken)) == (beams, tracks, discs)
+
 
 @borrowing
 def take_in(beams: Beams, dt: float, known: Known, belief: Belief, figures: Figures, workings: Workings) -> Integer:
@@ -81,7 +85,9 @@ def take_in(beams: Beams, dt: float, known: Known, belief: Belief, figures: Figu
     _align(beams, known, tracks, figures, workings)
     discs = _detect(beams, known, tracks, figures, workings)
     matches = workings.matches[: len(tracks.ids)]
-    match_discs(tracks.states, tracks.covariances, tracks.radii, discs.positions, discs.covariances, figures.gate, workings.assignment, matches)
+    match_discs(
+        tracks.states, tracks.covariances, tracks.radii, discs.positions, discs.covariances, figures.gate, workings.assignment, matches
+    )
     _correct(tracks, discs, matches, figures, workings)
     judge_sight(beams, tracks.states, tracks.radii, matches, figures.rules.farthest, figures.rules.doubt.past, workings.sight)
     end_tracks(belief, beams.stamp, workings.sight, figures.life)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import astuple, dataclass
 
 import numpy as np
@@ -19,6 +20,7 @@ from arena_core import (
     Tracker,
     Tracks,
 )
+from arena_kernels.entry import entered
 from arena_navigation.local_map.marks import Beams
 from arena_navigation.tracking.alignment import Alignment
 from arena_navigation.tracking.belief import Belief, LifeSpan, Told, write_told
@@ -160,12 +162,15 @@ class KalmanTracker(Tracker):
             LifeSpan(*lasts, motion.speed_std, motion.standing_std),
         )
         self._keeper = ScanKeeper(memory.scans, memory.interval, cut.least)
+        self._belief = Belief.room(0)
+        self._take_in: Callable[..., int] | None = None
+        self._write_told: Callable[..., None] | None = None
         self.reset(None)
 
     def reset(self, grid: OccupancyGrid | None) -> None:
         """Begin an episode without tracks."""
         self._keeper.reset(grid)
-        self._belief = Belief.room(0)
+        self._belief.numbers[:] = 0
         self._told = 0
         self._stamp = -np.inf
 
@@ -174,7 +179,9 @@ class KalmanTracker(Tracker):
         if scan.stamp > self._stamp:
             beams = Beams.of(scan, pose)
             self._belief, workings = self._keeper.room(len(beams.ranges), self._belief)
-            self._told = take_in(beams, beams.stamp - self._stamp, self._keeper.known, self._belief, self._figures, workings)
+            arguments = beams, beams.stamp - self._stamp, self._keeper.known, self._belief, self._figures, workings
+            self._take_in = self._take_in or entered(take_in, *arguments)
+            self._told = self._take_in(*arguments)
             self._keeper.remember(beams)
             self._stamp = beams.stamp
         return self._published(stamp)
@@ -184,6 +191,7 @@ class KalmanTracker(Tracker):
         if not self._told:
             return NO_TRACKS
         told = Told.room(self._told)
-        dt = max(stamp - self._stamp, 0.0)
-        write_told(self._belief, self._figures.life.confirm_hits, dt, self._figures.acceleration_density, told)
+        arguments = self._belief, self._figures.life.confirm_hits, max(stamp - self._stamp, 0.0), self._figures.acceleration_density, told
+        self._write_told = self._write_told or entered(write_told, *arguments)
+        self._write_told(*arguments)
         return Tracks(told.ids, told.states[:, :2].copy(), told.states[:, 2:].copy(), told.radii, told.covariances)
