@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from arena_core import LaserScan, OccupancyGrid, Pose
 from arena_kernels.distance import grid_distance
 from arena_kernels.grids import stack_grids
-from arena_navigation.amcl.beams import beam_ends, predicted, thinned
+from arena_navigation.amcl.beams import Walls, look_of, predicted, thinned, write_ends, write_least
 from arena_navigation.amcl.sensor import Distances, LikelihoodField, match, reweigh, shell_distance, surface_distance
 
 SURFACE, CELLS = Distances(True, True), Distances(False, False)
@@ -27,6 +27,14 @@ def grid():
 def scan(ranges, **fields):
     given = {"stamp": 0.0, "angle_min": -1.0, "angle_increment": 0.1, "range_min": 0.2, "range_max": 5.0, "mount": Pose(0.0, 0.0, 0.0)}
     return LaserScan(**{**given, **fields}, ranges=np.array(ranges, np.float32))
+
+
+def beam_ends(seen, min_range, max_range, least=0.0):
+    """Return where the beams of a scan end, (2, K), and the share that is left."""
+    look = look_of(seen)
+    look.least[:] = least
+    kept, share = write_ends(seen.ranges, min_range, max_range, look)
+    return look.ends[: 2 * kept].reshape(2, kept), share
 
 
 def scores(grid, model, poses, ends):
@@ -144,13 +152,13 @@ def test_thinned_scan_has_evenly_spaced_beams_at_their_own_angles(count, at_most
 
 def test_beams_end_where_range_angle_and_mount_say():
     mount = Pose(0.3, -0.1, 0.5)
-    ends, _ = beam_ends(scan([1.0, 2.0, 3.0], angle_min=0.2, angle_increment=0.7, mount=mount), 0.2, 5.0, 0.0)
+    ends, _ = beam_ends(scan([1.0, 2.0, 3.0], angle_min=0.2, angle_increment=0.7, mount=mount), 0.2, 5.0)
     expected = [mount.compose(Pose(r * math.cos(a), r * math.sin(a))) for r, a in ((1.0, 0.2), (2.0, 0.9), (3.0, 1.6))]
     np.testing.assert_allclose(ends, [[p.x for p in expected], [p.y for p in expected]], rtol=1e-6)
 
 
 def test_beams_that_hit_nothing_or_cannot_be_right_are_left_out():
-    ends, share = beam_ends(scan([math.inf, math.nan, 0.1, 5.0, 4.9]), 0.2, 5.0, 0.0)
+    ends, share = beam_ends(scan([math.inf, math.nan, 0.1, 5.0, 4.9]), 0.2, 5.0)
     assert ends.shape == (2, 1)
     assert share == 1.0
     assert np.hypot(*ends[:, 0]) == pytest.approx(4.9)
@@ -160,8 +168,12 @@ def test_beams_that_end_in_front_of_the_map_are_left_out(grid):
     stack, _ = stack_grids([grid])
     pose = grid.origin.compose(Pose(1.0, 2.5, -0.5))
     whole = scan(np.ones(20), mount=Pose(0.1, 0.0, 0.3), range_max=20.0)
-    expected = predicted(whole, stack, pose)
+    sensor = pose.compose(whole.mount)
+    walls = Walls(stack, (sensor.x, sensor.y, sensor.theta), 0.5)
+    expected = predicted(whole, walls)
     assert np.isfinite(expected).all()
+    write_least(walls, look_of(whole))
+    np.testing.assert_array_equal(look_of(whole).least, expected - 0.5)
     seen = expected + 0.01
     seen[4:9] -= 0.6  # somebody stands there
     seen[12] += 3.0  # a longer range is no sign of people
@@ -173,5 +185,6 @@ def test_beams_that_end_in_front_of_the_map_are_left_out(grid):
 
 def test_predicted_ranges_are_where_the_map_is(grid):
     stack, _ = stack_grids([grid])
-    ranges = predicted(scan(np.ones(1), angle_min=0.0), stack, grid.origin.compose(Pose(0.55, 1.25, 0.0)))
+    sensor = grid.origin.compose(Pose(0.55, 1.25, 0.0))
+    ranges = predicted(scan(np.ones(1), angle_min=0.0), Walls(stack, (sensor.x, sensor.y, sensor.theta), 0.5))
     assert ranges[0] == pytest.approx(2.0 - 0.55, abs=1e-6)

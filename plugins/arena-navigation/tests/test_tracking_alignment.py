@@ -9,8 +9,8 @@ from arena_core import Pose
 from arena_core.testing import component, robot, room
 from arena_core.testing import scan as room_scan
 from arena_navigation.local_map.marks import Beams
-from arena_navigation.tracking.alignment import Alignment, carry, slip
-from arena_navigation.tracking.returns import KnownPlane, PastScans
+from arena_navigation.tracking.alignment import Alignment, Points, carry, slip
+from arena_navigation.tracking.returns import KnownPlane, PastScans, Returns, place_returns
 
 LOOSE = Alignment(1.0, 1.0, 0.01, 0.2, 0.05, 180)
 NOBODY = np.empty((0, 3))
@@ -28,7 +28,9 @@ def found(past_pose, true_pose, believed, grid=None, tracks=NOBODY, change=lambd
     scan.ranges[:] = change(scan.ranges)
     moved = np.zeros(3)
     beams = Beams.of(scan, believed)
-    slip(beams, KnownPlane.of(grid), past, 0, tracks, rules, np.zeros((180, 2)), moved)
+    returns = Returns.room(180)
+    place_returns(beams, KnownPlane.of(grid), np.inf, rules.points, returns)
+    slip(beams, returns, past, 0, tracks, rules, Points.room(180), moved)
     return beams, moved
 
 

@@ -10,7 +10,7 @@ from arena_navigation.local_map.marks import Beams
 from arena_navigation.tracking.clusters import Cut
 from arena_navigation.tracking.discs import PoseDoubt, Rules, Scratch, Shape, find_discs
 from arena_navigation.tracking.legs import Legs
-from arena_navigation.tracking.returns import Doubt, KnownPlane, PastScans
+from arena_navigation.tracking.returns import Doubt, KnownPlane, PastScans, place_returns
 
 SHAPE = Shape(0.3, 0.1, 0.1, 0.6, 0.01, 0.05)
 RULES = Rules(8.0, 0.2, Doubt(0.1, 0.1, 0.02, 0.05, 0.6), Cut(0.15, 2.0, 0.08, 3), SHAPE, PoseDoubt(0.0, 0.0), Legs(0.35, 0.0))
@@ -22,7 +22,8 @@ def found(scan, pose=None, grid=PLANE, past=None, tracks=NO_TRACKS):
     beams = Beams.of(scan, pose or Pose(0.0, 0.0))
     count = len(scan.ranges)
     scratch = Scratch.room(count)
-    n = find_discs(beams, KnownPlane.of(grid), past or PastScans.none(2, count), tracks, RULES, scratch)
+    place_returns(beams, KnownPlane.of(grid), RULES.farthest, count, scratch.returns)
+    n = find_discs(beams, past or PastScans.none(2, count), tracks, RULES, scratch)
     return scratch.discs.first(n)
 
 

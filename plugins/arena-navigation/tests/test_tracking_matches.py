@@ -4,7 +4,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_navigation.tracking.matches import matched
+from arena_navigation.tracking.assignment import Assignment
+from arena_navigation.tracking.matches import match_discs
 
 
 def scene(seed, tracks, discs):
@@ -12,6 +13,13 @@ def scene(seed, tracks, discs):
     states = np.column_stack((random.uniform(-2.0, 2.0, (tracks, 2)), np.zeros((tracks, 2))))
     covariances = np.tile(np.diag((0.05, 0.05, 1.0, 1.0)), (tracks, 1, 1))
     return states, covariances, np.full(tracks, 0.2), random.uniform(-2.0, 2.0, (discs, 2)), np.tile(0.01 * np.eye(2), (discs, 1, 1))
+
+
+def matched(states, covariances, radii, positions, noises, gate):
+    matches = np.full(len(states), -2)
+    room = Assignment.room(len(states), len(positions))
+    match_discs(states, covariances, radii, positions, noises, gate, room, matches)
+    return matches
 
 
 @settings(derandomize=True, deadline=None, max_examples=30)

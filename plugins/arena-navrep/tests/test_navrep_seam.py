@@ -84,7 +84,7 @@ def test_episode_begins_without_memory_of_the_one_before(made):
 
 
 def test_controller_recalls_on_the_robot_what_it_recalled_in_training(made):
-    session = load_policy(str(made.policy), "navrep", made.robot)._session
+    policy = load_policy(str(made.policy), "navrep", made.robot)
     common = ["world.width=12", "world.height=12", "task.pedestrians=3"]
     env = NavigationEnv(
         robot="jackal",
@@ -93,7 +93,7 @@ def test_controller_recalls_on_the_robot_what_it_recalled_in_training(made):
     )
     shown = [env.reset(seed=0)[0].copy()]
     for _ in range(30):
-        action = session.run(None, {session.get_inputs()[0].name: shown[-1][None]})[0][0]
+        action = policy.run(shown[-1][None])[0]
         shown.append(env.step(action)[0].copy())
     problem = env.batch.episodes[0].problem
 

@@ -22,7 +22,7 @@ from arena_core import (
     write_text_whole,
 )
 from arena_policies.card import sha256
-from arena_policies.network import network_content, open_network
+from arena_policies.network import Network, network_content, open_network
 
 FORMAT, VERSION = "arena-world-model", 1
 CODE_MAX = 6.0  # numbers of a code lie within -CODE_MAX .. CODE_MAX
@@ -54,15 +54,15 @@ class PartCard:
 class Part:
     """A network that runs, with its card."""
 
-    def __init__(self, path: Path, card: PartCard, session: Any) -> None:
+    def __init__(self, path: Path, card: PartCard, network: Network) -> None:
         self.path, self.card = path, card
-        self._session, self._input = session, session.get_inputs()[0].name
+        self._network = network
 
     def run(self, numbers: Numbers) -> Numbers:
         """Return what the network makes of rows (N, D); row k depends on row k alone, bit for bit."""
         alone = len(numbers) == 1  # a single row would be multiplied in another order than one of many
         rows = np.repeat(numbers, 2, axis=0) if alone else numbers
-        answer: Numbers = self._session.run(None, {self._input: rows})[0]
+        answer = self._network.run(rows)
         return answer[:1] if alone else answer
 
 

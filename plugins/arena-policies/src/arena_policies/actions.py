@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import ConfigurationError, InvalidCommand, NonNegative, Positive, Robot
-from arena_kernels.compiled import compiled
+from arena_kernels.compiled import borrowing
 
 FloatArray = NDArray[np.float64]
 
@@ -62,21 +62,11 @@ class ActionScale:
 
     def commands(self, actions: NDArray[np.floating]) -> FloatArray:
         """Return velocities (N, 3) in ``base_link`` for actions (N, A), cut to [-1, 1]; raise InvalidCommand for NaN."""
-        shares = 0.5 * (np.clip(np.asarray(actions, np.float64), -1.0, 1.0) + 1.0)
-        if not np.isfinite(shares).all():
+        commands = np.zeros((len(actions), 3))
+        wheelbase = self.wheelbase if "steering" in self.names else 0.0
+        if not _write_commands(np.ascontiguousarray(actions, np.float64), self.low, self.high, wheelbase, self.wz_max, commands):
             raise InvalidCommand("an action is not finite; allowed: numbers in [-1, 1]")
-        values = self.low + shares * (self.high - self.low)
-        commands = np.zeros((len(values), 3))
-        commands[:, 0] = values[:, 0]
-        if "vy" in self.names:
-            commands[:, 1] = values[:, 1]
-        commands[:, 2] = self._turns(values)
         return commands
-
-    def _turns(self, values: FloatArray) -> FloatArray:
-        if "steering" not in self.names:
-            return np.asarray(values[:, -1])
-        return _turn_rates(np.ascontiguousarray(values), self.wheelbase, self.wz_max)
 
 
 def _check_within(name: str, value: float | None, low: float, high: float) -> None:
@@ -84,10 +74,21 @@ def _check_within(name: str, value: float | None, low: float, high: float) -> No
         raise ConfigurationError(f"action.{name} is {value:g}; allowed: {low:g} .. {high:g}, the robot's limits, or null")
 
 
-@compiled
-def _turn_rates(values: FloatArray, wheelbase: float, wz_max: float) -> FloatArray:
-    """Return the turn rates (N,) of cars with speeds and steering angles (N, 2)."""
-    rates = np.empty(len(values))
-    for k in range(len(values)):
-        rates[k] = min(max(values[k, 0] * math.tan(values[k, 1]) / wheelbase, -wz_max), wz_max)
-    return rates
+@borrowing
+def _write_commands(actions: FloatArray, low: FloatArray, high: FloatArray, wheelbase: float, wz_max: float, commands: FloatArray) -> bool:
+    """Write what actions (N, A) mean to ``commands`` (N, 3) and return True, or False where one is not a number.
+
+    With a ``wheelbase``, m, the last one is a car's steering angle, else the turn rate.
+    """
+    last = actions.shape[1] - 1
+    for k in range(len(actions)):
+        value = 0.0
+        for j in range(last + 1):
+            if math.isnan(actions[k, j]):
+                return False
+            share = 0.5 * (min(max(actions[k, j], -1.0), 1.0) + 1.0)
+            value = low[j] + share * (high[j] - low[j])
+            commands[k, 2 if j == last else j] = value
+        if wheelbase > 0.0:
+            commands[k, 2] = min(max(commands[k, 0] * math.tan(value) / wheelbase, -wz_max), wz_max)
+    return True

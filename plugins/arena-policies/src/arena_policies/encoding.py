@@ -36,7 +36,8 @@ class BoundedEncoder(ObservationEncoder):
         """Return new numbers (N, D) within the layout's bounds."""
         rows = np.empty((len(observations.poses), len(self._low)), np.float32)
         self.write(observations, rows)
-        return np.clip(rows, self._low, self._high, out=rows)
+        _cut(rows, self._low, self._high)
+        return rows
 
     @abstractmethod
     def write(self, observations: ObservationBatch, rows: Numbers) -> None:
@@ -83,6 +84,27 @@ def sectors_shown(sectors: int, overlap: int, lidar: Lidar) -> NDArray[np.int64]
         return np.arange(sectors)
     behind = round((math.pi - lidar.angle_min) / (2.0 * math.pi) * sectors)
     return (np.arange(sectors + min(overlap, sectors)) + behind) % sectors
+
+
+@borrowing
+def _cut(rows: Numbers, low: Numbers, high: Numbers) -> None:
+    """Cut ``rows`` (N, D) to bounds (D,); what is not a number stays."""
+    for k in range(rows.shape[0]):
+        for j in range(rows.shape[1]):
+            if rows[k, j] < low[j]:
+                rows[k, j] = low[j]
+            elif rows[k, j] > high[j]:
+                rows[k, j] = high[j]
+
+
+@borrowing
+def all_finite(rows: Numbers) -> bool:
+    """Tell whether all of ``rows`` (N, D) are finite."""
+    for k in range(rows.shape[0]):
+        for j in range(rows.shape[1]):
+            if not math.isfinite(rows[k, j]):
+                return False
+    return True
 
 
 @borrowing

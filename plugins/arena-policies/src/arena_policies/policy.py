@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from arena_core import (
     ConfigurationError,
+    EarlierScans,
     InputFileError,
     NoValidCommand,
     Observation,
@@ -26,17 +27,18 @@ from arena_core import (
 )
 from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.card import PolicyCard, part_path, read_card, sha256
-from arena_policies.encoding import on_any_body
-from arena_policies.network import network_content, open_network
+from arena_policies.encoding import all_finite, on_any_body
+from arena_policies.network import Network, network_content, open_network
+from arena_policies.seen import batch_of_one
 
 
 class PolicyNetwork:
     """Observation to the network's answers; the same in every process, one thread each."""
 
-    def __init__(self, session: Any, encoder: ObservationEncoder, card: PolicyCard) -> None:
-        self._session, self._encoder = session, encoder
-        self._input = session.get_inputs()[0].name
+    def __init__(self, network: Network, encoder: ObservationEncoder, card: PolicyCard) -> None:
+        self._network, self._encoder = network, encoder
         self._memory: ScanMemory | None = None
+        self._earlier = ScanMemory((), 1, 0).earlier()
         self._recalled = encoder.blank(1)
         self.card = card
 
@@ -52,33 +54,37 @@ class PolicyNetwork:
 
     def run(self, numbers: NDArray[np.float32]) -> NDArray[np.float32]:
         """Return the network's answers (N, A) to numbers (N, D) as its encoder writes them."""
-        answers: NDArray[np.float32] = self._session.run(None, {self._input: numbers})[0]
-        return answers
+        return self._network.run(numbers)
 
     def answers(self, observation: Observation, last_command: Twist) -> NDArray[np.float32]:
         """Return the network's answers (1, A) to one more control step; raise NoValidCommand when something is not a number."""
         numbers = self._encoded(self._seen(observation, last_command))
-        if not np.isfinite(numbers).all():
+        if not all_finite(numbers):
             raise NoValidCommand(f"{self.card.planner}: the observation has values that are not finite")
         answers = self.run(numbers)
-        if not np.isfinite(answers).all():
+        if not all_finite(answers):
             raise NoValidCommand(f"{self.card.planner}: the policy answered with values that are not finite")
         return answers
 
     def _seen(self, observation: Observation, last_command: Twist) -> ObservationBatch:
+        return batch_of_one(observation, last_command, self._earlier_scans(observation), self._recalled)
+
+    def _earlier_scans(self, observation: Observation) -> EarlierScans:
+        """Return the scans that the encoder looks back at, and remember the one now."""
         ranges = np.ascontiguousarray(observation.scan.ranges, np.float32)[None]
-        pose = observation.pose.array()[None]
         if self._memory is None:
             self._memory = ScanMemory(self._encoder.lookback, 1, ranges.shape[1])
-            self._memory.begin(np.zeros(1, np.int64), ranges, pose)
-        else:
-            self._memory.remember(ranges, pose)
-        return ObservationBatch.of(observation, last_command, self._memory, self._recalled)
+            self._memory.begin(np.zeros(1, np.int64), ranges, observation.pose.array()[None])
+            self._earlier = self._memory.earlier()
+        elif self._encoder.lookback:
+            self._memory.remember(ranges, observation.pose.array()[None])
+            self._earlier = self._memory.earlier()
+        return self._earlier
 
     def _encoded(self, seen: ObservationBatch) -> NDArray[np.float32]:
         """Return the encoder's numbers, and recall them at the next step, unless some are none."""
         numbers = self._encoder.encode(seen)
-        if self._encoder.recurrent and np.isfinite(numbers).all():
+        if self._encoder.recurrent and all_finite(numbers):
             self._recalled = numbers
         return numbers
 
@@ -86,13 +92,13 @@ class PolicyNetwork:
 class Policy(PolicyNetwork):
     """Observation to velocity: encoder, network, scaling."""
 
-    def __init__(self, session: Any, encoder: ObservationEncoder, scale: ActionScale, card: PolicyCard) -> None:
-        super().__init__(session, encoder, card)
+    def __init__(self, network: Network, encoder: ObservationEncoder, scale: ActionScale, card: PolicyCard) -> None:
+        super().__init__(network, encoder, card)
         self._scale = scale
 
     def command(self, observation: Observation, last_command: Twist) -> Twist:
         """Return the velocity for what is seen; raise NoValidCommand when something in it is not a number."""
-        return Twist.of(self._scale.commands(self.answers(observation, last_command))[0])
+        return Twist(*self._scale.commands(self.answers(observation, last_command))[0].tolist())
 
 
 class Switch(PolicyNetwork):

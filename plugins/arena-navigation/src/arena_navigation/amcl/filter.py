@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from arena_kernels.compiled import borrowing
 from arena_kernels.random import normals
 from arena_kernels.scalars import Integer
+from arena_navigation.amcl.beams import Look, Walls, write_ends, write_least
 from arena_navigation.amcl.clusters import Clusters, best_cluster
 from arena_navigation.amcl.directions import write_directions
 from arena_navigation.amcl.histogram import histogram
@@ -113,6 +114,27 @@ def begin(cloud: Cloud, mean: NDArray[np.float64], root: NDArray[np.float64], ke
         a, b, c = cloud.noise[3 * i], cloud.noise[3 * i + 1], cloud.noise[3 * i + 2]
         for axis in range(3):
             cloud.poses[axis, i] = mean[axis] + root[axis, 0] * a + root[axis, 1] * b + root[axis, 2] * c
+
+
+@borrowing
+def filter_scan(
+    cloud: Cloud,
+    motion: Motion,
+    ranges: NDArray[np.float32],
+    limits: tuple[float, float],
+    walls: Walls,
+    look: Look,
+    field: Field,
+    skipping: Skipping,
+    resampling: Resampling,
+    key: np.uint64,
+    tick: Integer,
+) -> None:
+    """Run one update by those of the beams that have not hit people; ``limits`` are the shortest and the longest range, m."""
+    write_least(walls, look)
+    kept, explained = write_ends(ranges, limits[0], limits[1], look)
+    ends = look.ends[: 2 * kept].reshape(2, kept)
+    filter_update(cloud, motion, ends, explained, field, skipping, resampling, key, tick)
 
 
 @borrowing

@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from arena_core import LaserScan, OccupancyGrid
+from arena_kernels.entry import entered
 from arena_kernels.grids import GridStack, stack_grids
-from arena_navigation.amcl.beams import beam_ends, measured_ranges, rays_of
-from arena_navigation.amcl.filter import Cloud, Resampling, filter_update, filter_update_by_ranges
+from arena_navigation.amcl.beams import Walls, look_of, measured_ranges, predicted, rays_of
+from arena_navigation.amcl.filter import Cloud, Resampling, filter_scan, filter_update_by_ranges
 from arena_navigation.amcl.motion import Motion
 from arena_navigation.amcl.ranges import Mixture, View
-from arena_navigation.amcl.sensor import Distances, LikelihoodField
+from arena_navigation.amcl.sensor import Distances, Field, LikelihoodField
 from arena_navigation.amcl.skipping import NearMap, Skipping
 
 LaserModelType = Literal["beam", "likelihood_field", "likelihood_field_prob"]
-Floats = NDArray[np.float32]
 KEEP_ALL = Skipping(np.empty(0, np.uint8), 0.0, 1.0)
 
 _room = lru_cache(maxsize=8)(lambda beams: np.empty(beams, np.float32))
@@ -37,7 +37,7 @@ class BeamSkipping:
     error_threshold: float
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class LaserModel:
     """A sensor model with its parameters; ``skipping`` None uses every beam."""
 
@@ -47,6 +47,8 @@ class LaserModel:
     distances: Distances
     beam_weight: float
     skipping: BeamSkipping | None
+    _tables: tuple[OccupancyGrid, float, Field, Skipping] | None = None
+    _filter_scan: Callable[..., None] | None = None
 
     def update(
         self,
@@ -55,19 +57,27 @@ class LaserModel:
         motion: Motion,
         scan: LaserScan,
         limits: tuple[float, float],
-        least: Floats | float,
+        walls: Walls,
         resampling: Resampling,
         key: np.uint64,
         tick: int,
     ) -> None:
-        """Run one update of the filter; ``limits`` are the shortest and the longest range, m, beams below ``least`` m are left out."""
+        """Run one update of the filter; ``limits`` are the shortest and the longest range, m."""
         if self.kind == "beam":
+            least = predicted(scan, walls) - walls.short_by if walls.short_by else 0.0
             ranges, explained = measured_ranges(scan, *limits, least)
             filter_update_by_ranges(cloud, motion, ranges, explained, self._view(grid, scan, limits[1]), resampling, key, tick)
         else:
-            ends, explained = beam_ends(scan, *limits, least)
-            field, skipping = grid.derive(self._field(limits[1])), self._skipping(grid)
-            filter_update(cloud, motion, ends, explained, field, skipping, resampling, key, tick)
+            ranges = np.ascontiguousarray(scan.ranges, np.float32)
+            tables = self._tables_of(grid, limits[1])
+            arguments = (cloud, motion, ranges, limits, walls, look_of(scan), *tables, resampling, key, tick)
+            self._filter_scan = self._filter_scan or entered(filter_scan, *arguments)
+            self._filter_scan(*arguments)
+
+    def _tables_of(self, grid: OccupancyGrid, max_range: float) -> tuple[Field, Skipping]:
+        if self._tables is None or self._tables[0] is not grid or self._tables[1] != max_range:
+            self._tables = grid, max_range, grid.derive(self._field(max_range)), self._skipping(grid)
+        return self._tables[2:]
 
     def _field(self, max_range: float) -> LikelihoodField:
         mixture, product = self.mixture, self.kind == "likelihood_field_prob"

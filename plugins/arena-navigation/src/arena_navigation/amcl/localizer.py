@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from arena_core import ConfigurationError, LaserScan, Localizer, OccupancyGrid, Pose, PoseEstimate, Robot, Sensors, wrap_angle
 from arena_kernels.grids import stack_grids
-from arena_navigation.amcl.beams import predicted, thinned
+from arena_navigation.amcl.beams import NO_WALLS, Walls, thinned
 from arena_navigation.amcl.filter import Recovery, Resampling, begin, cloud
 from arena_navigation.amcl.laser import BeamSkipping, LaserModel
 from arena_navigation.amcl.motion import Alphas, motion
@@ -112,32 +112,32 @@ class AmclLocalizer(Localizer):
     def _filter(self, scan: LaserScan, displacement: Pose, believed: Pose) -> bool:
         """Run one update of the filter, at ``believed`` so far, and take its estimate to ``map``; tell whether there is one."""
         laser, resample = self._parameters, self._resample
-        max_range = scan.range_max if laser.max_range < 0.0 else min(laser.max_range, scan.range_max)
-        min_range = scan.range_min if laser.min_range < 0.0 else laser.min_range
+        max_range = float(scan.range_max if laser.max_range < 0.0 else min(laser.max_range, scan.range_max))
+        min_range = float(scan.range_min if laser.min_range < 0.0 else laser.min_range)
         thin = thinned(scan, laser.max_beams)
-        least = self._least(thin, believed)
+        walls = self._walls(scan, believed)
         self._updates += 1
         due = self._updates % resample.interval == 0
         moved = motion(displacement, self._odometry_model, self._alphas)
         resampling = Resampling(due, resample.estimate_after, self._limits, self._free, self._recovery)
-        self._laser.update(self._cloud, self._grid, moved, thin, (min_range, max_range), least, resampling, self._key, self._updates)
+        self._laser.update(self._cloud, self._grid, moved, thin, (min_range, max_range), walls, resampling, self._key, self._updates)
         if resample.estimate_after and not due:
             return False
         self._estimate = self._grid.origin.compose(Pose.of(self._cloud.mean))
         self._covariance = _turned(self._cloud.covariance, self._grid.origin.theta)
         return True
 
-    def _least(self, scan: LaserScan, pose: Pose) -> NDArray[np.float32] | float:
-        """Return the range (B,), m, below which beams, seen from ``pose``, end well in front of the map.
+    def _walls(self, scan: LaserScan, believed: Pose) -> Walls:
+        """Return what the scan's beams are expected to hit, ``base_link`` at ``believed`` in ``map``.
 
         People shorten beams and never lengthen them (Fox, Burgard, Thrun, JAIR 11, 1999, call it a distance filter). The first scan is used
         whole, because only it tells where the robot really starts.
         """
         short_by = self._parameters.short_beam_distance
         if self._stack is None or short_by is None or self._updates == 0:
-            return 0.0
-        least: NDArray[np.float32] = predicted(scan, self._stack, pose) - short_by
-        return least
+            return NO_WALLS
+        sensor = believed.compose(scan.mount)
+        return Walls(self._stack, (sensor.x, sensor.y, sensor.theta), short_by)
 
 
 def laser_model(laser: LaserParameters, beam_skip: BeamSkipParameters) -> LaserModel:

@@ -14,10 +14,12 @@ from numpy.typing import NDArray
 from arena_kernels.compiled import borrowing, inner
 from arena_kernels.scalars import Integer
 from arena_navigation.local_map.marks import Beams
-from arena_navigation.tracking.returns import KnownPlane, PastScans, followed, wall_and_freedom
+from arena_navigation.tracking.returns import PastScans, Returns, chosen, followed, within_a_turn
 
 _STEPS = 8  # of Gauss-Newton at most
 _COARSE, _FINE = 1e-2, 1e-4  # m and rad of a step, after which outliers count less, and after which it is done
+_WIDEST = 20  # beams to either side
+_EDGE = 1e-6  # of a sector at either side, where rounding might tell another beam
 _TURN = 2.0 * math.pi
 
 
@@ -36,22 +38,45 @@ class Alignment(NamedTuple):
     points: int
 
 
+class Points(NamedTuple):
+    """Scratch space: where the chosen beams end, ``ends`` (B, 2), and the line each was last laid on.
+
+    That is the direction of the past scan's beam it was laid through, its own normal, both in ``map``, and its distance from the past
+    sensor, ``lines`` (B, 5), and how many beams to either side it reaches, ``half`` (B,), 0 to look anew; ``found`` (B,) tells whether
+    there is one. ``turns`` are the cosine and sine of so many beams.
+    """
+
+    ends: NDArray[np.float64]
+    half: NDArray[np.int64]
+    lines: NDArray[np.float64]
+    found: NDArray[np.uint8]
+    turns: NDArray[np.float64]
+
+    @staticmethod
+    def room(beams: int) -> Points:
+        """Return room for so many beams."""
+        lines, turns = np.zeros((beams, 5)), np.zeros((_WIDEST + 1, 2))
+        return Points(np.zeros((beams, 2)), np.zeros(beams, np.int64), lines, np.zeros(beams, np.uint8), turns)
+
+
 @borrowing
 def slip(
     beams: Beams,
-    plane: KnownPlane,
+    returns: Returns,
     past: PastScans,
     k: Integer,
     tracks: NDArray[np.float64],
     rules: Alignment,
-    ends: NDArray[np.float64],
+    points: Points,
     moved: NDArray[np.float64],
 ) -> None:
     """Write the motion ``moved`` (3,) = x, y, turn about the sensor, that takes points of the new scan to where scan ``k`` saw them.
 
-    ``ends`` (B, 2) is scratch. At first all that is less than ten outlier distances off counts almost fully.
+    The ``returns`` of the new scan are placed. At first all that is less than ten outlier distances off counts almost fully.
     """
-    count = _standing_ends(beams, plane, tracks, rules, ends)
+    count = _standing_ends(beams, returns, tracks, rules, points)
+    for half in range(_WIDEST + 1):
+        points.turns[half, 0], points.turns[half, 1] = math.cos(half * beams.angle_increment), math.sin(half * beams.angle_increment)
     moved[:] = 0.0
     outlier = 10.0 * rules.outlier
     for step in range(_STEPS):
@@ -62,10 +87,13 @@ def slip(
         used = 0
         c, s = math.cos(moved[2]), math.sin(moved[2])
         for i in range(count):
-            rx, ry = c * ends[i, 0] - s * ends[i, 1], s * ends[i, 0] + c * ends[i, 1]
-            x, y = beams.sensor[0] + rx + moved[0], beams.sensor[1] + ry + moved[1]
-            found, nx, ny, off = _line(beams, past, k, x, y, rules)
-            if not found or abs(off) > 10.0 * rules.outlier:
+            rx, ry = c * points.ends[i, 0] - s * points.ends[i, 1], s * points.ends[i, 0] + c * points.ends[i, 1]
+            dx = beams.sensor[0] + rx + moved[0] - past.sensors[k, 0]
+            dy = beams.sensor[1] + ry + moved[1] - past.sensors[k, 1]
+            _lay(beams, past, k, dx, dy, rules, points, i)
+            nx, ny = points.lines[i, 2], points.lines[i, 3]
+            off = nx * dx + ny * dy - points.lines[i, 4]
+            if not points.found[i] or abs(off) > 10.0 * rules.outlier:
                 continue
             used += 1
             weight = 1.0 / (rules.noise**2 * (1.0 + (off / outlier) ** 2))
@@ -99,52 +127,75 @@ def slip(
 
 
 @inner
-def _standing_ends(beams: Beams, plane: KnownPlane, tracks: NDArray[np.float64], rules: Alignment, ends: NDArray[np.float64]) -> Integer:
+def _standing_ends(beams: Beams, returns: Returns, tracks: NDArray[np.float64], rules: Alignment, points: Points) -> Integer:
     """Write where the chosen beams end, from the sensor in the axes of ``map``, and return how many there are.
 
     Returns on tracks are left out, and, with a map, those far from its walls: what moves by itself must not be taken for the robot's error.
     """
     count: Integer = np.int64(0)
-    for beam in range(0, len(beams.ranges), max(len(beams.ranges) // rules.points, 1)):
-        away = float(beams.ranges[beam])
-        if not beams.range_min <= away <= beams.range_max:
+    for beam in range(0, len(beams.ranges), chosen(beams, rules.points)):
+        if not beams.range_min <= beams.ranges[beam] <= beams.range_max:
             continue
-        angle = beams.sensor[2] + beams.angle_min + beam * beams.angle_increment
-        x, y = away * math.cos(angle), away * math.sin(angle)
-        wall, free = wall_and_freedom(plane, beams.sensor[0] + x, beams.sensor[1] + y)
-        if (free and wall > 10.0 * rules.outlier) or followed(tracks, beams.sensor[0] + x, beams.sensor[1] + y):
+        x, y = returns.x[beam], returns.y[beam]
+        astray = returns.free[beam] and returns.wall[beam] > 10.0 * rules.outlier
+        if astray or followed(tracks, beams.sensor[0] + x, beams.sensor[1] + y):
             continue
-        ends[count, 0], ends[count, 1] = x, y
+        points.ends[count, 0], points.ends[count, 1] = x, y
+        points.half[count] = 0
         count += 1
     return count
 
 
 @inner
-def _line(beams: Beams, past: PastScans, k: Integer, x: float, y: float, rules: Alignment) -> tuple[bool, float, float, float]:
-    """Return whether past scan ``k`` saw a straight piece about a point, its normal, and the point's distance from it."""
-    dx, dy = x - past.sensors[k, 0], y - past.sensors[k, 1]
+def _lay(beams: Beams, past: PastScans, k: Integer, dx: float, dy: float, rules: Alignment, points: Points, i: Integer) -> None:
+    """Write the line that past scan ``k`` saw about point ``i``, ``dx`` and ``dy`` from its sensor, if the one written is not that line.
+
+    As long as the point stays in one beam's sector and about as far away, it is.
+    """
     away = math.sqrt(dx * dx + dy * dy)
-    bearing = ((math.atan2(dy, dx) - past.sensors[k, 2] - beams.angle_min) % _TURN) / beams.angle_increment
+    half = min(max(math.ceil(0.5 * rules.baseline / (max(away, 1e-3) * beams.angle_increment)), 1), _WIDEST)
+    if points.half[i] == half:
+        c, s = points.lines[i, 0], points.lines[i, 1]
+        if abs(c * dy - s * dx) < (0.5 - _EDGE) * beams.angle_increment * (c * dx + s * dy):
+            return
+    bearing = within_a_turn(math.atan2(dy, dx) - past.sensors[k, 2] - beams.angle_min) / beams.angle_increment
     at = round(bearing)
-    half = min(max(math.ceil(0.5 * rules.baseline / (max(away, 1e-3) * beams.angle_increment)), 1), 20)
+    whole = at > 0 and (at + 0.5) * beams.angle_increment < _TURN  # not one that the first beam's sector overlaps
+    points.half[i] = half if whole else 0
+    angle = past.sensors[k, 2] + beams.angle_min + at * beams.angle_increment
+    points.lines[i, 0], points.lines[i, 1] = math.cos(angle), math.sin(angle)
+    points.found[i] = _line(beams, past, k, at, half, rules, points.turns[half], points.lines[i])
+
+
+@inner
+def _line(
+    beams: Beams,
+    past: PastScans,
+    k: Integer,
+    at: Integer,
+    half: Integer,
+    rules: Alignment,
+    turn: NDArray[np.float64],
+    line: NDArray[np.float64],
+) -> bool:
+    """Write normal and distance of the straight piece that past scan ``k`` saw about a beam; return whether there is one."""
     if not half <= at < len(beams.ranges) - half:
-        return False, 0.0, 0.0, 0.0
+        return False
     low, middle, high = past.ranges[k, at - half], past.ranges[k, at], past.ranges[k, at + half]
     if not (beams.range_min <= min(low, middle, high) and max(low, middle, high) <= beams.range_max):
-        return False, 0.0, 0.0, 0.0
+        return False
     # in the frame whose first axis is the beam in the middle
-    c, s = math.cos(half * beams.angle_increment), math.sin(half * beams.angle_increment)
+    c, s = turn[0], turn[1]
     ax, ay, bx, by = low * c, -low * s, high * c, high * s
     length = math.sqrt((bx - ax) ** 2 + (by - ay) ** 2)
     if not 1e-6 < length < 10.0 * rules.baseline:
-        return False, 0.0, 0.0, 0.0
+        return False
     nx, ny = -(by - ay) / length, (bx - ax) / length
     if abs(nx * (middle - ax) - ny * ay) > rules.outlier:
-        return False, 0.0, 0.0, 0.0
-    angle = past.sensors[k, 2] + beams.angle_min + at * beams.angle_increment
-    c, s = math.cos(angle), math.sin(angle)
-    mx, my = c * nx - s * ny, s * nx + c * ny
-    return True, mx, my, mx * dx + my * dy - (nx * ax + ny * ay)
+        return False
+    c, s = line[0], line[1]
+    line[2], line[3], line[4] = c * nx - s * ny, s * nx + c * ny, nx * ax + ny * ay
+    return True
 
 
 @borrowing

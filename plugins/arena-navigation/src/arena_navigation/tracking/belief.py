@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from arena_kernels.compiled import borrowing, inner
+from arena_kernels.scalars import Integer
 from arena_navigation.tracking.discs import Discs
+from arena_navigation.tracking.filter import predict
+from arena_navigation.tracking.sight import GONE, SEEN
 
 
 class Belief(NamedTuple):
-    """N tracks in ``map``: ids (N,), states (N, 4) x, y, vx, vy, covariances (N, 4, 4), radii and their variances (N,).
+    """Tracks in ``map``: ids (N,), states (N, 4) x, y, vx, vy, covariances (N, 4, 4), radii and their variances (N,).
 
     ``hits`` counts the scans that showed it, ``misses`` those since the last hit that should have; ``born_at`` and ``seen_at`` are the
-    stamps of the first and the last hit.
+    stamps of the first and the last hit. Of a room the first ``numbers[0]`` rows are tracks; ``numbers[1]`` is the next one's id.
     """
 
+    numbers: NDArray[np.int64]
     ids: NDArray[np.int32]
     states: NDArray[np.float64]
     covariances: NDArray[np.float64]
@@ -28,37 +34,158 @@ class Belief(NamedTuple):
     seen_at: NDArray[np.float64]
 
     @staticmethod
-    def none() -> Belief:
-        """Return no tracks."""
-        none, whole = np.empty(0), np.empty(0, np.int64)
-        return Belief(np.empty(0, np.int32), np.empty((0, 4)), np.empty((0, 4, 4)), none, none, whole, whole, none, none)
-
-    def where(self, keep: NDArray[np.bool_]) -> Belief:
-        """Return copies of some of the tracks."""
-        return Belief._make(values[keep] for values in self)
-
-    def with_born(self, discs: Discs, chosen: NDArray[np.int64], first_id: int, speed_stds: NDArray[np.float64], stamp: float) -> Belief:
-        """Return all tracks and a new one for each of C chosen discs, resting but for ``speed_stds`` (C,) m/s."""
-        count = len(chosen)
-        if not count:
-            return self
+    def room(count: int) -> Belief:
+        """Return room for so many tracks, and none in it."""
+        radii, variances, born_at, seen_at = np.zeros((4, count))
+        hits, misses = np.zeros((2, count), np.int64)
         states, covariances = np.zeros((count, 4)), np.zeros((count, 4, 4))
-        states[:, :2] = discs.positions[chosen]
-        covariances[:, :2, :2] = discs.covariances[chosen]
-        covariances[:, 2, 2] = covariances[:, 3, 3] = speed_stds**2
-        born = Belief(
-            np.arange(first_id, first_id + count, dtype=np.int32),
-            states,
-            covariances,
-            discs.radii[chosen],
-            discs.radius_variances[chosen],
-            np.ones(count, np.int64),
-            np.zeros(count, np.int64),
-            np.full(count, stamp),
-            np.full(count, stamp),
-        )
-        return Belief._make(_joined(old, new) for old, new in zip(self, born, strict=True))
+        ids = np.zeros(count, np.int32)
+        return Belief(np.zeros(2, np.int64), ids, states, covariances, radii, variances, hits, misses, born_at, seen_at)
+
+    def with_room(self, count: int) -> Belief:
+        """Return the same tracks with room for so many."""
+        larger = Belief.room(count)
+        arrays: Iterable[tuple[NDArray[Any], NDArray[Any]]] = zip(self, larger, strict=True)
+        for old, new in arrays:
+            new[: len(old)] = old
+        return larger
 
 
-def _joined(old: Any, new: Any) -> NDArray[Any]:
-    return np.concatenate((old, new))
+class Told(NamedTuple):
+    """The tracks that are told of: ids (K,), states (K, 4), covariances (K, 4, 4), radii (K,)."""
+
+    ids: NDArray[np.int32]
+    states: NDArray[np.float64]
+    covariances: NDArray[np.float64]
+    radii: NDArray[np.float64]
+
+    @staticmethod
+    def room(count: int) -> Told:
+        """Return room for so many."""
+        return Told(np.empty(count, np.int32), np.empty((count, 4)), np.empty((count, 4, 4)), np.empty(count))
+
+
+class LifeSpan(NamedTuple):
+    """When a track is believed and when it ends, see ``tracker.Life``, and how fast new ones may be, m/s."""
+
+    confirm_hits: int
+    misses: int
+    hidden_for: float
+    position_variance: float
+    speed_std: float
+    standing_std: float
+
+
+@inner
+def present(belief: Belief) -> Belief:
+    """Return the tracks without the room behind them."""
+    n = belief.numbers[0]
+    return Belief(
+        belief.numbers,
+        belief.ids[:n],
+        belief.states[:n],
+        belief.covariances[:n],
+        belief.radii[:n],
+        belief.radius_variances[:n],
+        belief.hits[:n],
+        belief.misses[:n],
+        belief.born_at[:n],
+        belief.seen_at[:n],
+    )
+
+
+@inner
+def write_bodies(tracks: Belief, margin: float, bodies: NDArray[np.float64]) -> None:
+    """Write x, y and reach of all tracks, (N, 3)."""
+    for k in range(len(tracks.ids)):
+        bodies[k, 0], bodies[k, 1], bodies[k, 2] = tracks.states[k, 0], tracks.states[k, 1], tracks.radii[k] + margin
+
+
+@inner
+def end_tracks(belief: Belief, stamp: float, sight: NDArray[np.uint8], life: LifeSpan) -> None:
+    """Count hits and misses by how each track was seen at ``stamp``, and drop those that have ended."""
+    kept = 0
+    for k in range(belief.numbers[0]):
+        if sight[k] == SEEN:
+            belief.hits[k], belief.misses[k], belief.seen_at[k] = belief.hits[k] + 1, 0, stamp
+        if sight[k] == GONE:
+            belief.misses[k] += 1
+        allowed = life.misses if belief.hits[k] >= life.confirm_hits else 1
+        uncertain = max(belief.covariances[k, 0, 0], belief.covariances[k, 1, 1]) > life.position_variance
+        hidden = stamp - belief.seen_at[k] > min(life.hidden_for, belief.seen_at[k] - belief.born_at[k])
+        if not (belief.misses[k] >= allowed or hidden or uncertain):
+            _move(belief, k, kept)
+            kept += 1
+    belief.numbers[0] = kept
+
+
+@inner
+def _move(belief: Belief, k: int, to: int) -> None:
+    belief.ids[to], belief.hits[to], belief.misses[to] = belief.ids[k], belief.hits[k], belief.misses[k]
+    belief.radii[to], belief.radius_variances[to] = belief.radii[k], belief.radius_variances[k]
+    belief.born_at[to], belief.seen_at[to] = belief.born_at[k], belief.seen_at[k]
+    for row in range(4):
+        belief.states[to, row] = belief.states[k, row]
+        for column in range(4):
+            belief.covariances[to, row, column] = belief.covariances[k, row, column]
+
+
+@inner
+def begin_tracks(belief: Belief, stamp: float, discs: Discs, taken: NDArray[np.uint8], life: LifeSpan) -> None:
+    """Begin a resting track at every disc that is not ``taken`` and has its middle in no body that was seen now: that is its other side."""
+    before = belief.numbers[0]
+    for m in range(len(discs.radii)):
+        if not taken[m] and not _in_seen(belief, before, stamp, discs.positions[m]):
+            _begin(belief, stamp, discs, m, life.speed_std if discs.round[m] else life.standing_std)
+
+
+@inner
+def _in_seen(belief: Belief, count: Integer, stamp: float, position: NDArray[np.float64]) -> bool:
+    for k in range(count):
+        if belief.seen_at[k] == stamp:
+            away = np.hypot(position[0] - belief.states[k, 0], position[1] - belief.states[k, 1])
+            if away < belief.radii[k]:
+                return True
+    return False
+
+
+@inner
+def _begin(belief: Belief, stamp: float, discs: Discs, m: Integer, speed_std: float) -> None:
+    k = belief.numbers[0]
+    belief.ids[k] = belief.numbers[1]
+    belief.numbers[0], belief.numbers[1] = k + 1, belief.numbers[1] + 1
+    belief.states[k], belief.covariances[k] = 0.0, 0.0
+    for row in range(2):
+        belief.states[k, row] = discs.positions[m, row]
+        belief.covariances[k, row + 2, row + 2] = speed_std**2
+        for column in range(2):
+            belief.covariances[k, row, column] = discs.covariances[m, row, column]
+    belief.radii[k], belief.radius_variances[k] = discs.radii[m], discs.radius_variances[m]
+    belief.hits[k], belief.misses[k] = 1, 0
+    belief.born_at[k], belief.seen_at[k] = stamp, stamp
+
+
+@inner
+def told(belief: Belief, confirm_hits: int) -> Integer:
+    """Return how many tracks are told of: those of as many hits."""
+    count: Integer = np.int64(0)
+    for k in range(belief.numbers[0]):
+        count += belief.hits[k] >= confirm_hits
+    return count
+
+
+@borrowing
+def write_told(belief: Belief, confirm_hits: int, dt: float, density: float, written: Told) -> None:
+    """Write the tracks that are told of, moved by ``dt`` s as in ``predict``."""
+    to = 0
+    for k in range(belief.numbers[0]):
+        if belief.hits[k] < confirm_hits:
+            continue
+        written.ids[to], written.radii[to] = belief.ids[k], belief.radii[k]
+        for row in range(4):
+            written.states[to, row] = belief.states[k, row]
+            for column in range(4):
+                written.covariances[to, row, column] = belief.covariances[k, row, column]
+        to += 1
+    if dt > 0.0:
+        predict(written.states, written.covariances, dt, density)

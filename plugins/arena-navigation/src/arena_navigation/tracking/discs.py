@@ -13,7 +13,7 @@ from arena_kernels.scalars import Integer
 from arena_navigation.local_map.marks import Beams
 from arena_navigation.tracking.clusters import Cut, Pieces, cut_pieces, full_circle
 from arena_navigation.tracking.legs import Legs, join_legs
-from arena_navigation.tracking.returns import NEW, OLD, Doubt, KnownPlane, PastScans, Returns, note_unknown
+from arena_navigation.tracking.returns import NEW, OLD, Doubt, PastScans, Returns, note_unknown
 
 _STEPS = 8  # of Gauss-Newton at most; three are usual
 _CONVERGED = 1e-5  # m
@@ -92,9 +92,9 @@ class Scratch(NamedTuple):
 
 
 @borrowing
-def find_discs(beams: Beams, plane: KnownPlane, past: PastScans, tracks: NDArray[np.float64], rules: Rules, scratch: Scratch) -> Integer:
-    """Write the bodies that the map does not explain and return their number; ``tracks`` as in ``note_unknown``."""
-    note_unknown(beams, plane, past, tracks, rules.doubt, rules.farthest, rules.body, scratch.returns)
+def find_discs(beams: Beams, past: PastScans, tracks: NDArray[np.float64], rules: Rules, scratch: Scratch) -> Integer:
+    """Write the bodies that the map does not explain and return their number; returns are placed, ``tracks`` as in ``note_unknown``."""
+    note_unknown(beams, past, tracks, rules.doubt, rules.farthest, rules.body, scratch.returns)
     count = cut_pieces(beams, scratch.returns, rules.cut, scratch.pieces)
     for k in range(count):
         fit_disc(beams, scratch.returns, scratch.pieces, k, rules.cut.gap, rules.shape, rules.pose_doubt, scratch.discs)

@@ -4,39 +4,41 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linear_sum_assignment
 
-from arena_kernels.compiled import borrowing
+from arena_kernels.compiled import borrowing, inner
+from arena_kernels.scalars import Integer
+from arena_navigation.tracking.assignment import Assignment, assign
 
 _IMPOSSIBLE = 1e9  # dearer than any sum of possible pairs
 
 
-def matched(
+@borrowing
+def match_discs(
     states: NDArray[np.float64],
     covariances: NDArray[np.float64],
     radii: NDArray[np.float64],
     positions: NDArray[np.float64],
     noises: NDArray[np.float64],
     gate: float,
-) -> NDArray[np.int64]:
-    """Return for each of N tracks the number of its disc, -1 where there is none; (N,).
+    room: Assignment,
+    matches: NDArray[np.int64],
+) -> None:
+    """Write for each of N tracks the number of its disc, -1 where there is none, to ``matches`` (N,).
 
     A disc may be a track's within ``gate`` (squared Mahalanobis distance), or with its middle inside the track's body: bodies do
     not pass through each other.
     """
-    matches = np.full(len(states), -1, np.int64)
-    if not len(states) or not len(positions):
-        return matches
-    costs = np.empty((len(states), len(positions)))
-    write_costs(states, covariances, radii, positions, noises, gate, costs)
-    tracks, discs = linear_sum_assignment(costs)
-    possible = costs[tracks, discs] < _IMPOSSIBLE
-    matches[tracks[possible]] = discs[possible]
-    return matches
+    tracks, discs = len(states), len(positions)
+    _write_costs(states, covariances, radii, positions, noises, gate, room.costs)
+    assign(min(tracks, discs), max(tracks, discs), room)
+    for k in range(tracks):
+        matches[k] = room.column_of[k] if tracks <= discs else room.row_of[k]
+        if matches[k] >= 0 and room.costs[_place(k, matches[k], tracks, discs)] >= _IMPOSSIBLE:
+            matches[k] = -1
 
 
-@borrowing
-def write_costs(
+@inner
+def _write_costs(
     states: NDArray[np.float64],
     covariances: NDArray[np.float64],
     radii: NDArray[np.float64],
@@ -45,7 +47,7 @@ def write_costs(
     gate: float,
     costs: NDArray[np.float64],
 ) -> None:
-    """Write d^2 + ln det S for every pair (N, M): what minus twice the log likelihood differs in."""
+    """Write d^2 + ln det S for every pair: what minus twice the log likelihood differs in."""
     for k in range(len(states)):
         p = covariances[k]
         for m in range(len(positions)):
@@ -55,4 +57,10 @@ def write_costs(
             x, y = positions[m, 0] - states[k, 0], positions[m, 1] - states[k, 1]
             squared = (syy * x * x - 2.0 * sxy * x * y + sxx * y * y) / det
             possible = squared <= gate or x * x + y * y < radii[k] ** 2
-            costs[k, m] = squared + np.log(det) if possible else _IMPOSSIBLE
+            costs[_place(k, m, len(states), len(positions))] = squared + np.log(det) if possible else _IMPOSSIBLE
+
+
+@inner
+def _place(track: Integer, disc: Integer, tracks: Integer, discs: Integer) -> Integer:
+    """Return where the cost of a pair is: rows are what there is less of."""
+    return track * discs + disc if tracks <= discs else disc * tracks + track

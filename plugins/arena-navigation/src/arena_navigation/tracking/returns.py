@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from arena_core import OccupancyGrid
 from arena_kernels.compiled import borrowing, inner
 from arena_kernels.distance import grid_distance
+from arena_kernels.scalars import Integer
 from arena_navigation.local_map.marks import Beams
 
 UNTOLD, OLD, NEW = 0, 1, 2
@@ -72,24 +73,48 @@ class Doubt(NamedTuple):
 class Returns(NamedTuple):
     """Scratch space and result: where each beam ends, ``x`` and ``y`` (B,) from the sensor along the axes of ``map``; which ``counts``.
 
-    ``past`` (B,) is NEW, OLD or UNTOLD.
+    ``wall`` (B,) m and ``free`` (B,) are what the map tells of its end; ``past`` (B,) is NEW, OLD or UNTOLD.
     """
 
     x: NDArray[np.float64]
     y: NDArray[np.float64]
+    wall: NDArray[np.float64]
+    free: NDArray[np.uint8]
     counts: NDArray[np.uint8]
     past: NDArray[np.int8]
 
     @staticmethod
     def room(beams: int) -> Returns:
         """Return room for so many beams."""
-        return Returns(np.zeros(beams), np.zeros(beams), np.zeros(beams, np.uint8), np.zeros(beams, np.int8))
+        x, y, wall = np.zeros((3, beams))
+        free, counts = np.zeros((2, beams), np.uint8)
+        return Returns(x, y, wall, free, counts, np.zeros(beams, np.int8))
+
+
+@borrowing
+def place_returns(beams: Beams, plane: KnownPlane, farthest: float, points: int, returns: Returns) -> None:
+    """Write where beams end, and what the map tells of it: those up to ``farthest`` m, and all of the ``chosen`` ones."""
+    reach = min(farthest, beams.range_max)
+    every = chosen(beams, points)
+    for beam in range(len(beams.ranges)):
+        away = float(beams.ranges[beam])
+        if not beams.range_min <= away <= beams.range_max or (away > reach and beam % every):
+            continue
+        angle = beams.sensor[2] + beams.angle_min + beam * beams.angle_increment
+        returns.x[beam], returns.y[beam] = away * math.cos(angle), away * math.sin(angle)
+        x, y = beams.sensor[0] + returns.x[beam], beams.sensor[1] + returns.y[beam]
+        returns.wall[beam], returns.free[beam] = wall_and_freedom(plane, x, y)
+
+
+@inner
+def chosen(beams: Beams, points: int) -> Integer:
+    """Return of how many beams one is looked at, where about ``points`` are."""
+    return max(len(beams.ranges) // points, 1)
 
 
 @borrowing
 def note_unknown(
     beams: Beams,
-    plane: KnownPlane,
     past: PastScans,
     tracks: NDArray[np.float64],
     doubt: Doubt,
@@ -97,7 +122,7 @@ def note_unknown(
     body: float,
     returns: Returns,
 ) -> None:
-    """Write which returns up to ``farthest`` m count; ``tracks`` (K, 3) are x, y and reach of what is already followed.
+    """Write which placed returns up to ``farthest`` m count; ``tracks`` (K, 3) are x, y and reach of what is already followed.
 
     A return beside an occupied cell is the map's. In a cell that the map says is free every other return counts; where nothing is
     known, one counts that a past scan has seen through, or that lies on a track. Returns within ``body`` m are the robot's own.
@@ -108,16 +133,13 @@ def note_unknown(
         returns.counts[beam] = 0
         if not beams.range_min <= away <= reach:
             continue
-        angle = beams.sensor[2] + beams.angle_min + beam * beams.angle_increment
-        returns.x[beam], returns.y[beam] = away * math.cos(angle), away * math.sin(angle)
+        if returns.wall[beam] < doubt.map + doubt.heading * away:
+            continue
         x, y = beams.sensor[0] + returns.x[beam], beams.sensor[1] + returns.y[beam]
         if math.hypot(x - beams.robot[0], y - beams.robot[1]) < body:
             continue
-        wall, free = wall_and_freedom(plane, x, y)
-        if wall < doubt.map + doubt.heading * away:
-            continue
         returns.past[beam] = _in_the_past(past, beams, x, y, doubt)
-        returns.counts[beam] = free or returns.past[beam] == NEW or followed(tracks, x, y)
+        returns.counts[beam] = returns.free[beam] or returns.past[beam] == NEW or followed(tracks, x, y)
 
 
 @inner
@@ -143,6 +165,14 @@ def wall_and_freedom(plane: KnownPlane, x: float, y: float) -> tuple[float, bool
 
 
 @inner
+def within_a_turn(angle: float) -> float:
+    """Return ``angle % (2 pi)``, which most angles are already or are but for one turn."""
+    if 0.0 <= angle < _TURN:
+        return angle
+    return angle + _TURN if -_TURN < angle < 0.0 else angle % _TURN
+
+
+@inner
 def followed(tracks: NDArray[np.float64], x: float, y: float) -> bool:
     """Tell whether a point lies within reach of a track."""
     for k in range(len(tracks)):  # noqa: SIM110 - numba compiles no generator expressions
@@ -164,7 +194,7 @@ def _in_the_past(past: PastScans, beams: Beams, x: float, y: float, doubt: Doubt
         dx, dy = x - past.sensors[k, 0], y - past.sensors[k, 1]
         away = math.sqrt(dx * dx + dy * dy)
         margin = doubt.past + doubt.heading * away
-        bearing = ((math.atan2(dy, dx) - past.sensors[k, 2] - beams.angle_min) % _TURN) / beams.angle_increment
+        bearing = within_a_turn(math.atan2(dy, dx) - past.sensors[k, 2] - beams.angle_min) / beams.angle_increment
         beside = max(0.5 * margin / max(away, margin) / beams.angle_increment, 1.0)
         if not beside <= bearing < count - 1 - beside:
             continue

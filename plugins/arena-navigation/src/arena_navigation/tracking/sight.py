@@ -7,14 +7,14 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_kernels.compiled import borrowing
+from arena_kernels.compiled import inner
 from arena_navigation.local_map.marks import Beams
 
 SEEN, HIDDEN, GONE = 0, 1, 2
 _TURN = 2.0 * math.pi
 
 
-@borrowing
+@inner
 def judge_sight(
     beams: Beams,
     states: NDArray[np.float64],
@@ -41,7 +41,7 @@ def judge_sight(
         sight[k] = GONE if seen_through or _taken(states, radii, matches, k) else HIDDEN
 
 
-@borrowing
+@inner
 def _taken(states: NDArray[np.float64], radii: NDArray[np.float64], matches: NDArray[np.int64], k: int) -> bool:
     """Tell whether the middle of track k lies inside a body that was seen now and is another track's."""
     for other in range(len(states)):
@@ -52,7 +52,7 @@ def _taken(states: NDArray[np.float64], radii: NDArray[np.float64], matches: NDA
     return False
 
 
-@borrowing
+@inner
 def _open_share(beams: Beams, dx: float, dy: float, away: float, radius: float, behind: float) -> float:
     """Return the share of the beams to the middle half of a disc that end behind it; none beyond the field of view."""
     count = len(beams.ranges)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import astuple, dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from arena_core import (
+    NO_TRACKS,
     ConfigurationError,
     LaserScan,
     NonNegative,
@@ -19,17 +20,16 @@ from arena_core import (
     Tracker,
     Tracks,
 )
+from arena_kernels.entry import entered
 from arena_navigation.local_map.marks import Beams
 from arena_navigation.tracking.alignment import Alignment
-from arena_navigation.tracking.belief import Belief
+from arena_navigation.tracking.belief import Belief, LifeSpan, Told, write_told
 from arena_navigation.tracking.clusters import Cut
-from arena_navigation.tracking.detector import Detector
-from arena_navigation.tracking.discs import Discs, PoseDoubt, Rules, Shape
-from arena_navigation.tracking.filter import POSITION, VELOCITY, correct, correct_radii, place_by_radii, predict
+from arena_navigation.tracking.discs import PoseDoubt, Rules, Shape
+from arena_navigation.tracking.keeper import ScanKeeper
 from arena_navigation.tracking.legs import Legs
-from arena_navigation.tracking.matches import matched
 from arena_navigation.tracking.returns import Doubt
-from arena_navigation.tracking.sight import GONE, SEEN, judge_sight
+from arena_navigation.tracking.step import Figures, take_in
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,92 +152,46 @@ class KalmanTracker(Tracker):
             legs=Legs(legs.width, legs.apart or 0.0),
         )
         alignment = Alignment(align.position, align.heading, shape.noise, align.baseline, align.outlier, align.points)
-        self._detector = Detector(rules, alignment, memory.scans, memory.interval)
-        self._returns = returns
-        self._margin = memory.margin
-        self._gate = gate
-        self._noise = shape.noise
-        self._motion = motion
-        self._life = life
+        lasts = life.confirm_hits, life.misses, life.hidden_for, life.position_std**2
+        self._figures = Figures(
+            rules,
+            alignment,
+            gate,
+            motion.acceleration_density,
+            motion.standing_std**2,
+            LifeSpan(*lasts, motion.speed_std, motion.standing_std),
+        )
+        self._keeper = ScanKeeper(memory.scans, memory.interval, cut.least)
+        self._belief = Belief.room(0)
+        self._take_in: Callable[..., int] | None = None
+        self._write_told: Callable[..., None] | None = None
         self.reset(None)
 
     def reset(self, grid: OccupancyGrid | None) -> None:
         """Begin an episode without tracks."""
-        self._detector.reset(grid)
-        self._belief = Belief.none()
+        self._keeper.reset(grid)
+        self._belief.numbers[:] = 0
+        self._told = 0
         self._stamp = -np.inf
-        self._next_id = 0
 
     def update(self, scan: LaserScan, pose: Pose, stamp: float) -> Tracks:
         """Take in the scan, seen from ``pose`` (base_link in ``map`` at the scan's stamp), if it is new; return the tracks at ``stamp``."""
         if scan.stamp > self._stamp:
             beams = Beams.of(scan, pose)
-            self._predict(beams.stamp)
-            self._detector.align(beams, self._belief)
-            discs = self._detector.discs(beams, self._belief)
-            matches = self._correct(discs)
-            self._end_tracks(beams, matches)
-            self._begin_tracks(discs, matches)
+            self._belief, workings = self._keeper.room(len(beams.ranges), self._belief)
+            arguments = beams, beams.stamp - self._stamp, self._keeper.known, self._belief, self._figures, workings
+            self._take_in = self._take_in or entered(take_in, *arguments)
+            self._told = self._take_in(*arguments)
+            self._keeper.remember(beams)
+            self._stamp = beams.stamp
         return self._published(stamp)
-
-    def _predict(self, stamp: float) -> None:
-        """Move all tracks to the scan's stamp."""
-        if len(self._belief.ids):
-            predict(self._belief.states, self._belief.covariances, stamp - self._stamp, self._motion.acceleration_density)
-        self._stamp = stamp
-
-    def _correct(self, discs: Discs) -> NDArray[np.int64]:
-        """Give each track its disc and take it in; return the matches (N,), -1 for none."""
-        belief = self._belief
-        matches = matched(belief.states, belief.covariances, belief.radii, discs.positions, discs.covariances, self._gate)
-        positions, noises = np.zeros((len(matches), 2)), np.zeros((len(matches), 2, 2))
-        place_by_radii(matches, discs, belief.radii, belief.radius_variances, self._noise, positions, noises)
-        own = np.where(matches >= 0, np.arange(len(matches)), -1)
-        correct(belief.states, belief.covariances, own, positions, noises, POSITION)
-        self._hold_still(discs, matches)
-        correct_radii(belief.radii, belief.radius_variances, matches, discs.radii, discs.radius_variances)
-        return matches
-
-    def _hold_still(self, discs: Discs, matches: NDArray[np.int64]) -> None:
-        """Measure zero velocity of what stands where it stood: what is seen of it may shift as the robot drives by."""
-        standing = np.where((matches >= 0) & discs.standing[matches].astype(np.bool_), matches, -1) if len(discs.radii) else matches
-        count = len(discs.radii)
-        still = np.tile(self._motion.standing_std**2 * np.eye(2), (count, 1, 1))
-        correct(self._belief.states, self._belief.covariances, standing, np.zeros((count, 2)), still, VELOCITY)
-
-    def _end_tracks(self, beams: Beams, matches: NDArray[np.int64]) -> None:
-        """Count hits and misses, and drop the tracks that have ended."""
-        belief, life = self._belief, self._life
-        sight = np.empty(len(belief.ids), np.uint8)
-        judge_sight(beams, belief.states, belief.radii, matches, self._returns.range, self._margin, sight)
-        belief.hits[sight == SEEN] += 1
-        belief.misses[sight == SEEN] = 0
-        belief.seen_at[sight == SEEN] = beams.stamp
-        belief.misses[sight == GONE] += 1
-        allowed = np.where(belief.hits >= life.confirm_hits, life.misses, 1)
-        uncertain = np.maximum(belief.covariances[:, 0, 0], belief.covariances[:, 1, 1]) > life.position_std**2
-        hidden = beams.stamp - belief.seen_at > np.minimum(life.hidden_for, belief.seen_at - belief.born_at)
-        ended = (belief.misses >= allowed) | hidden | uncertain
-        self._belief = belief.where(~ended)
-
-    def _begin_tracks(self, discs: Discs, matches: NDArray[np.int64]) -> None:
-        """Begin a track at every disc that is no track's, and whose middle is in no body that was seen now: that is another side of it."""
-        free = np.ones(len(discs.radii), np.bool_)
-        free[matches[matches >= 0]] = False
-        free &= ~self._inside_seen(discs)
-        chosen = np.flatnonzero(free)
-        speeds = np.where(discs.round[chosen], self._motion.speed_std, self._motion.standing_std)
-        self._belief = self._belief.with_born(discs, chosen, self._next_id, speeds, self._stamp)
-        self._next_id += len(chosen)
 
     def _published(self, stamp: float) -> Tracks:
         """Return the tracks that are believed, moved to ``stamp``."""
-        told = self._belief.where(self._belief.hits >= self._life.confirm_hits)
-        if len(told.ids) and stamp > self._stamp:
-            predict(told.states, told.covariances, stamp - self._stamp, self._motion.acceleration_density)
+        if not self._told:
+            return NO_TRACKS
+        told = Told.room(self._told)
+        arguments = self._belief, self._figures.life.confirm_hits, max(stamp - self._stamp, 0.0), self._figures.acceleration_density, told
+        self._write_told = self._write_told or entered(write_told, *arguments)
+        self._write_told(*arguments)
         return Tracks(told.ids, told.states[:, :2].copy(), told.states[:, 2:].copy(), told.radii, told.covariances)
-
-    def _inside_seen(self, discs: Discs) -> NDArray[np.bool_]:
-        seen = self._belief.where(self._belief.seen_at == self._stamp)
-        away = np.hypot(*(discs.positions[:, None] - seen.states[:, :2]).transpose(2, 0, 1))
-        return np.asarray((away < seen.radii).any(axis=1))

@@ -1,0 +1,153 @@
+"""One scan taken in by the tracker: a single compiled call."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_kernels.compiled import borrowing, inner
+from arena_kernels.scalars import Integer
+from arena_navigation.local_map.marks import Beams
+from arena_navigation.tracking.alignment import Alignment, Points, carry, slip
+from arena_navigation.tracking.assignment import Assignment
+from arena_navigation.tracking.belief import Belief, LifeSpan, begin_tracks, end_tracks, present, told, write_bodies
+from arena_navigation.tracking.discs import Discs, Rules, Scratch, find_discs
+from arena_navigation.tracking.filter import POSITION, VELOCITY, correct, correct_radii, place_by_radii, predict
+from arena_navigation.tracking.matches import match_discs
+from arena_navigation.tracking.returns import KnownPlane, PastScans, place_returns
+from arena_navigation.tracking.sight import judge_sight
+
+
+class Figures(NamedTuple):
+    """All figures of the tracker; ``standing_variance``, (m/s)^2, is that of the speed of a body that stands."""
+
+    rules: Rules
+    alignment: Alignment
+    gate: float
+    acceleration_density: float
+    standing_variance: float
+    life: LifeSpan
+
+
+class Known(NamedTuple):
+    """What a scan is held against: the map, and past scans, of which ``newest`` is the last one; -1 where there is none."""
+
+    plane: KnownPlane
+    past: PastScans
+    newest: int
+
+
+class Workings(NamedTuple):
+    """Scratch space for N tracks: their ``bodies`` (N, 3), ``matches``, ``own`` and ``sight`` (N,), what is measured of each; and more."""
+
+    scratch: Scratch
+    points: Points
+    moved: NDArray[np.float64]
+    bodies: NDArray[np.float64]
+    positions: NDArray[np.float64]
+    noises: NDArray[np.float64]
+    matches: NDArray[np.int64]
+    own: NDArray[np.int64]
+    sight: NDArray[np.uint8]
+    taken: NDArray[np.uint8]
+    assignment: Assignment
+
+    @staticmethod
+    def room(beams: int, tracks: int, discs: int) -> Workings:
+        """Return room for so many beams, tracks and discs."""
+        matches, own = np.zeros((2, tracks), np.int64)
+        return Workings(
+            Scratch.room(beams),
+            Points.room(beams),
+            np.zeros(3),
+            np.zeros((tracks, 3)),
+            np.zeros((tracks, 2)),
+            np.zeros((tracks, 2, 2)),
+            matches,
+            own,
+            np.zeros(tracks, np.uint8),
+            np.zeros(discs, np.uint8),
+            Assignment.room(tracks, discs),
+        )
+
+    def fits(self, beams: int, tracks: int, discs: int) -> bool:
+        """Tell whether this is the room for so many."""
+        return (len(self.points.half), len(self.matches), len(self.taken)) == (beams, tracks, discs)
+
+
+@borrowing
+def take_in(beams: Beams, dt: float, known: Known, belief: Belief, figures: Figures, workings: Workings) -> Integer:
+    """Take in a scan, ``dt`` s after the last one; return how many tracks are told of."""
+    tracks = present(belief)
+    predict(tracks.states, tracks.covariances, dt, figures.acceleration_density)
+    _align(beams, known, tracks, figures, workings)
+    discs = _detect(beams, known, tracks, figures, workings)
+    matches = workings.matches[: len(tracks.ids)]
+    match_discs(
+        tracks.states, tracks.covariances, tracks.radii, discs.positions, discs.covariances, figures.gate, workings.assignment, matches
+    )
+    _correct(tracks, discs, matches, figures, workings)
+    judge_sight(beams, tracks.states, tracks.radii, matches, figures.rules.farthest, figures.rules.doubt.past, workings.sight)
+    end_tracks(belief, beams.stamp, workings.sight, figures.life)
+    _note_taken(matches, len(discs.radii), workings.taken)
+    begin_tracks(belief, beams.stamp, discs, workings.taken, figures.life)
+    return told(belief, figures.life.confirm_hits)
+
+
+@inner
+def _align(beams: Beams, known: Known, tracks: Belief, figures: Figures, workings: Workings) -> None:
+    """Place the returns; move all that is remembered by how far the pose estimate has slipped since the last scan that was kept."""
+    returns = workings.scratch.returns
+    place_returns(beams, known.plane, figures.rules.farthest, figures.alignment.points, returns)
+    if known.newest >= 0:
+        bodies = workings.bodies[: len(tracks.ids)]
+        write_bodies(tracks, figures.rules.doubt.past, bodies)
+        slip(beams, returns, known.past, known.newest, bodies, figures.alignment, workings.points, workings.moved)
+        carry(beams, workings.moved, tracks.states, tracks.covariances, known.past.sensors)
+
+
+@inner
+def _detect(beams: Beams, known: Known, tracks: Belief, figures: Figures, workings: Workings) -> Discs:
+    """Return the bodies that this scan shows; returns on a track count anywhere."""
+    bodies = workings.bodies[: len(tracks.ids)]
+    write_bodies(tracks, figures.rules.doubt.past, bodies)
+    count = find_discs(beams, known.past, bodies, figures.rules, workings.scratch)
+    discs = workings.scratch.discs
+    return Discs(
+        discs.positions[:count],
+        discs.covariances[:count],
+        discs.radii[:count],
+        discs.radius_variances[:count],
+        discs.leanings[:count],
+        discs.round[:count],
+        discs.standing[:count],
+    )
+
+
+@inner
+def _correct(tracks: Belief, discs: Discs, matches: NDArray[np.int64], figures: Figures, workings: Workings) -> None:
+    """Take in where each track's disc lies, given its radius, that what stands where it stood does not move, and the radius.
+
+    What is seen of a body that stands may shift as the robot drives by.
+    """
+    positions, noises, own = workings.positions, workings.noises, workings.own[: len(matches)]
+    place_by_radii(matches, discs, tracks.radii, tracks.radius_variances, figures.rules.shape.noise, positions, noises)
+    for k in range(len(matches)):
+        own[k] = k if matches[k] >= 0 else -1
+    correct(tracks.states, tracks.covariances, own, positions, noises, POSITION)
+    for k in range(len(matches)):
+        own[k] = k if matches[k] >= 0 and discs.standing[matches[k]] else -1
+        positions[k], noises[k] = 0.0, 0.0
+        noises[k, 0, 0], noises[k, 1, 1] = figures.standing_variance, figures.standing_variance
+    correct(tracks.states, tracks.covariances, own, positions, noises, VELOCITY)
+    correct_radii(tracks.radii, tracks.radius_variances, matches, discs.radii, discs.radius_variances)
+
+
+@inner
+def _note_taken(matches: NDArray[np.int64], discs: Integer, taken: NDArray[np.uint8]) -> None:
+    taken[:discs] = 0
+    for k in range(len(matches)):
+        if matches[k] >= 0:
+            taken[matches[k]] = 1
