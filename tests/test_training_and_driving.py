@@ -131,7 +131,7 @@ def test_robots_that_localise_and_plan_anew_in_training_see_what_they_would_in_a
 
     planner = Replay(parts.encoder, parts.scale.commands(actions))
     navigator = drive(planner, batch.episodes[0].problem.scenario, robot, len(actions), ["replan.period=0.7", "replan.gain=0", *BRAIN[-2:]])
-    assert not np.array_equal(navigator._path.poses, batch.episodes[0].problem.path.poses)  # it has planned anew on the way
+    assert not np.array_equal(navigator._way.path.poses, batch.episodes[0].problem.path.poses)  # it has planned anew on the way
     assert len(planner.seen) == len(actions)
     assert all((seen == before).all() for seen, before in zip(planner.seen, shown, strict=False))
 

@@ -52,7 +52,8 @@ def told(found: Profile, most: int) -> list[str]:
     lines += [f"ms an episode: {', '.join(once)}", "", f"{'ms a step':>9}  calls  most time in (Python as the profiler slows it)"]
     for called in found.functions[:most]:
         file, line, name = called.place
-        where = f"{Path(file).parent.name}/{Path(file).name}:{line}"
+        where = "called directly" if file == "~" else f"{Path(file).parent.name}/{Path(file).name}:{line}"
+        name = name.removeprefix("<built-in method ").partition(" of ")[0]
         kind = " compiled" if called.compiled else ""
         lines.append(f"{called.own * each:9.4f}{called.calls / found.steps:7.2f}  {name} ({where}){kind}")
     return lines

@@ -22,6 +22,7 @@ from arena_core.runs.rows import evaluate
 T = TypeVar("T")
 Place = tuple[str, int, str]  # file, line, function: as the profiler names it
 REST = "loop"
+CLOSURE = " of _dynfunc._Closure"  # how the profiler calls what numba compiled
 TASK, METRICS = "task", "metrics"  # once an episode; all others once a control step or less
 
 
@@ -184,8 +185,9 @@ def _in_part(watch: Clock | Profilers, part: str, method: Callable[..., T]) -> C
 
 
 def _spent(cpu: float, functions: Mapping[Place, Any], compiled: set[Place], own: Sequence[str]) -> Spent:
-    within_compiled = sum(own_time for place, (_, _, own_time, _, _) in functions.items() if place in compiled)
-    within_libraries = sum(time for place, (_, _, time, _, _) in functions.items() if place not in compiled and not _is_own(place, own))
+    times = {place: own_time for place, (_, _, own_time, _, _) in functions.items()}
+    within_compiled = sum(time for place, time in times.items() if _is_compiled(place, compiled))
+    within_libraries = sum(time for place, time in times.items() if not _is_compiled(place, compiled) and not _is_own(place, own))
     return Spent(cpu, within_compiled, within_libraries)
 
 
@@ -194,10 +196,15 @@ def _functions(parts: Any, compiled: set[Place], own: Sequence[str]) -> list[Cal
     calls, times = Counter[Place](), Counter[Place]()
     for functions in parts:
         for place, (_, called, own_time, _, _) in functions.items():
-            if place in compiled or _is_own(place, own):
+            if _is_compiled(place, compiled) or _is_own(place, own):
                 calls[place] += called
                 times[place] += own_time
-    return [Called(place, place in compiled, calls[place], time) for place, time in times.most_common() if place[0] != __file__]
+    return [Called(place, _is_compiled(place, compiled), calls[place], time) for place, time in times.most_common() if place[0] != __file__]
+
+
+def _is_compiled(place: Place, compiled: set[Place]) -> bool:
+    """Tell whether a function is compiled: called through its dispatcher, or as the code that numba keeps for it (arena_kernels.entry)."""
+    return place in compiled or CLOSURE in place[2]
 
 
 def _is_own(place: Place, folders: Sequence[str]) -> bool:

@@ -6,10 +6,10 @@ from collections import deque
 
 import numpy as np
 
-from arena_core import Costmap
 from arena_dwa.settings import Approach, Body, FieldArray
 from arena_dwa.trajectory import Stand, arc, moved
 from arena_kernels.compiled import borrowing, compiled
+from arena_kernels.entry import Entered
 from arena_kernels.window import Window, clearance
 
 STEPS = 10  # that an arc is looked at, evenly over the critic's time
@@ -75,7 +75,8 @@ class ClosingSpeeds:
     """Remembers the windows of the last ``lapse`` s, to compare the newest with the oldest."""
 
     def __init__(self, lapse: float, least: float, greatest: float) -> None:
-        self._fields: deque[tuple[float, Costmap]] = deque()
+        self._fields: deque[tuple[float, Window]] = deque()
+        self._closing_speed = Entered(closing_speed)
         self._lapse = lapse
         self._least = least
         self._greatest = greatest
@@ -84,13 +85,15 @@ class ClosingSpeeds:
         """Forget all."""
         self._fields.clear()
 
-    def update(self, stamp: float, costmap: Costmap) -> FieldArray:
+    def update(self, stamp: float, window: Window) -> FieldArray:
         """Take in the window at ``stamp`` (s) and return the closing speed at each of its cells."""
-        self._fields.append((stamp, costmap))
+        self._fields.append((stamp, window))
         while stamp - self._fields[0][0] > self._lapse + 1e-9:
             self._fields.popleft()
         began, before = self._fields[0]
-        if stamp - began <= 0.0 or before.resolution != costmap.resolution:
-            return np.zeros(costmap.distance.shape, np.float32)
-        left, down = np.rint((costmap.origin_xy - before.origin_xy) / costmap.resolution).astype(int).tolist()
-        return closing_speed(before.distance, costmap.distance, costmap.resolution, down, left, stamp - began, self._least, self._greatest)
+        if stamp - began <= 0.0 or before.resolution != window.resolution:
+            return np.zeros(window.distance.shape, np.float32)
+        left = round((window.origin_x - before.origin_x) / window.resolution)
+        down = round((window.origin_y - before.origin_y) / window.resolution)
+        lapse, fields = stamp - began, (before.distance, window.distance)
+        return self._closing_speed(*fields, window.resolution, down, left, lapse, self._least, self._greatest)

@@ -31,6 +31,7 @@ from arena_dwa.trajectory import stand_at
 from arena_dwa.turning import TurnInPlace
 from arena_dwa.way_out import WayOut
 from arena_dwa.window import dynamic_window
+from arena_kernels.entry import Entered
 from arena_kernels.window import Window, clearance, window_of
 
 
@@ -63,6 +64,7 @@ class DwaPlanner(Planner):
         self._arrival = Arrival(goal, in_force)
         self._period = robot.control_period
         self._sim_period = roll_out.sim_period
+        self._map_grids, self._cheapest_sample = Entered(map_grids), Entered(cheapest_sample)
 
     def reset(self, episode: EpisodeStart) -> None:
         """Forget the directions driven before."""
@@ -76,7 +78,8 @@ class DwaPlanner(Planner):
 
     def compute_velocity(self, observation: Observation) -> Twist:
         """Return the cheapest admissible velocity of the window; raise NoValidCommand when every one is rejected."""
-        window, state, path = window_of(observation.local_map), _state(observation), observation.path.poses
+        window, state = window_of(observation.local_map), _state(observation)
+        path = np.ascontiguousarray(observation.path.poses, np.float64)
         if len(path) == 0:
             raise NoValidCommand("dwa: the path is empty")
         lapse = self._period if self._sim_period is None else self._sim_period
@@ -86,8 +89,8 @@ class DwaPlanner(Planner):
                 raise NoValidCommand("dwa: stopping or turning at the goal would collide")
             return Twist(*at_goal.tolist())
         settings = self._settings
-        grids = map_grids(window, settings.body, path, state[0], state[1], settings.scales.forward_point_distance)
-        speeds = self._closing.update(observation.stamp, observation.local_map)
+        grids = self._map_grids(window, settings.body, path, state[0], state[1], settings.scales.forward_point_distance)
+        speeds = self._closing.update(observation.stamp, window)
         reachable = dynamic_window(state[3:], settings.limits, lapse)
         too_long = self._standing.too_long(observation.pose, observation.stamp)
         approached = _approached(speeds)
@@ -102,7 +105,7 @@ class DwaPlanner(Planner):
         self._way_out.clear()
         turn = None if approached else self._turn.narrowed(reachable, observation.pose, observation.twist.wz, path)
         for velocities in (reachable,) if turn is None else (turn, reachable):
-            best = cheapest_sample(window, grids, speeds, path, state, velocities, self._period, settings, self._oscillation.only)
+            best = self._cheapest_sample(window, grids, speeds, path, state, velocities, self._period, settings, self._oscillation.only)
             if math.isfinite(best[3]):
                 return self._driven(observation, best[:3])
         raise NoValidCommand("dwa: every velocity of the window collides, oscillates or is too slow")

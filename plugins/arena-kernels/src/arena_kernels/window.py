@@ -80,7 +80,8 @@ class FootprintFields(Protocol):
 def window_of(costmap: CostmapFields) -> Window:
     """Return a costmap as kernels take it."""
     x, y = costmap.origin_xy.tolist()
-    return Window(costmap.costs, costmap.distance, float(costmap.resolution), x, y)
+    costs, distance = np.ascontiguousarray(costmap.costs, np.uint8), np.ascontiguousarray(costmap.distance, np.float32)
+    return Window(costs, distance, float(costmap.resolution), x, y)
 
 
 def footprint_outline(footprint: FootprintFields) -> Outline:

@@ -19,6 +19,7 @@ from arena_core import (
     with_obstacles,
 )
 from arena_kernels.crowds import Crowds, Robots
+from arena_kernels.entry import Entered
 from arena_kernels.terrain import Terrain
 from arena_pedsim.forces.crowd_step import step_crowds
 from arena_pedsim.parameters import (
@@ -86,6 +87,7 @@ class SocialForceModel(PedestrianModel):
         self._population = Population(0)
         self._society = Society(0, behaviour)
         self._terrain = Terrain(self._cell)
+        self._step_crowds = Entered(step_crowds)
 
     def reset(self, slots: NDArray[np.int64], scenarios: Sequence[Scenario], total: int) -> Crowd:
         """Begin ``scenarios`` in these slots; worlds in other slots are returned as ``step`` left them.
@@ -116,12 +118,19 @@ class SocialForceModel(PedestrianModel):
         People who ignore robots are the same whatever ``robots`` do, unless they come or go, or wait for a robot, or want a guide.
         """
         population = self._population
-        crowds = Crowds(crowd.counts, crowd.positions.copy(), crowd.velocities.copy(), crowd.radii, crowd.states.copy())
-        moving, land = Robots(robots.poses, robots.velocities_xy, float(robots.radius)), self._terrain.land
+        crowds = Crowds(
+            np.ascontiguousarray(crowd.counts, np.int32),
+            np.array(crowd.positions, np.float64, order="C"),
+            np.array(crowd.velocities, np.float64, order="C"),
+            np.ascontiguousarray(crowd.radii, np.float64),
+            np.array(crowd.states, np.int8, order="C"),
+        )
+        poses, velocities = np.ascontiguousarray(robots.poses, np.float64), np.ascontiguousarray(robots.velocities_xy, np.float64)
+        moving, land = Robots(poses, velocities, float(robots.radius)), self._terrain.land
         if self._society.lively:
             social, rules = self._society.social, self._table.rules
             step_states(crowds, population.people, social, moving, ticks, float(dt), land, rules, self._parameters)
-        wishes = step_crowds(crowds, population.people, population.corners, land, moving, float(dt), self._parameters)
+        wishes = self._step_crowds(crowds, population.people, population.corners, land, moving, float(dt), self._parameters)
         population.crowd = Crowd(crowd.counts, crowd.ids, crowds.positions, crowds.velocities, crowd.radii, crowds.states)
         if wishes:
             come_and_go(crowds, population.people, population.waypoints, moving, land, self._parameters)

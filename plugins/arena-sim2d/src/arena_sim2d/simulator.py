@@ -24,6 +24,7 @@ from arena_core import (
     Snapshot,
     Step,
 )
+from arena_kernels.entry import Entered
 from arena_kernels.pool import GridPool
 from arena_sim2d.bodies import Floats, Rows, Worlds
 from arena_sim2d.motion import chassis
@@ -59,6 +60,7 @@ class Sim2d(Simulator):
         self._wheels = wheels(robot.odometry, robot.holonomic, inner_step)
         self._scanner = scanner(robot.lidar, inner_step)
         self._header = _header(robot)
+        self._run_ticks, self._measure_gaps, self._take_strides = Entered(run_ticks), Entered(measure_gaps), Entered(take_strides)
         self._pool = GridPool()
         self._edges = (self._crowd_ticks + 1) // 2  # a contact ends a tick after it began at the earliest
         self._scenarios: list[Scenario] = []
@@ -97,7 +99,7 @@ class Sim2d(Simulator):
         self._worlds = begin(self._worlds, self._scenarios, slots, self._crowd, self._pool, self._edges)
         if self._pedestrians.gait is not None:
             begin_walking(self._worlds.people, self._pedestrians.walks(self._crowd), scenarios, slots)
-        measure_gaps(self._worlds, slots, self._gaps)
+        self._measure_gaps(self._worlds, slots, self._gaps)
         check_starts(self._gaps, self._scenarios, slots)
         scan_slots(self._worlds, self._scanner, self._ranges, slots)
 
@@ -118,7 +120,7 @@ class Sim2d(Simulator):
                 count_steps(self._worlds, self._crowd_ticks * self.inner_step)
             left -= now
         self._contacts = [tuple(world) for world in edges]
-        measure_gaps(self._worlds, self._slots, self._gaps)
+        self._measure_gaps(self._worlds, self._slots, self._gaps)
         return self._snapshot()
 
     def _ask_crowd(self) -> None:
@@ -128,7 +130,8 @@ class Sim2d(Simulator):
         in_map = velocities * np.cos(poses[:, 2:]) + velocities[:, ::-1] * np.sin(poses[:, 2:]) * (-1.0, 1.0)
         batch = RobotBatch(poses, in_map, self._robot.footprint.radius)
         self._crowd = self._pedestrians.step(self._people_now(), batch, robots["tick"].copy(), ticks * self.inner_step)
-        take_strides(self._worlds, self._crowd.positions, self._crowd.velocities, ticks)
+        wanted = np.ascontiguousarray(self._crowd.positions, np.float64), np.ascontiguousarray(self._crowd.velocities, np.float64)
+        self._take_strides(self._worlds, *wanted, ticks)
 
     def _people_now(self) -> Crowd:
         """Return the people where they really are, in the states that the pedestrian model gave them; who waits to come is absent."""
@@ -140,7 +143,7 @@ class Sim2d(Simulator):
 
     def _run(self, commands: Floats, ticks: int, scan_within: int) -> None:
         self._worlds.robots["contacts"] = 0
-        run_ticks(
+        self._run_ticks(
             self._worlds,
             self._chassis,
             self._wheels,

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Literal
 
 import numpy as np
 
 from arena_core import LaserScan, OccupancyGrid
-from arena_kernels.entry import entered
+from arena_kernels.entry import Entered
 from arena_kernels.grids import GridStack, stack_grids
 from arena_navigation.amcl.beams import Walls, look_of, measured_ranges, predicted, rays_of
 from arena_navigation.amcl.filter import Cloud, Resampling, filter_scan, filter_update_by_ranges
@@ -48,7 +48,7 @@ class LaserModel:
     beam_weight: float
     skipping: BeamSkipping | None
     _tables: tuple[OccupancyGrid, float, Field, Skipping] | None = None
-    _filter_scan: Callable[..., None] | None = None
+    _filter_scan: Callable[..., None] = field(default_factory=lambda: Entered(filter_scan))
 
     def update(
         self,
@@ -70,9 +70,7 @@ class LaserModel:
         else:
             ranges = np.ascontiguousarray(scan.ranges, np.float32)
             tables = self._tables_of(grid, limits[1])
-            arguments = (cloud, motion, ranges, limits, walls, look_of(scan), *tables, resampling, key, tick)
-            self._filter_scan = self._filter_scan or entered(filter_scan, *arguments)
-            self._filter_scan(*arguments)
+            self._filter_scan(cloud, motion, ranges, limits, walls, look_of(scan), *tables, resampling, key, tick)
 
     def _tables_of(self, grid: OccupancyGrid, max_range: float) -> tuple[Field, Skipping]:
         if self._tables is None or self._tables[0] is not grid or self._tables[1] != max_range:

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from arena_core import Costmap, LaserScan, LocalMap, NonNegative, OccupancyGrid, Pose, Positive, Robot
+from arena_kernels.entry import Entered
 from arena_navigation.local_map.evidence import Evidence
 from arena_navigation.local_map.mapping import SeenMap, with_marks
 from arena_navigation.local_map.marks import NEVER, Beams, Reach
@@ -43,6 +44,7 @@ class RollingMap(LocalMap):
         self._evidence = evidence
         self._table = Inflation(inscribed, inflation_radius, cost_scaling_factor).table(resolution)
         self._use_map = use_map
+        self._window_with = Entered(window_with)
         self.reset(None)
 
     def reset(self, grid: OccupancyGrid | None) -> None:
@@ -59,7 +61,7 @@ class RollingMap(LocalMap):
         """Take in one scan and return the window around ``pose``."""
         beams = Beams.of(scan, pose)
         self._move_to(pose)
-        costs, distance = window_with(self._hit_at, self._static, self._corner, self._resolution, beams, self._reach, self._table)
+        costs, distance = self._window_with(self._hit_at, self._static, self._corner, self._resolution, beams, self._reach, self._table)
         if self._seen is not None:
             self._seen.update(beams)
         return Costmap(costs, distance, self._resolution, np.array(self._corner[::-1]) * self._resolution)

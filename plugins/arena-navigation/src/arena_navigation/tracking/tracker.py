@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import astuple, dataclass
 
 import numpy as np
@@ -20,7 +19,7 @@ from arena_core import (
     Tracker,
     Tracks,
 )
-from arena_kernels.entry import entered
+from arena_kernels.entry import Entered
 from arena_navigation.local_map.marks import Beams
 from arena_navigation.tracking.alignment import Alignment
 from arena_navigation.tracking.belief import Belief, LifeSpan, Told, write_told
@@ -163,8 +162,7 @@ class KalmanTracker(Tracker):
         )
         self._keeper = ScanKeeper(memory.scans, memory.interval, cut.least)
         self._belief = Belief.room(0)
-        self._take_in: Callable[..., int] | None = None
-        self._write_told: Callable[..., None] | None = None
+        self._take_in, self._write_told = Entered(take_in), Entered(write_told)
         self.reset(None)
 
     def reset(self, grid: OccupancyGrid | None) -> None:
@@ -179,9 +177,8 @@ class KalmanTracker(Tracker):
         if scan.stamp > self._stamp:
             beams = Beams.of(scan, pose)
             self._belief, workings = self._keeper.room(len(beams.ranges), self._belief)
-            arguments = beams, beams.stamp - self._stamp, self._keeper.known, self._belief, self._figures, workings
-            self._take_in = self._take_in or entered(take_in, *arguments)
-            self._told = self._take_in(*arguments)
+            lapse = beams.stamp - self._stamp
+            self._told = int(self._take_in(beams, lapse, self._keeper.known, self._belief, self._figures, workings))
             self._keeper.remember(beams)
             self._stamp = beams.stamp
         return self._published(stamp)
@@ -191,7 +188,6 @@ class KalmanTracker(Tracker):
         if not self._told:
             return NO_TRACKS
         told = Told.room(self._told)
-        arguments = self._belief, self._figures.life.confirm_hits, max(stamp - self._stamp, 0.0), self._figures.acceleration_density, told
-        self._write_told = self._write_told or entered(write_told, *arguments)
-        self._write_told(*arguments)
+        figures = self._figures
+        self._write_told(self._belief, figures.life.confirm_hits, max(stamp - self._stamp, 0.0), figures.acceleration_density, told)
         return Tracks(told.ids, told.states[:, :2].copy(), told.states[:, 2:].copy(), told.radii, told.covariances)
