@@ -6,7 +6,16 @@ import numpy as np
 
 from arena_aio.pooled_returns import MappedWalls, pool_returns
 from arena_core import NonNegative, ObservationBatch, ObservationField, Positive, PositiveInt, Robot
-from arena_policies.encoding import BoundedEncoder, Numbers, closeness_field, sectors_shown, speed_scales, ways_to, write_closeness
+from arena_policies.encoding import (
+    BoundedEncoder,
+    Numbers,
+    closeness_field,
+    sectors_shown,
+    speed_scales,
+    write_closeness,
+    write_speeds,
+    write_way,
+)
 from arena_policies.looking_back import beams_of
 
 
@@ -34,7 +43,6 @@ class AioEncoder(BoundedEncoder):
         self._radius, self._decay = robot.footprint.radius, decay
         self._units = goal_unit, waypoint_unit
         self._speeds = speed_scales(robot)
-        self._axes = [0, 1, 2] if robot.holonomic else [0, 2]
         names = ("vx", "vy", "wz") if robot.holonomic else ("vx", "wz")
         kinds = (("scan", ", of what is on the map"), ("scan_dynamic", ", of what is not on the map"))
         super().__init__(
@@ -54,13 +62,10 @@ class AioEncoder(BoundedEncoder):
             pool_returns(observations.ranges[k], observations.poses[k], self._beams, walls, self._tolerance, self._range_max, nearest[k])
         write_closeness(nearest, self._order, self._range_max, self._radius, self._decay, rows)
         state = 2 * len(self._order)
-        way = np.empty((len(rows), 4))
         for targets, unit in zip((observations.goals, observations.waypoints), self._units, strict=True):
-            ways_to(targets, observations.poses, way)
-            rows[:, state] = way[:, 0] / unit
-            rows[:, state + 1 : state + 3] = way[:, 2:]
+            write_way(targets, observations.poses, unit, state, rows)
             state += 3
-        rows[:, state:] = observations.twists[:, self._axes] / self._speeds
+        write_speeds(observations.twists, self._speeds, state, rows)
 
 
 def _target(name: str, unit: float) -> tuple[ObservationField, ...]:

@@ -11,11 +11,12 @@ from arena_policies.encoding import (
     Floats,
     Numbers,
     closeness_field,
-    from_robot,
     nearest_in_sectors,
     sectors_shown,
     speed_scales,
     write_closeness,
+    write_from_robot,
+    write_speeds,
 )
 from arena_policies.looking_back import beams_of, nearest_now, steps_back
 
@@ -52,7 +53,7 @@ class GringEncoder(BoundedEncoder):
         self._spacing = spacing
         ways = spacing * np.arange(1.0, waypoints + 1.0)
         self._units = ways if decay else np.ones(waypoints)
-        self._axes = ([0, 1, 2] if robot.holonomic else [0, 2]) if speeds else []
+        self._shows_speeds = speeds
         self._speeds = speed_scales(robot)
         names = ("vx", "vy", "wz") if robot.holonomic else ("vx", "wz")
         scans = [("", ""), *((f"_{k}", f", {seconds:g} s ago" + ", seen from here" * aligned) for k, seconds in enumerate(lookback, 1))]
@@ -74,11 +75,9 @@ class GringEncoder(BoundedEncoder):
             rows[:, :seen] = nearest[:, :, self._order].reshape(len(rows), seen)
         points = np.empty((len(rows), len(self._units), 2))
         points_ahead(observations.paths.poses, observations.paths.offsets, observations.poses, self._spacing, points)
-        ahead = self._rounded(from_robot(points, observations.poses)) / self._units[:, None]
-        speeds = seen + 2 * len(self._units)
-        rows[:, seen:speeds] = ahead.reshape(len(rows), -1)
-        if self._axes:
-            rows[:, speeds:] = observations.twists[:, self._axes] / self._speeds
+        write_from_robot(points, observations.poses, self._units, self._resolution or 0.0, seen, rows)
+        if self._shows_speeds:
+            write_speeds(observations.twists, self._speeds, seen + 2 * len(self._units), rows)
 
     def _nearest(self, observations: ObservationBatch) -> Floats:
         """Return the least range of each sector (N, C, S), m, of the scan now and of the earlier ones."""

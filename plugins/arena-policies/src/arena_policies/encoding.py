@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import Lidar, ObservationBatch, ObservationEncoder, ObservationField, Robot
-from arena_kernels.compiled import borrowing, compiled
+from arena_kernels.compiled import borrowing, inner
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.float32]
@@ -155,19 +155,45 @@ def ways_to(targets: Floats, poses: Floats, out: Floats) -> None:
     In a kernel, for numpy's own sine differs in the last bit between batches of different sizes.
     """
     for k in range(len(poses)):
-        dx, dy = targets[k, 0] - poses[k, 0], targets[k, 1] - poses[k, 1]
-        bearing = math.atan2(dy, dx) - poses[k, 2]
-        c, s = math.cos(bearing), math.sin(bearing)
-        out[k, 0], out[k, 1], out[k, 2], out[k, 3] = math.hypot(dx, dy), math.atan2(s, c), c, s
+        out[k, 0], out[k, 1], out[k, 2], out[k, 3] = _way(targets, poses, k)
 
 
-@compiled
-def from_robot(points: Floats, poses: Floats) -> Floats:
-    """Return points (N, K, 2) of ``map`` in the frames of poses (N, 3)."""
-    seen = np.empty_like(points)
+@borrowing
+def write_way(targets: Floats, poses: Floats, unit: float, start: int, rows: Numbers) -> None:
+    """Write the distance over ``unit`` m, the bearing's cosine and its sine of targets, as in ``ways_to``, to columns from ``start`` on."""
+    for k in range(len(poses)):
+        distance, _, c, s = _way(targets, poses, k)
+        rows[k, start], rows[k, start + 1], rows[k, start + 2] = distance / unit, c, s
+
+
+@inner
+def _way(targets: Floats, poses: Floats, k: int) -> tuple[float, float, float, float]:
+    dx, dy = targets[k, 0] - poses[k, 0], targets[k, 1] - poses[k, 1]
+    bearing = math.atan2(dy, dx) - poses[k, 2]
+    c, s = math.cos(bearing), math.sin(bearing)
+    return math.hypot(dx, dy), math.atan2(s, c), c, s
+
+
+@borrowing
+def write_from_robot(points: Floats, poses: Floats, units: Floats, resolution: float, start: int, rows: Numbers) -> None:
+    """Write points (N, K, 2) of ``map``, in the frames of poses (N, 3) and each over its unit (K,), to columns from ``start`` on.
+
+    A ``resolution``, m, rounds them; 0: none does.
+    """
     for k in range(len(poses)):
         c, s = math.cos(poses[k, 2]), math.sin(poses[k, 2])
         for j in range(points.shape[1]):
             dx, dy = points[k, j, 0] - poses[k, 0], points[k, j, 1] - poses[k, 1]
-            seen[k, j, 0], seen[k, j, 1] = c * dx + s * dy, c * dy - s * dx
-    return seen
+            x, y = c * dx + s * dy, c * dy - s * dx
+            if resolution > 0.0:
+                x, y = np.rint(x / resolution) * resolution, np.rint(y / resolution) * resolution
+            rows[k, start + 2 * j], rows[k, start + 2 * j + 1] = x / units[j], y / units[j]
+
+
+@borrowing
+def write_speeds(speeds: Floats, scales: Floats, start: int, rows: Numbers) -> None:
+    """Write velocities (N, 3) over their scales, (vx, vy, wz) or (vx, wz), to columns from ``start`` on."""
+    last = len(scales) - 1
+    for k in range(len(speeds)):
+        for j in range(last + 1):
+            rows[k, start + j] = speeds[k, 2 if j == last else j] / scales[j]

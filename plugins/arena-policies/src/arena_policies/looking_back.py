@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import ConfigurationError, Lidar, Robot
-from arena_kernels.compiled import borrowing
+from arena_kernels.compiled import borrowing, inner
 
 Floats = NDArray[np.float64]
 TURN = 2.0 * math.pi
@@ -73,9 +73,17 @@ def nearest_now(ranges: NDArray[np.float32], then: Floats, now: Floats, beams: B
                 if r < range_max:
                     px, py = r * beams.cos[b], r * beams.sin[b]
                     x, y = ox + c * px - s * py, oy + s * px + c * py
-                    beam = int(((math.atan2(y, x) - beams.angle_min) % TURN) / beams.angle_increment + 0.5)
+                    beam = int(_within_a_turn(math.atan2(y, x) - beams.angle_min) / beams.angle_increment + 0.5)
                     if beam >= count and beam * beams.angle_increment + 0.5 * beams.angle_increment >= TURN:
                         beam = 0
                     if beam < count:
                         sector = ((beam + 1) * sectors - 1) // count
                         out[k, j, sector] = min(out[k, j, sector], math.hypot(x, y))
+
+
+@inner
+def _within_a_turn(angle: float) -> float:
+    """Return ``angle % TURN``, which most angles are already or are but for one turn."""
+    if 0.0 <= angle < TURN:
+        return angle
+    return angle + TURN if -TURN < angle < 0.0 else angle % TURN

@@ -12,8 +12,9 @@ from arena_policies.encoding import (
     nearest_in_sectors,
     sectors_shown,
     speed_scales,
-    ways_to,
     write_closeness,
+    write_speeds,
+    write_way,
 )
 from arena_policies.looking_back import beams_of, nearest_now, steps_back
 
@@ -45,7 +46,6 @@ class RosnavSectorsEncoder(BoundedEncoder):
         self._range_max = min(range_max, lidar.range_max)
         self._radius, self._decay, self._distance_unit = robot.footprint.radius, decay, distance_unit
         self._speeds = speed_scales(robot)
-        self._axes = [0, 1, 2] if robot.holonomic else [0, 2]
         names = ("vx", "vy", "wz") if robot.holonomic else ("vx", "wz")
         ago = [f", {seconds:g} s ago, seen from here" for seconds in lookback]
         shown = [("closeness", ""), *((f"closeness_{k}", when) for k, when in enumerate(ago, 1))]
@@ -62,7 +62,7 @@ class RosnavSectorsEncoder(BoundedEncoder):
 
     def write(self, observations: ObservationBatch, rows: Numbers) -> None:
         """Fill ``rows`` (N, D)."""
-        axes, size = self._axes, len(self._order)
+        size = len(self._order)
         nearest = np.empty((len(rows), 1 + len(self.lookback), self._sectors))
         nearest_in_sectors(observations.ranges, self._range_max, nearest[:, 0])
         earlier = observations.earlier
@@ -70,11 +70,6 @@ class RosnavSectorsEncoder(BoundedEncoder):
             nearest_now(earlier.ranges, earlier.poses, observations.poses, self._beams, self._range_max, nearest[:, 1:])
         state = size * nearest.shape[1]
         write_closeness(nearest, self._order, self._range_max, self._radius, self._decay, rows)
-        way = np.empty((len(rows), 4))
-        ways_to(observations.waypoints, observations.poses, way)
-        rows[:, state] = way[:, 0] / self._distance_unit
-        rows[:, state + 1 : state + 3] = way[:, 2:]
-        speed = state + 3
-        last = speed + len(axes)
-        rows[:, speed:last] = observations.twists[:, axes] / self._speeds
-        rows[:, last:] = observations.last_commands[:, axes] / self._speeds
+        write_way(observations.waypoints, observations.poses, self._distance_unit, state, rows)
+        write_speeds(observations.twists, self._speeds, state + 3, rows)
+        write_speeds(observations.last_commands, self._speeds, state + 3 + len(self._speeds), rows)
