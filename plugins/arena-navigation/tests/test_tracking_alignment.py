@@ -29,7 +29,7 @@ def found(past_pose, true_pose, believed, grid=None, tracks=NOBODY, change=lambd
     moved = np.zeros(3)
     beams = Beams.of(scan, believed)
     returns = Returns.room(180)
-    place_returns(beams, KnownPlane.of(grid), np.inf, rules.points, returns)
+    place_returns(beams, KnownPlane.of(grid), np.inf, 1, returns)
     slip(beams, returns, past, 0, tracks, rules, Points.room(180), moved)
     return beams, moved
 

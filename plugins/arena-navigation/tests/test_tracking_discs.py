@@ -22,7 +22,7 @@ def found(scan, pose=None, grid=PLANE, past=None, tracks=NO_TRACKS):
     beams = Beams.of(scan, pose or Pose(0.0, 0.0))
     count = len(scan.ranges)
     scratch = Scratch.room(count)
-    place_returns(beams, KnownPlane.of(grid), RULES.farthest, count, scratch.returns)
+    place_returns(beams, KnownPlane.of(grid), RULES.farthest, 1, scratch.returns)
     n = find_discs(beams, past or PastScans.none(2, count), tracks, RULES, scratch)
     return scratch.discs.first(n)
 

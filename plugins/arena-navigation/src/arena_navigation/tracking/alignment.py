@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from arena_kernels.compiled import borrowing, inner
 from arena_kernels.scalars import Integer
 from arena_navigation.local_map.marks import Beams
-from arena_navigation.tracking.returns import PastScans, Returns, chosen, followed, within_a_turn
+from arena_navigation.tracking.returns import PastScans, Returns, followed, within_a_turn
 
 _STEPS = 8  # of Gauss-Newton at most
 _COARSE, _FINE = 1e-2, 1e-4  # m and rad of a step, after which outliers count less, and after which it is done
@@ -57,6 +57,12 @@ class Points(NamedTuple):
         """Return room for so many beams."""
         lines, turns = np.zeros((beams, 5)), np.zeros((_WIDEST + 1, 2))
         return Points(np.zeros((beams, 2)), np.zeros(beams, np.int64), lines, np.zeros(beams, np.uint8), turns)
+
+
+@inner
+def spacing(beams: Beams, rules: Alignment) -> Integer:
+    """Return of how many beams one is used."""
+    return max(len(beams.ranges) // rules.points, 1)
 
 
 @borrowing
@@ -133,7 +139,7 @@ def _standing_ends(beams: Beams, returns: Returns, tracks: NDArray[np.float64], 
     Returns on tracks are left out, and, with a map, those far from its walls: what moves by itself must not be taken for the robot's error.
     """
     count: Integer = np.int64(0)
-    for beam in range(0, len(beams.ranges), chosen(beams, rules.points)):
+    for beam in range(0, len(beams.ranges), spacing(beams, rules)):
         if not beams.range_min <= beams.ranges[beam] <= beams.range_max:
             continue
         x, y = returns.x[beam], returns.y[beam]

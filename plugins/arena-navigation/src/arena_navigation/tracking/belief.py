@@ -113,65 +113,50 @@ def end_tracks(belief: Belief, stamp: float, sight: NDArray[np.uint8], life: Lif
         allowed = life.misses if belief.hits[k] >= life.confirm_hits else 1
         uncertain = max(belief.covariances[k, 0, 0], belief.covariances[k, 1, 1]) > life.position_variance
         hidden = stamp - belief.seen_at[k] > min(life.hidden_for, belief.seen_at[k] - belief.born_at[k])
-        if not (belief.misses[k] >= allowed or hidden or uncertain):
-            _move(belief, k, kept)
-            kept += 1
+        if belief.misses[k] >= allowed or hidden or uncertain:
+            continue
+        belief.ids[kept], belief.hits[kept], belief.misses[kept] = belief.ids[k], belief.hits[k], belief.misses[k]
+        belief.radii[kept], belief.radius_variances[kept] = belief.radii[k], belief.radius_variances[k]
+        belief.born_at[kept], belief.seen_at[kept] = belief.born_at[k], belief.seen_at[k]
+        for row in range(4):
+            belief.states[kept, row] = belief.states[k, row]
+            for column in range(4):
+                belief.covariances[kept, row, column] = belief.covariances[k, row, column]
+        kept += 1
     belief.numbers[0] = kept
 
 
 @inner
-def _move(belief: Belief, k: int, to: int) -> None:
-    belief.ids[to], belief.hits[to], belief.misses[to] = belief.ids[k], belief.hits[k], belief.misses[k]
-    belief.radii[to], belief.radius_variances[to] = belief.radii[k], belief.radius_variances[k]
-    belief.born_at[to], belief.seen_at[to] = belief.born_at[k], belief.seen_at[k]
-    for row in range(4):
-        belief.states[to, row] = belief.states[k, row]
-        for column in range(4):
-            belief.covariances[to, row, column] = belief.covariances[k, row, column]
+def begin_tracks(belief: Belief, stamp: float, discs: Discs, taken: NDArray[np.uint8], life: LifeSpan) -> Integer:
+    """Begin a resting track at every disc that is not ``taken`` and has its middle in no body that was seen now: that is its other side.
 
-
-@inner
-def begin_tracks(belief: Belief, stamp: float, discs: Discs, taken: NDArray[np.uint8], life: LifeSpan) -> None:
-    """Begin a resting track at every disc that is not ``taken`` and has its middle in no body that was seen now: that is its other side."""
-    before = belief.numbers[0]
-    for m in range(len(discs.radii)):
-        if not taken[m] and not _in_seen(belief, before, stamp, discs.positions[m]):
-            _begin(belief, stamp, discs, m, life.speed_std if discs.round[m] else life.standing_std)
-
-
-@inner
-def _in_seen(belief: Belief, count: Integer, stamp: float, position: NDArray[np.float64]) -> bool:
+    Return how many tracks are told of then.
+    """
+    count, told = belief.numbers[0], np.int64(0)
     for k in range(count):
+        told += belief.hits[k] >= life.confirm_hits
         if belief.seen_at[k] == stamp:
-            away = np.hypot(position[0] - belief.states[k, 0], position[1] - belief.states[k, 1])
-            if away < belief.radii[k]:
-                return True
-    return False
-
-
-@inner
-def _begin(belief: Belief, stamp: float, discs: Discs, m: Integer, speed_std: float) -> None:
-    k = belief.numbers[0]
-    belief.ids[k] = belief.numbers[1]
-    belief.numbers[0], belief.numbers[1] = k + 1, belief.numbers[1] + 1
-    belief.states[k], belief.covariances[k] = 0.0, 0.0
-    for row in range(2):
-        belief.states[k, row] = discs.positions[m, row]
-        belief.covariances[k, row + 2, row + 2] = speed_std**2
-        for column in range(2):
-            belief.covariances[k, row, column] = discs.covariances[m, row, column]
-    belief.radii[k], belief.radius_variances[k] = discs.radii[m], discs.radius_variances[m]
-    belief.hits[k], belief.misses[k] = 1, 0
-    belief.born_at[k], belief.seen_at[k] = stamp, stamp
-
-
-@inner
-def told(belief: Belief, confirm_hits: int) -> Integer:
-    """Return how many tracks are told of: those of as many hits."""
-    count: Integer = np.int64(0)
-    for k in range(belief.numbers[0]):
-        count += belief.hits[k] >= confirm_hits
-    return count
+            for m in range(len(discs.radii)):
+                away = np.hypot(discs.positions[m, 0] - belief.states[k, 0], discs.positions[m, 1] - belief.states[k, 1])
+                taken[m] |= away < belief.radii[k]
+    for m in range(len(discs.radii)):
+        if taken[m]:
+            continue
+        k = belief.numbers[0]
+        belief.ids[k] = belief.numbers[1]
+        belief.numbers[0], belief.numbers[1] = k + 1, belief.numbers[1] + 1
+        speed_std = life.speed_std if discs.round[m] else life.standing_std
+        belief.states[k], belief.covariances[k] = 0.0, 0.0
+        for row in range(2):
+            belief.states[k, row] = discs.positions[m, row]
+            belief.covariances[k, row + 2, row + 2] = speed_std**2
+            for column in range(2):
+                belief.covariances[k, row, column] = discs.covariances[m, row, column]
+        belief.radii[k], belief.radius_variances[k] = discs.radii[m], discs.radius_variances[m]
+        belief.hits[k], belief.misses[k] = 1, 0
+        belief.born_at[k], belief.seen_at[k] = stamp, stamp
+        told += life.confirm_hits <= 1
+    return told
 
 
 @borrowing

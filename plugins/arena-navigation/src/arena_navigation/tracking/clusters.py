@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_kernels.compiled import borrowing, inner
+from arena_kernels.compiled import inner
 from arena_kernels.scalars import Integer
 from arena_navigation.local_map.marks import Beams
 from arena_navigation.tracking.returns import Returns
@@ -45,7 +45,7 @@ def full_circle(beams: Beams) -> bool:
     return bool(abs(len(beams.ranges) * beams.angle_increment - 2.0 * math.pi) < 0.5 * beams.angle_increment)
 
 
-@borrowing
+@inner
 def cut_pieces(beams: Beams, returns: Returns, cut: Cut, pieces: Pieces) -> Integer:
     """Write the pieces and return their number."""
     count = _in_order(beams, returns, pieces)

@@ -91,6 +91,20 @@ class Scratch(NamedTuple):
         return Scratch(Returns.room(beams), Pieces.room(beams), Discs.room(beams))
 
 
+@inner
+def first_discs(discs: Discs, count: Integer) -> Discs:
+    """Return views of the first ``count`` bodies, in a kernel."""
+    return Discs(
+        discs.positions[:count],
+        discs.covariances[:count],
+        discs.radii[:count],
+        discs.radius_variances[:count],
+        discs.leanings[:count],
+        discs.round[:count],
+        discs.standing[:count],
+    )
+
+
 @borrowing
 def find_discs(beams: Beams, past: PastScans, tracks: NDArray[np.float64], rules: Rules, scratch: Scratch) -> Integer:
     """Write the bodies that the map does not explain and return their number; returns are placed, ``tracks`` as in ``note_unknown``."""
@@ -102,7 +116,7 @@ def find_discs(beams: Beams, past: PastScans, tracks: NDArray[np.float64], rules
     return join_legs(scratch.returns, scratch.pieces, count, rules.legs, rules.shape.radius, rules.shape.radius_std, scratch.discs)
 
 
-@borrowing
+@inner
 def fit_disc(
     beams: Beams, returns: Returns, pieces: Pieces, k: Integer, gap: float, shape: Shape, pose_doubt: PoseDoubt, discs: Discs
 ) -> None:

@@ -29,11 +29,12 @@ def match_discs(
     not pass through each other.
     """
     tracks, discs = len(states), len(positions)
-    _write_costs(states, covariances, radii, positions, noises, gate, room.costs)
+    across, down = (discs, 1) if tracks <= discs else (1, tracks)  # rows are what there is less of
+    _write_costs(states, covariances, radii, positions, noises, gate, across, down, room.costs)
     assign(min(tracks, discs), max(tracks, discs), room)
     for k in range(tracks):
         matches[k] = room.column_of[k] if tracks <= discs else room.row_of[k]
-        if matches[k] >= 0 and room.costs[_place(k, matches[k], tracks, discs)] >= _IMPOSSIBLE:
+        if matches[k] >= 0 and room.costs[k * across + matches[k] * down] >= _IMPOSSIBLE:
             matches[k] = -1
 
 
@@ -45,9 +46,11 @@ def _write_costs(
     positions: NDArray[np.float64],
     noises: NDArray[np.float64],
     gate: float,
+    across: Integer,
+    down: Integer,
     costs: NDArray[np.float64],
 ) -> None:
-    """Write d^2 + ln det S for every pair: what minus twice the log likelihood differs in."""
+    """Write d^2 + ln det S for every pair (k, m) at ``k * across + m * down``: what minus twice the log likelihood differs in."""
     for k in range(len(states)):
         p = covariances[k]
         for m in range(len(positions)):
@@ -57,10 +60,4 @@ def _write_costs(
             x, y = positions[m, 0] - states[k, 0], positions[m, 1] - states[k, 1]
             squared = (syy * x * x - 2.0 * sxy * x * y + sxx * y * y) / det
             possible = squared <= gate or x * x + y * y < radii[k] ** 2
-            costs[_place(k, m, len(states), len(positions))] = squared + np.log(det) if possible else _IMPOSSIBLE
-
-
-@inner
-def _place(track: Integer, disc: Integer, tracks: Integer, discs: Integer) -> Integer:
-    """Return where the cost of a pair is: rows are what there is less of."""
-    return track * discs + disc if tracks <= discs else disc * tracks + track
+            costs[k * across + m * down] = squared + np.log(det) if possible else _IMPOSSIBLE

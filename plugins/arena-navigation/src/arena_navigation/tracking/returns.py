@@ -92,10 +92,9 @@ class Returns(NamedTuple):
 
 
 @borrowing
-def place_returns(beams: Beams, plane: KnownPlane, farthest: float, points: int, returns: Returns) -> None:
-    """Write where beams end, and what the map tells of it: those up to ``farthest`` m, and all of the ``chosen`` ones."""
+def place_returns(beams: Beams, plane: KnownPlane, farthest: float, every: Integer, returns: Returns) -> None:
+    """Write where beams end, and what the map tells of it: those up to ``farthest`` m, and one of ``every`` so many."""
     reach = min(farthest, beams.range_max)
-    every = chosen(beams, points)
     for beam in range(len(beams.ranges)):
         away = float(beams.ranges[beam])
         if not beams.range_min <= away <= beams.range_max or (away > reach and beam % every):
@@ -107,12 +106,6 @@ def place_returns(beams: Beams, plane: KnownPlane, farthest: float, points: int,
 
 
 @inner
-def chosen(beams: Beams, points: int) -> Integer:
-    """Return of how many beams one is looked at, where about ``points`` are."""
-    return max(len(beams.ranges) // points, 1)
-
-
-@borrowing
 def note_unknown(
     beams: Beams,
     past: PastScans,

@@ -7,13 +7,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_kernels.compiled import borrowing, inner
+from arena_kernels.compiled import borrowing
 from arena_kernels.scalars import Integer
 from arena_navigation.local_map.marks import Beams
-from arena_navigation.tracking.alignment import Alignment, Points, carry, slip
+from arena_navigation.tracking.alignment import Alignment, Points, carry, slip, spacing
 from arena_navigation.tracking.assignment import Assignment
-from arena_navigation.tracking.belief import Belief, LifeSpan, begin_tracks, end_tracks, present, told, write_bodies
-from arena_navigation.tracking.discs import Discs, Rules, Scratch, find_discs
+from arena_navigation.tracking.belief import Belief, LifeSpan, begin_tracks, end_tracks, present, write_bodies
+from arena_navigation.tracking.discs import Rules, Scratch, find_discs, first_discs
 from arena_navigation.tracking.filter import POSITION, VELOCITY, correct, correct_radii, place_by_radii, predict
 from arena_navigation.tracking.matches import match_discs
 from arena_navigation.tracking.returns import KnownPlane, PastScans, place_returns
@@ -79,75 +79,37 @@ class Workings(NamedTuple):
 
 @borrowing
 def take_in(beams: Beams, dt: float, known: Known, belief: Belief, figures: Figures, workings: Workings) -> Integer:
-    """Take in a scan, ``dt`` s after the last one; return how many tracks are told of."""
-    tracks = present(belief)
+    """Take in a scan, ``dt`` s after the last one; return how many tracks are told of.
+
+    At first all that is remembered is moved by how far the pose estimate has slipped since the last scan that was kept.
+    """
+    rules, returns, past, tracks = figures.rules, workings.scratch.returns, known.past, present(belief)
+    matches, bodies = workings.matches[: len(tracks.ids)], workings.bodies[: len(tracks.ids)]
     predict(tracks.states, tracks.covariances, dt, figures.acceleration_density)
-    _align(beams, known, tracks, figures, workings)
-    discs = _detect(beams, known, tracks, figures, workings)
-    matches = workings.matches[: len(tracks.ids)]
+    place_returns(beams, known.plane, rules.farthest, spacing(beams, figures.alignment), returns)
+    write_bodies(tracks, rules.doubt.past, bodies)
+    if known.newest >= 0:
+        slip(beams, returns, past, known.newest, bodies, figures.alignment, workings.points, workings.moved)
+        carry(beams, workings.moved, tracks.states, tracks.covariances, past.sensors)
+        write_bodies(tracks, rules.doubt.past, bodies)
+    discs = first_discs(workings.scratch.discs, find_discs(beams, past, bodies, rules, workings.scratch))
     match_discs(
         tracks.states, tracks.covariances, tracks.radii, discs.positions, discs.covariances, figures.gate, workings.assignment, matches
     )
-    _correct(tracks, discs, matches, figures, workings)
-    judge_sight(beams, tracks.states, tracks.radii, matches, figures.rules.farthest, figures.rules.doubt.past, workings.sight)
-    end_tracks(belief, beams.stamp, workings.sight, figures.life)
-    _note_taken(matches, len(discs.radii), workings.taken)
-    begin_tracks(belief, beams.stamp, discs, workings.taken, figures.life)
-    return told(belief, figures.life.confirm_hits)
-
-
-@inner
-def _align(beams: Beams, known: Known, tracks: Belief, figures: Figures, workings: Workings) -> None:
-    """Place the returns; move all that is remembered by how far the pose estimate has slipped since the last scan that was kept."""
-    returns = workings.scratch.returns
-    place_returns(beams, known.plane, figures.rules.farthest, figures.alignment.points, returns)
-    if known.newest >= 0:
-        bodies = workings.bodies[: len(tracks.ids)]
-        write_bodies(tracks, figures.rules.doubt.past, bodies)
-        slip(beams, returns, known.past, known.newest, bodies, figures.alignment, workings.points, workings.moved)
-        carry(beams, workings.moved, tracks.states, tracks.covariances, known.past.sensors)
-
-
-@inner
-def _detect(beams: Beams, known: Known, tracks: Belief, figures: Figures, workings: Workings) -> Discs:
-    """Return the bodies that this scan shows; returns on a track count anywhere."""
-    bodies = workings.bodies[: len(tracks.ids)]
-    write_bodies(tracks, figures.rules.doubt.past, bodies)
-    count = find_discs(beams, known.past, bodies, figures.rules, workings.scratch)
-    discs = workings.scratch.discs
-    return Discs(
-        discs.positions[:count],
-        discs.covariances[:count],
-        discs.radii[:count],
-        discs.radius_variances[:count],
-        discs.leanings[:count],
-        discs.round[:count],
-        discs.standing[:count],
-    )
-
-
-@inner
-def _correct(tracks: Belief, discs: Discs, matches: NDArray[np.int64], figures: Figures, workings: Workings) -> None:
-    """Take in where each track's disc lies, given its radius, that what stands where it stood does not move, and the radius.
-
-    What is seen of a body that stands may shift as the robot drives by.
-    """
-    positions, noises, own = workings.positions, workings.noises, workings.own[: len(matches)]
-    place_by_radii(matches, discs, tracks.radii, tracks.radius_variances, figures.rules.shape.noise, positions, noises)
+    positions, noises, own, taken = workings.positions, workings.noises, workings.own[: len(matches)], workings.taken
+    place_by_radii(matches, discs, tracks.radii, tracks.radius_variances, rules.shape.noise, positions, noises)
+    taken[: len(discs.radii)] = 0
     for k in range(len(matches)):
         own[k] = k if matches[k] >= 0 else -1
+        if matches[k] >= 0:
+            taken[matches[k]] = 1
     correct(tracks.states, tracks.covariances, own, positions, noises, POSITION)
-    for k in range(len(matches)):
+    for k in range(len(matches)):  # what stands where it stood does not move: what is seen of it may shift as the robot drives by
         own[k] = k if matches[k] >= 0 and discs.standing[matches[k]] else -1
         positions[k], noises[k] = 0.0, 0.0
         noises[k, 0, 0], noises[k, 1, 1] = figures.standing_variance, figures.standing_variance
     correct(tracks.states, tracks.covariances, own, positions, noises, VELOCITY)
     correct_radii(tracks.radii, tracks.radius_variances, matches, discs.radii, discs.radius_variances)
-
-
-@inner
-def _note_taken(matches: NDArray[np.int64], discs: Integer, taken: NDArray[np.uint8]) -> None:
-    taken[:discs] = 0
-    for k in range(len(matches)):
-        if matches[k] >= 0:
-            taken[matches[k]] = 1
+    judge_sight(beams, tracks.states, tracks.radii, matches, rules.farthest, rules.doubt.past, workings.sight)
+    end_tracks(belief, beams.stamp, workings.sight, figures.life)
+    return begin_tracks(belief, beams.stamp, discs, taken, figures.life)
