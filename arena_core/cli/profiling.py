@@ -53,7 +53,7 @@ def told(found: Profile, most: int) -> list[str]:
     for called in found.functions[:most]:
         file, line, name = called.place
         where = "called directly" if file == "~" else f"{Path(file).parent.name}/{Path(file).name}:{line}"
-        name = name.removeprefix("<built-in method ").partition(" of ")[0]
+        name = name.removeprefix("<built-in method ").removesuffix(">").rpartition(".")[2]
         kind = " compiled" if called.compiled else ""
         lines.append(f"{called.own * each:9.4f}{called.calls / found.steps:7.2f}  {name} ({where}){kind}")
     return lines

@@ -22,7 +22,6 @@ from arena_core.runs.rows import evaluate
 T = TypeVar("T")
 Place = tuple[str, int, str]  # file, line, function: as the profiler names it
 REST = "loop"
-CLOSURE = " of _dynfunc._Closure"  # how the profiler calls what numba compiled
 TASK, METRICS = "task", "metrics"  # once an episode; all others once a control step or less
 
 
@@ -123,12 +122,16 @@ class Profilers:
 
 
 def compiled_places() -> set[Place]:
-    """Return where the functions stand that numba compiles, or another compiler that keeps the Python function as ``py_func``."""
+    """Return where the functions stand that numba compiles, or another compiler that keeps the Python function as ``py_func``.
+
+    Each of them in two places: as it is called through its dispatcher, and as the code that a dispatcher gives out (arena_kernels.entry).
+    """
     modules = [vars(module) for module in list(sys.modules.values()) if isinstance(module, ModuleType)]
     names = [getattr(value, "__dict__", None) for module in modules for value in list(module.values())]
-    functions = [own["py_func"] for own in names if isinstance(own, dict) and "py_func" in own]
-    codes = [function.__code__ for function in functions if hasattr(function, "__code__")]
-    return {(code.co_filename, code.co_firstlineno, code.co_name) for code in codes}
+    functions = [own["py_func"] for own in names if isinstance(own, dict) and hasattr(own.get("py_func"), "__code__")]
+    codes = [function.__code__ for function in functions]
+    entries = {("~", 0, f"<built-in method {function.__module__}.{function.__name__}>") for function in functions}
+    return {(code.co_filename, code.co_firstlineno, code.co_name) for code in codes} | entries
 
 
 def own_folders() -> list[str]:
@@ -186,8 +189,8 @@ def _in_part(watch: Clock | Profilers, part: str, method: Callable[..., T]) -> C
 
 def _spent(cpu: float, functions: Mapping[Place, Any], compiled: set[Place], own: Sequence[str]) -> Spent:
     times = {place: own_time for place, (_, _, own_time, _, _) in functions.items()}
-    within_compiled = sum(time for place, time in times.items() if _is_compiled(place, compiled))
-    within_libraries = sum(time for place, time in times.items() if not _is_compiled(place, compiled) and not _is_own(place, own))
+    within_compiled = sum(time for place, time in times.items() if place in compiled)
+    within_libraries = sum(time for place, time in times.items() if place not in compiled and not _is_own(place, own))
     return Spent(cpu, within_compiled, within_libraries)
 
 
@@ -196,15 +199,10 @@ def _functions(parts: Any, compiled: set[Place], own: Sequence[str]) -> list[Cal
     calls, times = Counter[Place](), Counter[Place]()
     for functions in parts:
         for place, (_, called, own_time, _, _) in functions.items():
-            if _is_compiled(place, compiled) or _is_own(place, own):
+            if place in compiled or _is_own(place, own):
                 calls[place] += called
                 times[place] += own_time
-    return [Called(place, _is_compiled(place, compiled), calls[place], time) for place, time in times.most_common() if place[0] != __file__]
-
-
-def _is_compiled(place: Place, compiled: set[Place]) -> bool:
-    """Tell whether a function is compiled: called through its dispatcher, or as the code that numba keeps for it (arena_kernels.entry)."""
-    return place in compiled or CLOSURE in place[2]
+    return [Called(place, place in compiled, calls[place], time) for place, time in times.most_common() if place[0] != __file__]
 
 
 def _is_own(place: Place, folders: Sequence[str]) -> bool:

@@ -1,10 +1,12 @@
+"""Entered kernels do what kernels do, whoever made the arrays."""
+
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing
-from arena_kernels.entry import entered
+from arena_kernels.entry import Entered
 
 
 class Pair(NamedTuple):
@@ -20,14 +22,16 @@ def scale(pair, out):
 
 
 def test_an_entered_kernel_does_what_the_kernel_does():
-    enter = entered(scale, Pair(np.empty(0), 1.0), np.empty(0))
+    enter = Entered(scale)
     pair, ours, theirs = Pair(np.arange(3.0), 2.5), np.zeros(3), np.zeros(3)
-    assert enter(pair, ours) == scale(pair, theirs) == 3
+    for _ in range(2):
+        assert enter(pair, ours) == scale(pair, theirs) == 3
     np.testing.assert_array_equal(ours, theirs)
 
 
 def test_an_entered_kernel_reads_what_cannot_be_written_to():
-    enter = entered(scale, Pair(np.empty(0), 1.0), np.empty(0))
+    enter = Entered(scale)
+    enter(Pair(np.empty(0), 1.0), np.empty(0))
     kept, out = np.arange(3.0), np.zeros(3)
     kept.setflags(write=False)
     enter(Pair(kept, 2.0), out)
