@@ -18,7 +18,7 @@ def speeds_of(costmap, *positions_x, lapse=0.9):
     memory = ClosingSpeeds(lapse, 0.1, 1.0)
     for k, x in enumerate(positions_x):
         window = costmap((x, x + 0.3, -0.3, 0.3))
-        speeds = memory.update(0.1 * k, window)
+        speeds = memory.update(0.1 * k, window_of(window))
     return speeds, window_of(window)
 
 
@@ -38,9 +38,9 @@ def test_moved_window_is_compared_place_by_place(costmap):
     whole = costmap((1.5, 1.8, -0.3, 0.3))
     memory = ClosingSpeeds(0.9, 0.1, 1.0)
     part = Costmap(whole.costs[:100, :100], whole.distance[:100, :100], 0.05, whole.origin_xy)
-    memory.update(0.0, part)
+    memory.update(0.0, window_of(part))
     moved_on = Costmap(whole.costs[10:110, 5:105], whole.distance[10:110, 5:105], 0.05, whole.origin_xy + 0.05 * np.array((5, 10)))
-    assert not memory.update(0.5, moved_on).any()
+    assert not memory.update(0.5, window_of(moved_on)).any()
 
 
 def test_wall_that_comes_into_the_window_does_not_come_at_the_robot():
@@ -50,7 +50,7 @@ def test_wall_that_comes_into_the_window_does_not_come_at_the_robot():
         blocked[:, 102 - k :] = True  # in the window from the fourth step on
         distance = distance_field(blocked, 0.05)
         costmap = Costmap(np.where(blocked, 254, 0).astype(np.uint8), distance, 0.05, np.array((0.05 * k, 0.0)))
-        assert not memory.update(0.1 * k, costmap).any()
+        assert not memory.update(0.1 * k, window_of(costmap)).any()
 
 
 def test_only_the_lapse_is_looked_back(costmap):
