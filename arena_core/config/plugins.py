@@ -43,12 +43,20 @@ def _loaded(disabled: str, path: tuple[str, ...]) -> pluggy.PluginManager:
 def enabled_entry_points() -> list[EntryPoint]:
     """Return the entry points of the plugins that are not switched off, sorted by name."""
     disabled = {name.strip() for name in os.environ.get(DISABLED, "").split(",")}
-    return [point for point in _installed(tuple(sys.path)) if point.name not in disabled]
+    return [point for point in _installed(tuple((place, _changed(place)) for place in sys.path)) if point.name not in disabled]
 
 
 @lru_cache(maxsize=1)
-def _installed(path: tuple[str, ...]) -> list[EntryPoint]:
+def _installed(places: tuple[tuple[str, int], ...]) -> list[EntryPoint]:
     return sorted(entry_points(group=GROUP), key=lambda point: point.name)
+
+
+def _changed(place: str) -> int:
+    """Return when something was last installed in a folder of the path, ns; 0 where there is none."""
+    try:
+        return os.stat(place or ".").st_mtime_ns
+    except OSError:
+        return 0
 
 
 def distributions() -> dict[str, tuple[str, str]]:

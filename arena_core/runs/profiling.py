@@ -127,11 +127,18 @@ def compiled_places() -> set[Place]:
     Each of them in two places: as it is called through its dispatcher, and as the code that a dispatcher gives out (arena_kernels.entry).
     """
     modules = [vars(module) for module in list(sys.modules.values()) if isinstance(module, ModuleType)]
-    names = [getattr(value, "__dict__", None) for module in modules for value in list(module.values())]
-    functions = [own["py_func"] for own in names if isinstance(own, dict) and hasattr(own.get("py_func"), "__code__")]
+    functions = [function for module in modules for value in list(module.values()) if hasattr(function := _python_of(value), "__code__")]
     codes = [function.__code__ for function in functions]
     entries = {("~", 0, f"<built-in method {function.__module__}.{function.__name__}>") for function in functions}
     return {(code.co_filename, code.co_firstlineno, code.co_name) for code in codes} | entries
+
+
+def _python_of(value: Any) -> Any:
+    """Return the Python function of a compiled one, None for all else; nothing is asked of a value that it could hear."""
+    try:
+        return object.__getattribute__(value, "__dict__").get("py_func")
+    except AttributeError:
+        return None
 
 
 def own_folders() -> list[str]:
