@@ -30,6 +30,7 @@ from arena_core.config.registry import Registry, load_registry
 from arena_core.contracts.hookspecs import Register, hookimpl
 from arena_core.contracts.interfaces import (
     OFF_PATH,
+    REPLAN_REASONS,
     WAYPOINT_FOUND,
     WAYPOINT_TIMEOUT,
     Better,
@@ -47,6 +48,7 @@ from arena_core.contracts.interfaces import (
     PathBatch,
     PedestrianModel,
     Planner,
+    ReferenceLocalizer,
     Reporter,
     RobotBatch,
     Simulator,
@@ -55,6 +57,7 @@ from arena_core.contracts.interfaces import (
     Tracker,
     WaypointGenerator,
     Waypoints,
+    Window,
     WorldSource,
 )
 from arena_core.contracts.learning import (
@@ -69,7 +72,7 @@ from arena_core.contracts.learning import (
 )
 from arena_core.loop.episode_loop import CommandQueue, EpisodeLoop, Verdicts
 from arena_core.loop.execution import Timing, mission_of, run_episode
-from arena_core.loop.guide import Guide, Mission, ReplanRules, View
+from arena_core.loop.guide import Guide, Mission, ReplanRules, View, pose_at_scan
 from arena_core.loop.navigator import NAVIGATOR_KEYS, Decision, Navigator
 from arena_core.loop.recording import check_inside, find_runs, read_record, write_bytes_whole, write_text_whole
 from arena_core.runs.api import Run, Runs, run
@@ -125,6 +128,7 @@ __all__ = [
     "NO_TRACKS",
     "OCCUPIED",
     "OFF_PATH",
+    "REPLAN_REASONS",
     "TEXT",
     "UNKNOWN",
     "WAYPOINT_FOUND",
@@ -194,6 +198,7 @@ __all__ = [
     "PoseEstimate",
     "Positive",
     "PositiveInt",
+    "ReferenceLocalizer",
     "Register",
     "Registry",
     "ReplanRules",
@@ -225,6 +230,7 @@ __all__ = [
     "View",
     "WaypointGenerator",
     "Waypoints",
+    "Window",
     "Words",
     "World",
     "WorldSource",
@@ -252,6 +258,7 @@ __all__ = [
     "one_line",
     "option_files",
     "plain",
+    "pose_at_scan",
     "read_array",
     "read_arrays",
     "read_bytes",

@@ -1,16 +1,20 @@
 """What a planner sees when it drives is what it was trained on, bit for bit."""
 
+import json
+
 import numpy as np
 import pytest
 from onnx import TensorProto, helper, numpy_helper
 
 from arena_aio.planner import Aio
 from arena_core import ObservationBatch, Planner, ScanMemory, Twist, compose, load_registry, plain
-from arena_core.loop.execution import mission_of
+from arena_core.loop.execution import mission_of, run_episode
+from arena_core.loop.recording import Recorder
 from arena_core.runs.benchmark import build_benchmark
 from arena_gym.environment import NavigationEnv
 from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.card import PolicyCard, sha256, write_card
+from arena_policies.policy import load_policy
 
 COMMON = ["world.width=12", "world.height=12", "task.pedestrians=4"]
 BRAIN = [
@@ -134,6 +138,33 @@ def test_robots_that_localise_and_plan_anew_in_training_see_what_they_would_in_a
     assert not np.array_equal(navigator._way.path.poses, batch.episodes[0].problem.path.poses)  # it has planned anew on the way
     assert len(planner.seen) == len(actions)
     assert all((seen == before).all() for seen, before in zip(planner.seen, shown, strict=False))
+
+
+@pytest.mark.parametrize("robot", ["turtlebot3", "jackal"])
+def test_a_policy_drives_the_same_episode_in_training_and_in_a_run(robot):
+    shared = [f"robot={robot}", "world=indoor", *COMMON, "task.pedestrians=8", "task.time_limit=30", "robot.lidar.noise_std=0.02"]
+    latency = ["timing.mode=latency", "timing.latency=0.1"]
+    run = build_benchmark(plain(compose([*shared, *latency, "planner=rosnav", "localizer=gauss_markov"])), load_registry())
+    card = run.navigator.planner.card
+    encoder = [f"observation_encoder.{key}={json.dumps(value)}" for key, value in card.encoder.items() if key != "name"]
+    action = [f"action.{key}={json.dumps(value)}" for key, value in card.action_range.items()]
+    overrides = [*shared, *encoder, *action, "guide=driving", "environment.collisions_to_end=null", "randomization.latency={low: 1, high: 1}"]
+    env = NavigationEnv(observation="rosnav_sectors", reward="progress", overrides=overrides)
+    policy = load_policy(f"pkg://arena_rosnav/policies/{robot}.onnx", "rosnav", env.batch.parts.robot)
+
+    seen, poses = env.reset(seed=0)[0], [env.batch.snapshot.poses[0]]
+    scenario, ended = env.batch.episodes[0].problem.scenario, False
+    while not ended:
+        seen, _, terminated, truncated, report = env.step(policy.run(seen[None])[0])
+        ended = terminated or truncated
+        poses.append(env.batch.snapshot.poses[0])
+
+    record = run_episode(scenario, run.simulator, run.navigator, run.timing, Recorder(scenario, run.robot, {}, False), False)
+    assert len(poses) > 50
+    assert (record["pose"] == poses).all()
+    assert (record["estimate"] != poses).any()
+    assert len(record["contact_stamp"]) == report["collisions"]
+    assert record.meta["outcome"] == report["outcome"]
 
 
 @pytest.mark.slow

@@ -11,14 +11,16 @@ from typing import Any, ClassVar, Literal, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core.base.errors import ConfigurationError
+from arena_core.base.errors import ArenaError, ConfigurationError
+from arena_core.base.once import Once
 from arena_core.values.episode import Contact, EpisodeRecord, EpisodeStart, Scenario, WorldState
 from arena_core.values.geometry import FloatArray, Pose, Twist
 from arena_core.values.sensing import LaserScan, Observation, Odometry, PoseEstimate, Sensors, Tracks
 from arena_core.values.staging import Staging
-from arena_core.values.world import Costmap, Crowd, Gait, OccupancyGrid, Path, World
+from arena_core.values.world import INSCRIBED, Costmap, Crowd, Gait, OccupancyGrid, Path, World
 
 T = TypeVar("T")
+_ALONE = np.zeros(1, np.int64)  # the slot of a robot that is alone
 Better = Literal["higher", "lower", "neither"]  # what a reader wishes of a metric
 
 
@@ -53,6 +55,36 @@ class Localizer(ABC):
     @abstractmethod
     def update(self, sensors: Sensors) -> PoseEstimate:
         """Return the estimate at ``sensors.stamp``; the scan is matched at its own stamp."""
+
+
+class ReferenceLocalizer(Localizer):
+    """Estimates from the pose of an external positioning system alone (in simulation: exact), and so for N robots at once.
+
+    ``begin`` and ``estimates`` are for robots that share one localiser, each in a slot of its own; alone, a robot has slot 0 of one.
+    """
+
+    @abstractmethod
+    def begin(self, keys: NDArray[np.uint64], slots: NDArray[np.int64], total: int) -> None:
+        """Begin episodes in K ``slots`` of ``total``, each with the key (K,) of its random stream."""
+
+    @abstractmethod
+    def estimates(self, poses: FloatArray, slots: NDArray[np.int64]) -> FloatArray:
+        """Return new estimates (K, 3) in ``map`` for robots in K ``slots`` that are at ``poses`` (K, 3) now; asked once a control step."""
+
+    def covariance(self, pose: FloatArray) -> FloatArray:
+        """Return the covariance (3, 3) of an estimate (3,)."""
+        return np.zeros((3, 3))
+
+    def reset(self, grid: OccupancyGrid | None, start: Pose, random: np.random.Generator) -> None:
+        """Begin an episode; neither map nor start is used."""
+        self.begin(random.integers(2**64, size=1, dtype=np.uint64), _ALONE, 1)
+
+    def update(self, sensors: Sensors) -> PoseEstimate:
+        """Return the estimate; raise ArenaError when the sensors carry no reference."""
+        if sensors.reference is None:
+            raise ArenaError(f"{type(self).__name__} needs sensors.reference, which only simulators give; use localizer=amcl")
+        estimate = self.estimates(sensors.reference.array()[None], _ALONE)[0]
+        return PoseEstimate(Pose.of(estimate), self.covariance(estimate))
 
 
 class GlobalPlanner(ABC):
@@ -108,8 +140,29 @@ class WaypointGenerator(ABC):
         """Forget what was kept for these slots of ``total`` worlds."""
 
     @abstractmethod
-    def next(self, paths: PathBatch, poses: FloatArray, stamps: FloatArray) -> Waypoints:
-        """Return the waypoint of each robot at ``poses`` (N, 3), ``stamps`` (N,) s."""
+    def next(self, paths: PathBatch, poses: FloatArray, stamps: FloatArray, slots: NDArray[np.int64] | None = None) -> Waypoints:
+        """Return the waypoint of each robot at ``poses`` (K, 3), ``stamps`` (K,) s, on K ``paths``: those in ``slots``, None: in all."""
+
+
+class Window:
+    """A local map's window after a scan: what is asked of it is computed then, at the latest before the next scan is taken in."""
+
+    def __init__(self, costmap: Callable[[], Costmap]) -> None:
+        self.costmap = Once(costmap)
+
+    def is_blocked(self, x: FloatArray, y: FloatArray, robot: Pose) -> bool:
+        """Tell whether the robot would touch something on a path through (K,) positions in ``map``, m.
+
+        From the one that is nearest to it, to the first that is outside the window.
+        """
+        first = int(((x - robot.x) ** 2 + (y - robot.y) ** 2).argmin())
+        local_map = self.costmap()
+        (rows, columns), (left, below) = local_map.costs.shape, local_map.origin_xy.tolist()
+        column = ((x[first:] - left) / local_map.resolution).astype(np.int64)
+        row = ((y[first:] - below) / local_map.resolution).astype(np.int64)
+        outside = (column.view(np.uint64) >= columns) | (row.view(np.uint64) >= rows)  # what is below 0 counts as very large
+        end = int(outside.argmax()) if outside.any() else len(outside)
+        return bool((local_map.costs[row[:end], column[:end]] >= INSCRIBED).any())
 
 
 class LocalMap(ABC):
@@ -122,6 +175,11 @@ class LocalMap(ABC):
     @abstractmethod
     def update(self, scan: LaserScan, pose: Pose) -> Costmap:
         """Take in one scan seen from ``pose`` (base_link in ``map`` at the scan's stamp) and return the window."""
+
+    def take_in(self, scan: LaserScan, pose: Pose) -> Window:
+        """Take in one scan as ``update`` does; a map that can is to compute no costs that nobody asks for."""
+        costmap = self.update(scan, pose)
+        return Window(lambda: costmap)
 
     @abstractmethod
     def planning_grid(self, goal: Pose, all_marks: bool) -> OccupancyGrid:

@@ -23,12 +23,13 @@ from arena_core.contracts.interfaces import (
     LocalMap,
     Tracker,
     WaypointGenerator,
+    Window,
 )
 from arena_core.loop.recovery import Begun, Recoveries, RecoveryRules
 from arena_core.loop.shown import shown, shown_map
 from arena_core.loop.way import Way
 from arena_core.values.episode import Event
-from arena_core.values.geometry import Pose
+from arena_core.values.geometry import Pose, Twist
 from arena_core.values.obstacles import with_obstacles
 from arena_core.values.parameters import Fraction, NonNegative, Positive
 from arena_core.values.robot import Robot
@@ -117,17 +118,21 @@ class Guide:
 
     def reset(self, mission: Mission) -> None:
         """Begin an episode; nothing of the one before is kept."""
+        self.begin(mission)
+        self.localizer.reset(mission.map, mission.start, self._stream("localizer"))
+        self.waypoints.reset(_SLOT, 1)
+        self.tracker.reset(mission.map)
+        self._shown_map = mission.map.derive(shown_map) if mission.map is not None else None
+
+    def begin(self, mission: Mission) -> None:
+        """Begin an episode as far as planning goes: for who localises and chooses waypoints for several robots at once."""
         self.mission = mission
         self._way: Way | None = None
         self._planned_at = -math.inf
         self._blocked_since: float | None = None
         self._avoided: list[tuple[Obstacle, float]] = []  # places that paths are not to lead through, and until when
-        self.localizer.reset(mission.map, mission.start, self._stream("localizer"))
-        self.waypoints.reset(_SLOT, 1)
         self.local_map.reset(mission.map)
-        self.tracker.reset(mission.map)
         self.recoveries.reset()
-        self._shown_map = mission.map.derive(shown_map) if mission.map is not None else None
 
     def look(self, sensors: Sensors, timed: Timed = _untimed) -> View:
         """Localise, begin a recovery if there is no progress, plan where needed, and choose a waypoint.
@@ -135,13 +140,14 @@ class Guide:
         Raises NoPath where there is no first path.
         """
         estimate = _kept(self.localizer.update(sensors))
-        scan_pose = _pose_at_scan(estimate.pose, sensors)
-        local_map: Callable[[], Costmap] = Once(lambda: timed("local_map", lambda: self.local_map.update(sensors.scan, scan_pose)))
+        scan_pose = pose_at_scan(estimate.pose, sensors.odometry.twist, sensors.stamp - sensors.scan.stamp)
+        window: Callable[[], Window] = Once(lambda: timed("local_map", lambda: self.local_map.take_in(sensors.scan, scan_pose)))
+        local_map: Callable[[], Costmap] = Once(lambda: timed("local_map", window().costmap))
         if estimate.pose.distance(self.mission.goal) <= self.mission.goal_radius:
             return View(estimate, self.mission.goal, None, True, (), None, local_map)
         begun = self._begin_recovery(estimate.pose, sensors.stamp)
         before = self._way
-        way, waypoint, events = self._plan(estimate.pose, sensors.stamp, local_map, begun)
+        way, waypoint, events = self._plan(estimate.pose, sensors.stamp, window, begun)
         observation = shown(
             sensors,
             estimate,
@@ -153,6 +159,49 @@ class Guide:
             lambda: timed("tracker", lambda: self.tracker.update(sensors.scan, scan_pose, sensors.stamp)),
         )
         return View(estimate, waypoint, way.path if way is not before else None, False, events, observation, local_map)
+
+    def may_replan(self, stamp: float) -> bool:
+        """Tell whether the last plan is so long ago that another may be made."""
+        return stamp - self._planned_at >= self.replan.min_interval - 1e-9
+
+    def why_replan(self, pose: Pose, stamp: float, window: Callable[[], Window]) -> str | None:
+        """Return why a new path is due now, None if none is."""
+        if self._way is None:
+            return "start"
+        if self.replan.period is not None and stamp - self._planned_at >= self.replan.period - 1e-9:
+            return "period"
+        if self.replan.blocked_for is None:
+            return None
+        if not self._way.is_blocked(pose, window()):
+            self._blocked_since = None
+            return None
+        self._blocked_since = stamp if self._blocked_since is None else self._blocked_since
+        blocked_long = stamp - self._blocked_since >= self.replan.blocked_for - 1e-9
+        return "blocked" if blocked_long and self.may_replan(stamp) else None
+
+    def plan_anew(self, pose: Pose, stamp: float, reason: str, window: Callable[[], Window]) -> tuple[Event, ...]:
+        """Plan anew and note it; keep the old path when there is no new one. Raises NoPath where there is no first path."""
+        self._planned_at, self._blocked_since = stamp, None
+        try:
+            grid, path = self._new_path(pose, reason, window)
+        except NoPath:
+            if self._way is None:
+                raise
+            return (Event(stamp, "replan", f"{reason}: no path, keeping the old one"),)
+        if reason == "period" and self._is_as_good(grid, pose, path):
+            return (Event(stamp, "replan", "period: little to gain, keeping the old one"),)
+        self.follow(path)
+        return (Event(stamp, "replan", reason),)
+
+    def follow(self, path: Path) -> None:
+        """Follow this path from now on."""
+        self._way = Way(path)
+        self.waypoints.reset(_SLOT, 1)
+
+    @property
+    def path(self) -> Path | None:
+        """Return the path that is followed, None before the first one."""
+        return None if self._way is None else self._way.path
 
     def _stream(self, name: str) -> np.random.Generator:
         return generator(self.mission.seed, self.mission.scenario, name)
@@ -167,52 +216,19 @@ class Guide:
             self._avoided.append((Obstacle(place, self.rules.detour_radius), stamp + self.rules.detour_time))
         return begun
 
-    def _plan(self, pose: Pose, stamp: float, local_map: Callable[[], Costmap], begun: Begun | None) -> tuple[Way, Pose, tuple[Event, ...]]:
+    def _plan(self, pose: Pose, stamp: float, window: Callable[[], Window], begun: Begun | None) -> tuple[Way, Pose, tuple[Event, ...]]:
         """Return way, waypoint and the events that led there: a recovery, a due replan, and one that the waypoint asked for."""
-        reason = "recovery" if begun is not None else self._due(pose, stamp, local_map)
+        reason = "recovery" if begun is not None else self.why_replan(pose, stamp, window)
         events: tuple[Event, ...] = () if begun is None else (begun.event,)
-        events += self._replan(pose, stamp, reason, local_map) if reason else ()
+        events += self.plan_anew(pose, stamp, reason, window) if reason else ()
         waypoint, status = self._next_waypoint(pose, stamp)
-        if status != WAYPOINT_FOUND and self.replan.on_request and self._may_replan(stamp):
-            events += self._replan(pose, stamp, REPLAN_REASONS[status], local_map)
+        if status != WAYPOINT_FOUND and self.replan.on_request and self.may_replan(stamp):
+            events += self.plan_anew(pose, stamp, REPLAN_REASONS[status], window)
             waypoint, status = self._next_waypoint(pose, stamp)
         assert self._way is not None
         return self._way, waypoint, events
 
-    def _due(self, pose: Pose, stamp: float, local_map: Callable[[], Costmap]) -> str | None:
-        """Return why a new path is due now, None if none is."""
-        if self._way is None:
-            return "start"
-        if self.replan.period is not None and stamp - self._planned_at >= self.replan.period - 1e-9:
-            return "period"
-        if self.replan.blocked_for is None:
-            return None
-        if not self._way.is_blocked(pose, local_map()):
-            self._blocked_since = None
-            return None
-        self._blocked_since = stamp if self._blocked_since is None else self._blocked_since
-        blocked_long = stamp - self._blocked_since >= self.replan.blocked_for - 1e-9
-        return "blocked" if blocked_long and self._may_replan(stamp) else None
-
-    def _may_replan(self, stamp: float) -> bool:
-        return stamp - self._planned_at >= self.replan.min_interval - 1e-9
-
-    def _replan(self, pose: Pose, stamp: float, reason: str, local_map: Callable[[], Costmap]) -> tuple[Event, ...]:
-        """Plan anew and note it; keep the old path when there is no new one."""
-        self._planned_at, self._blocked_since = stamp, None
-        try:
-            grid, path = self._new_path(pose, reason, local_map)
-        except NoPath:
-            if self._way is None:
-                raise
-            return (Event(stamp, "replan", f"{reason}: no path, keeping the old one"),)
-        if reason == "period" and self._is_as_good(grid, pose, path):
-            return (Event(stamp, "replan", "period: little to gain, keeping the old one"),)
-        self._way = Way(path)
-        self.waypoints.reset(_SLOT, 1)
-        return (Event(stamp, "replan", reason),)
-
-    def _new_path(self, pose: Pose, reason: str, local_map: Callable[[], Costmap]) -> tuple[OccupancyGrid, Path]:
+    def _new_path(self, pose: Pose, reason: str, window: Callable[[], Window]) -> tuple[OccupancyGrid, Path]:
         """Return a path and the grid that it was planned on: the static map first, later with what the scans have shown.
 
         All marks count, as they do for what blocks the robot, and so do the places that a detour is to avoid: unless they leave no way.
@@ -220,7 +236,7 @@ class Guide:
         """
         if self.mission.map is not None and reason == "start":
             return self.mission.map, self.global_planner.plan(self.mission.map, pose, self.mission.goal)
-        local_map()
+        window()
         self._avoided = [(place, until) for place, until in self._avoided if until > self._planned_at]
         avoided = [place for place, _ in self._avoided]
         for places in (avoided, []) if avoided else ([],):
@@ -247,12 +263,10 @@ def _kept(estimate: PoseEstimate) -> PoseEstimate:
     return PoseEstimate(estimate.pose, frozen(estimate.covariance))
 
 
-def _pose_at_scan(pose: Pose, sensors: Sensors) -> Pose:
-    """Return where the robot was at the scan's stamp: the estimate, moved back along the measured twist."""
-    age = sensors.stamp - sensors.scan.stamp
+def pose_at_scan(pose: Pose, twist: Twist, age: float) -> Pose:
+    """Return where the robot was at its scan's stamp, ``age`` s ago: the estimate, moved back along the measured twist."""
     if age <= 0.0:
         return pose
-    twist = sensors.odometry.twist
     turned = Pose(pose.x, pose.y, pose.theta - 0.5 * twist.wz * age)
     moved = turned.compose(Pose(-twist.vx * age, -twist.vy * age))
     return Pose(moved.x, moved.y, pose.theta - twist.wz * age)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from arena_core.base.frozen import frozen
-from arena_core.contracts.interfaces import PathBatch
+from arena_core.contracts.interfaces import PathBatch, Window
 from arena_core.values.geometry import FloatArray, Pose
-from arena_core.values.world import INSCRIBED, Costmap, Path
+from arena_core.values.world import Path
 
 
 class Way:
@@ -30,17 +30,9 @@ class Way:
         far = np.hypot(*(rest - (pose.x, pose.y)).T) >= distance
         return rest[[int(np.argmax(far)) if far.any() else -1]]
 
-    def is_blocked(self, pose: Pose, local_map: Costmap) -> bool:
-        """Tell whether the rest, inside the window, runs through cells where the robot would touch something."""
-        first = self._nearest(pose)
-        (rows, columns), (left, below) = local_map.costs.shape, local_map.origin_xy.tolist()
-        column = ((self._x[first:] - left) / local_map.resolution).astype(np.int64)
-        row = ((self._y[first:] - below) / local_map.resolution).astype(np.int64)
-        outside = (column.view(np.uint64) >= columns) | (row.view(np.uint64) >= rows)  # what is below 0 counts as very large
-        end = int(outside.argmax())
-        if end or outside[0]:
-            row, column = row[:end], column[:end]
-        return bool((local_map.costs[row, column] >= INSCRIBED).any())
+    def is_blocked(self, pose: Pose, window: Window) -> bool:
+        """Tell whether the rest, inside the window, runs through places where the robot would touch something."""
+        return window.is_blocked(self._x, self._y, pose)
 
     def _nearest(self, pose: Pose) -> int:
         east, north = self._x - pose.x, self._y - pose.y

@@ -24,6 +24,7 @@ from arena_gym.episodes import Episode, draw_episode
 from arena_gym.guidance import Guidance, Guided, NavigatorGuidance, PathGuidance
 from arena_gym.path_tracking import PathTracking
 from arena_gym.range_noise import RangeNoise
+from arena_gym.shared_guidance import SharedGuidance
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -64,9 +65,7 @@ class NavigationBatch:
         self._loop = EpisodeLoop(parts.simulator, parts.robot.control_period, worlds, parts.settings.collisions_to_end)
         self._seeds: list[int] = []
         self._numbers: list[int] = []
-        self._guidance: Guidance = (
-            PathGuidance(parts.waypoints, worlds) if parts.make_guide is None else NavigatorGuidance(parts.make_guide, worlds)
-        )
+        self._guidance = _guidance(parts, worlds)
         self._tracking = PathTracking(worlds)
         self._delays = np.zeros(worlds, np.int64)
         self._noise = RangeNoise(parts.robot.lidar, worlds)
@@ -203,6 +202,15 @@ class NavigationBatch:
         """Return for how long each robot has stood, s."""
         stands = np.hypot(snapshot.twists[:, 0], snapshot.twists[:, 1]) < STANDING
         return np.where(stands, self._standing + self.parts.robot.control_period, 0.0)
+
+
+def _guidance(parts: Parts, worlds: int) -> Guidance:
+    """Return what leads the robots: their first paths, or guides, which share what they can."""
+    if parts.make_guide is None:
+        return PathGuidance(parts.waypoints, worlds)
+    if SharedGuidance.suits(parts.make_guide()):
+        return SharedGuidance(parts.make_guide, parts.waypoints, worlds)
+    return NavigatorGuidance(parts.make_guide, worlds)
 
 
 def _on_new_paths(before: Situation, after: Situation, guided: Guided) -> Situation:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Guide, NoPath, Path, PathBatch, Snapshot, View, WaypointGenerator, mission_of
+from arena_core import Guide, NoPath, Path, PathBatch, Sensors, Snapshot, View, WaypointGenerator, mission_of
 from arena_gym.pool import Problem
 
 Floats = NDArray[np.float64]
@@ -103,9 +103,8 @@ class NavigatorGuidance(Guidance):
 
     def _view(self, slot: int, snapshot: Snapshot, ranges: Ranges) -> View | None:
         """Return what one robot knows; None where it finds no first path, as its estimate may lie too near to a wall."""
-        sensors = snapshot.sensors(slot)
         try:
-            return self._guides[slot].look(replace(sensors, scan=replace(sensors.scan, ranges=ranges[slot].copy())))
+            return self._guides[slot].look(seen_by(snapshot, slot, ranges))
         except NoPath:
             return None
 
@@ -113,3 +112,9 @@ class NavigatorGuidance(Guidance):
         problem = self._problems[slot]
         assert problem is not None
         return problem.waypoint
+
+
+def seen_by(snapshot: Snapshot, slot: int, ranges: Ranges) -> Sensors:
+    """Return what the robot of world ``slot`` measures, with these ranges (N, B) instead of the simulator's."""
+    sensors = snapshot.sensors(slot)
+    return replace(sensors, scan=replace(sensors.scan, ranges=ranges[slot].copy()))

@@ -31,9 +31,10 @@ def register_trackers(register: Register) -> None:
 
 @hookimpl
 def register_localizers(register: Register) -> None:
-    """Offer adaptive Monte Carlo localisation, dead reckoning and the exact pose."""
+    """Offer adaptive Monte Carlo localisation, a model of its error, dead reckoning and the exact pose."""
     register("ground_truth", "arena_navigation.localizers:GroundTruthLocalizer")
     register("amcl", "arena_navigation.amcl.localizer:AmclLocalizer")
+    register("gauss_markov", "arena_navigation.gauss_markov:GaussMarkovLocalizer")
     register("odometry", "arena_navigation.localizers:OdometryLocalizer")
 
 

@@ -5,22 +5,21 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
-from arena_core import ArenaError, Localizer, OccupancyGrid, Pose, PoseEstimate, Robot, Sensors
+from arena_core import Localizer, OccupancyGrid, Pose, PoseEstimate, ReferenceLocalizer, Robot, Sensors
 from arena_navigation.amcl.odometry_history import OdometryHistory
 
 
-class GroundTruthLocalizer(Localizer):
+class GroundTruthLocalizer(ReferenceLocalizer):
     """Believes an external positioning system, which in simulation is exact."""
 
-    def reset(self, grid: OccupancyGrid | None, start: Pose, random: np.random.Generator) -> None:
-        """Begin an episode; nothing is kept."""
+    def begin(self, keys: NDArray[np.uint64], slots: NDArray[np.int64], total: int) -> None:
+        """Begin episodes; nothing is kept."""
 
-    def update(self, sensors: Sensors) -> PoseEstimate:
-        """Return the reference pose with zero covariance; raise ArenaError when the sensors carry none."""
-        if sensors.reference is None:
-            raise ArenaError("localizer ground_truth needs sensors.reference, which only simulators give; use localizer=amcl")
-        return PoseEstimate(sensors.reference, np.zeros((3, 3)))
+    def estimates(self, poses: NDArray[np.float64], slots: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Return the poses themselves."""
+        return poses
 
 
 class OdometryLocalizer(Localizer):

@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import LaserScan, Pose
-from arena_kernels.compiled import compiled
+from arena_kernels.compiled import borrowing
 
 NEVER = np.float32(-np.inf)
+HIT_NOW = np.float32(-1.0)  # while a scan is taken in: stamps are never below 0
 
 
 class Reach(NamedTuple):
@@ -58,26 +59,24 @@ class Beams(NamedTuple):
         )
 
 
-@compiled
+@borrowing
 def take_in(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: Beams, reach: Reach) -> None:
-    """Forget, clear and mark, in this order, so that what is hit now stays."""
-    if reach.forget_after < math.inf:
-        _forget(hit_at, np.float32(beams.stamp - reach.forget_after))
-    _clear(hit_at, row0, column0, resolution, beams, reach)
-    mark(hit_at, row0, column0, resolution, beams, reach)
+    """Forget, clear and mark: what is hit now stays. So it is marked first, as below 0, and need not be looked at to be cleared."""
+    oldest = np.float32(beams.stamp - reach.forget_after)
+    now = np.float32(beams.stamp)
+    _mark(hit_at, row0, column0, resolution, beams, reach, HIT_NOW)
+    _clear(hit_at, row0, column0, resolution, beams, reach, oldest)
+    hits = hit_at.reshape(-1)
+    for i in range(len(hits)):
+        kept = NEVER if hits[i] < oldest else hits[i]
+        hits[i] = now if hits[i] == HIT_NOW else kept
 
 
-@compiled
-def _forget(hit_at: NDArray[np.float32], oldest: np.float32) -> None:
-    for row in range(hit_at.shape[0]):
-        for column in range(hit_at.shape[1]):
-            if hit_at[row, column] < oldest:
-                hit_at[row, column] = NEVER
-
-
-@compiled
-def _clear(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: Beams, reach: Reach) -> None:
-    """Clear marks under the robot, and those that a beam passes.
+@borrowing
+def _clear(
+    hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: Beams, reach: Reach, oldest: np.float32
+) -> None:
+    """Clear marks under the robot, and those that a beam passes; not those that are too old to stay anyway.
 
     Instead of following every beam through all its cells, look up for each marked cell, of which there are few, the beams that
     cross the disc inside it: the marks that ray tracing clears, without those whose corner is merely grazed.
@@ -89,7 +88,8 @@ def _clear(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: flo
     for row in range(first_row, last_row + 1):
         y = (row0 + row + 0.5) * resolution
         for column in range(first_column, last_column + 1):
-            if hit_at[row, column] == NEVER:
+            hit = hit_at[row, column]
+            if hit < 0.0 or hit < oldest:
                 continue
             x = (column0 + column + 0.5) * resolution
             beneath = math.hypot(x - beams.robot[0], y - beams.robot[1]) < reach.body
@@ -97,7 +97,7 @@ def _clear(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: flo
                 hit_at[row, column] = NEVER
 
 
-@compiled
+@borrowing
 def seen_through(dx: float, dy: float, radius: float, beams: Beams, clearing: float) -> bool:
     """Tell whether a beam crosses the disc of ``radius`` at (dx, dy) from the sensor and ends behind it."""
     away = math.hypot(dx, dy)
@@ -115,9 +115,17 @@ def seen_through(dx: float, dy: float, radius: float, beams: Beams, clearing: fl
     return False
 
 
-@compiled
+@borrowing
 def mark(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: Beams, reach: Reach) -> None:
-    """Note the stamp in the cell behind every beam's end.
+    """Note the stamp in the cell behind every beam's end."""
+    _mark(hit_at, row0, column0, resolution, beams, reach, np.float32(beams.stamp))
+
+
+@borrowing
+def _mark(
+    hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: Beams, reach: Reach, note: np.float32
+) -> None:
+    """Write a note to the cell behind every beam's end.
 
     A beam ends on a surface, which often is the very edge of a cell: half a cell farther lies what it belongs to.
     """
@@ -134,4 +142,4 @@ def mark(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float
         y = beams.sensor[1] + (distance + 0.5 * resolution) * s
         row, column = math.floor(y / resolution) - row0, math.floor(x / resolution) - column0
         if 0 <= row < hit_at.shape[0] and 0 <= column < hit_at.shape[1]:
-            hit_at[row, column] = beams.stamp
+            hit_at[row, column] = note

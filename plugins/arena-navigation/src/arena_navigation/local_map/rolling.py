@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 
-from arena_core import Costmap, LaserScan, LocalMap, NonNegative, OccupancyGrid, Pose, Positive, Robot
+from arena_core import Costmap, LaserScan, LocalMap, NonNegative, OccupancyGrid, Pose, Positive, Robot, Window
 from arena_kernels.entry import Entered
 from arena_navigation.local_map.evidence import Evidence
 from arena_navigation.local_map.mapping import SeenMap, with_marks
 from arena_navigation.local_map.marks import NEVER, Beams, Reach
-from arena_navigation.local_map.window import MapLayer, shifted, window_with
+from arena_navigation.local_map.window import MapLayer, blocked_way, costs_of, covered_cells, moved_on
 from arena_navigation.planning.inflation import Inflation
+
+Floats = NDArray[np.float64]
 
 
 class RollingMap(LocalMap):
@@ -44,7 +48,8 @@ class RollingMap(LocalMap):
         self._evidence = evidence
         self._table = Inflation(inscribed, inflation_radius, cost_scaling_factor).table(resolution)
         self._use_map = use_map
-        self._window_with = Entered(window_with)
+        self._body = covered_cells(self._table)
+        self._moved_on, self._costs_of, self._blocked_way = Entered(moved_on), Entered(costs_of), Entered(blocked_way)
         self.reset(None)
 
     def reset(self, grid: OccupancyGrid | None) -> None:
@@ -59,12 +64,15 @@ class RollingMap(LocalMap):
 
     def update(self, scan: LaserScan, pose: Pose) -> Costmap:
         """Take in one scan and return the window around ``pose``."""
+        return self.take_in(scan, pose).costmap()
+
+    def take_in(self, scan: LaserScan, pose: Pose) -> Window:
+        """Take in one scan; costs and distances of the window around ``pose`` are computed when somebody asks for them."""
         beams = Beams.of(scan, pose)
-        self._move_to(pose)
-        costs, distance = self._window_with(self._hit_at, self._static, self._corner, self._resolution, beams, self._reach, self._table)
+        self._move_to(pose, beams)
         if self._seen is not None:
             self._seen.update(beams)
-        return Costmap(costs, distance, self._resolution, np.array(self._corner[::-1]) * self._resolution)
+        return _RollingWindow(self._costmap, self._is_blocked)
 
     def clear(self, pose: Pose, beyond: float) -> None:
         """Forget the window's marks that are at least ``beyond`` m from ``pose``."""
@@ -81,12 +89,30 @@ class RollingMap(LocalMap):
         rows, columns = np.nonzero(self._hit_at > NEVER)
         return with_marks(self._grid, np.stack((columns, rows), axis=1) + self._corner[::-1], self._resolution, all_marks)
 
-    def _move_to(self, pose: Pose) -> None:
-        """Centre the window on the robot's cell; cells that come into it take their static part from the map."""
+    def _move_to(self, pose: Pose, beams: Beams) -> None:
+        """Centre the window on the robot's cell and take in a scan; cells that come into it take their static part from the map."""
         half = self._cells // 2
         corner = math.floor(pose.y / self._resolution) - half, math.floor(pose.x / self._resolution) - half
-        if corner != self._corner or not self._placed:
-            self._hit_at, self._static = shifted(
-                self._hit_at, self._static, corner[0] - self._corner[0], corner[1] - self._corner[1], *corner, self._placed, self._layer
-            )
-            self._corner, self._placed = corner, True
+        moved = corner[0] - self._corner[0], corner[1] - self._corner[1]
+        self._moved_on(self._hit_at, self._static, moved, corner, self._placed, self._layer, beams, self._reach)
+        self._corner, self._placed = corner, True
+
+    def _costmap(self) -> Costmap:
+        costs, distance = self._costs_of(self._hit_at, self._static, self._resolution, self._table)
+        return Costmap(costs, distance, self._resolution, np.array(self._corner[::-1]) * self._resolution)
+
+    def _is_blocked(self, x: Floats, y: Floats, robot: Pose) -> bool:
+        here = float(robot.x), float(robot.y)
+        return self._blocked_way(self._hit_at, self._static, self._corner, self._resolution, self._body, x, y, here)
+
+
+class _RollingWindow(Window):
+    """A window whose costs are not needed to tell whether a path runs into a marked cell."""
+
+    def __init__(self, costmap: Callable[[], Costmap], is_blocked: Callable[[Floats, Floats, Pose], bool]) -> None:
+        super().__init__(costmap)
+        self._is_blocked = is_blocked
+
+    def is_blocked(self, x: Floats, y: Floats, robot: Pose) -> bool:
+        """Tell whether the robot would touch something on a path through (K,) positions, as in ``Window``."""
+        return self._is_blocked(x, y, robot)

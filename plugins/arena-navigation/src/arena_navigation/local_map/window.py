@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import OccupancyGrid
-from arena_kernels.compiled import compiled
+from arena_core import INSCRIBED, OccupancyGrid
+from arena_kernels.compiled import borrowing, compiled, inner
 from arena_kernels.distance import write_distances
 from arena_navigation.local_map.marks import NEVER, Beams, Reach, take_in
 from arena_navigation.planning.inflation import inflate
@@ -41,35 +41,67 @@ class MapLayer(NamedTuple):
         return MapLayer(grid.occupied, float(grid.resolution), corner, rotation, float(window_resolution), samples)
 
 
-@compiled
-def shifted(
+def covered_cells(table: NDArray[np.uint8]) -> NDArray[np.int64]:
+    """Return the offsets (K, 2) of the cells, row and column, whose marks block a robot's centre, by the table of ``Inflation.table``."""
+    touching = int(np.flatnonzero(table >= INSCRIBED)[-1])
+    reach = np.arange(-math.isqrt(touching), math.isqrt(touching) + 1)
+    offsets = np.stack(np.meshgrid(reach, reach, indexing="ij"), axis=-1).reshape(-1, 2)
+    squared = (offsets**2).sum(axis=1)
+    nearest_first = np.argsort(squared, kind="stable")
+    return offsets[nearest_first][squared[nearest_first] <= touching].astype(np.int64)
+
+
+@borrowing
+def moved_on(
     hit_at: NDArray[np.float32],
     static: NDArray[np.uint8],
-    down: int,
-    left: int,
-    row0: int,
-    column0: int,
+    moved: tuple[int, int],
+    corner: tuple[int, int],
     keep: bool,
     layer: MapLayer,
-) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
-    """Return the window moved by (down, left) cells to the corner (row0, column0); cells that stay inside are kept if ``keep``."""
+    beams: Beams,
+    reach: Reach,
+) -> None:
+    """Move the window, in place, by so many rows and columns to its new ``corner``, and take in a scan.
+
+    Cells that stay inside are kept if ``keep``; those that come in take their static part from the map.
+    """
     rows, columns = hit_at.shape
-    moved_hits = np.empty((rows, columns), np.float32)
-    moved_static = np.empty((rows, columns), np.uint8)
-    for row in range(rows):
-        old_row = row + down
-        for column in range(columns):
-            old_column = column + left
-            if keep and 0 <= old_row < rows and 0 <= old_column < columns:
-                moved_hits[row, column] = hit_at[old_row, old_column]
-                moved_static[row, column] = static[old_row, old_column]
-            else:
-                moved_hits[row, column] = NEVER
-                moved_static[row, column] = _on_map(layer, row0 + row, column0 + column)
-    return moved_hits, moved_static
+    down, left = moved if keep else (rows, columns)
+    if down != 0 or left != 0:
+        first, end = max(-left, 0), max(min(columns - left, columns), 0)  # the columns of which the window kept something
+        _shift(hit_at.reshape(-1), down * columns + left)  # as one row: what wraps round is new, and looked up
+        _shift(static.reshape(-1), down * columns + left)
+        for row in range(rows):
+            known = 0 <= row + down < rows and first < end
+            _look_up(hit_at, static, layer, corner, row, 0, first if known else columns)
+            _look_up(hit_at, static, layer, corner, row, end if known else columns, columns)
+    take_in(hit_at, corner[0], corner[1], layer.window_resolution, beams, reach)
 
 
-@compiled
+@inner
+def _shift(values: NDArray[Any], by: int) -> None:
+    """Move ``values`` (K,) so that the first is what was at ``by``; those at the other end stay."""
+    count = len(values) - abs(by)
+    if by >= 0:
+        for i in range(count):
+            values[i] = values[np.uint64(i + by)]
+    else:
+        for i in range(len(values) - 1, len(values) - 1 - count, -1):
+            values[np.uint64(i)] = values[np.uint64(i + by)]
+
+
+@inner
+def _look_up(
+    hit_at: NDArray[np.float32], static: NDArray[np.uint8], layer: MapLayer, corner: tuple[int, int], row: int, first: int, end: int
+) -> None:
+    """Take the cells ``first`` to ``end`` of a row, which are new, from the map."""
+    for column in range(first, end):
+        hit_at[row, column] = NEVER
+        static[row, column] = _on_map(layer, corner[0] + row, corner[1] + column)
+
+
+@inner
 def _on_map(layer: MapLayer, row: int, column: int) -> bool:
     """Tell whether the map is occupied anywhere in a window cell; outside the map nothing is."""
     rows, columns = layer.occupied.shape
@@ -88,20 +120,43 @@ def _on_map(layer: MapLayer, row: int, column: int) -> bool:
 
 
 @compiled
-def window_with(
+def costs_of(
+    hit_at: NDArray[np.float32], static: NDArray[np.uint8], resolution: float, table: NDArray[np.uint8]
+) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
+    """Return costs (H, W) and distances (H, W), m, of the window."""
+    distance = np.empty(hit_at.shape, np.float32)
+    write_distances(blocked_cells(hit_at, static), resolution, distance)
+    return inflate(distance, resolution, table), distance
+
+
+@borrowing
+def blocked_way(
     hit_at: NDArray[np.float32],
     static: NDArray[np.uint8],
     corner: tuple[int, int],
     resolution: float,
-    beams: Beams,
-    reach: Reach,
-    table: NDArray[np.uint8],
-) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
-    """Take in a scan, and return costs (H, W) and distances (H, W), m, of the window whose corner is (row, column)."""
-    take_in(hit_at, corner[0], corner[1], resolution, beams, reach)
-    distance = np.empty(hit_at.shape, np.float32)
-    write_distances(blocked_cells(hit_at, static), resolution, distance)
-    return inflate(distance, resolution, table), distance
+    body: NDArray[np.int64],
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    robot: tuple[float, float],
+) -> bool:
+    """Tell whether a mark or the map lies under the ``body`` (offsets) on a path (K,), m, from the robot to the first that is outside."""
+    rows, columns = hit_at.shape
+    left, below = corner[1] * resolution, corner[0] * resolution
+    first, least = 0, math.inf
+    for k in range(len(x)):
+        squared = (x[k] - robot[0]) ** 2 + (y[k] - robot[1]) ** 2
+        if squared < least:
+            first, least = k, squared
+    for k in range(first, len(x)):
+        row, column = int((y[k] - below) / resolution), int((x[k] - left) / resolution)
+        if not (0 <= row < rows and 0 <= column < columns):
+            return False
+        for i in range(len(body)):
+            r, c = row + body[i, 0], column + body[i, 1]
+            if 0 <= r < rows and 0 <= c < columns and (static[r, c] != 0 or hit_at[r, c] > NEVER):
+                return True
+    return False
 
 
 @compiled

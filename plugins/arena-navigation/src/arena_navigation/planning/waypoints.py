@@ -21,6 +21,8 @@ from arena_core import (
 from arena_kernels.compiled import compiled
 from arena_navigation.planning.path_progress import FloatArray, Progress, distance, follow, in_time
 
+Slots = NDArray[np.int64]
+
 
 class SpatialHorizon(WaypointGenerator):
     """Puts the waypoint where the path leaves the horizon of ``d_ahead`` m (Kaestner et al. 2021, Arena-Rosnav)."""
@@ -35,10 +37,10 @@ class SpatialHorizon(WaypointGenerator):
         """Forget the progress of these slots."""
         self._progress = _forget(self._progress, slots, total)
 
-    def next(self, paths: PathBatch, poses: FloatArray, stamps: FloatArray) -> Waypoints:
+    def next(self, paths: PathBatch, poses: FloatArray, stamps: FloatArray, slots: Slots | None = None) -> Waypoints:
         """Return each robot's waypoint; OFF_PATH if no pose lies in the horizon, WAYPOINT_TIMEOUT without progress for ``t_lim``."""
         found = Waypoints(np.empty((len(poses), 3)), np.empty(len(poses), np.int8))
-        _horizon(self._progress, paths.poses, paths.offsets, poses, stamps, self._numbers, found.poses, found.status)
+        _horizon(self._progress, _all_of(poses) if slots is None else slots, paths.poses, paths.offsets, poses, stamps, self._numbers, found.poses, found.status)
         return found
 
 
@@ -58,10 +60,11 @@ class Subsample(WaypointGenerator):
         if len(self._current) != total:
             self._current = np.zeros(total, np.int64)
 
-    def next(self, paths: PathBatch, poses: FloatArray, stamps: FloatArray) -> Waypoints:
+    def next(self, paths: PathBatch, poses: FloatArray, stamps: FloatArray, slots: Slots | None = None) -> Waypoints:
         """Return each robot's waypoint; OFF_PATH too far beside the path, WAYPOINT_TIMEOUT without progress for ``t_lim``."""
         found = Waypoints(np.empty((len(poses), 3)), np.empty(len(poses), np.int8))
-        _every(self._progress, self._current, paths.poses, paths.offsets, poses, stamps, self._numbers, found.poses, found.status)
+        at = self._progress, self._current, _all_of(poses) if slots is None else slots
+        _every(*at, paths.poses, paths.offsets, poses, stamps, self._numbers, found.poses, found.status)
         return found
 
 
@@ -77,9 +80,14 @@ def _forget(progress: Progress, slots: NDArray[np.int64], total: int) -> Progres
     return progress
 
 
+def _all_of(poses: FloatArray) -> Slots:
+    return np.arange(len(poses))
+
+
 @compiled
 def _horizon(
     progress: Progress,
+    slots: NDArray[np.int64],
     packed: FloatArray,
     offsets: NDArray[np.int64],
     robots: FloatArray,
@@ -91,11 +99,12 @@ def _horizon(
     d_ahead, tolerance, t_lim, min_progress = numbers
     for k in range(len(robots)):
         path = packed[offsets[k] : offsets[k + 1]]
-        follow(progress, k, path, robots[k], stamps[k])
-        waypoint = _leaves_horizon(path, progress.place[k], robots[k], d_ahead, tolerance)
-        status[k] = WAYPOINT_FOUND if in_time(progress, k, path, robots[k], stamps[k], t_lim, min_progress) else WAYPOINT_TIMEOUT
+        slot = slots[k]
+        follow(progress, slot, path, robots[k], stamps[k])
+        waypoint = _leaves_horizon(path, progress.place[slot], robots[k], d_ahead, tolerance)
+        status[k] = WAYPOINT_FOUND if in_time(progress, slot, path, robots[k], stamps[k], t_lim, min_progress) else WAYPOINT_TIMEOUT
         if waypoint < 0:
-            waypoint, status[k] = progress.place[k], OFF_PATH
+            waypoint, status[k] = progress.place[slot], OFF_PATH
         _copy_pose(path, waypoint, poses, k)
 
 
@@ -116,6 +125,7 @@ def _leaves_horizon(path: FloatArray, place: int, robot: FloatArray, d_ahead: fl
 def _every(
     progress: Progress,
     current: NDArray[np.int64],
+    slots: NDArray[np.int64],
     packed: FloatArray,
     offsets: NDArray[np.int64],
     robots: FloatArray,
@@ -127,15 +137,16 @@ def _every(
     spacing, reached_within, off_path_beyond, t_lim, min_progress = numbers
     for k in range(len(robots)):
         path = packed[offsets[k] : offsets[k + 1]]
-        if follow(progress, k, path, robots[k], stamps[k]):
-            current[k] = _further(path, 0, spacing)
+        slot = slots[k]
+        if follow(progress, slot, path, robots[k], stamps[k]):
+            current[slot] = _further(path, 0, spacing)
         end = len(path) - 1
-        while current[k] < end and (current[k] <= progress.place[k] or distance(path, current[k], robots[k]) <= reached_within):
-            current[k] = _further(path, current[k], spacing)
-        status[k] = WAYPOINT_FOUND if in_time(progress, k, path, robots[k], stamps[k], t_lim, min_progress) else WAYPOINT_TIMEOUT
-        if distance(path, progress.place[k], robots[k]) > off_path_beyond:
+        while current[slot] < end and (current[slot] <= progress.place[slot] or distance(path, current[slot], robots[k]) <= reached_within):
+            current[slot] = _further(path, current[slot], spacing)
+        status[k] = WAYPOINT_FOUND if in_time(progress, slot, path, robots[k], stamps[k], t_lim, min_progress) else WAYPOINT_TIMEOUT
+        if distance(path, progress.place[slot], robots[k]) > off_path_beyond:
             status[k] = OFF_PATH
-        _copy_pose(path, current[k], poses, k)
+        _copy_pose(path, current[slot], poses, k)
 
 
 @compiled

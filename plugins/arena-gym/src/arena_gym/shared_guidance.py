@@ -1,0 +1,153 @@
+"""Guides of N robots that do in one call what they all do at every step, and alone what a robot does now and then: plan."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core import (
+    REPLAN_REASONS,
+    WAYPOINT_FOUND,
+    Guide,
+    LaserScan,
+    NoPath,
+    PathBatch,
+    Pose,
+    ReferenceLocalizer,
+    Snapshot,
+    Twist,
+    WaypointGenerator,
+    Window,
+    generator,
+    mission_of,
+    pose_at_scan,
+)
+from arena_core.base.once import Once
+from arena_gym.guidance import Floats, Guidance, Guided, Ranges, Slots
+from arena_gym.pool import Problem
+
+
+class SharedGuidance(Guidance):
+    """Robots that localise and plan anew as in a benchmark, bit for bit, at a fraction of the cost of N guides.
+
+    They share a localiser that needs the true pose alone, and a waypoint generator. Each has its own guide for its plans and its local map,
+    which takes in scans only where the rules of replanning look at it. There are no recoveries.
+    """
+
+    def __init__(self, make_guide: Callable[[], Guide], waypoints: WaypointGenerator, worlds: int) -> None:
+        self._guides = [make_guide() for _ in range(worlds)]
+        for guide in self._guides:  # plans depend on what is asked alone: one planner needs the memory of one
+            guide.global_planner = self._guides[0].global_planner
+        localizer = self._guides[0].localizer
+        assert isinstance(localizer, ReferenceLocalizer)
+        self._localizer, self._waypoints = localizer, waypoints
+        self._rules = self._guides[0].replan
+        self._looks = self._rules.period is not None or self._rules.blocked_for is not None
+        self._goals, self._radii = np.zeros((worlds, 2)), np.zeros(worlds)
+        self._all = np.arange(worlds)
+
+    @staticmethod
+    def suits(guide: Guide) -> bool:
+        """Tell whether robots with such guides can be led so."""
+        return isinstance(guide.localizer, ReferenceLocalizer) and not guide.rules.behaviours
+
+    def begin(self, slots: Slots, problems: Sequence[Problem], snapshot: Snapshot, ranges: Ranges) -> Guided:
+        """Plan each robot's first path from where it believes to stand."""
+        for slot, problem in zip(slots.tolist(), problems, strict=True):
+            scenario = problem.scenario
+            self._guides[slot].begin(mission_of(scenario))
+            self._goals[slot], self._radii[slot] = (scenario.goal.x, scenario.goal.y), scenario.goal_radius
+        keys = [generator(p.scenario.seed, p.scenario.name, "localizer").integers(2**64, size=1, dtype=np.uint64)[0] for p in problems]
+        self._localizer.begin(np.array(keys), slots, len(self._guides))
+        self._waypoints.reset(slots, len(self._guides))
+        poses = self._localizer.estimates(snapshot.poses[slots], slots)
+        for slot, pose, problem in zip(slots.tolist(), poses, problems, strict=True):
+            self._plan_first(slot, Pose.of(pose), float(snapshot.stamps[slot]), problem)
+        self._paths = PathBatch.of([guide.path for guide in self._guides if guide.path is not None])
+        paths = PathBatch.of([guide.path for guide in (self._guides[slot] for slot in slots) if guide.path is not None])
+        waypoints = self._waypoints.next(paths, poses, snapshot.stamps[slots], slots).poses
+        return Guided(poses, waypoints, paths, self._arrived(poses, slots), {})
+
+    def look(self, snapshot: Snapshot, ranges: Ranges) -> Guided:
+        """Localise all robots, let those plan that have to, and choose the waypoints of all in one call."""
+        poses = self._localizer.estimates(snapshot.poses, self._all)
+        arrived = self._arrived(poses, self._all)
+        windows: dict[int, Callable[[], Window]] = {}
+        planned = self._plan_where_due(snapshot, ranges, poses, arrived, windows) if self._looks else []
+        self._renew(planned)
+        found = self._waypoints.next(self._paths, poses, snapshot.stamps)
+        asking = np.flatnonzero((found.status != WAYPOINT_FOUND) & ~arrived) if self._rules.on_request else ()
+        for slot in (int(slot) for slot in asking):
+            stamp = float(snapshot.stamps[slot])
+            guide = self._guides[slot]
+            if not guide.may_replan(stamp):
+                continue
+            before = guide.path
+            window = windows.get(slot) or self._window(slot, snapshot, ranges, poses)
+            guide.plan_anew(Pose.of(poses[slot]), stamp, REPLAN_REASONS[int(found.status[slot])], window)
+            if guide.path is not before:
+                planned.append(slot)
+                self._renew([slot])
+            at = np.array((slot,))
+            path = guide.path
+            assert path is not None
+            found.poses[slot] = self._waypoints.next(PathBatch.of([path]), poses[at], snapshot.stamps[at], at).poses[0]
+        new = {slot: path for slot in planned if (path := self._guides[slot].path) is not None}
+        return Guided(poses, found.poses, self._paths, arrived, new)
+
+    def _arrived(self, poses: Floats, slots: Slots) -> NDArray[np.bool_]:
+        """Tell who believes to be within the goal's radius, as guides do."""
+        offsets = poses[:, :2] - self._goals[slots]
+        away = np.array([math.hypot(x, y) for x, y in offsets.tolist()])
+        return away <= self._radii[slots]
+
+    def _plan_first(self, slot: int, pose: Pose, stamp: float, problem: Problem) -> None:
+        guide = self._guides[slot]
+        try:
+            guide.plan_anew(pose, stamp, "start", _no_window)
+        except NoPath:  # its estimate may lie too near to a wall
+            guide.follow(problem.path)
+
+    def _plan_where_due(
+        self, snapshot: Snapshot, ranges: Ranges, poses: Floats, arrived: NDArray[np.bool_], windows: dict[int, Callable[[], Window]]
+    ) -> list[int]:
+        """Show each robot's local map the scan, and let those plan whose path is blocked or old; return who has a new path."""
+        planned = []
+        for slot in np.flatnonzero(~arrived).tolist():
+            guide, pose, stamp = self._guides[slot], Pose.of(poses[slot]), float(snapshot.stamps[slot])
+            windows[slot] = window = self._window(slot, snapshot, ranges, poses)
+            reason = guide.why_replan(pose, stamp, window)
+            if reason is not None:
+                before = guide.path
+                guide.plan_anew(pose, stamp, reason, window)
+                if guide.path is not before:
+                    planned.append(slot)
+        return planned
+
+    def _window(self, slot: int, snapshot: Snapshot, ranges: Ranges, poses: Floats) -> Callable[[], Window]:
+        """Return what lets a robot's local map take in its scan, once, when it is asked for."""
+        guide, head = self._guides[slot], snapshot.scan_header
+
+        def window() -> Window:
+            stamp = float(snapshot.scan_stamps[slot])
+            beams = head.angle_min, head.angle_increment, head.range_min, head.range_max, ranges[slot]
+            age = float(snapshot.stamps[slot]) - stamp
+            pose = Pose.of(poses[slot])
+            if age > 0.0:
+                pose = pose_at_scan(pose, Twist.of(snapshot.odometry_twists[slot]), age)
+            return guide.local_map.take_in(LaserScan(stamp, *beams, head.mount), pose)
+
+        return Once(window)
+
+    def _renew(self, slots: Sequence[int]) -> None:
+        """Take these robots' new paths for theirs."""
+        if slots:
+            self._waypoints.reset(np.array(slots), len(self._guides))
+            self._paths = PathBatch.of([guide.path for guide in self._guides if guide.path is not None])
+
+
+def _no_window() -> Window:
+    raise AssertionError("a first path is planned on the map alone")
