@@ -12,7 +12,7 @@ from arena_gym.pool import TRIES, PooledWorlds, ProblemPool
 from arena_gym.seeds import FIRST_TRAINING_SEED, check_evaluation_seed, training_seed
 from arena_gym.settings import CountSpan, Randomization, Span
 
-PLAIN = Randomization(Span(0.0, 0.0), CountSpan(0, 0), Span(1.0, 1.0), None, Span(1.0, 1.0))
+PLAIN = Randomization(Span(0.0, 0.0), CountSpan(0, 0), Span(1.0, 1.0), None, Span(1.0, 1.0), {})
 SMALL = ["world.width=8", "world.height=8", "task.pedestrians=3", "environment.worlds=3", "environment.problems_per_world=2"]
 
 
@@ -136,7 +136,7 @@ def test_levels_have_pools_of_their_own_that_are_kept():
 
 def test_episode_is_a_function_of_seed_and_number():
     pool = pool_of(Walk())
-    varied = Randomization(Span(0.0, 0.1), CountSpan(0, 3), Span(0.5, 1.0), CountSpan(0, 3), Span(0.5, 1.5))
+    varied = Randomization(Span(0.0, 0.1), CountSpan(0, 3), Span(0.5, 1.0), CountSpan(0, 3), Span(0.5, 1.5), {})
     first, again, other = (draw_episode(pool, varied, seed, 5) for seed in (1, 1, 2))
     assert (first.noise, first.latency, first.noise_key) == (again.noise, again.latency, again.noise_key)
     assert first.noise_key != other.noise_key
@@ -145,7 +145,7 @@ def test_episode_is_a_function_of_seed_and_number():
 
 def test_what_is_varied_stays_within_its_span():
     pool = pool_of(Walk())
-    varied = Randomization(Span(0.02, 0.1), CountSpan(1, 3), Span(0.5, 0.8), CountSpan(1, 2), Span(0.5, 1.5))
+    varied = Randomization(Span(0.02, 0.1), CountSpan(1, 3), Span(0.5, 0.8), CountSpan(1, 2), Span(0.5, 1.5), {})
     episodes = [draw_episode(pool, varied, 0, number) for number in range(60)]
     scenarios = [episode.problem.scenario for episode in episodes]
     assert all(0.02 <= episode.noise <= 0.1 for episode in episodes)

@@ -9,7 +9,7 @@ import numpy as np
 from arena_core import PedestrianSpec, Scenario, generator, stream_key
 from arena_gym.pool import Problem, ProblemPool
 from arena_gym.seeds import training_seed
-from arena_gym.settings import Randomization, Span
+from arena_gym.settings import CrowdKind, Randomization, Span
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,10 +47,28 @@ def _varied_people(
     if randomization.people is not None:
         number = min(int(random.integers(randomization.people.low, randomization.people.high + 1)), number)
     factor = _drawn(randomization.people_speed, random)
-    if number == len(people) and factor == 1.0:
+    kind = _kind(randomization, random)
+    if kind is not None:
+        factor *= _drawn(kind.speed, random)
+    reaction = kind.reaction if kind is not None else None
+    if number == len(people) and factor == 1.0 and reaction is None:
         return people  # the very same, which simulators may know by now
     chosen = np.sort(random.permutation(len(people))[:number]).tolist()
-    return tuple(replace(people[i], desired_speed=people[i].desired_speed * factor) for i in chosen)
+    return tuple(_of_kind(people[i], factor, reaction) for i in chosen)
+
+
+def _kind(randomization: Randomization, random: np.random.Generator) -> CrowdKind | None:
+    """Draw the kind of people of an episode; None where there are no kinds."""
+    if not randomization.crowds:
+        return None
+    kinds = list(randomization.crowds.values())
+    shares = np.cumsum([kind.share for kind in kinds])
+    return kinds[int(np.searchsorted(shares, random.uniform(0.0, shares[-1]), side="right"))]
+
+
+def _of_kind(person: PedestrianSpec, factor: float, reaction: str | None) -> PedestrianSpec:
+    behaviour = person.behaviour if reaction is None else {**person.behaviour, "reaction": reaction}
+    return replace(person, desired_speed=person.desired_speed * factor, behaviour=behaviour)
 
 
 def _drawn(span: Span, random: np.random.Generator) -> float:

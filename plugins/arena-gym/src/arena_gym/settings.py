@@ -31,6 +31,19 @@ class CountSpan:
 
 
 @dataclass(frozen=True, slots=True)
+class CrowdKind:
+    """A kind of people: ``share`` of the episodes that have it; their speeds' factor; how they react to the robot (None: as the task says)."""
+
+    share: NonNegative
+    speed: Span
+    reaction: str | None
+
+    def __post_init__(self) -> None:
+        if self.speed.low <= 0.0:
+            raise ConfigurationError(f"randomization.crowds: speed.low is {self.speed.low}; allowed: > 0")
+
+
+@dataclass(frozen=True, slots=True)
 class EnvironmentSettings:
     """The pool of problems, and how many collisions end an episode; None: no number of them."""
 
@@ -42,15 +55,18 @@ class EnvironmentSettings:
 
 @dataclass(frozen=True, slots=True)
 class Randomization:
-    """What differs between episodes: range noise (m), latency (control steps), speeds of robot and people, how many people."""
+    """What differs between episodes: range noise (m), latency (control steps), speeds of robot and people, how many people, of which kind."""
 
     lidar_noise: Span
     latency: CountSpan
     speed_share: Span
     people: CountSpan | None
     people_speed: Span
+    crowds: dict[str, CrowdKind]
 
     def __post_init__(self) -> None:
+        if self.crowds and not sum(kind.share for kind in self.crowds.values()) > 0.0:
+            raise ConfigurationError("randomization.crowds: the shares are all 0; allowed: one at least above 0")
         if not 0.0 < self.speed_share.low <= self.speed_share.high <= 1.0:
             raise ConfigurationError(f"randomization.speed_share is {self.speed_share.low} .. {self.speed_share.high}; allowed: > 0 .. 1")
         if self.people_speed.low <= 0.0:

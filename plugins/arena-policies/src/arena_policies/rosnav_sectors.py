@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from arena_core import NonNegativeInt, ObservationBatch, ObservationField, Positive, PositiveInt, Robot
+from arena_kernels.paths import points_ahead
 from arena_policies.encoding import (
     BoundedEncoder,
     Numbers,
@@ -13,6 +14,7 @@ from arena_policies.encoding import (
     sectors_shown,
     speed_scales,
     write_closeness,
+    write_from_robot,
     write_speeds,
     write_way,
 )
@@ -25,7 +27,7 @@ class RosnavSectorsEncoder(BoundedEncoder):
     Sectors go counter-clockwise; those of a scan all round begin behind the robot, and the first ``overlap`` of them follow the last
     once more, so that a convolution over them has no seam. Earlier scans, ``lookback`` seconds ago, are shown as they would be seen
     from where the robot is now: what stands still coincides, people do not. The waypoint's direction comes as cosine and sine, which
-    have no jump behind the robot.
+    have no jump behind the robot. ``ahead`` further points of the path, ``spacing`` m of it apart, show where it turns.
     """
 
     def __init__(
@@ -37,6 +39,8 @@ class RosnavSectorsEncoder(BoundedEncoder):
         range_max: Positive,
         decay: Positive,
         distance_unit: Positive,
+        ahead: NonNegativeInt = 0,  # policies whose cards say nothing of it were trained without
+        spacing: Positive = 1.0,
     ) -> None:
         lidar = robot.lidar
         self.lookback = steps_back(lookback, robot)
@@ -46,6 +50,7 @@ class RosnavSectorsEncoder(BoundedEncoder):
         self._range_max = min(range_max, lidar.range_max)
         self._radius, self._decay, self._distance_unit = robot.footprint.radius, decay, distance_unit
         self._speeds = speed_scales(robot)
+        self._spacing, self._ways = spacing, spacing * np.arange(1.0, ahead + 1.0)
         names = ("vx", "vy", "wz") if robot.holonomic else ("vx", "wz")
         ago = [f", {seconds:g} s ago, seen from here" for seconds in lookback]
         shown = [("closeness", ""), *((f"closeness_{k}", when) for k, when in enumerate(ago, 1))]
@@ -57,6 +62,7 @@ class RosnavSectorsEncoder(BoundedEncoder):
                 ObservationField("waypoint_sin", 1, "-", -1.0, 1.0, "sine of the waypoint's bearing"),
                 *(ObservationField(n, 1, "-", -1.5, 1.5, "measured, over the robot's greatest") for n in names),
                 *(ObservationField(f"last_{n}", 1, "-", -1.0, 1.0, "last command, over the robot's greatest") for n in names),
+                *(_points(ahead, spacing) for _ in range(min(ahead, 1))),
             )
         )
 
@@ -73,3 +79,12 @@ class RosnavSectorsEncoder(BoundedEncoder):
         write_way(observations.waypoints, observations.poses, self._distance_unit, state, rows)
         write_speeds(observations.twists, self._speeds, state + 3, rows)
         write_speeds(observations.last_commands, self._speeds, state + 3 + len(self._speeds), rows)
+        if len(self._ways):
+            points = np.empty((len(rows), len(self._ways), 2))
+            points_ahead(observations.paths.poses, observations.paths.offsets, observations.poses, self._spacing, points)
+            write_from_robot(points, observations.poses, self._ways, 0.0, state + 3 + 2 * len(self._speeds), rows)
+
+
+def _points(count: int, spacing: float) -> ObservationField:
+    meaning = f"x, y in base_link of {count} points, {spacing:g} m of path apart, each over its way"
+    return ObservationField("ahead_xy", 2 * count, "-", -4.0, 4.0, meaning)
