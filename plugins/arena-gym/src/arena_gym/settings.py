@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from arena_core import ConfigurationError, NonNegative, NonNegativeInt, PositiveInt
+from arena_core import ConfigurationError, NonNegative, NonNegativeInt, Positive, PositiveInt
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,12 +45,13 @@ class CrowdKind:
 
 @dataclass(frozen=True, slots=True)
 class EnvironmentSettings:
-    """The pool of problems, and how many collisions end an episode; None: no number of them."""
+    """The pool of problems; how many collisions end an episode, and for how long a robot may stand (s); None: any."""
 
     seed: NonNegativeInt
     worlds: PositiveInt
     problems_per_world: PositiveInt
     collisions_to_end: PositiveInt | None
+    standing_to_end: Positive | None
 
 
 @dataclass(frozen=True, slots=True)
