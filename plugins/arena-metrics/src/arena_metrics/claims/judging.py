@@ -73,7 +73,7 @@ def _verdict_text(one: Judged) -> str:
 
 def _rounded(number: float) -> int:
     """Return a number with two digits that count: it is an estimate."""
-    step = 10 ** max(0, math.floor(math.log10(max(number, 1.0))) - 1)
+    step: int = 10 ** max(0, math.floor(math.log10(max(number, 1.0))) - 1)
     return math.ceil(number / step) * step
 
 
