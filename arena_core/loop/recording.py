@@ -218,7 +218,8 @@ def _write_npz(file: IO[bytes], arrays: Mapping[str, NDArray[Any]]) -> None:
 
 def _rounded(arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
     """Return the arrays rounded to their grain, so that metrics are of what the file holds."""
-    return {name: np.ldexp(np.rint(np.ldexp(array, GRAIN[name])), -GRAIN[name]) if name in GRAIN else array for name, array in arrays.items()}
+    rounded = {name: np.ldexp(np.rint(np.ldexp(arrays[name], places)), -places) for name, places in GRAIN.items() if name in arrays}
+    return {**arrays, **rounded}
 
 
 def _read_npz(path: Path) -> dict[str, Any]:
