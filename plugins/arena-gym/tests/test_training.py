@@ -38,7 +38,8 @@ training:
     heads: [32]
     log_std_init: -0.5
   optimization: {environments: 16, steps: 128, minibatch: 512, epochs: 6, learning_rate: 0.002, gamma: 0.97}
-  evaluation: {every: 8192, episodes: 32, seed: 7, target: null}
+  validation: {every: 8192, episodes: 32}
+  test: {episodes: 32}
 """
 WORDS = ("train", "planner=beginner", "robot=jackal")
 
@@ -102,21 +103,21 @@ def test_training_that_was_cut_off_goes_on(here):
 def test_actions_spread_less_towards_the_end(here):
     import torch
 
-    assert main([*WORDS, "total_steps=8192", "out=calm", "training.network.log_std_final=-2.5", "training.evaluation.every=8192"]) == 0
+    assert main([*WORDS, "total_steps=8192", "out=calm", "training.network.log_std_final=-2.5", "training.validation.every=8192"]) == 0
     spread = torch.load(here / "calm" / "checkpoint.pt", weights_only=True)["policy"]["log_std"]
     assert float(spread.max()) < -1.7  # the last of four rollouts began at -2.0
 
 
 @pytest.mark.slow
 def test_training_ends_early_at_its_target(here):
-    assert main([*WORDS, "total_steps=10000000", "out=early", "training.evaluation.every=2048", "training.evaluation.target=0.0"]) == 0
+    assert main([*WORDS, "total_steps=10000000", "out=early", "training.validation.every=2048", "training.validation.target=0.0"]) == 0
     assert len(curve(here / "early")) == 1
     assert json.loads((here / "early" / "policy.json").read_text())["training"]["steps"] < 10000
 
 
 @pytest.mark.slow
 def test_training_that_was_killed_goes_on_from_its_checkpoint(here):
-    words = [str(Path(sys.executable).with_name("arena")), *WORDS, "out=killed", "training.evaluation.every=2048"]
+    words = [str(Path(sys.executable).with_name("arena")), *WORDS, "out=killed", "training.validation.every=2048"]
     killed = subprocess.Popen([*words, "total_steps=10000000"], stdout=subprocess.DEVNULL)
     try:
         for _ in range(600):
@@ -129,7 +130,7 @@ def test_training_that_was_killed_goes_on_from_its_checkpoint(here):
     before = curve(here / "killed")
     assert before, "it was killed after its first checkpoint"
     assert (
-        main([*WORDS, "out=killed", "training.evaluation.every=2048", f"total_steps={int(before[-1]['steps']) + 4096}", "resume=true"]) == 0
+        main([*WORDS, "out=killed", "training.validation.every=2048", f"total_steps={int(before[-1]['steps']) + 4096}", "resume=true"]) == 0
     )
     after = curve(here / "killed")
     assert after[: len(before)] == before
@@ -164,7 +165,7 @@ def test_checkpoint_that_is_none_is_refused(here, capsys):
         ("total_steps=0", "total_steps"),
         ("device=abacus", "device"),
         ("device=cuda:77", "device"),
-        ("training.evaluation.seed=0", "evaluation.seed"),
+        ("training.validation.seed=0", "validation.seed"),
         ("training.network.beams_field=nothing", "beams_field"),
         ("training.optimization.gamma=2", "gamma"),
         ("resume=perhaps", "resume"),
@@ -186,8 +187,8 @@ def test_evaluation_never_meets_the_problems_of_training(here):
     from arena_gym.training.evaluation import unseen_worlds
 
     config = compose_environment(["recipe=beginner", "robot=jackal"], primary="train")
-    with pytest.raises(ConfigurationError, match=r"evaluation\.seed"):
-        unseen_worlds(config, 1, config["environment"]["seed"], "training.evaluation.seed")
+    with pytest.raises(ConfigurationError, match=r"validation\.seed"):
+        unseen_worlds(config, 1, config["environment"]["seed"], "training.validation.seed")
 
 
 def test_goal_after_a_collision_is_no_success():
