@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from arena_core import ConfigurationError, RunFolderError
+from arena_core import ConfigurationError
 from arena_core.cli.main import main
 
 torch = pytest.importorskip("torch", reason="training needs the extra arena-gym[train]")
@@ -121,3 +121,106 @@ def test_training_that_was_cut_gives_the_weights_of_one_that_was_not(here, monke
         assert same(now[part], kept[part]), part
     assert resumed.choice == whole.choice
     assert resumed.curve == whole.curve
+
+
+def refused(words, capsys):
+    """Return the one line that a command ends with."""
+    assert main(list(words)) == 2
+    lines = capsys.readouterr().err.strip().splitlines()
+    assert len(lines) == 1, lines
+    return lines[0]
+
+
+def test_loss_that_is_no_number_ends_a_training_in_one_line_and_spares_its_checkpoint(here, monkeypatch):
+    from arena_gym.progress_reward import ProgressReward
+    from arena_gym.training.trainer import TrainingStopped
+
+    rewards, calls = ProgressReward.reward, []
+
+    def spoilt(reward, transition):
+        calls.append(transition)
+        return rewards(reward, transition) * (np.nan if len(calls) == 150 else 1.0)
+
+    monkeypatch.setattr(ProgressReward, "reward", spoilt)
+    with pytest.raises(TrainingStopped, match=r"768 steps the loss is no number .*holds the training up to 512 steps") as stopped:
+        trained(here / "wild", *RANDOM, "training.checkpoint=0", "training.validation.every=10000")
+    assert stopped.value.exit_status == 2
+    kept = torch.load(here / "wild" / "checkpoint.pt", weights_only=True)
+    assert all(bool(torch.isfinite(values).all()) for values in kept["policy"].values())
+
+
+def test_full_disk_ends_a_training_in_one_line_and_spares_what_was_kept(here, monkeypatch):
+    from arena_gym.training.trainer import TrainingStopped
+
+    with monkeypatch.context() as patch:
+        cut_after(2, patch)
+        with pytest.raises(Cut):
+            trained(here / "full", *RANDOM, "training.checkpoint=0")
+    before = (here / "full" / "checkpoint.pt").read_bytes()
+
+    resource = pytest.importorskip("resource", reason="limits of Unix")
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, limits[1]))  # no file may grow beyond: as on a full disk, a write fails half-way
+    try:
+        with pytest.raises(TrainingStopped, match=r"cannot write .*checkpoint.pt: .*holds the training up to 512 steps"):
+            trained(here / "full", *RANDOM, "training.checkpoint=0")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert (here / "full" / "checkpoint.pt").read_bytes() == before
+    assert not list((here / "full").glob(".*"))
+    assert trained(here / "full", *RANDOM, "training.checkpoint=0")[0].steps == 1536
+
+
+def test_folder_of_other_code_is_refused_unless_forced(here, capsys):
+    from arena_core import code_of, load_registry
+    from arena_gym.training.folder import open_folder
+    from arena_gym.training.session import NO_PART
+
+    config = composed(*RANDOM)
+    code = code_of(config, load_registry(), apart=NO_PART, besides=("gym",))
+    assert {"arena-core", "arena-gym", "arena-sim2d"} <= set(code.parts)
+    open_folder(here / "mine", config, resume=False, code=code)
+    open_folder(here / "mine", config, resume=True, code=code)
+    told = json.loads((here / "mine" / "code.json").read_text())
+    told["digest"], told["parts"]["arena-sim2d"] = "00000000", "0.0.9 00000000"
+    (here / "mine" / "code.json").write_text(json.dumps(told))
+    with pytest.raises(ConfigurationError, match=r"other code: arena-sim2d; resume=force"):
+        open_folder(here / "mine", config, resume=True, code=code)
+    open_folder(here / "mine", config, resume=True, code=code, force=True)
+    open_folder(here / "mine", config, resume=True, code=code)
+    (here / "mine" / "code.json").unlink()
+    with pytest.raises(ConfigurationError, match="which it does not name"):
+        open_folder(here / "mine", config, resume=True, code=code)
+
+
+def test_folder_of_another_configuration_names_the_key(here):
+    from arena_gym.training.folder import open_folder
+
+    open_folder(here / "mine", composed(*RANDOM), resume=False)
+    other = composed(*RANDOM, "training.optimization.gamma=0.9")
+    with pytest.raises(ConfigurationError, match=r"another training\.optimization\.gamma"):
+        open_folder(here / "mine", other, resume=True)
+    open_folder(here / "mine", composed(*RANDOM, "total_steps=9999"), resume=True)
+
+
+@pytest.mark.parametrize(
+    ("word", "said"),
+    [
+        ("world.width=1", "cannot be trained on"),
+        ("training.levels=mixture", "training.levels"),
+        ("training.levels=random", "training.levels"),
+        ("training.critic=all", "training.critic"),
+        ("training.mixture.floor=2", "mixture.floor"),
+        ("training.test.seed=7", "training.test.seed"),
+        ("training.test.seed=0", "training.test.seed"),
+        ("training.validation.average=0", "validation.average"),
+        ("resume=perhaps", "resume"),
+        ("seed=0,0", "seed"),
+        ("seed=0,x", "seed"),
+    ],
+)
+def test_impossible_training_is_one_line_and_leaves_nothing_behind(here, capsys, word, said):
+    words = ["train", "planner=tiny", "robot=jackal", "out=none", *RANDOM]
+    line = refused([*(w for w in words if not w.startswith(word.split("=")[0])), word], capsys)
+    assert said in line, line
+    assert not list(here.glob("none*"))

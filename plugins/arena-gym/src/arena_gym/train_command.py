@@ -36,8 +36,8 @@ class TrainCommand(Command):
         if resume not in RESUME:
             raise ConfigurationError(f"resume is {resume}; allowed: {', '.join(RESUME)}")
         seeds = words.keys["seed"].split(",") if "seed" in words.keys else [None]
-        if len(set(seeds)) < len(seeds):
-            raise ConfigurationError(f"seed is {words.keys['seed']}; allowed: each seed once")
+        if len(set(seeds)) < len(seeds) or not all(seed is None or seed.isdecimal() for seed in seeds):
+            raise ConfigurationError(f"seed is {words.keys['seed']}; allowed: a whole number, or several, each once: seed=0,1,2")
         configs = [
             compose_environment([*recipe, *words.overrides, *([f"seed={seed}"] if seed is not None else [])], primary="train")
             for seed in seeds

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import groupby
+from itertools import groupby, pairwise
 from pathlib import Path
 from typing import ClassVar
 
@@ -50,7 +50,7 @@ class TrainingsCommand(Command):
         trainings = sorted((_read(Path(folder)) for folder in folders), key=lambda t: (t.planner, t.robot, t.seed))
         _check_seeds(trainings)
         print("\n".join([*HEAD, *_rows(trainings)]))
-        print("\nSuccess without any collision: interquartile mean over training seeds, and its 95 % interval (stratified bootstrap of seeds).")
+        print("\nSuccess is without any collision. Means are interquartile over training seeds, with 95 % intervals (bootstrap of seeds).")
         return 0
 
 
@@ -66,7 +66,7 @@ def _read(folder: Path) -> Tested:
 
 
 def _check_seeds(trainings: Sequence[Tested]) -> None:
-    for one, other in zip(trainings, trainings[1:], strict=False):
+    for one, other in pairwise(trainings):
         if (one.planner, one.robot, one.seed) == (other.planner, other.robot, other.seed):
             raise ConfigurationError(f"{one.planner} on {one.robot} is there twice with seed {one.seed}; allowed: each training once")
 

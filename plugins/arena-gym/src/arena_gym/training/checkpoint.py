@@ -37,7 +37,7 @@ def all_finite(learner: PPO) -> bool:
 
 
 def save_checkpoint(path: Path, learner: PPO, worlds: WorldsInStep, progress: Mapping[str, Any], best: Weights | None) -> None:
-    """Write weights, optimiser, random streams, running episodes, ``progress`` (plain numbers) and the best weights, whole or not at all."""
+    """Write weights, optimiser, random streams, running episodes, ``progress`` and the best weights, whole or not at all."""
     content = {
         "policy": learner.policy.state_dict(),
         "optimizer": learner.policy.optimizer.state_dict(),

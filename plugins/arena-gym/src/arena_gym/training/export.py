@@ -23,9 +23,9 @@ class Actor(nn.Module):
         self.features, self.body, self.action = policy.pi_features_extractor, policy.mlp_extractor.policy_net, policy.action_net
 
     def forward(self, observation: torch.Tensor) -> torch.Tensor:
+        """Return the actions (N, A), or what each member is preferred by, for observations (N, D)."""
         actions: torch.Tensor = self.action(self.body(self.features(observation)))
         return actions if self._chooses else actions.clamp(-1.0, 1.0)
-
 
     def act(self, observations: NDArray[np.float32]) -> NDArray[np.floating[Any]]:
         """Return the actions (N, A), or the members chosen (N,), for observations (N, D)."""
@@ -36,7 +36,7 @@ class Actor(nn.Module):
 
 
 def to_onnx(learner: PPO, size: int) -> bytes:
-    """Return the policy as an ONNX model: ``observation`` (N, ``size``) float32 to ``action`` (N, A) float32, unless of a switch in [-1, 1]."""
+    """Return the policy as an ONNX model: ``observation`` (N, ``size``) to ``action`` (N, A), float32, unless of a switch in [-1, 1]."""
     return network_to_onnx(Actor(learner.policy), size, "observation", "action")
 
 

@@ -16,7 +16,7 @@ from arena_gym.training.settings import Network, TrainingSettings
 
 
 def make_learner(env: VecEnv, layout: tuple[ObservationField, ...], settings: TrainingSettings, logs: Path | None) -> PPO:
-    """Return an untrained learner whose random streams follow from the settings' seed; what ``env`` shows behind ``layout`` is the truth."""
+    """Return an untrained learner whose random streams follow from its seed; what ``env`` shows behind ``layout`` is the truth."""
     torch.set_num_threads(settings.threads)
     chosen = settings.optimization
     truth = env.observation_space.shape[0] - sum(field.size for field in layout)  # type: ignore[index]

@@ -32,8 +32,8 @@ class TrainingReport(Progress):
 
     def note(self, steps: int, late: LateEpisodes, level: str) -> None:
         """Show how it stands; ``level`` is empty where there is none."""
-        said = {"success": f"{late.success:.2f}", "collisions": f"{late.collisions:.2f}"} if late.episodes else {}
-        self.update(self._steps, completed=steps, description=f"training{level}", **said)
+        success, collisions = (f"{late.success:.2f}", f"{late.collisions:.2f}") if late.episodes else ("-", "-")
+        self.update(self._steps, completed=steps, description=f"training{level}", success=success, collisions=collisions)
 
 
 class LateEpisodes:

@@ -1,4 +1,4 @@
-"""The episodes that run while a checkpoint is written: kept as what they were drawn from and the actions since, and driven again from those."""
+"""Episodes that run while a checkpoint is written: kept as what they were drawn from and the actions since, and driven again from those."""
 
 from __future__ import annotations
 

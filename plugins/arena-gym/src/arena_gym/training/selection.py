@@ -34,13 +34,13 @@ def candidate(curve: Sequence[Mapping[str, float]], settings: Validation) -> Cho
 
 
 def is_better(new: Choice, best: Choice | None) -> bool:
-    """Tell whether new weights are to be taken: a mean over more validations first, as few are best by luck, then a mean as great or greater."""
+    """Tell whether new weights are taken: for a mean over more validations, as few are best by luck, then for one as great or greater."""
     return best is None or (new.validations, new.success) >= (best.validations, best.success)
 
 
 def rule(settings: Validation) -> str:
     """Return the rule in words, for the policy's card."""
     return (
-        f"the weights after the last of {settings.average} validations in a row (every {settings.every} steps, {settings.episodes} episodes "
-        f"each of seed {settings.seed}) whose mean success without a collision is greatest; of equal ones the last"
+        f"the weights after the last of {settings.average} validations in a row (every {settings.every} steps, {settings.episodes} "
+        f"episodes each of seed {settings.seed}) whose mean success without a collision is greatest; of equal ones the last"
     )

@@ -77,8 +77,8 @@ def _export(config: Mapping[str, Any], parts: Parts, trained: Trained, code: Cod
     _write_policy(config, parts, trained.learner, path, {**told, "weights": "best", "choice": choice, "score": score})
     low, high = score["interval"]
     print(
-        f"test: success {score['success']:.3f} ({low:.3f} .. {high:.3f}), collision {score['collision']:.3f}, time out {score['time_out']:.3f} "
-        f"of {score['episodes']}; weights after {trained.choice.steps} of {trained.steps} steps"
+        f"test: success {score['success']:.3f} ({low:.3f} .. {high:.3f}), collision {score['collision']:.3f}, time out "
+        f"{score['time_out']:.3f} of {score['episodes']}; weights after {trained.choice.steps} of {trained.steps} steps"
     )
     print(f"policy: {path}")
 

@@ -132,8 +132,8 @@ class Trainer(BaseCallback):
         self._learner.logger.record("validation/collision", score.collision)
         self._learner.logger.record("validation/mean", found.success)
         print(
-            f"{steps:>9} steps{self._level()}, success {self._late.success:.2f}, collisions {self._late.collisions:.2f}; validation: success "
-            f"{score.success:.3f}, collision {score.collision:.3f}, time out {score.time_out:.3f} of {score.episodes}, mean of the last "
+            f"{steps:>9} steps{self._level()}, success {self._late.success:.2f}, collisions {self._late.collisions:.2f}; validation: "
+            f"success {score.success:.3f}, collision {score.collision:.3f}, time out {score.time_out:.3f} of {score.episodes}, mean of the last "
             f"{found.validations} {found.success:.3f}{', the best' if self.choice is found else ''}",
             flush=True,
         )
@@ -185,9 +185,7 @@ class Trainer(BaseCallback):
             raise TrainingStopped(self._said(NO_NUMBER)) from error
 
 
-def train(
-    settings: TrainingSettings, env: NavigationVectorEnv, validation: NavigationVectorEnv, levels: Levels, folder: Path
-) -> Trained:
+def train(settings: TrainingSettings, env: NavigationVectorEnv, validation: NavigationVectorEnv, levels: Levels, folder: Path) -> Trained:
     """Train until the steps are spent or the target is reached.
 
     ``folder`` keeps checkpoint, curve and logs; where there is a checkpoint, its training goes on as if it had never stopped. Raises
