@@ -130,7 +130,7 @@ def test_policy_of_a_critic_that_sees_the_truth_never_reads_it():
     from arena_gym.training.session import training_settings
     from arena_gym.training.worlds_in_step import WorldsInStep
 
-    config = _composed("training.critic=truth", "training.optimization.environments=2")
+    config = _composed("training.critic=truth", "training.optimization.minibatch=512")
     settings = training_settings(config)
     env = NavigationVectorEnv(2, overrides=["observation_encoder=rosnav_sectors", *SMALL])
     truth, layout = Truth(settings.truth), env.batch.parts.encoder.layout()

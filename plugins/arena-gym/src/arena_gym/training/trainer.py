@@ -133,8 +133,8 @@ class Trainer(BaseCallback):
         self._learner.logger.record("validation/mean", found.success)
         print(
             f"{steps:>9} steps{self._level()}, success {self._late.success:.2f}, collisions {self._late.collisions:.2f}; validation: "
-            f"success {score.success:.3f}, collision {score.collision:.3f}, time out {score.time_out:.3f} of {score.episodes}, mean of the last "
-            f"{found.validations} {found.success:.3f}{', the best' if self.choice is found else ''}",
+            f"success {score.success:.3f}, collision {score.collision:.3f}, time out {score.time_out:.3f} of {score.episodes}, "
+            f"mean of {found.validations} {found.success:.3f}{', the best' if self.choice is found else ''}",
             flush=True,
         )
         self.keep()

@@ -24,7 +24,8 @@ class WorldsInStep(VecEnv):
     """N worlds of one vectorised environment; begins with the episodes of ``seed``.
 
     The last columns of observations are the truth, where the critic sees it. The info of an ended episode has ``terminal_observation``,
-    ``TimeLimit.truncated``, ``is_success`` (the goal without a collision), ``stage`` (its level or None) and ``episode`` (return ``r``, length ``l``, collisions ``c``, outcome ``o``).
+    ``TimeLimit.truncated``, ``is_success`` (the goal without a collision), ``stage`` (its level or None) and ``episode`` (return ``r``,
+    length ``l``, collisions ``c``, outcome ``o``).
     """
 
     def __init__(self, env: NavigationVectorEnv, seed: int, truth: Truth | None = None) -> None:
