@@ -127,25 +127,29 @@ def test_training_ends_early_at_its_target(here):
 
 
 @pytest.mark.slow
-def test_training_that_was_killed_goes_on_from_its_checkpoint(here):
-    words = [str(Path(sys.executable).with_name("arena")), *WORDS, "out=killed", "training.validation.every=2048"]
-    killed = subprocess.Popen([*words, "total_steps=10000000"], stdout=subprocess.DEVNULL)
+def test_training_that_was_killed_ends_with_the_weights_of_one_that_was_not(here):
+    import torch
+
+    words = [*WORDS, "total_steps=12288", "training.validation.every=2048", "training.validation.episodes=8", "training.checkpoint=0"]
+    arena = str(Path(sys.executable).with_name("arena"))
+    killed = subprocess.Popen([arena, *words, "out=killed"], stdout=subprocess.DEVNULL)
     try:
-        for _ in range(600):
-            if (here / "killed" / "checkpoint.pt").exists() or killed.poll() is not None:
+        for _ in range(3000):
+            if (here / "killed" / "curve.json").exists() or killed.poll() is not None:
                 break
-            time.sleep(0.1)
+            time.sleep(0.05)
     finally:
         killed.kill()
         killed.wait()
-    before = curve(here / "killed")
-    assert before, "it was killed after its first checkpoint"
-    assert (
-        main([*WORDS, "out=killed", "training.validation.every=2048", f"total_steps={int(before[-1]['steps']) + 4096}", "resume=true"]) == 0
-    )
-    after = curve(here / "killed")
-    assert after[: len(before)] == before
-    assert after[-1]["steps"] > before[-1]["steps"]
+    before = torch.load(here / "killed" / "checkpoint.pt", weights_only=True)
+    assert 0 < before["steps"] < 12288
+    assert main([*words, "out=killed", "resume=true"]) == 0
+    assert main([*words, "out=whole"]) == 0
+    ends = [torch.load(here / name / "checkpoint.pt", weights_only=True) for name in ("killed", "whole")]
+    for part in ("policy", "best"):
+        assert all(torch.equal(weights, ends[1][part][name]) for name, weights in ends[0][part].items()), part
+    assert curve(here / "killed") == curve(here / "whole")
+    assert (here / "killed" / "test.json").read_bytes() == (here / "whole" / "test.json").read_bytes()
 
 
 def refused(words, capsys):
@@ -286,3 +290,24 @@ def test_robot_and_map_of_ones_own_take_two_lines(here, capsys):
     other = [word for word in drive if not word.startswith("hydra")]
     assert "robotino" in refused([*other, "robot=robotino", "hydra.run.dir=other"], capsys)
     assert "actions are" in refused([*other, "robot=jackal", "hydra.run.dir=faster"], capsys)
+
+
+def test_no_two_trainings_meet_the_same_episodes():
+    from arena_gym.building import compose_environment
+    from arena_gym.training.learning import make_learner
+    from arena_gym.training.session import training_settings
+    from arena_gym.training.worlds_in_step import WorldsInStep
+    from arena_gym.vector_environment import NavigationVectorEnv
+
+    env = NavigationVectorEnv(
+        2, overrides=["world=empty", "environment.worlds=1", "environment.problems_per_world=2", "task.pedestrians=0"]
+    )
+    met = []
+    for seed in (0, 1):
+        config = compose_environment(["recipe=rosnav", f"seed={seed}", "training.optimization.minibatch=512"], primary="train")
+        config["training"]["network"] |= {"beams_field": None, "features": None}
+        worlds = WorldsInStep(env, seed)
+        learner = make_learner(worlds, env.batch.parts.encoder.layout(), training_settings(config), None)
+        learner.env.reset()  # after the library has seeded all that it knows
+        met += [key.seed for key in env.batch.keys]
+    assert len(set(met)) == 4

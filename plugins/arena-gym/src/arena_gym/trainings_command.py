@@ -13,7 +13,7 @@ from arena_core import Command, ConfigurationError, InputFileError, read_words
 from arena_gym.training.statistics import over_seeds
 from arena_policies.card import read_card
 
-USAGE = "arena trainings FOLDER ...   (each written by `arena train`)"
+USAGE = "arena trainings DIR...   (each written by `arena train`)"
 HEAD = (
     "| planner | robot | seeds | success of each | success | collision | time out | episodes each | weights after |",
     "| --- | --- | --- | --- | --- | --- | --- | --- | --- |",

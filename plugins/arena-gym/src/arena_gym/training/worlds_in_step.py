@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from gymnasium.spaces import Box
+from gymnasium.spaces import Box, Space
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 
@@ -32,7 +32,7 @@ class WorldsInStep(VecEnv):
         self.env = env  # ahead of the base class, which asks it for its render mode
         self._batch, self._truth, self._all = env.batch, truth, np.arange(env.num_envs)
         super().__init__(env.num_envs, _with_truth(env.single_observation_space, truth), env.single_action_space)
-        self._seeds = [seed * SEEDS_APART + k for k in range(env.num_envs)]
+        self._of_worlds = [seed * SEEDS_APART + k for k in range(env.num_envs)]
         self._actions: NDArray[Any] = np.zeros((env.num_envs, 1))
         self._returns = np.zeros(env.num_envs)
         self._log = ActionLog(env.num_envs)
@@ -55,7 +55,7 @@ class WorldsInStep(VecEnv):
     def reset(self) -> NDArray[np.float32]:
         """Begin all episodes anew."""
         self._returns[:] = 0.0
-        return self._beside_truth(self._batch.reset(self._seeds), self._all)
+        return self._beside_truth(self._batch.reset(self._of_worlds), self._all)
 
     def step_async(self, actions: NDArray[Any]) -> None:
         """Take the actions of the next step."""
@@ -121,9 +121,10 @@ class WorldsInStep(VecEnv):
         return [indices] if isinstance(indices, int) else list(indices)
 
 
-def _with_truth(space: Box, truth: Truth | None) -> Box:
+def _with_truth(space: Space[Any], truth: Truth | None) -> Space[Any]:
     """Return the space of observations with the truth behind them."""
     if truth is None:
         return space
+    assert isinstance(space, Box)
     beside = np.full(truth.size, np.inf, np.float32)
     return Box(np.concatenate((space.low, -beside)), np.concatenate((space.high, beside)), dtype=np.float32)
