@@ -77,6 +77,7 @@ from arena_core.loop.navigator import NAVIGATOR_KEYS, Decision, Navigator
 from arena_core.loop.recording import check_inside, find_runs, read_record, write_bytes_whole, write_text_whole
 from arena_core.runs.api import Run, Runs, run
 from arena_core.runs.benchmark import Benchmark, build_benchmark, build_guide, build_metrics
+from arena_core.runs.code_digest import Code, code_of
 from arena_core.runs.rows import COLUMNS as EPISODE_COLUMNS
 from arena_core.runs.rows import TEXT, evaluate, metric_column
 from arena_core.runs.text_columns import aligned
@@ -138,6 +139,7 @@ __all__ = [
     "Better",
     "Bounds",
     "BrokenPlugin",
+    "Code",
     "Command",
     "CommandQueue",
     "ConfigurationError",
@@ -240,6 +242,7 @@ __all__ = [
     "build_guide",
     "build_metrics",
     "check_inside",
+    "code_of",
     "complete_overrides",
     "compose",
     "evaluate",
