@@ -31,6 +31,9 @@ class TrainCommand(Command):
         resume = words.value("resume", bool, False)
         config = compose_environment([*recipe, *words.overrides], primary="train")
         folder = Path(words.keys.get("out", f"trainings/{config['planner']}_{config['robot']['name']}_{config['seed']}"))
+        if config["trainer"] is not None:
+            load_registry().build("trainer", config["trainer"]).train(config, folder, resume)
+            return 0
         from arena_gym.training.session import run_training
 
         return run_training(config, folder, resume)
