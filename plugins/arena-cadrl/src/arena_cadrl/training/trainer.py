@@ -56,6 +56,16 @@ class Evaluation:
     seed: NonNegativeInt
 
 
+@dataclass(frozen=True, slots=True)
+class Request:
+    """What is asked of a training on the command line."""
+
+    planner: str
+    seed: NonNegativeInt
+    total_steps: PositiveInt
+    device: str
+
+
 class ValueTrainer(Trainer):
     """Learns values of states: first of those that a teacher gets to, then of those that the best actions lead to.
 
@@ -84,7 +94,8 @@ class ValueTrainer(Trainer):
     def train(self, config: Mapping[str, Any], folder: Path, resume: bool) -> None:
         """Train by a composed configuration; write ``policy.onnx`` and ``policy.json`` to ``folder``, which may hold its beginning."""
         torch.set_num_threads(self._threads)
-        registry, device = load_registry(), choose_device(config["device"])
+        asked = read_settings({key: config[key] for key in ("planner", "seed", "total_steps", "device")}, Request, "")
+        registry, device = load_registry(), choose_device(asked.device)
         parts, chosen = build_parts(config), self._evaluation
         teacher = plain(compose([f"planner={self._teacher}", f"robot={parts.robot.name}"]))["planner"]
         unseen = unseen_worlds(config, chosen.episodes, chosen.seed, "trainer.evaluation.seed").batch
