@@ -48,9 +48,15 @@ def robot() -> Callable[[str], Robot]:
 
 
 @pytest.fixture(scope="session")
-def eyes() -> Callable[[str], Eyes]:
-    """Give a function that returns the eyes of a robot by name."""
-    return cache(lambda name: Eyes(body(name), read_settings(composed(name)["action"], ActionRange, "action"), state_settings(name)))
+def eyes() -> Callable[..., Eyes]:
+    """Give a function that returns the eyes of a robot by name, and the margin to people."""
+
+    @cache
+    def _eyes(name: str, margin: float = 0.0) -> Eyes:
+        range_ = read_settings(composed(name)["action"], ActionRange, "action")
+        return Eyes(body(name), range_, state_settings(name), margin)
+
+    return _eyes
 
 
 @pytest.fixture(scope="session")

@@ -115,3 +115,19 @@ def test_nothing_is_chosen_where_nothing_is_allowed(eyes):
     sight = eyes("jackal").look(view())
     sight.allowed[:] = False
     assert sight.best(np.zeros(len(sight.commands), np.float32)) is None
+
+
+def test_foreseen_gap_below_the_margin_is_a_contact(eyes):
+    passing = view(twist=Twist(2.0), path_xy=FAR, tracks=tracked((0.5, 0.53, 0.0, 0.0)))
+    bold, careful = (eyes("jackal", margin).look(passing) for margin in (0.0, 0.1))
+    fastest = straight(bold)
+    assert bold.weights[fastest] > 0.0
+    assert careful.weights[fastest] == 0.0
+    assert careful.weights[0] > 0.0
+
+
+def test_robot_in_contact_backs_off_rather_than_drives_through(eyes):
+    sight = eyes("jackal").look(view(path_xy=FAR, tracks=tracked((0.5, 0.0, 0.0, 0.0))))
+    best = sight.best(np.ones(len(sight.commands), np.float32))
+    assert sight.commands[best, 0] <= 0.0
+    assert sight.gains[straight(sight)] < sight.gains[0]

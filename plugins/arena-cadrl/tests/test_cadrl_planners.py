@@ -21,7 +21,7 @@ def test_planner_holds_its_contract_with_a_policy_of_its_own(written, robot, pla
 
 
 def test_command_depends_on_people_and_on_nothing_before(written, robot):
-    policy = load_value_policy(str(written()), "sarl", robot("jackal"))
+    policy = load_value_policy(str(written()), "sarl", robot("jackal"), 0.1)
     near = view(tracks=tracked((0.9, 0.0, -0.5, 0.0)))
     first = policy.command(near)
     policy.command(view())
@@ -41,7 +41,7 @@ def copy(written, tmp_path):
 
 def refused(path, planner, body):
     with pytest.raises(ArenaError) as caught:
-        load_value_policy(str(path), planner, body)
+        load_value_policy(str(path), planner, body, 0.1)
     assert "\n" not in str(caught.value)
     return str(caught.value)
 
@@ -89,7 +89,7 @@ def test_card_without_a_section_is_refused(copy, robot, section):
 def test_robot_that_steers_like_a_car_is_refused(written, robot):
     car = robot("jackal_ackermann")
     with pytest.raises(ArenaError, match="allowed: a policy for jackal_ackermann"):
-        load_value_policy(str(written()), "sarl", car)
+        load_value_policy(str(written()), "sarl", car, 0.1)
 
 
 def test_another_control_period_is_refused(written, robot):

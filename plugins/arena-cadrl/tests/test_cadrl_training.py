@@ -33,7 +33,7 @@ def test_training_writes_a_policy_that_drives_and_goes_on_where_it_was_cut_off(h
     after = json.loads((here / "one" / "curve.json").read_text())
     assert after[:1] == before
     assert [row["steps"] for row in after] == [64, 128, 192]
-    policy = load_value_policy(str(here / "one" / "policy.onnx"), planner, robot("jackal"))
+    policy = load_value_policy(str(here / "one" / "policy.onnx"), planner, robot("jackal"), 0.1)
     assert policy.card.training["chosen"] in after
     assert policy.command(view(tracks=tracked((1.0, 0.5, 0.0, 0.0))))
     run = [f"planner={planner}", "planner.policy=one/policy.onnx", "robot=jackal", "task.time_limit=4.0"]

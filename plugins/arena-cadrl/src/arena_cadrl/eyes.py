@@ -67,9 +67,9 @@ class Sight:
 
 
 class Eyes:
-    """Looks one step ahead for one robot; it remembers nothing."""
+    """Looks one step ahead for one robot; it remembers nothing. Foreseen gaps to people below ``margin`` m are contacts."""
 
-    def __init__(self, robot: Robot, range_: ActionRange, settings: StateSettings) -> None:
+    def __init__(self, robot: Robot, range_: ActionRange, settings: StateSettings, margin: float) -> None:
         if robot.kinematics not in KINEMATICS:
             raise ConfigurationError(f"{settings.name}: robot {robot.name} is {robot.kinematics}; allowed: {', '.join(KINEMATICS)}")
         limits = robot.limits_with(vx_min=range_.vx_min, vx_max=range_.vx_max, vy_max=range_.vy_max, wz_max=range_.wz_max)
@@ -91,6 +91,7 @@ class Eyes:
             float(worth.discomfort),
             float(worth.comfort),
             float(worth.goal_radius),
+            float(margin),
         )
         self.actions, self.size = len(self._kinds), OWN + PERSON * looking.people
 

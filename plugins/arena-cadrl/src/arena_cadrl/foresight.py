@@ -37,7 +37,6 @@ from arena_kernels.window import Outline, Window, distance_at
 
 Numbers = NDArray[np.float32]
 Flags = NDArray[np.bool_]
-ENOUGH = 2.0  # m of clearance beyond which more is no better
 
 
 @borrowing
@@ -84,36 +83,41 @@ def follow(
 ) -> tuple[float, float]:
     """Follow a command for the horizon; write the state at its end, and return its gain and the weight of the value there.
 
-    A robot that comes nearer than ``gap`` to a wall stands from there on: the safety layer will brake it.
+    A foreseen gap to a person below the margin is a contact, for tracks err. A robot that comes nearer than ``gap`` to a wall stands
+    from there on: the safety layer will brake it.
     """
-    gain, weight = 0.0, 1.0
+    gain, weight, done = 0.0, 1.0, False
     factor, pace = rules.discount**LAPSE, rules.limits.vx_max * LAPSE
     way = way_left(target, stand)
-    least = ENOUGH
+    gap_now = gap_to_people(outline, stand, people, 0.0)
+    contact = min(rules.margin, max(0.5 * gap_now, 0.0))  # who stands nearer already may leave
+    deepest = math.inf
     for look in range(round(rules.horizon / LAPSE)):
-        later = (look + 1) * LAPSE
         velocity = next_velocity(rules.limits, velocity, command)
         ahead = next_stand(stand, velocity)
         if wall_gap(window, outline, ahead, gap) < gap:
             velocity = (0.0, 0.0, 0.0)
         else:
             stand = ahead
-        least = gap_to_people(outline, stand, people, later)
-        if least < 0.0:
-            gain -= weight * rules.collision
-            weight = 0.0
-            break
+        least = gap_to_people(outline, stand, people, (look + 1) * LAPSE)
+        deepest = min(deepest, least)
+        if done:
+            continue
         left = way_left(target, stand)
         missing = max(0.0, 1.0 - least / rules.comfort)
         gain += weight * (1.0 - factor) * ((way - left) / pace - rules.discomfort * missing)
         weight *= factor
         way = left
-        if left <= rules.goal_radius:
+        if least < contact:
+            gain -= weight * rules.collision
+            done = True
+        elif left <= rules.goal_radius:
             gain += weight
-            weight = 0.0
-            break
-    if least < 0.0:  # who cannot avoid a contact gets away from it
-        gain += 0.1 * max(-1.0, gap_to_people(outline, stand, people, rules.horizon))
+            done = True
+    if deepest < contact:  # who cannot avoid a contact makes it a light one
+        gain += rules.collision * max(-1.0, min(deepest, 0.0))
+    if done:
+        weight = 0.0
     put_state(window, outline, people, rules, target, stand, velocity, rules.horizon, row)
     return gain, weight
 

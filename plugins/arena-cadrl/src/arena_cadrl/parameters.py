@@ -97,3 +97,4 @@ class Rules(NamedTuple):
     discomfort: float
     comfort: float
     goal_radius: float
+    margin: float

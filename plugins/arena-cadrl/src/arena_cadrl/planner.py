@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from arena_cadrl.policy import load_value_policy
-from arena_core import ConfigurationError, EpisodeStart, Observation, Planner, Robot, Twist
+from arena_core import ConfigurationError, EpisodeStart, NonNegative, Observation, Planner, Robot, Twist
 from arena_policies.body import trained_otherwise
 from arena_policies.card import PolicyCard
 from arena_policies.planner import shipped_policy
@@ -18,9 +18,9 @@ class ValuePlanner(Planner):
 
     compiles: ClassVar[bool] = True
 
-    def __init__(self, name: str, robot: Robot, policy: str | None) -> None:
+    def __init__(self, name: str, robot: Robot, policy: str | None, margin: NonNegative) -> None:
         address = policy or shipped_policy(name, robot, f"pkg://arena_cadrl/{SHIPPED[name]}")
-        self._name, self._policy = name, load_value_policy(address, name, robot)
+        self._name, self._policy = name, load_value_policy(address, name, robot, margin)
         self.untuned = trained_otherwise(name, self._policy.card.training, robot)
 
     @property
@@ -44,12 +44,12 @@ class ValuePlanner(Planner):
 class Cadrl(ValuePlanner):
     """Values of robot and each person alone, of which the least counts (Chen, Liu, Everett and How 2017)."""
 
-    def __init__(self, robot: Robot, policy: str | None) -> None:
-        super().__init__("cadrl", robot, policy)
+    def __init__(self, robot: Robot, policy: str | None, margin: NonNegative) -> None:
+        super().__init__("cadrl", robot, policy, margin)
 
 
 class Sarl(ValuePlanner):
     """Values of robot and all people together, by attention (Chen, Liu, Kreiss and Alahi 2019)."""
 
-    def __init__(self, robot: Robot, policy: str | None) -> None:
-        super().__init__("sarl", robot, policy)
+    def __init__(self, robot: Robot, policy: str | None, margin: NonNegative) -> None:
+        super().__init__("sarl", robot, policy, margin)

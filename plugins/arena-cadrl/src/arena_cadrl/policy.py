@@ -34,15 +34,18 @@ class ValuePolicy:
         return Twist(*sight.commands[chosen].tolist())
 
 
-def load_value_policy(address: str, planner: str, robot: Robot) -> ValuePolicy:
-    """Load ``address`` (a path or pkg://) with its card; raise InputFileError or ConfigurationError where they or the robot do not fit."""
+def load_value_policy(address: str, planner: str, robot: Robot, margin: float) -> ValuePolicy:
+    """Load ``address`` (a path or pkg://) with its card, to keep ``margin`` m off people.
+
+    Raises InputFileError or ConfigurationError where they or the robot do not fit.
+    """
     path = local_path(address)
     content = network_content(path)
     beside = path.with_suffix(".json")
     card = read_card(beside)
     _check(path, beside, card, content, planner, robot)
     range_ = read_settings(card.action_range, ActionRange, f"{beside}: action_range")
-    eyes = Eyes(robot, range_, read_settings(card.encoder, StateSettings, f"{beside}: encoder"))
+    eyes = Eyes(robot, range_, read_settings(card.encoder, StateSettings, f"{beside}: encoder"), margin)
     check_layout(beside, card.robot, card.layout, eyes.layout())
     ends = action_ends(robot, range_)
     if {name: tuple(limits) for name, limits in card.action.items()} != ends:

@@ -100,7 +100,7 @@ class ValueTrainer(Trainer):
         teacher = plain(compose([f"planner={self._teacher}", f"robot={parts.robot.name}"]))["planner"]
         unseen = unseen_worlds(config, chosen.episodes, chosen.seed, "trainer.evaluation.seed").batch
         settings = StateSettings(config["planner"], self._looking, self._choosing, self._safety, self._worth)
-        eyes = Eyes(parts.robot, read_settings(config["action"], ActionRange, "action"), settings)
+        eyes = Eyes(parts.robot, read_settings(config["action"], ActionRange, "action"), settings, 0.0)  # contacts are learned from
         batch = NavigationBatch(parts, self._learning.environments)
         worlds, unseen_ones = (self._worlds(each, eyes, teacher, registry) for each in (batch, unseen))
         open_folder(folder, config, resume)  # once all is built: a request that is refused leaves nothing behind
