@@ -68,7 +68,7 @@ class Ahead(WaypointGenerator):
     def reset(self, slots, total):
         self.resets += 1
 
-    def next(self, paths, poses, stamps):
+    def next(self, paths, poses, stamps, slots=None):
         status, self.status = self.status, WAYPOINT_FOUND
         return Waypoints(paths.poses[-1:], np.array((status,), np.int8))
 

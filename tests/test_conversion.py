@@ -155,6 +155,18 @@ def test_a_missing_key_is_named():
         build(Thing, {"weights": NODE["weights"]}, "planner", {"robot": robot()}, nothing_nested)
 
 
+def test_what_has_a_default_may_be_left_out():
+    class Old:
+        def __init__(self, robot: Robot, speed: float, turn: float = 2.0) -> None:
+            self.values = speed, turn
+
+    given = {"robot": robot()}
+    assert build(Old, {"name": "old", "speed": 1.0}, "planner", given, nothing_nested).values == (1.0, 2.0)
+    assert build(Old, {"name": "old", "speed": 1.0, "turn": 3}, "planner", given, nothing_nested).values == (1.0, 3.0)
+    with pytest.raises(ConfigurationError, match=r"^planner lacks speed$"):
+        build(Old, {"turn": 3.0}, "planner", given, nothing_nested)
+
+
 def test_a_component_without_parameters_says_so():
     class Plain:
         pass

@@ -1,5 +1,6 @@
 """The examples of docs/training.md run, and its tables say what the components have."""
 
+import json
 import re
 from pathlib import Path
 
@@ -46,7 +47,7 @@ def test_own_reward_and_encoder_hold_their_contracts():
 
 def test_tables_of_settings_are_complete():
     config = yaml.safe_load((TOP / "plugins/arena-gym/src/arena_gym/conf/environment.yaml").read_text())
-    defaults = {key: str(value).lower() for key, value in config["environment"].items()}
+    defaults = {key: json.dumps(value) for key, value in config["environment"].items()}
     assert dict(re.findall(r"^\| `environment\.(\w+)` \| (\w+) \|", TEXT, re.M)) == defaults
     assert set(re.findall(r"^\| `randomization\.(\w+)` \|", TEXT, re.M)) == set(config["randomization"])
 

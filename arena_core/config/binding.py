@@ -26,12 +26,13 @@ def build(factory: Callable[..., Any], node: Mapping[str, Any], key: str, contex
     """Call ``factory`` with the values of ``node`` and those of ``context`` that its signature names.
 
     ``key`` is the node's place in the configuration (empty for its top), for messages. ``nested`` builds components inside components.
+    What has a default in the signature may be left out: cards of policies are older than some parameters of their encoders.
     """
     expected = parameters(factory)
     given = {name: value for name, value in node.items() if name != "name" or "name" in expected}
     own = [name for name in expected if name not in context]
-    _check_keys(given, own, key)
-    arguments = {name: convert(given[name], expected[name], f"{key}.{name}".lstrip("."), context, nested) for name in own}
+    _check_keys(given, own, _optional_ones(factory), key)
+    arguments = {name: convert(given[name], expected[name], f"{key}.{name}".lstrip("."), context, nested) for name in own if name in given}
     return factory(**arguments, **{name: value for name, value in context.items() if name in expected})
 
 
@@ -48,6 +49,12 @@ def parameters(factory: Callable[..., Any]) -> Mapping[str, Any]:
     hints = get_type_hints(function, include_extras=True)
     names = list(inspect.signature(factory).parameters)
     return {name: hints.get(name, Any) for name in names}
+
+
+@lru_cache(maxsize=512)
+def _optional_ones(factory: Callable[..., Any]) -> frozenset[str]:
+    """Return the parameters that have a default."""
+    return frozenset(name for name, p in inspect.signature(factory).parameters.items() if p.default is not inspect.Parameter.empty)
 
 
 def convert(value: Any, annotation: Any, key: str, context: Mapping[str, Any], nested: Nested) -> Any:
@@ -124,12 +131,12 @@ def _check(possible: bool, value: Any, key: str, allowed: str) -> Any:
     return value
 
 
-def _check_keys(given: Mapping[str, Any], expected: list[str], key: str) -> None:
+def _check_keys(given: Mapping[str, Any], expected: list[str], optional: frozenset[str], key: str) -> None:
     for name in given:
         if name not in expected:
             near = get_close_matches(str(name), expected, n=1)
             hint = f"; did you mean {near[0]}?" if near else ""
             raise ConfigurationError(f"{key} has no parameter {name}{hint} (allowed: {', '.join(expected) or 'none'})")
-    missing = [name for name in expected if name not in given]
+    missing = [name for name in expected if name not in given and name not in optional]
     if missing:
         raise ConfigurationError(f"{key} lacks {', '.join(missing)}")

@@ -11,6 +11,7 @@ from hashlib import blake2b
 from pathlib import Path
 from secrets import token_hex
 from typing import IO, Any
+from zipfile import ZIP_DEFLATED, ZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +30,17 @@ from arena_core.values.world import OccupancyGrid
 from arena_core.values.world import Path as GlobalPath
 
 FORMAT = 1
+GRAIN = {  # binary places that are kept, finer than what any simulator or sensor means by its digits; the rest is noise that does not pack
+    "pose": 22,
+    "twist": 22,
+    "estimate": 20,
+    "waypoint": 16,
+    "path_poses": 16,
+    "clearance": 16,
+    "clearance_people": 16,
+    "pedestrian_positions": 12,
+    "pedestrian_velocities": 11,
+}
 CONTACT_KINDS = ("wall", "obstacle", "person")
 HALF_WRITTEN = re.compile(r"\..+\.[0-9a-f]{8}")  # the names that write_whole gives
 ROOM = ".room.00000000"  # goes wherever half-written files go
@@ -73,7 +85,7 @@ class Recorder:
             arrays["scan_ranges"] = np.array(self._scans, dtype=np.float32)
         events = [_event(e) for d in self._decisions for e in d.events]
         meta = {**self._meta, "outcome": outcome, "error": error, "events": events}
-        return EpisodeRecord(arrays, meta, _timing_arrays(self._decisions))
+        return EpisodeRecord(_rounded(arrays), meta, _timing_arrays(self._decisions))
 
 
 def write_record(folder: Path, episode: int, record: EpisodeRecord) -> None:
@@ -197,7 +209,17 @@ def _sync_folder(folder: Path) -> None:
 
 
 def _write_npz(file: IO[bytes], arrays: Mapping[str, NDArray[Any]]) -> None:
-    np.savez_compressed(file, allow_pickle=False, **arrays)
+    """Write arrays as ``np.savez_compressed`` does, with the quickest compression: half the time, for a twentieth more bytes."""
+    with ZipFile(file, "w", ZIP_DEFLATED, compresslevel=1) as archive:
+        for name, array in arrays.items():
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+                np.lib.format.write_array(member, np.asanyarray(array), allow_pickle=False)
+
+
+def _rounded(arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """Return the arrays rounded to their grain, so that metrics are of what the file holds."""
+    rounded = {name: np.ldexp(np.rint(np.ldexp(arrays[name], places)), -places) for name, places in GRAIN.items() if name in arrays}
+    return {**arrays, **rounded}
 
 
 def _read_npz(path: Path) -> dict[str, Any]:

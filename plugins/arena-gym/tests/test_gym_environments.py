@@ -205,3 +205,17 @@ def test_final_observation_and_report_are_those_of_the_single_environment():
             break
     assert (infos["final_obs"][1] == observation).all()
     assert {key: infos["final_info"][key][1] for key in info} == info
+
+
+def test_who_stands_for_too_long_is_out_of_time():
+    env = NavigationEnv(overrides=[*SMALL, "task.pedestrians=0", "environment.standing_to_end=0.5"])
+    env.reset(seed=0)
+    standing = np.array((-1.0, 1.0), np.float32)  # turning on the spot is standing, too
+    ends = [env.step(standing)[2:] for _ in range(5)]
+    assert [end[:2] for end in ends] == [(False, False)] * 4 + [(False, True)]
+    assert ends[-1][2]["outcome"] == "time_out"
+    env.reset(seed=0)
+    for k in range(12):
+        _, _, terminated, truncated, _ = env.step(np.array((1.0 if k % 4 == 3 else -1.0, 0.0), np.float32))
+        assert not terminated
+        assert not truncated

@@ -10,7 +10,7 @@ from arena_gym.environment import NavigationEnv
 from arena_gym.episodes import draw_episode
 from arena_gym.pool import TRIES, PooledWorlds, ProblemPool
 from arena_gym.seeds import FIRST_TRAINING_SEED, check_evaluation_seed, training_seed
-from arena_gym.settings import CountSpan, Randomization, Span
+from arena_gym.settings import CountSpan, CrowdKind, Randomization, Span
 
 PLAIN = Randomization(Span(0.0, 0.0), CountSpan(0, 0), Span(1.0, 1.0), None, Span(1.0, 1.0), {})
 SMALL = ["world.width=8", "world.height=8", "task.pedestrians=3", "environment.worlds=3", "environment.problems_per_world=2"]
@@ -157,6 +157,37 @@ def test_what_is_varied_stays_within_its_span():
     plain = draw_episode(pool, PLAIN, 0, 0)
     assert (plain.noise, plain.latency, plain.problem.scenario.speed_share) == (0.0, 0, 1.0)
     assert [person.id for person in plain.problem.scenario.pedestrians] == [0, 1, 2]
+
+
+def test_an_episode_has_one_kind_of_people():
+    pool = pool_of(Walk())
+    kinds = {"slow": CrowdKind(3.0, Span(0.5, 0.6), None), "quick": CrowdKind(1.0, Span(2.0, 3.0), "yield")}
+    varied = replace(PLAIN, crowds=kinds)
+    usual = pool.problem(0).scenario.pedestrians[0].desired_speed
+    found = []
+    for number in range(200):
+        people = draw_episode(pool, varied, 0, number).problem.scenario.pedestrians
+        factors = {round(person.desired_speed / usual, 9) for person in people}
+        reactions = {person.behaviour.get("reaction") for person in people}
+        assert len(factors) == len(reactions) == 1
+        found.append((factors.pop(), reactions.pop()))
+    assert {0.5 <= factor <= 0.6 for factor, reaction in found if reaction is None} == {True}
+    assert {2.0 <= factor <= 3.0 for factor, reaction in found if reaction == "yield"} == {True}
+    assert 0.65 < sum(reaction is None for _, reaction in found) / len(found) < 0.85
+
+
+@pytest.mark.parametrize(
+    ("kind", "message"),
+    [
+        ("share: 0, speed: {low: 1, high: 1}, reaction: null", r"the shares are all 0; allowed: one"),
+        ("share: 1, speed: {low: 0, high: 1}, reaction: null", r"speed\.low is 0\.0; allowed: > 0"),
+        ("share: 1, speed: {low: 2, high: 1}, reaction: null", r"low is 2\.0, above high, 1\.0"),
+        ("share: 1, speed: {low: 1, high: 1}, reaction: flee", r"reaction is 'flee'; allowed: .*yield"),
+    ],
+)
+def test_kinds_of_people_that_cannot_be_are_refused(kind, message):
+    with pytest.raises(ConfigurationError, match=message):
+        NavigationEnv(overrides=[*SMALL, "task.pedestrians=1", f"+randomization.crowds.some={{{kind}}}"]).reset(seed=0)
 
 
 def test_environment_draws_from_all_its_worlds():

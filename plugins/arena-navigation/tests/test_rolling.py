@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
 from arena_core import LETHAL, Costmap, LaserScan, OccupancyGrid, Pose
+from arena_core import Window as ByCosts
 from arena_core.testing import component, robot, room, scan
 from arena_navigation.local_map.evidence import Evidence
 from arena_navigation.local_map.rolling import RollingMap
@@ -196,3 +197,43 @@ def test_the_preset_builds_the_map() -> None:
     built = component("local_map", "rolling", robot=BODY)
     assert isinstance(built, RollingMap)
     assert built.update(BLIND, Pose(0.0, 0.0)).costs.shape == (120, 120)
+
+
+@settings(derandomize=True, deadline=None, max_examples=40)
+@given(st.integers(0, 10**6))
+def test_a_path_is_blocked_where_the_costs_say_so(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    local_map = rolling(inflation_radius=random.choice((0.0, 0.6)))
+    local_map.reset(room())
+    pose = Pose(*random.uniform(-1.5, 1.5, 2), random.uniform(-3.0, 3.0))
+    for step in range(3):
+        ranges = np.where(random.random(360) < 0.05, random.uniform(0.3, 3.0, 360), np.inf)
+        window = local_map.take_in(looking(ranges, 0.1 * step), Pose(pose.x + 0.2 * step, pose.y - 0.1 * step, pose.theta))
+    plain = ByCosts(window.costmap)
+    found = set()
+    for _ in range(30):
+        ends = random.uniform(-3.0, 3.0, (2, 2))
+        x, y = (np.linspace(*ends[:, axis], 40) for axis in (0, 1))
+        robot = Pose(*random.uniform(-2.0, 2.0, 2))
+        found.add(window.is_blocked(x, y, robot))
+        assert window.is_blocked(x, y, robot) == plain.is_blocked(x, y, robot)
+    assert found
+
+
+def test_window_moves_as_if_it_were_laid_out_anew() -> None:
+    """Marks stay where they are in ``map`` while they are inside, whichever way the window goes; what comes in is the map's."""
+    moves = [(0.0, 0.0), (0.3, 0.0), (0.3, -0.4), (-0.2, -0.4), (-0.2, 0.6), (5.0, 0.0), (1.0, 0.1)]
+    local_map, marks = rolling(forget_after=None), set[tuple[int, int]]()
+    local_map.reset(room())
+    for k, (x, y) in enumerate(moves):
+        local_map.take_in(person_ahead(0.8, float(k)) if k == 0 else BLIND, Pose(x, y))
+        corner = local_map._corner
+        inside = {(int(r) + corner[0], int(c) + corner[1]) for r, c in np.argwhere(local_map._hit_at > -np.inf)}
+        span = range(corner[0], corner[0] + local_map._cells), range(corner[1], corner[1] + local_map._cells)
+        marks = inside if k == 0 else {(r, c) for r, c in marks if r in span[0] and c in span[1]}
+        assert inside == marks
+        fresh = rolling()
+        fresh.reset(room())
+        fresh.take_in(BLIND, Pose(x, y))
+        assert (local_map._static == fresh._static).all()
+    assert not marks

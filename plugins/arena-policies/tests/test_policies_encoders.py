@@ -164,6 +164,16 @@ def test_waypoint_is_seen_from_the_robot(x, y, theta):
     assert away * state["waypoint_sin"][0] == pytest.approx(there.y, abs=1e-5)
 
 
+def test_rosnav_may_see_where_its_path_turns():
+    view = observation(pose=Pose(0.0, 0.0, np.pi / 2), goal=Pose(0.0, 2.0))
+    state = seen("rosnav_sectors", view, None, "ahead=3", "spacing=0.8")
+    points = state["ahead_xy"].reshape(3, 2) * 0.8 * np.arange(1, 4)[:, None]
+    assert points == pytest.approx(np.array([(0.8, 0.0), (1.6, 0.0), (2.0, 0.0)]), abs=1e-3)
+    without = seen("rosnav_sectors", view)
+    assert "ahead_xy" not in without
+    assert all((state[name] == values).all() for name, values in without.items())
+
+
 def test_gring_sees_eight_waypoints_ahead_in_its_own_frame():
     view = observation(pose=Pose(0.0, 0.0, np.pi / 2), goal=Pose(0.0, 4.0))
     points = seen("gring_as_released", view)["waypoints_xy"].reshape(8, 2)

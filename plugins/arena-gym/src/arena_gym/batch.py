@@ -74,6 +74,8 @@ class NavigationBatch:
         self._commands = np.zeros((worlds, 3))
         self._nearest = np.zeros(worlds)
         self._standing = np.zeros(worlds)
+        limit = parts.settings.standing_to_end
+        self._standing_to_end = np.inf if limit is None else limit - 1e-9
 
     @property
     def collisions(self) -> Slots:
@@ -124,7 +126,8 @@ class NavigationBatch:
         self._situation = self._seen(snapshot)
         before = _on_new_paths(before, self._situation, guided)
         verdicts = self._loop.judge(guided.arrived)
-        arrived, collided, timed_out = verdicts.arrived, verdicts.collided, verdicts.timed_out
+        arrived, collided = verdicts.arrived, verdicts.collided
+        timed_out = verdicts.timed_out | ((self._standing >= self._standing_to_end) & ~guided.arrived)
         terminated = arrived | verdicts.mistaken | verdicts.failed
         self._memory.remember(ranges, guided.poses)
         self.seen = self._observed(snapshot, ranges, guided, self._memory.earlier())

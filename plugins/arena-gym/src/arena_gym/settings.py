@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from arena_core import ConfigurationError, NonNegative, NonNegativeInt, PositiveInt
+from arena_core import ConfigurationError, NonNegative, NonNegativeInt, Positive, PositiveInt
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +32,7 @@ class CountSpan:
 
 @dataclass(frozen=True, slots=True)
 class CrowdKind:
-    """A kind of people: ``share`` of the episodes that have it; their speeds' factor; how they react to the robot (None: as the task says)."""
+    """A kind of people: the ``share`` of episodes that have it, a factor of their speeds, a reaction to the robot (None: the task's)."""
 
     share: NonNegative
     speed: Span
@@ -45,17 +45,18 @@ class CrowdKind:
 
 @dataclass(frozen=True, slots=True)
 class EnvironmentSettings:
-    """The pool of problems, and how many collisions end an episode; None: no number of them."""
+    """The pool of problems; how many collisions end an episode, and for how long a robot may stand (s); None: any."""
 
     seed: NonNegativeInt
     worlds: PositiveInt
     problems_per_world: PositiveInt
     collisions_to_end: PositiveInt | None
+    standing_to_end: Positive | None
 
 
 @dataclass(frozen=True, slots=True)
 class Randomization:
-    """What differs between episodes: range noise (m), latency (control steps), speeds of robot and people, how many people, of which kind."""
+    """What differs between episodes: range noise (m), latency (control steps), speeds of robot and people, which people and how many."""
 
     lidar_noise: Span
     latency: CountSpan

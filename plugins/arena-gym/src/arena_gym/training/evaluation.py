@@ -39,7 +39,7 @@ def unseen_worlds(config: Mapping[str, Any], episodes: int, seed: int, name: str
     Raises ConfigurationError where ``seed``, called ``name``, is the training's.
     """
     own = config["environment"]
-    environment = {**own, "seed": check_unseen_seed(seed, own["seed"], name), "collisions_to_end": 1}
+    environment = {**own, "seed": check_unseen_seed(seed, own["seed"], name), "collisions_to_end": 1, "standing_to_end": None}
     changed = {"environment": environment, "randomization": {**config["randomization"], "people": None}}
     if config.get("switch") is not None:
         changed["switch"] = {**config["switch"], "held": 1}
