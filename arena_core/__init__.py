@@ -68,6 +68,7 @@ from arena_core.contracts.learning import (
     Reward,
     ScanMemory,
     Situation,
+    Trainer,
     Transition,
 )
 from arena_core.loop.episode_loop import CommandQueue, EpisodeLoop, Verdicts
@@ -224,6 +225,7 @@ __all__ = [
     "Timing",
     "Tracker",
     "Tracks",
+    "Trainer",
     "Transition",
     "Twist",
     "UnknownComponent",

@@ -18,7 +18,7 @@ from arena_core.config.registry import HOOKS, Registry
 
 CORE = "arena-core"
 SUITE = "arena-"  # packages of ours that plugins share are called so
-APART = ("metrics", "executor", "command", "listing", "reward")  # kinds that have no part in how an episode goes
+APART = ("metrics", "executor", "command", "listing", "reward", "trainer")  # kinds that have no part in how an episode goes
 CONFIGURATION = "conf"  # a package's options: what an episode reads of them is in the composed configuration, which has a hash of its own
 LEFT_OUT = (".pyc", ".pyo", ".nbi", ".nbc")  # what Python and numba compile on the way
 

@@ -50,7 +50,10 @@ class TrainCommand(Command):
                 folder = folder.with_name(f"{folder.name}_{config['seed']}")
             if len(configs) > 1:
                 print(f"seed {config['seed']}: {folder}", flush=True)
-            run_training(config, folder, *RESUME[resume])
+            if config["trainer"] is not None:
+                load_registry().build("trainer", config["trainer"]).train(config, folder, RESUME[resume][0])
+            else:
+                run_training(config, folder, *RESUME[resume])
         return 0
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
