@@ -175,3 +175,48 @@ def test_trainings_of_several_seeds_make_a_table(tmp_path, capsys):
     for words, said in (([], "allowed"), ([str(tmp_path / "none")], "policy.json"), ([folders[0], folders[0]], "twice")):
         assert main(["trainings", *words]) == 2
         assert said in capsys.readouterr().err
+
+
+LOOKING_BACK = [
+    "observation_encoder=rosnav_sectors",
+    "observation_encoder.lookback=[0.5]",
+    "guide=navigator",
+    "randomization.latency.high=2",
+]
+SWITCHED = ["switch=two", "observation_encoder=rosnav_sectors", "randomization.lidar_noise.high=0.02"]
+TWO = """
+defaults:
+  - /planner@members.dwa: dwa
+  - /planner@members.pure_pursuit: pure_pursuit
+  - /local_map@local_map: rolling
+  - /tracker@tracker: none
+every: 2
+held: 1
+"""
+
+
+@pytest.mark.parametrize("overrides", [LOOKING_BACK, SWITCHED], ids=["scans, paths and errors of before", "members that remember"])
+def test_running_episodes_are_driven_again_bit_for_bit(tmp_path, monkeypatch, overrides):
+    from arena_gym.training.running_episodes import ActionLog
+
+    (tmp_path / "conf" / "switch").mkdir(parents=True)
+    (tmp_path / "conf" / "switch" / "two.yaml").write_text(TWO.lstrip())
+    monkeypatch.chdir(tmp_path)
+    words = [*SMALL, *overrides, "task.pedestrians=2", "task.trip.min_distance=1.5", "task.trip.max_distance=3.0", "task.time_limit=6.0"]
+    env, again = (NavigationVectorEnv(3, overrides=words) for _ in range(2))
+    random = np.random.default_rng(0)
+    space = env.single_action_space
+    drawn = [random.integers(2, size=3) if space.shape == () else random.uniform(-1, 1, (3, *space.shape)) for _ in range(45)]
+    env.reset(seed=5)
+    log, ends = ActionLog(3), 0
+    for actions in drawn:
+        seen, _, terminated, truncated, _ = env.step(actions)
+        log.add(actions, terminated | truncated)
+        ends += int((terminated | truncated).sum())
+    assert ends > 0, "episodes began at different times"
+    running = log.running(env.batch.keys)
+    assert running.lengths.max() == len(running.actions) > 0
+    np.testing.assert_array_equal(running.drive_again(again.batch), seen)
+    for actions in drawn[:20]:
+        for here, there in zip(env.step(actions)[:4], again.step(actions)[:4], strict=True):
+            np.testing.assert_array_equal(here, there)
