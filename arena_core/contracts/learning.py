@@ -5,8 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +14,9 @@ from arena_core.contracts.interfaces import PathBatch
 from arena_core.values.geometry import FloatArray, Twist
 from arena_core.values.sensing import Observation
 from arena_core.values.world import OccupancyGrid
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 Flags = NDArray[np.bool_]
 
