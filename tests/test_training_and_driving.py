@@ -148,7 +148,14 @@ def test_a_policy_drives_the_same_episode_in_training_and_in_a_run(robot):
     card = run.navigator.planner.card
     encoder = [f"observation_encoder.{key}={json.dumps(value)}" for key, value in card.encoder.items() if key != "name"]
     action = [f"action.{key}={json.dumps(value)}" for key, value in card.action_range.items()]
-    overrides = [*shared, *encoder, *action, "guide=driving", "environment.collisions_to_end=null", "randomization.latency={low: 1, high: 1}"]
+    overrides = [
+        *shared,
+        *encoder,
+        *action,
+        "guide=driving",
+        "environment.collisions_to_end=null",
+        "randomization.latency={low: 1, high: 1}",
+    ]
     env = NavigationEnv(observation="rosnav_sectors", reward="progress", overrides=overrides)
     policy = load_policy(f"pkg://arena_rosnav/policies/{robot}.onnx", "rosnav", env.batch.parts.robot)
 
@@ -161,8 +168,8 @@ def test_a_policy_drives_the_same_episode_in_training_and_in_a_run(robot):
 
     record = run_episode(scenario, run.simulator, run.navigator, run.timing, Recorder(scenario, run.robot, {}, False), False)
     assert len(poses) > 50
-    assert (record["pose"] == poses).all()
-    assert (record["estimate"] != poses).any()
+    assert np.abs(record["pose"] - poses).max() <= 2.0**-23  # half a step of what records keep
+    assert np.abs(record["estimate"] - poses).max() > 1e-3
     assert len(record["contact_stamp"]) == report["collisions"]
     assert record.meta["outcome"] == report["outcome"]
 
