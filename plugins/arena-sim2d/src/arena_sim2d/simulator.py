@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import (
-    ABSENT,
     ConfigurationError,
     Contact,
     Crowd,
@@ -29,6 +27,7 @@ from arena_kernels.pool import GridPool
 from arena_sim2d.bodies import Floats, Rows, Worlds
 from arena_sim2d.motion import chassis
 from arena_sim2d.odometry import wheels
+from arena_sim2d.reading import read_people, read_robots, room_for_people, room_for_readings
 from arena_sim2d.scanning import scanner
 from arena_sim2d.strides import take_strides
 from arena_sim2d.ticking import measure_gaps, run_ticks, scan_slots
@@ -61,6 +60,7 @@ class Sim2d(Simulator):
         self._scanner = scanner(robot.lidar, inner_step)
         self._header = _header(robot)
         self._run_ticks, self._measure_gaps, self._take_strides = Entered(run_ticks), Entered(measure_gaps), Entered(take_strides)
+        self._read_robots, self._read_people = Entered(read_robots), Entered(read_people)
         self._pool = GridPool()
         self._edges = (self._crowd_ticks + 1) // 2  # a contact ends a tick after it began at the earliest
         self._scenarios: list[Scenario] = []
@@ -135,11 +135,10 @@ class Sim2d(Simulator):
 
     def _people_now(self) -> Crowd:
         """Return the people where they really are, in the states that the pedestrian model gave them; who waits to come is absent."""
-        people = self._worlds.people
-        positions, velocities = _columns(people, "x", 2), _columns(people, "vx", 2)
-        absent = np.isnan(positions[..., 0])
-        velocities[absent] = np.nan
-        return replace(self._crowd, positions=positions, velocities=velocities, states=np.where(absent, ABSENT, self._crowd.states))
+        given, people = self._crowd, self._worlds.people
+        now = room_for_people(*people.shape)
+        self._read_people(people, np.ascontiguousarray(given.states, np.int8), now)
+        return Crowd(given.counts, given.ids, now.positions, now.velocities, given.radii, now.states)
 
     def _run(self, commands: Floats, ticks: int, scan_within: int) -> None:
         self._worlds.robots["contacts"] = 0
@@ -168,25 +167,14 @@ class Sim2d(Simulator):
         return Contact(tick * self.inner_step, kind, person, speed, bool(caused), x, y)
 
     def _snapshot(self) -> Snapshot:
-        worlds, step = self._worlds, self.inner_step
-        robots = worlds.robots
-        clearances = np.maximum(self._gaps, 0.0)
+        worlds, now = self._worlds, room_for_readings(len(self._scenarios))
+        self._read_robots(worlds.robots, worlds.touching, self._gaps, self.inner_step, now)
         return Snapshot(
-            stamps=robots["tick"] * step,
-            poses=_columns(robots, "x", 3),
-            twists=_columns(robots, "vx", 3),
             crowd=self._people_now(),
-            clearances=clearances.min(axis=1),
-            clearances_people=clearances[:, 2].copy(),
-            in_contact=np.array(worlds.touching.any(axis=1)),
-            contact_times=robots["contact_ticks"] * step,
             contacts=tuple(self._contacts),
             ranges=self._ranges.copy(),
-            scan_stamps=robots["scan_tick"] * step,
-            odometry_stamps=robots["odometry_tick"] * step,
-            odometry_poses=_columns(robots, "odometry_x", 3),
-            odometry_twists=_columns(robots, "odometry_vx", 3),
             scan_header=self._header,
+            **now._asdict(),
         )
 
 
