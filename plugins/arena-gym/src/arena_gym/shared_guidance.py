@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +26,6 @@ from arena_core import (
     mission_of,
     pose_at_scan,
 )
-from arena_core.base.once import Once
 from arena_gym.guidance import Floats, Guidance, Guided, Ranges, Slots
 from arena_gym.pool import Problem
 
@@ -140,7 +140,7 @@ class SharedGuidance(Guidance):
                 pose = pose_at_scan(pose, Twist.of(snapshot.odometry_twists[slot]), age)
             return guide.local_map.take_in(LaserScan(stamp, *beams, head.mount), pose)
 
-        return Once(window)
+        return cache(window)
 
     def _renew(self, slots: Sequence[int]) -> None:
         """Take these robots' new paths for theirs."""
