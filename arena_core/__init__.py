@@ -68,6 +68,7 @@ from arena_core.contracts.learning import (
     Reward,
     ScanMemory,
     Situation,
+    Trainer,
     Transition,
 )
 from arena_core.loop.episode_loop import CommandQueue, EpisodeLoop, Verdicts
@@ -77,6 +78,7 @@ from arena_core.loop.navigator import NAVIGATOR_KEYS, Decision, Navigator
 from arena_core.loop.recording import check_inside, find_runs, read_record, write_bytes_whole, write_text_whole
 from arena_core.runs.api import Run, Runs, run
 from arena_core.runs.benchmark import Benchmark, build_benchmark, build_guide, build_metrics
+from arena_core.runs.code_digest import Code, code_of
 from arena_core.runs.rows import COLUMNS as EPISODE_COLUMNS
 from arena_core.runs.rows import TEXT, evaluate, metric_column
 from arena_core.runs.text_columns import aligned
@@ -138,6 +140,7 @@ __all__ = [
     "Better",
     "Bounds",
     "BrokenPlugin",
+    "Code",
     "Command",
     "CommandQueue",
     "ConfigurationError",
@@ -222,6 +225,7 @@ __all__ = [
     "Timing",
     "Tracker",
     "Tracks",
+    "Trainer",
     "Transition",
     "Twist",
     "UnknownComponent",
@@ -240,6 +244,7 @@ __all__ = [
     "build_guide",
     "build_metrics",
     "check_inside",
+    "code_of",
     "complete_overrides",
     "compose",
     "evaluate",

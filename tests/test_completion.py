@@ -45,7 +45,7 @@ QUIET = {
         ("evaluate runs metrics=s", ["metrics=si"]),
         ("report --no", ["--no-figures"]),
         ("train planner=gri", ["planner=gring", "planner=gring_as_released"]),
-        ("train training.ev", ["training.evaluation."]),
+        ("train training.va", ["training.validation."]),
         ("navrep mem", ["memory"]),
         ("world gen", ["generate"]),
         ("world generate kind=ware", ["kind=warehouse"]),

@@ -139,6 +139,7 @@ class Shell:
         kind = words[0] if words[0] != "arena" else f"arena {words[1]}"
         known = {
             **{"arena run": self.composed, "arena train": self.train, "arena navrep": self.navrep, "arena choices": self.composed},
+            **{"arena trainings": lambda words: None},  # of trainings that take their time
             **{"arena crowd": self.crowd, "arena check": self.check, "make": self.make, "pip": self.pip, "python": self.python},
             **{"for": self.loop, ".": lambda words: None, "git": lambda words: None},
         }

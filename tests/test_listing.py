@@ -141,5 +141,5 @@ def test_an_unknown_kind_is_one_line_with_the_possible_kinds(arena):
 
 
 def test_a_kind_of_which_nothing_is_installed_says_so(arena, monkeypatch):
-    monkeypatch.setenv("ARENA_DISABLED_PLUGINS", "gring,gym")
+    monkeypatch.setenv("ARENA_DISABLED_PLUGINS", "cadrl,gring,gym")
     assert arena("list", "reward").out == "reward: none installed\n"

@@ -35,6 +35,7 @@ HOOKS = {
     "metrics": "register_metrics",
     "reward": "register_rewards",
     "observation_encoder": "register_observation_encoders",
+    "trainer": "register_trainers",
     "executor": "register_executors",
     "command": "register_commands",
     "listing": "register_listings",
@@ -57,6 +58,7 @@ INTERFACES: dict[type, str] = {
     interfaces.Executor: "executor",
     learning.Reward: "reward",
     learning.ObservationEncoder: "observation_encoder",
+    learning.Trainer: "trainer",
 }
 
 

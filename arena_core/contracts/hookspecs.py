@@ -93,6 +93,11 @@ def register_observation_encoders(register: Register) -> None:
 
 
 @hookspec
+def register_trainers(register: Register) -> None:
+    """Offer ways in which ``arena train`` trains a planner."""
+
+
+@hookspec
 def register_executors(register: Register) -> None:
     """Offer ways to run many episodes."""
 

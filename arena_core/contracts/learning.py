@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,9 @@ from arena_core.contracts.interfaces import PathBatch
 from arena_core.values.geometry import FloatArray, Twist
 from arena_core.values.sensing import Observation
 from arena_core.values.world import OccupancyGrid
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 Flags = NDArray[np.bool_]
 
@@ -187,3 +191,15 @@ class Reward(ABC):
     @abstractmethod
     def reward(self, transition: Transition) -> FloatArray:
         """Return the reward of each robot (N,); entry k depends on robot k alone."""
+
+
+class Trainer(ABC):
+    """A way to train a planner that a recipe chooses as ``trainer``, in place of proximal policy optimisation."""
+
+    @abstractmethod
+    def train(self, config: Mapping[str, Any], folder: Path, resume: bool) -> None:
+        """Train by what ``arena train`` composed; write ``policy.onnx`` and its card to ``folder``.
+
+        With ``resume`` it goes on with what the folder holds. Raises ConfigurationError for a folder that holds a training, unless
+        ``resume``, or that of another configuration.
+        """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from hashlib import blake2b
@@ -18,7 +18,7 @@ from arena_core.config.registry import HOOKS, Registry
 
 CORE = "arena-core"
 SUITE = "arena-"  # packages of ours that plugins share are called so
-APART = ("metrics", "executor", "command", "listing", "reward")  # kinds that have no part in how an episode goes
+APART = ("metrics", "executor", "command", "listing", "reward", "trainer")  # kinds that have no part in how an episode goes
 CONFIGURATION = "conf"  # a package's options: what an episode reads of them is in the composed configuration, which has a hash of its own
 LEFT_OUT = (".pyc", ".pyo", ".nbi", ".nbc")  # what Python and numba compile on the way
 
@@ -35,9 +35,12 @@ class Code:
         return sorted(name for name in {**before, **self.parts} if before.get(name) != self.parts.get(name))
 
 
-def code_of(config: Mapping[str, Any], registry: Registry) -> Code:
-    """Return the code that a composed configuration runs with, as it lies on the disk when this process first asks."""
-    chosen = {registry.component(kind, name).plugin for kind, name in _named(config, registry)}
+def code_of(config: Mapping[str, Any], registry: Registry, apart: Sequence[str] = APART, besides: Iterable[str] = ()) -> Code:
+    """Return the code that a composed configuration runs with, as it lies on the disk when this process first asks.
+
+    Components of the kinds ``apart`` do not count; the plugins ``besides``, entry points by name, do in any case.
+    """
+    chosen = {registry.component(kind, name).plugin for kind, name in _named(config, registry, apart)} | set(besides)
     return _code(frozenset(point for point in enabled_entry_points() if point.name in chosen and point.dist))
 
 
@@ -49,11 +52,11 @@ def _code(brought: frozenset[EntryPoint]) -> Code:
     return Code(digest, parts)
 
 
-def _named(config: Mapping[str, Any], registry: Registry) -> Iterator[tuple[str, str]]:
+def _named(config: Mapping[str, Any], registry: Registry, apart: Sequence[str]) -> Iterator[tuple[str, str]]:
     """Yield kind and name of every component that the configuration builds, also inside others (a switch's members)."""
-    kinds = [kind for kind in HOOKS if kind not in APART]
+    kinds = [kind for kind in HOOKS if kind not in apart]
     for key, node in config.items():
-        if key not in APART and (names := set(_names(node))):
+        if key not in apart and (names := set(_names(node))):
             yield from ((kind, name) for kind in kinds for name in registry.names(kind) if name in names)
 
 

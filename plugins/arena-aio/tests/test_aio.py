@@ -270,8 +270,8 @@ SMALL = (
     "training.optimization.environments=2",
     "training.optimization.steps=32",
     "training.optimization.minibatch=32",
-    "training.evaluation.every=64",
-    "training.evaluation.episodes=2",
+    "training.validation.every=64",
+    "training.validation.episodes=2",
     "task.time_limit=4.0",
 )
 

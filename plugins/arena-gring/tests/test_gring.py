@@ -134,8 +134,8 @@ SMALL = (
     "training.optimization.environments=8",
     "training.optimization.steps=32",
     "training.optimization.minibatch=64",
-    "training.evaluation.every=256",
-    "training.evaluation.episodes=4",
+    "training.validation.every=256",
+    "training.validation.episodes=4",
     "task.random.time_limit=3.0",
 )
 

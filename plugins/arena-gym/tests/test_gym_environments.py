@@ -217,4 +217,5 @@ def test_who_stands_for_too_long_is_out_of_time():
     env.reset(seed=0)
     for k in range(12):
         _, _, terminated, truncated, _ = env.step(np.array((1.0 if k % 4 == 3 else -1.0, 0.0), np.float32))
-        assert not (terminated or truncated)
+        assert not terminated
+        assert not truncated

@@ -10,7 +10,7 @@ from arena_gym.environment import NavigationEnv
 from arena_gym.episodes import draw_episode
 from arena_gym.pool import TRIES, PooledWorlds, ProblemPool
 from arena_gym.seeds import FIRST_TRAINING_SEED, check_evaluation_seed, training_seed
-from arena_gym.settings import CrowdKind, CountSpan, Randomization, Span
+from arena_gym.settings import CountSpan, CrowdKind, Randomization, Span
 
 PLAIN = Randomization(Span(0.0, 0.0), CountSpan(0, 0), Span(1.0, 1.0), None, Span(1.0, 1.0), {})
 SMALL = ["world.width=8", "world.height=8", "task.pedestrians=3", "environment.worlds=3", "environment.problems_per_world=2"]

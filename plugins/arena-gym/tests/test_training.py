@@ -38,7 +38,8 @@ training:
     heads: [32]
     log_std_init: -0.5
   optimization: {environments: 16, steps: 128, minibatch: 512, epochs: 6, learning_rate: 0.002, gamma: 0.97}
-  evaluation: {every: 8192, episodes: 32, seed: 7, target: null}
+  validation: {every: 8192, episodes: 32}
+  test: {episodes: 32}
 """
 WORDS = ("train", "planner=beginner", "robot=jackal")
 
@@ -59,18 +60,28 @@ def curve(folder):
 @pytest.mark.slow
 def test_policy_learns_to_reach_its_goals_and_drives_as_it_was_trained(here, capsys):
     assert main([*WORDS, "total_steps=40000", "out=trained"]) == 0
-    scores = [score["success"] for score in curve(here / "trained")]
+    trained, scores = here / "trained", [score["success"] for score in curve(here / "trained")]
     assert scores[-1] >= 0.8, scores
     assert scores[-1] > scores[0]
-    card = json.loads((here / "trained" / "policy.json").read_text())
-    assert (card["planner"], card["robot"], card["training"]["curve"]) == ("beginner", "jackal", curve(here / "trained"))
-    score = card["training"]["score"]
-    assert (score["episodes"], score["seed"]) == (32, 7)
+    card, last = (json.loads((trained / name).read_text()) for name in ("policy.json", "last/policy.json"))
+    training = card["training"]
+    assert (card["planner"], card["robot"], training["seed"], training["curve"]) == ("beginner", "jackal", 0, curve(trained))
+    assert (training["weights"], last["training"]["weights"], last["training"]["score"]) == ("best", "last", None)
+    chosen = training["choice"]
+    place = [row["steps"] for row in training["curve"]].index(chosen["steps"])
+    assert chosen["success"] == pytest.approx(np.mean(scores[max(0, place - 2) : place + 1]))
+    assert "3 validations in a row" in chosen["rule"]
+    assert "of seed 7" in chosen["rule"]
+    score = training["score"]
+    assert (score["episodes"], score["seed"]) == (32, 8)
     assert score["success"] + score["collision"] + score["time_out"] == pytest.approx(1.0)
-    assert "success" in capsys.readouterr().out
+    low, high = score["interval"]
+    assert low < score["success"] <= high
+    assert f"test: success {score['success']:.3f} ({low:.3f} .. {high:.3f})" in capsys.readouterr().out
 
     from arena_gym.building import build_parts
-    from arena_gym.training.learning import load_checkpoint, make_learner
+    from arena_gym.training.checkpoint import load_checkpoint
+    from arena_gym.training.learning import make_learner
     from arena_gym.training.session import training_settings
     from arena_gym.training.worlds_in_step import WorldsInStep
     from arena_gym.vector_environment import NavigationVectorEnv
@@ -79,7 +90,8 @@ def test_policy_learns_to_reach_its_goals_and_drives_as_it_was_trained(here, cap
     config = card["training"]["config"]
     env = NavigationVectorEnv(4, parts=build_parts(config))
     learner = make_learner(WorldsInStep(env, 0), env.batch.parts.encoder.layout(), training_settings(config), None)
-    load_checkpoint(here / "trained" / "checkpoint.pt", learner)
+    _, best = load_checkpoint(here / "trained" / "checkpoint.pt", learner)
+    learner.policy.load_state_dict(best)
     robot = testing.component("robot", "jackal")
     policy = load_policy(str(here / "trained" / "policy.onnx"), "beginner", robot)
     for angle in np.linspace(-3.0, 3.0, 7):
@@ -102,38 +114,42 @@ def test_training_that_was_cut_off_goes_on(here):
 def test_actions_spread_less_towards_the_end(here):
     import torch
 
-    assert main([*WORDS, "total_steps=8192", "out=calm", "training.network.log_std_final=-2.5", "training.evaluation.every=8192"]) == 0
+    assert main([*WORDS, "total_steps=8192", "out=calm", "training.network.log_std_final=-2.5", "training.validation.every=8192"]) == 0
     spread = torch.load(here / "calm" / "checkpoint.pt", weights_only=True)["policy"]["log_std"]
     assert float(spread.max()) < -1.7  # the last of four rollouts began at -2.0
 
 
 @pytest.mark.slow
 def test_training_ends_early_at_its_target(here):
-    assert main([*WORDS, "total_steps=10000000", "out=early", "training.evaluation.every=2048", "training.evaluation.target=0.0"]) == 0
+    assert main([*WORDS, "total_steps=10000000", "out=early", "training.validation.every=2048", "training.validation.target=0.0"]) == 0
     assert len(curve(here / "early")) == 1
     assert json.loads((here / "early" / "policy.json").read_text())["training"]["steps"] < 10000
 
 
 @pytest.mark.slow
-def test_training_that_was_killed_goes_on_from_its_checkpoint(here):
-    words = [str(Path(sys.executable).with_name("arena")), *WORDS, "out=killed", "training.evaluation.every=2048"]
-    killed = subprocess.Popen([*words, "total_steps=10000000"], stdout=subprocess.DEVNULL)
+def test_training_that_was_killed_ends_with_the_weights_of_one_that_was_not(here):
+    import torch
+
+    words = [*WORDS, "total_steps=12288", "training.validation.every=2048", "training.validation.episodes=8", "training.checkpoint=0"]
+    arena = str(Path(sys.executable).with_name("arena"))
+    killed = subprocess.Popen([arena, *words, "out=killed"], stdout=subprocess.DEVNULL)
     try:
-        for _ in range(600):
-            if (here / "killed" / "checkpoint.pt").exists() or killed.poll() is not None:
+        for _ in range(3000):
+            if (here / "killed" / "curve.json").exists() or killed.poll() is not None:
                 break
-            time.sleep(0.1)
+            time.sleep(0.05)
     finally:
         killed.kill()
         killed.wait()
-    before = curve(here / "killed")
-    assert before, "it was killed after its first checkpoint"
-    assert (
-        main([*WORDS, "out=killed", "training.evaluation.every=2048", f"total_steps={int(before[-1]['steps']) + 4096}", "resume=true"]) == 0
-    )
-    after = curve(here / "killed")
-    assert after[: len(before)] == before
-    assert after[-1]["steps"] > before[-1]["steps"]
+    before = torch.load(here / "killed" / "checkpoint.pt", weights_only=True)
+    assert 0 < before["steps"] < 12288
+    assert main([*words, "out=killed", "resume=true"]) == 0
+    assert main([*words, "out=whole"]) == 0
+    ends = [torch.load(here / name / "checkpoint.pt", weights_only=True) for name in ("killed", "whole")]
+    for part in ("policy", "best"):
+        assert all(torch.equal(weights, ends[1][part][name]) for name, weights in ends[0][part].items()), part
+    assert curve(here / "killed") == curve(here / "whole")
+    assert (here / "killed" / "test.json").read_bytes() == (here / "whole" / "test.json").read_bytes()
 
 
 def refused(words, capsys):
@@ -164,7 +180,7 @@ def test_checkpoint_that_is_none_is_refused(here, capsys):
         ("total_steps=0", "total_steps"),
         ("device=abacus", "device"),
         ("device=cuda:77", "device"),
-        ("training.evaluation.seed=0", "evaluation.seed"),
+        ("training.validation.seed=0", "validation.seed"),
         ("training.network.beams_field=nothing", "beams_field"),
         ("training.optimization.gamma=2", "gamma"),
         ("resume=perhaps", "resume"),
@@ -186,8 +202,8 @@ def test_evaluation_never_meets_the_problems_of_training(here):
     from arena_gym.training.evaluation import unseen_worlds
 
     config = compose_environment(["recipe=beginner", "robot=jackal"], primary="train")
-    with pytest.raises(ConfigurationError, match=r"evaluation\.seed"):
-        unseen_worlds(config, 1, config["environment"]["seed"], "training.evaluation.seed")
+    with pytest.raises(ConfigurationError, match=r"validation\.seed"):
+        unseen_worlds(config, 1, config["environment"]["seed"], "training.validation.seed")
 
 
 def test_goal_after_a_collision_is_no_success():
@@ -231,3 +247,67 @@ def test_convolutions_read_scans_that_follow_one_another():
     assert beams_of(network, layout[:3]) == (slice(2, 14), 2)
     with pytest.raises(ConfigurationError, match=r"training\.network\.beams_field is scan; allowed: way"):
         beams_of(network, layout[:1])
+
+
+def test_another_world_takes_the_place_of_the_recipes_with_all_that_it_says_of_it(here):
+    from arena_gym.building import compose_training
+
+    own = compose_training("beginner", ["robot=jackal", "world=indoor", "world.corridor_width=2.0"])["world"]
+    assert (own["name"], own["corridor_width"]) == ("indoor", 2.0)
+    assert own["width"] != 5.0
+    assert compose_training("beginner", ["robot=jackal", "world=empty"])["world"]["width"] == 5.0
+    assert compose_training("beginner", ["robot=jackal"])["task"]["pedestrians"] == 0
+
+
+@pytest.mark.slow
+def test_robot_and_map_of_ones_own_take_two_lines(here, capsys):
+    (here / "conf" / "robot").mkdir()
+    (here / "conf" / "robot" / "scout.yaml").write_text("defaults:\n  - jackal\n  - _self_\n\nlimits:\n  vx_max: 0.8  # [m/s]\n")
+    free = np.full((60, 80), 254, np.uint8)
+    free[[0, -1]], free[:, [0, -1]], free[28:32, 20:40] = 0, 0, 0
+    (here / "site.pgm").write_bytes(b"P5\n80 60\n255\n" + free.tobytes())
+    (here / "site.yaml").write_text(
+        "image: site.pgm\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.2\n"
+    )
+    site = ["robot=scout", "world=ros_map", "world.path=site.yaml", "task.pedestrians=1"]
+    small = [
+        "total_steps=512",
+        "environment.worlds=1",
+        "environment.problems_per_world=4",
+        "training.optimization.environments=4",
+        "training.optimization.steps=64",
+        "training.optimization.minibatch=128",
+        "training.validation.episodes=2",
+        "training.test.episodes=2",
+        "task.time_limit=4.0",
+    ]
+    assert main(["train", "planner=rosnav", *site, *small]) == 0
+    policy = here / "trainings" / "rosnav_scout_0" / "policy.onnx"
+    assert json.loads(policy.with_suffix(".json").read_text())["action"]["vx"] == [0.0, 0.8]
+    drive = ["run", "planner=rosnav", f"planner.policy={policy}", "episodes=1", "executor=serial", "report=false", "hydra.run.dir=run"]
+    assert main([*drive, *site, "task.time_limit=4.0"]) == 0
+    capsys.readouterr()
+    other = [word for word in drive if not word.startswith("hydra")]
+    assert "robotino" in refused([*other, "robot=robotino", "hydra.run.dir=other"], capsys)
+    assert "actions are" in refused([*other, "robot=jackal", "hydra.run.dir=faster"], capsys)
+
+
+def test_no_two_trainings_meet_the_same_episodes():
+    from arena_gym.building import compose_environment
+    from arena_gym.training.learning import make_learner
+    from arena_gym.training.session import training_settings
+    from arena_gym.training.worlds_in_step import WorldsInStep
+    from arena_gym.vector_environment import NavigationVectorEnv
+
+    env = NavigationVectorEnv(
+        2, overrides=["world=empty", "environment.worlds=1", "environment.problems_per_world=2", "task.pedestrians=0"]
+    )
+    met = []
+    for seed in (0, 1):
+        config = compose_environment(["recipe=rosnav", f"seed={seed}", "training.optimization.minibatch=512"], primary="train")
+        config["training"]["network"] |= {"beams_field": None, "features": None}
+        worlds = WorldsInStep(env, seed)
+        learner = make_learner(worlds, env.batch.parts.encoder.layout(), training_settings(config), None)
+        learner.env.reset()  # after the library has seeded all that it knows
+        met += [key.seed for key in env.batch.keys]
+    assert len(set(met)) == 4

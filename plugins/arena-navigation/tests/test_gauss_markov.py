@@ -11,7 +11,7 @@ STD, LENGTH, TURN = (0.01, 0.005, 0.008), (0.45, 1.1, 0.1), 0.2
 ALL = np.arange(20000)
 
 
-def begun(robots=len(ALL)):
+def begun(robots=20000):
     localizer = GaussMarkovLocalizer(STD, LENGTH, TURN)
     localizer.begin(np.arange(robots, dtype=np.uint64) + 7, np.arange(robots), robots)
     return localizer
@@ -56,7 +56,7 @@ def test_who_stands_learns_nothing_new():
 def test_turning_on_the_spot_is_way_too():
     localizer = begun()
     before = errors(localizer.estimates(poses_at(0.0, 0.0), ALL), poses_at(0.0, 0.0))
-    turned = poses_at(0.0, 0.0) + (0.0, 0.0, math.pi / 2.0)
+    turned = poses_at(0.0, 0.0) + np.array((0.0, 0.0, math.pi / 2.0))
     after = errors(localizer.estimates(turned, ALL), turned)
     assert np.corrcoef(before[:, 2], after[:, 2])[0, 1] == pytest.approx(math.exp(-TURN * math.pi / 2.0 / LENGTH[2]), abs=0.03)
 

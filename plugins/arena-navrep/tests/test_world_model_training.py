@@ -270,7 +270,7 @@ def test_world_model_and_controller_are_trained_and_drive(tmp_path, monkeypatch,
         "training.optimization.environments=8",
         "training.optimization.steps=128",
         "training.optimization.minibatch=512",
-        "training.evaluation.every=100000",
+        "training.validation.every=100000",
     ]
     assert main(["train", "planner=navrep", *small, *quick]) == 0
     policy = tmp_path / "trainings" / "navrep_jackal_0" / "policy.onnx"

@@ -13,8 +13,9 @@ def register_rewards(register: Register) -> None:
 
 @hookimpl
 def register_commands(register: Register) -> None:
-    """Offer ``arena train``."""
+    """Offer ``arena train`` and ``arena trainings``."""
     register("train", "arena_gym.train_command:TrainCommand")
+    register("trainings", "arena_gym.trainings_command:TrainingsCommand")
 
 
 @hookimpl

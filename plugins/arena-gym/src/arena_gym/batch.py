@@ -20,7 +20,7 @@ from arena_core import (
     Transition,
 )
 from arena_gym.building import Parts
-from arena_gym.episodes import Episode, draw_episode
+from arena_gym.episodes import Episode, EpisodeKey, draw_episode, draw_stage
 from arena_gym.guidance import Guidance, Guided, NavigatorGuidance, PathGuidance
 from arena_gym.path_tracking import PathTracking
 from arena_gym.range_noise import RangeNoise
@@ -49,8 +49,8 @@ class NavigationBatch:
     """Drives N robots by the actions of a policy; slot k is bit for bit what it is alone.
 
     An episode ends when the robot believes to be within its goal's radius, when it has collided too often, or when its time is over.
-    ``steps`` (N,) count since the episodes began. ``stage`` is the level of a task that has any. ``seen`` is what
-    was encoded last: a row for each robot after a step, for each that began anew after a reset.
+    ``steps`` (N,) count since the episodes began. ``stage`` is the level of a task that has any; ``keys`` are what the running episodes
+    were drawn from. ``seen`` is what was encoded last: a row for each robot after a step, for each that began anew after a reset.
     """
 
     seen: ObservationBatch
@@ -61,10 +61,10 @@ class NavigationBatch:
         self.worlds = worlds
         self.stage = parts.pool.staging.start if parts.pool.staging else None
         self.episodes: list[Episode] = []
+        self.keys: list[EpisodeKey] = []
         self.steps = np.zeros(worlds, np.int64)
         self._loop = EpisodeLoop(parts.simulator, parts.robot.control_period, worlds, parts.settings.collisions_to_end)
-        self._seeds: list[int] = []
-        self._numbers: list[int] = []
+        self._stage_weights: tuple[float, ...] | None = None
         self._guidance = _guidance(parts, worlds)
         self._tracking = PathTracking(worlds)
         self._delays = np.zeros(worlds, np.int64)
@@ -89,22 +89,35 @@ class NavigationBatch:
 
     def reset(self, seeds: Sequence[int]) -> NDArray[np.float32]:
         """Begin the first episodes of these seeds, one a world; return the observations (N, D)."""
-        self._seeds, self._numbers = list(seeds), [0] * self.worlds
-        self.episodes = [self._next_episode(slot) for slot in range(self.worlds)]
+        return self.begin_at([self._key(seed, 0) for seed in seeds])
+
+    def begin_at(self, keys: Sequence[EpisodeKey]) -> NDArray[np.float32]:
+        """Begin these episodes, one a world; return the observations (N, D)."""
+        self.keys = list(keys)
+        self.episodes = [self._drawn(key) for key in self.keys]
         snapshot = self._loop.begin([episode.problem.scenario for episode in self.episodes])
         return self._begin(np.arange(self.worlds), snapshot)
 
     def restart(self, slots: Slots) -> NDArray[np.float32]:
         """Begin the next episodes of these K worlds, the others go on; return the observations (K, D)."""
         for slot in slots.tolist():
-            self.episodes[slot] = self._next_episode(slot)
+            self.keys[slot] = self._key(self.keys[slot].seed, self.keys[slot].number + 1)
+            self.episodes[slot] = self._drawn(self.keys[slot])
+        return self.begin_again(slots)
+
+    def begin_again(self, slots: Slots) -> NDArray[np.float32]:
+        """Begin the same episodes of these K worlds once more, the others go on; return the observations (K, D)."""
         scenarios = [self.episodes[slot].problem.scenario for slot in slots.tolist()]
         return self._begin(slots, self._loop.begin(scenarios, slots))
 
     def set_stage(self, stage: int) -> None:
         """Let episodes that begin from now on be of this level of the task; raise ConfigurationError where there is none."""
         self.parts.pool.at_stage(stage)
-        self.stage = stage
+        self.stage, self._stage_weights = stage, None
+
+    def mix_stages(self, weights: Sequence[float]) -> None:
+        """Let each episode that begins from now on draw its level, with these weights of all levels."""
+        self._stage_weights = tuple(weights)
 
     def step(self, actions: NDArray[Any]) -> Step:
         """Drive for one control period by actions (N, A) in [-1, 1]."""
@@ -137,11 +150,14 @@ class NavigationBatch:
         )
         return Step(self._encoded(), rewards, arrived, collided, timed_out, terminated, timed_out & ~terminated)
 
-    def _next_episode(self, slot: int) -> Episode:
-        number = self._numbers[slot]
-        self._numbers[slot] += 1
-        pool = self.parts.pool if self.stage is None else self.parts.pool.at_stage(self.stage)
-        return draw_episode(pool, self.parts.randomization, self._seeds[slot], number)
+    def _key(self, seed: int, number: int) -> EpisodeKey:
+        """Return what episode ``number`` of a seed is drawn from, as levels are now."""
+        weights = self._stage_weights
+        return EpisodeKey(seed, number, self.stage if weights is None else draw_stage(weights, seed, number))
+
+    def _drawn(self, key: EpisodeKey) -> Episode:
+        pool = self.parts.pool if key.stage is None else self.parts.pool.at_stage(key.stage)
+        return draw_episode(pool, self.parts.randomization, key.seed, key.number)
 
     def _begin(self, slots: Slots, snapshot: Snapshot) -> NDArray[np.float32]:
         """Note how the episodes of these slots begin; return what is seen there."""

@@ -16,6 +16,7 @@ from arena_core import (
     WaypointGenerator,
     build_guide,
     compose,
+    key_value,
     load_registry,
     plain,
     read_settings,
@@ -25,6 +26,8 @@ from arena_gym.pool import PooledWorlds, ProblemPool
 from arena_gym.settings import EnvironmentSettings, Randomization, SwitchSettings
 from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.members import Members, build_members, describe_members
+
+REPLACED = ("world", "task", "pedestrians", "reward", "observation_encoder", "global_planner", "waypoints")  # as a whole, by another choice
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,6 +69,25 @@ def compose_environment(overrides: Sequence[str] = (), primary: str = "environme
     """Return the configuration ``primary`` with these components and overrides; raise ConfigurationError in one line."""
     chosen = [f"{kind}={name}" for kind, name in choices.items() if name is not None]
     return plain(compose([*chosen, *overrides], primary))
+
+
+def compose_training(recipe: str | None, overrides: Sequence[str]) -> dict[str, Any]:
+    """Return the configuration of a training by a recipe (None: the default one) with overrides; raise ConfigurationError in one line.
+
+    A component that the overrides choose in place of the recipe's (``world=ros_map``) is as it is by itself: what the recipe says of its
+    own choice is not for another.
+    """
+    chosen = [f"recipe={recipe}"] if recipe is not None else []
+    config = compose_environment([*chosen, *overrides], primary="train")
+    given = dict(map(key_value, overrides))
+    for kind in (key for key in given if key in REPLACED and "{" not in given[key]):
+        others = [word for word in overrides if key_value(word)[0] != kind and not key_value(word)[0].startswith(f"{kind}.")]
+        by_recipe = compose_environment([*chosen, *others], primary="train")[kind]
+        if by_recipe is None or config[kind] is None or by_recipe["name"] == config[kind]["name"]:
+            continue
+        own = [word for word in overrides if key_value(word)[0].partition(".")[0] in (kind, "robot")]
+        config[kind] = compose_environment(own)[kind]
+    return config
 
 
 def build_parts(config: Mapping[str, Any], registry: Registry | None = None) -> Parts:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,6 +11,15 @@ from arena_core import PedestrianSpec, Scenario, generator, stream_key
 from arena_gym.pool import Problem, ProblemPool
 from arena_gym.seeds import training_seed
 from arena_gym.settings import CrowdKind, Randomization, Span
+
+
+@dataclass(frozen=True, slots=True)
+class EpisodeKey:
+    """What an episode is drawn from: its seed, its number under it, and its level where the task has any."""
+
+    seed: int
+    number: int
+    stage: int | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,6 +41,13 @@ def draw_episode(pool: ProblemPool, randomization: Randomization, seed: int, num
     noise = _drawn(randomization.lidar_noise, random)
     latency = int(random.integers(randomization.latency.low, randomization.latency.high + 1))
     return Episode(replace(problem, scenario=scenario), noise, stream_key(training_seed(seed), name, "lidar"), latency)
+
+
+def draw_stage(weights: Sequence[float], seed: int, number: int) -> int:
+    """Return the level of episode ``number`` of a seed, drawn with these ``weights`` of levels: a pure function."""
+    bounds = np.cumsum(weights)
+    at = generator(training_seed(seed), f"episode/{number}", "level").uniform(0.0, bounds[-1])
+    return min(int(np.searchsorted(bounds, at, side="right")), len(bounds) - 1)
 
 
 def _varied(scenario: Scenario, randomization: Randomization, name: str, random: np.random.Generator) -> Scenario:

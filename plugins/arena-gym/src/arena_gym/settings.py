@@ -32,7 +32,7 @@ class CountSpan:
 
 @dataclass(frozen=True, slots=True)
 class CrowdKind:
-    """A kind of people: ``share`` of the episodes that have it; their speeds' factor; how they react to the robot (None: as the task says)."""
+    """A kind of people: the ``share`` of episodes that have it, a factor of their speeds, a reaction to the robot (None: the task's)."""
 
     share: NonNegative
     speed: Span
@@ -56,7 +56,7 @@ class EnvironmentSettings:
 
 @dataclass(frozen=True, slots=True)
 class Randomization:
-    """What differs between episodes: range noise (m), latency (control steps), speeds of robot and people, how many people, of which kind."""
+    """What differs between episodes: range noise (m), latency (control steps), speeds of robot and people, which people and how many."""
 
     lidar_noise: Span
     latency: CountSpan

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
-from arena_core import Command, ConfigurationError, complete_overrides, load_registry, option_files, read_words
-from arena_gym.building import compose_environment
+from arena_core import Command, ConfigurationError, complete_overrides, key_value, load_registry, option_files, read_words
+from arena_gym.building import compose_training
 
-USAGE = "arena train planner=NAME robot=NAME [seed=0] [total_steps=N] [device=cpu] [out=DIR] [resume=true] [KEY=VALUE ...]"
-OWN = ("planner", "out", "resume")
+USAGE = (
+    "arena train planner=NAME robot=NAME [seed=0 or seed=0,1,2] [total_steps=N] [device=cpu] [out=DIR] [resume=true or resume=force] "
+    "[KEY=VALUE ...]"
+)
+OWN = ("planner", "seed", "out", "resume")
+RESUME = {"false": (False, False), "true": (True, False), "force": (True, True)}  # go on with a folder; by other code, too
 NEEDED = ("torch", "stable_baselines3", "onnx", "onnxscript", "tensorboard", "rich")
 
 
@@ -21,25 +26,47 @@ class TrainCommand(Command):
     help: ClassVar[str] = "train a learned planner: arena train planner=rosnav robot=jackal"
 
     def run(self, arguments: Sequence[str]) -> int:
-        """Train, and write policy, card, curve and logs to a folder."""
+        """Train, and write policy, card, curve and logs to a folder; one training after the other where there are several seeds."""
         if any(word in ("-h", "--help") for word in arguments):
             print(f"usage: {USAGE}")
             return 0
         _check_installed()
         words = read_words(USAGE, arguments, keys=OWN, overrides=None)
-        recipe = [f"recipe={words.keys['planner']}"] if "planner" in words.keys else []
-        resume = words.value("resume", bool, False)
-        config = compose_environment([*recipe, *words.overrides], primary="train")
-        folder = Path(words.keys.get("out", f"trainings/{config['planner']}_{config['robot']['name']}_{config['seed']}"))
+        resume = words.keys.get("resume", "false")
+        if resume not in RESUME:
+            raise ConfigurationError(f"resume is {resume}; allowed: {', '.join(RESUME)}")
+        seeds = words.keys["seed"].split(",") if "seed" in words.keys else [None]
+        if len(set(seeds)) < len(seeds) or not all(seed is None or seed.isdecimal() for seed in seeds):
+            raise ConfigurationError(f"seed is {words.keys['seed']}; allowed: a whole number, or several, each once: seed=0,1,2")
+        configs = [
+            compose_training(words.keys.get("planner"), [*words.overrides, *([f"seed={seed}"] if seed is not None else [])])
+            for seed in seeds
+        ]
         from arena_gym.training.session import run_training
 
-        return run_training(config, folder, resume)
+        for config in configs:
+            folder = Path(words.keys.get("out", f"trainings/{config['planner']}_{_robot(words.overrides, config)}_{config['seed']}"))
+            if len(configs) > 1 and "out" in words.keys:
+                folder = folder.with_name(f"{folder.name}_{config['seed']}")
+            if len(configs) > 1:
+                print(f"seed {config['seed']}: {folder}", flush=True)
+            if config["trainer"] is not None:
+                load_registry().build("trainer", config["trainer"]).train(config, folder, RESUME[resume][0])
+            else:
+                run_training(config, folder, *RESUME[resume])
+        return 0
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
         """Return the planners that have a recipe, and overrides."""
         if word.startswith("planner="):
             return [f"planner={recipe}" for recipe in option_files("recipe", load_registry().manager)]
-        return [*(f"{key}=" for key in OWN), "resume=true", *complete_overrides(words, word, primary="train")]
+        return [*(f"{key}=" for key in OWN), "resume=true", "resume=force", *complete_overrides(words, word, primary="train")]
+
+
+def _robot(overrides: Sequence[str], config: Mapping[str, Any]) -> str:
+    """Return the robot by the name of its file, which may derive from another's."""
+    chosen = dict(map(key_value, overrides)).get("robot", "")
+    return chosen if re.fullmatch(r"[\w-]+", chosen) else str(config["robot"]["name"])
 
 
 def _check_installed() -> None:

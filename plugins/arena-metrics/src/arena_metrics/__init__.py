@@ -13,8 +13,9 @@ def register_metrics(register: Register) -> None:
 
 @hookimpl
 def register_commands(register: Register) -> None:
-    """Offer ``arena report``."""
+    """Offer ``arena report`` and ``arena query``."""
     register("report", "arena_metrics.pages.report:ReportCommand")
+    register("query", "arena_metrics.tables.query:QueryCommand")
 
 
 @hookimpl

@@ -13,6 +13,7 @@ from arena_mpc.plan import Plan
 from arena_mpc.terms import MOVER
 
 FAR = 1e3  # m, where the obstacles stand that fill a problem up
+NEAR = 0.01  # m, more than what is rounded off
 SPACING = 0.05  # s, between two moments that are checked
 
 
@@ -41,6 +42,9 @@ def first_hit(tracks: Tracks, plan: Plan, discs: Discs, deeper: float) -> float:
     """
     if len(tracks.ids) == 0:
         return math.inf
+    tracks = _within_reach(tracks, plan, discs)
+    if len(tracks.ids) == 0:
+        return math.inf
     times = np.arange(0.0, plan.duration + 1e-9, SPACING)
     knots = np.arange(len(plan.states)) * plan.step
     poses = np.column_stack([np.interp(times, knots, column) for column in plan.states[:, :3].T])
@@ -50,6 +54,15 @@ def first_hit(tracks: Tracks, plan: Plan, discs: Discs, deeper: float) -> float:
     allowed = np.where(standing > 0.0, 0.0, standing - deeper)
     touching = (_apart(predicted, placed(discs, poses)) - touched < allowed).any(axis=0)
     return float(times[int(np.argmax(touching))]) if touching.any() else math.inf
+
+
+def _within_reach(tracks: Tracks, plan: Plan, discs: Discs) -> Tracks:
+    """Return the tracks that may touch the robot on a plan: wherever both are within its duration, they are no farther apart."""
+    first = plan.states[0, :2]
+    driven = np.hypot(*(plan.states[:, :2] - first).T).max() + np.hypot(*discs.centres_xy.T).max() + discs.radius + NEAR
+    away = np.hypot(*(tracks.positions - first).T) - tracks.radii
+    near = ~(away - np.hypot(*tracks.velocities.T) * plan.duration > driven)
+    return Tracks(tracks.ids[near], tracks.positions[near], tracks.velocities[near], tracks.radii[near], tracks.covariances[near])
 
 
 def _apart(positions: FloatArray, centres: FloatArray) -> FloatArray:

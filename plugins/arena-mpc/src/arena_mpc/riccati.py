@@ -33,6 +33,7 @@ class Pass(NamedTuple):
     q_state_state: FloatArray
     q_control_control: FloatArray
     q_control_state: FloatArray
+    q_row: FloatArray
     low: FloatArray
     high: FloatArray
     held: FloatArray
@@ -41,7 +42,7 @@ class Pass(NamedTuple):
 def make_pass(stages: int, states: int, controls: int) -> Pass:
     """Return room for a backward pass."""
     s, u = states, controls
-    sizes = ((stages, u), (stages, u, s), (s, s), (s, u), s, (s, s), (s, s), s, u, (s, s), (u, u), (u, s), u, u, u)
+    sizes = ((stages, u), (stages, u, s), (s, s), (s, u), s, (s, s), (s, s), s, u, (s, s), (u, u), (u, s), s, u, u, u)
     return Pass(*(np.zeros(size) for size in sizes))
 
 
@@ -90,37 +91,56 @@ def _clear(slopes: Slopes) -> None:
 
 @inner
 def _expand(slopes: Slopes, found: Pass) -> None:
-    """Write the quadratic model of an interval's cost and of all that follows, by state and control."""
-    states, controls = len(found.value), len(found.q_control)
-    a, b = found.by_state, found.by_control
-    for i in range(states):
-        found.q_state[i] = slopes.state[i]
-        for j in range(states):
-            found.q_state[i] += a[j, i] * found.value[j]
-            found.product[i, j] = 0.0
-            for m in range(states):
-                found.product[i, j] += found.curvature[i, m] * a[m, j]
-    for i in range(states):
-        for j in range(states):
-            total = slopes.state_state[i, j]
-            for m in range(states):
-                total += a[m, i] * found.product[m, j]
-            found.q_state_state[i, j] = total
-    for i in range(controls):
-        found.q_control[i] = slopes.control[i]
-        for m in range(states):
-            found.q_control[i] += b[m, i] * found.value[m]
-        for j in range(states):
-            total = slopes.control_state[i, j]
-            for m in range(states):
-                total += b[m, i] * found.product[m, j]
-            found.q_control_state[i, j] = total
-        for j in range(controls):
+    """Write the quadratic model of an interval's cost and of all that follows, by state and control.
+
+    Only the heading and the interval's length move anything but themselves, and no velocity outlasts its interval: the other entries of
+    the motion's derivatives are 0 or 1, and left out.
+    """
+    _expand_state(slopes, found)
+    last, b, p = len(found.value) - 1, found.by_control, found.curvature
+    for i in range(len(found.q_control)):
+        b0, b1, b2 = b[0, i], b[1, i], b[2, i]
+        found.q_control[i] = slopes.control[i] + b0 * found.value[0] + b1 * found.value[1] + b2 * found.value[2] + found.value[3 + i]
+        for j in range(last + 1):
+            found.q_control_state[i, j] = slopes.control_state[i, j]
+            if j < 3 or j == last:
+                q = found.product
+                found.q_control_state[i, j] = slopes.control_state[i, j] + b0 * q[0, j] + b1 * q[1, j] + b2 * q[2, j] + q[3 + i, j]
+        for j in range(len(found.q_control)):
             total = slopes.control_control[i, j]
-            for m in range(states):
-                for n in range(states):
-                    total += b[m, i] * found.curvature[m, n] * b[n, j]
-            found.q_control_control[i, j] = total
+            for m in range(3):
+                for n in range(3):
+                    total += b[m, i] * p[m, n] * b[n, j]
+                total += b[m, i] * p[m, 3 + j]
+            for n in range(3):
+                total += p[3 + i, n] * b[n, j]
+            found.q_control_control[i, j] = total + p[3 + i, 3 + j]
+
+
+@inner
+def _expand_state(slopes: Slopes, found: Pass) -> None:
+    """Write the model by the state, its lower half, and the product of curvature and motion: columns 0 to 2 and the last."""
+    last, a, p, q = len(found.value) - 1, found.by_state, found.curvature, found.product
+    x_turn, y_turn, x_time, y_time, turn_time = a[0, 2], a[1, 2], a[0, last], a[1, last], a[2, last]
+    for i in range(last + 1):
+        q[i, 0], q[i, 1] = p[i, 0], p[i, 1]
+        q[i, 2] = p[i, 0] * x_turn + p[i, 1] * y_turn + p[i, 2]
+        q[i, last] = p[i, 0] * x_time + p[i, 1] * y_time + p[i, 2] * turn_time + p[i, last]
+        found.q_state[i] = slopes.state[i]
+        for j in range(i + 1):
+            found.q_state_state[i, j] = slopes.state_state[i, j]
+    value, whole = found.value, found.q_state_state
+    found.q_state[0] += value[0]
+    found.q_state[1] += value[1]
+    found.q_state[2] = found.q_state[2] + x_turn * value[0] + y_turn * value[1] + value[2]
+    found.q_state[last] = found.q_state[last] + x_time * value[0] + y_time * value[1] + turn_time * value[2] + value[last]
+    whole[0, 0] += q[0, 0]
+    whole[1, 0] += q[1, 0]
+    whole[1, 1] += q[1, 1]
+    for j in range(3):
+        whole[2, j] = whole[2, j] + x_turn * q[0, j] + y_turn * q[1, j] + q[2, j]
+        whole[last, j] = whole[last, j] + x_time * q[0, j] + y_time * q[1, j] + turn_time * q[2, j] + q[last, j]
+    whole[last, last] = whole[last, last] + x_time * q[0, last] + y_time * q[1, last] + turn_time * q[2, last] + q[last, last]
 
 
 @inner
@@ -132,12 +152,16 @@ def _choose(room: Room, state: FloatArray, control: FloatArray, damping: float, 
         q[i, i] += damping
         offset[i] = 0.0
     for _ in range(SWEEPS):
+        changed = False
         for i in range(count):
-            slope = found.q_control[i]
+            slope, before = found.q_control[i], offset[i]
             for j in range(count):
                 if j != i:
                     slope += q[i, j] * offset[j]
             offset[i] = min(max(-slope / q[i, i], found.low[i] - control[i]), found.high[i] - control[i])
+            changed = changed or offset[i] != before
+        if not changed:
+            break
     for i in range(count):
         slope = found.q_control[i]
         for j in range(count):
@@ -165,38 +189,44 @@ def _follow_limits(room: Room, found: Pass, gain: FloatArray) -> None:
 @inner
 def _follow_freely(found: Pass, gain: FloatArray) -> None:
     """Write the gains of the velocities that are at no limit, by Gauss-Seidel sweeps over at most three of them."""
-    q, count = found.q_control_control, len(gain)
-    for column in range(gain.shape[1]):
-        for _ in range(SWEEPS):
-            for i in range(count):
-                if found.held[i] != 0.0:
-                    continue
-                total = found.q_control_state[i, column]
-                for j in range(count):
-                    if j != i:
-                        total += q[i, j] * gain[j, column]
-                gain[i, column] = -total / q[i, i]
+    q, count, columns, sums = found.q_control_control, len(gain), gain.shape[1], found.q_row
+    for _ in range(SWEEPS):
+        for i in range(count):
+            if found.held[i] != 0.0:
+                continue
+            for column in range(columns):
+                sums[column] = found.q_control_state[i, column]
+            for j in range(count):
+                if j != i:
+                    for column in range(columns):
+                        sums[column] += q[i, j] * gain[j, column]
+            for column in range(columns):
+                gain[i, column] = -sums[column] / q[i, i]
 
 
 @inner
 def _pass_on(offset: FloatArray, gain: FloatArray, found: Pass) -> None:
     """Write value and curvature of what follows the stage's beginning, with the velocities as chosen."""
-    states, controls = len(found.value), len(offset)
+    states, controls, inside = len(found.value), len(offset), found.product
+    for c in range(controls):
+        total = found.q_control[c]
+        for d in range(controls):
+            total += found.q_control_control[c, d] * offset[d]
+        found.low[c] = total
+        for j in range(states):
+            inside[c, j] = found.q_control_state[c, j]
+        for d in range(controls):
+            for j in range(states):
+                inside[c, j] += found.q_control_control[c, d] * gain[d, j]
     for i in range(states):
         total = found.q_state[i]
         for c in range(controls):
-            inside = found.q_control[c]
-            for d in range(controls):
-                inside += found.q_control_control[c, d] * offset[d]
-            total += gain[c, i] * inside + found.q_control_state[c, i] * offset[c]
+            total += gain[c, i] * found.low[c] + found.q_control_state[c, i] * offset[c]
         found.value[i] = total
     for i in range(states):
         for j in range(i + 1):
             total = found.q_state_state[i, j]
             for c in range(controls):
-                inside = found.q_control_state[c, j]
-                for d in range(controls):
-                    inside += found.q_control_control[c, d] * gain[d, j]
-                total += gain[c, i] * inside + found.q_control_state[c, i] * gain[c, j]
+                total += gain[c, i] * inside[c, j] + found.q_control_state[c, i] * gain[c, j]
             found.curvature[i, j] = total
             found.curvature[j, i] = total

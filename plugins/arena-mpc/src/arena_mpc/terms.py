@@ -22,6 +22,7 @@ MOVER = 5  # x, y, vx, vy, radius
 SMOOTH = 1e-6  # m^2, rounds the cone of a distance off at its tip
 ROUNDING = 0.02  # m, within which the greatest shortfall is rounded off: less than half a usual cell
 FAR_OFF = 12.0  # shortfalls below -FAR_OFF * ROUNDING weigh nothing
+NOTHING = -746.0  # exponent whose exponential is 0 in double precision
 TIME, STATE_POSITION, STATE_HEADING = WEIGHTS.index("time"), WEIGHTS.index("state_position"), WEIGHTS.index("state_heading")
 CONTROL_LINEAR, CONTROL_ANGULAR = WEIGHTS.index("control_linear"), WEIGHTS.index("control_angular")
 GOAL_POSITION, GOAL_HEADING = WEIGHTS.index("goal_position"), WEIGHTS.index("goal_heading")
@@ -225,7 +226,9 @@ def _shortfall(gaps: FloatArray) -> float:
     top = max(worst, 0.0)
     total = math.exp(-top)
     for i in range(len(gaps)):
-        total += math.exp(-gaps[i] / ROUNDING - top)
+        exponent = -gaps[i] / ROUNDING - top
+        if exponent > NOTHING:
+            total += math.exp(exponent)
     return ROUNDING * (top + math.log(total))
 
 
@@ -239,10 +242,13 @@ def _add_slack(slopes: Slopes, weight: float, weight_squared: float) -> None:
     price, bend = weight + 2.0 * weight_squared * slack, 2.0 * weight_squared
     mean[:] = 0.0
     for i in range(len(gaps)):
-        share = math.exp((-gaps[i] - slack) / ROUNDING)
+        exponent = (-gaps[i] - slack) / ROUNDING
+        share = math.exp(exponent) if exponent > NOTHING else 0.0
         if share < 1e-6:
             continue
         for a in range(len(mean)):
+            if rows[i, a] == 0.0:
+                continue
             mean[a] += share * rows[i, a]
             scaled = price * share / ROUNDING * rows[i, a]
             for b in range(len(mean)):

@@ -9,7 +9,7 @@ import numpy as np
 from arena_kernels.compiled import borrowing, inner
 from arena_kernels.scalars import Integer
 from arena_kernels.window import clearance
-from arena_mppi.critics import COLLIDED, FAR, SPACING, judge_alignment, judge_goal, judge_moving, judge_progress, judge_static
+from arena_mppi.critics import COLLIDED, FAR, SPACING, cover_radius, judge_alignment, judge_goal, judge_moving, judge_progress, judge_static
 from arena_mppi.parameters import Body, Chassis, Critics, Floats, Sampling, Scene, Workspace
 from arena_mppi.rollout import COSINE, COST, LANES, ONE, SINE, ZERO, X, Y, draw_noise, drive_lanes, start_lanes, towards
 
@@ -66,6 +66,7 @@ def roll_out(
     lanes, steps, dt = work.lanes, sampling.time_steps, sampling.dt
     start_lanes(lanes, work.fixed, block, state)
     fastest = max(max(chassis.vx_max, -chassis.vx_min), abs(state[2])) + max(chassis.vy_max, abs(state[3]))
+    cover = cover_radius(body)
     share = np.float32(1.0 - critics.end_share) * critics.progress / np.float32(steps // PATH_STRIDE)
     for t in range(steps):
         if t == 0:
@@ -74,7 +75,7 @@ def roll_out(
             draw_noise(lanes, work.normals, key, tick, block * steps + t, sampling.kept, sampling.renewed)
         drive_lanes(lanes, work.velocities[block, t], work.mean[max(t, sampling.tied - 1)], chassis, sampling, critics)
         judge_static(lanes, scene, body, critics, least, dt)
-        judge_moving(lanes, scene, body, critics, t, fastest, dt)
+        judge_moving(lanes, scene, body, critics, t, fastest, cover, dt)
         if critics.goal + critics.goal_angle > ZERO:
             judge_goal(lanes, scene, critics.goal * dt, critics.goal_angle * dt)
         if t % PATH_STRIDE == PATH_STRIDE - 1:

@@ -7,13 +7,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from arena_kernels.compiled import borrowing, compiled, inner
+from arena_kernels.compiled import borrowing, compiled, inlined, inner
 from arena_kernels.footprint import point_gap
 from arena_kernels.window import LETHAL, Window, distance_at
 from arena_teb.polygons import Hulls
 from arena_teb.problem import FloatArray
 
 BEHIND = 1e-3  # m by which a point lies behind a pose that is inside a polygon: it then pushes the pose to the nearest side
+ROUNDED = 1e-3  # cells, more than a distance is rounded by
+FARTHEST = 1e6  # cells, in place of infinitely many
 FORCED_FROM = 2  # the first places are those of the nearest points to the left and right
 
 
@@ -62,7 +64,10 @@ def pair_cells(window: Window, pose: FloatArray, reach: Reach, found: FloatArray
     left, right, places = cells * cells, cells * cells, FORCED_FROM
     for row in range(max(0, math.ceil(v - cells)), min(rows - 1, math.floor(v + cells)) + 1):
         dy = row - v
-        for column in range(max(0, math.ceil(u - cells)), min(columns - 1, math.floor(u + cells)) + 1):
+        following, last = max(0, math.ceil(u - cells)), min(columns - 1, math.floor(u + cells))
+        while following <= last:
+            column = following
+            following = column + free_cells(window, row, column)
             if window.costs[row, column] < LETHAL:
                 continue
             dx = column - u
@@ -79,6 +84,12 @@ def pair_cells(window: Window, pose: FloatArray, reach: Reach, found: FloatArray
                 right = squared
                 place(found, 1, x + dx * window.resolution, y + dy * window.resolution)
     return places
+
+
+@inlined
+def free_cells(window: Window, row: int, column: int) -> int:
+    """Return how many cells further no cell of the row can be lethal before: as far as the nearest one is away, and at least 1."""
+    return max(1, int(min(window.distance[row, column] / window.resolution - ROUNDED, FARTHEST)))
 
 
 @inner

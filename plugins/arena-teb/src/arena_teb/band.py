@@ -34,7 +34,7 @@ def band_along(line: FloatArray, start: FloatArray, goal: FloatArray, speed: flo
     turning = turn_on_spot(start, float(wrap_angle(headings[0] - start[2])), turn)
     if len(turning) == 0:
         headings[0] = start[2]
-    return np.concatenate((turning, np.column_stack((points, headings, times))))
+    return np.ascontiguousarray(np.concatenate((turning, np.column_stack((points, headings, times)))))
 
 
 def turn_on_spot(start: FloatArray, angle: float, turn: float) -> FloatArray:

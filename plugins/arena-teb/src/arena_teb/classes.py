@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from arena_core import wrap_angle
+from arena_kernels.entry import Entered
 from arena_kernels.window import Outline
 from arena_teb.band import band_along, carried_over, duration
 from arena_teb.clusters import cluster_points
@@ -45,6 +46,8 @@ class Topologies:
         self._roadmap = Roadmap(outline.inscribed_radius, model.penalties.dynamic_near, speed, homotopy.obstacle_heading_threshold)
         self._turn = turn
         self._random = np.random.default_rng(0)
+        self._optimised, self._band_cost, self._new_ways = Entered(optimised), Entered(band_cost), Entered(new_ways)
+        self._cluster_points, self._signature, self._free_poses = Entered(cluster_points), Entered(signature), Entered(free_poses)
         self.clear()
 
     def begin(self, random: np.random.Generator) -> None:
@@ -60,7 +63,7 @@ class Topologies:
 
     def plan(self, plan: FloatArray, start: FloatArray, goal: FloatArray, scene: Scene, ends: Ends, stamp: float) -> list[Topology]:
         """Return optimised bands from ``start`` to ``goal`` (3,), the one to drive first; ``plan`` (M, 3) is the local plan."""
-        points = cluster_points(scene.window, self._outline.inscribed_radius, start[0], start[1], self._homotopy.max_clusters)
+        points = self._cluster_points(scene.window, self._outline.inscribed_radius, start[0], start[1], self._homotopy.max_clusters)
         explored = self._explore(self._renewed(start, goal, points, scene), plan, start, goal, points, scene)
         solved = [self._solve(topology, scene, ends) for topology in explored]
         self._kept = self._choose(solved, stamp)
@@ -74,7 +77,7 @@ class Topologies:
         renewed: list[Topology] = []
         for topology in self._kept:
             band = carried_over(topology.band, start, goal, self._trajectory.min_samples)
-            angles = signature(band, points, scene.positions, scene.velocities, scene.horizon)
+            angles = self._signature(band, points, scene.positions, scene.velocities, scene.horizon)
             if not any(same_class(angles, other.angles) for other in renewed):
                 renewed.append(replace(topology, band=band, angles=angles, initial=False))
         return renewed
@@ -89,7 +92,7 @@ class Topologies:
     ) -> list[Topology]:
         """Return the known bands, the global path's if its class is new, and new ones from the roadmap."""
         initial = self._along(plan[:-1, :2], start, goal)
-        angles = signature(initial, points, scene.positions, scene.velocities, scene.horizon)
+        angles = self._signature(initial, points, scene.positions, scene.velocities, scene.horizon)
         same = [same_class(angles, topology.angles) for topology in known]
         found = [replace(topology, initial=like) for topology, like in zip(known, same, strict=True)]
         most = self._homotopy.max_number_classes
@@ -103,7 +106,7 @@ class Topologies:
         # a band through an obstacle counts for no class: which side of the obstacle's point it runs on says nothing
         known_angles = [topology.angles for topology in found if not topology.blocked]
         classes = np.array(known_angles).reshape(len(known_angles), len(angles))
-        lines, signatures = new_ways(start, goal, drawn, scene, points, classes, wanted, self._roadmap)
+        lines, signatures = self._new_ways(start, goal, drawn, scene, points, classes, wanted, self._roadmap)
         ways = zip(lines, signatures, strict=True)
         return found + [Topology(self._along(line, start, goal), angles, False) for line, angles in ways]
 
@@ -112,12 +115,12 @@ class Topologies:
         return band_along(line, start, goal, self._roadmap.speed, self._turn, reverses)
 
     def _solve(self, topology: Topology, scene: Scene, ends: Ends) -> Topology:
-        band, _, _ = optimised(topology.band, scene, self._model, ends)
-        cost = band_cost(band, scene, self._selection, self._model, ends)
+        band, _, _ = self._optimised(topology.band, scene, self._model, ends)
+        cost = self._band_cost(band, scene, self._selection, self._model, ends)
         return replace(topology, band=band, cost=cost, blocked=self._blocked(band, scene))
 
     def _blocked(self, band: FloatArray, scene: Scene) -> bool:
-        return free_poses(band, scene.window, self._outline, len(band)) < len(band)
+        return self._free_poses(band, scene.window, self._outline, len(band)) < len(band)
 
     def _choose(self, solved: list[Topology], stamp: float) -> list[Topology]:
         """Return the bands in the order of their costs without detours; the one driven before and the global path's count for less."""

@@ -9,55 +9,69 @@ from arena_kernels.compiled import compiled
 from arena_kernels.window import Window
 from arena_teb.problem import FloatArray, IntArray
 
+ROUNDED = 1e-3  # cells, more than a distance is rounded by
+FARTHEST = 1e6  # cells, in place of infinitely many
+
 
 @compiled
 def cluster_points(window: Window, inscribed_radius: float, x: float, y: float, most: int) -> FloatArray:
-    """Return a point (C, 2) inside each connected region that the robot's middle cannot enter, at most the ``most`` nearest to (x, y)."""
-    rows, columns = window.distance.shape
-    labels, count = labelled(window.distance, inscribed_radius + 0.5 * window.resolution)
-    sums = np.zeros((count, 3))
-    for row in range(rows):
-        for column in range(columns):
-            if labels[row, column] >= 0:
-                k = labels[row, column]
-                sums[k, 0] += row
-                sums[k, 1] += column
-                sums[k, 2] += 1.0
-    points, gaps = np.empty((count, 2)), np.full(count, np.inf)
-    nearest = np.full(count, np.inf)
-    for row in range(rows):
-        for column in range(columns):
-            if labels[row, column] < 0:
-                continue
-            k = labels[row, column]
+    """Return a point (C, 2) inside each connected region that the robot's middle cannot enter, at most the ``most`` nearest to (x, y).
+
+    It is the cell nearest to the region's centre of mass, the first of them in the window's order.
+    """
+    columns = window.distance.shape[1]
+    cells, starts = regions(window.distance, inscribed_radius + 0.5 * window.resolution, window.resolution)
+    count = len(starts) - 1
+    points, nearest = np.empty((count, 2)), np.full(count, np.inf)
+    for k in range(count):
+        region = cells[starts[k] : starts[k + 1]]
+        middle_row, middle_column = 0.0, 0.0
+        for cell in region:
+            middle_row += cell // columns
+            middle_column += cell % columns
+        middle_row, middle_column = middle_row / len(region), middle_column / len(region)
+        least, chosen = np.inf, region[0]
+        for cell in region:
+            row, column = cell // columns, cell % columns
             px, py = window.origin_x + (column + 0.5) * window.resolution, window.origin_y + (row + 0.5) * window.resolution
-            off = (row - sums[k, 0] / sums[k, 2]) ** 2 + (column - sums[k, 1] / sums[k, 2]) ** 2
-            if off < gaps[k]:
-                gaps[k], points[k, 0], points[k, 1] = off, px, py
+            off = (row - middle_row) ** 2 + (column - middle_column) ** 2
+            if off < least or (off == least and cell < chosen):
+                least, chosen = off, cell
+                points[k, 0], points[k, 1] = px, py
             nearest[k] = min(nearest[k], (px - x) ** 2 + (py - y) ** 2)
     return points[np.argsort(nearest)[:most]]
 
 
 @compiled
-def labelled(distance: NDArray[np.float32], below: float) -> tuple[IntArray, int]:
-    """Return the number of the region (8 neighbours) that each cell with ``distance`` under ``below`` belongs to, -1 for others."""
+def regions(distance: NDArray[np.float32], below: float, resolution: float) -> tuple[IntArray, IntArray]:
+    """Return the cells with ``distance`` under ``below`` by their regions (8 neighbours): number i has cells[starts[i]:starts[i + 1]].
+
+    A cell is row times columns + column; ``resolution`` is its side, m.
+    """
     rows, columns = distance.shape
-    labels = np.full((rows, columns), -1, np.int64)
-    stack = np.empty(rows * columns, np.int64)
-    count = 0
-    for first in range(rows * columns):
-        if labels[first // columns, first % columns] >= 0 or distance[first // columns, first % columns] >= below:
-            continue
-        labels[first // columns, first % columns] = count
-        stack[0], top = first, 1
-        while top > 0:
-            top -= 1
-            row, column = stack[top] // columns, stack[top] % columns
-            for r in range(max(row - 1, 0), min(row + 2, rows)):
-                for c in range(max(column - 1, 0), min(column + 2, columns)):
-                    if labels[r, c] < 0 and distance[r, c] < below:
-                        labels[r, c] = count
-                        stack[top] = r * columns + c
-                        top += 1
-        count += 1
-    return labels, count
+    seen, cells, starts = np.zeros((rows, columns), np.bool_), np.empty(rows * columns, np.int64), np.zeros(rows * columns + 1, np.int64)
+    end, count = 0, 0
+    for first_row in range(rows):
+        first = 0
+        while first < columns:
+            spare = distance[first_row, first] - below
+            if spare >= 0.0:  # distances change by no more than the way between two cells
+                first += max(1, int(min(spare / resolution - ROUNDED, FARTHEST)))
+                continue
+            if not seen[first_row, first]:
+                seen[first_row, first] = True
+                done, cells[end] = end, first_row * columns + first
+                end += 1
+                while done < end:
+                    row, column = cells[done] // columns, cells[done] % columns
+                    done += 1
+                    for r in range(max(row - 1, 0), min(row + 2, rows)):
+                        for c in range(max(column - 1, 0), min(column + 2, columns)):
+                            if not seen[r, c] and distance[r, c] < below:
+                                seen[r, c] = True
+                                cells[end] = r * columns + c
+                                end += 1
+                count += 1
+                starts[count] = end
+            first += 1
+    return cells[:end].copy(), starts[: count + 1].copy()

@@ -35,14 +35,19 @@ class Model(NamedTuple):
 @compiled
 def optimised(band: FloatArray, scene: Scene, model: Model, ends: Ends) -> tuple[FloatArray, Surroundings, Penalties]:
     """Return the optimised band (M, 4), with the surroundings and penalties of its last solution (RAS 2017, algorithm 1)."""
-    effort = model.effort
-    penalties = model.penalties
+    band, around, penalties = improved(band, scene, model, ends, 1.0)
+    for outer in range(1, model.effort.outer):
+        band, around, penalties = improved(band, scene, model, ends, model.effort.adaptation**outer)
+    return band, around, penalties
+
+
+@compiled
+def improved(band: FloatArray, scene: Scene, model: Model, ends: Ends, factor: float) -> tuple[FloatArray, Surroundings, Penalties]:
+    """Return a band after one outer iteration in which static obstacles weigh ``factor`` times as much, and what it was solved with."""
+    band = resized(band, model.sampling)
     around = surroundings(band, scene, model.vicinity)
-    for outer in range(effort.outer):
-        band = resized(band, model.sampling)
-        around = surroundings(band, scene, model.vicinity)
-        penalties = weighed(model.penalties, effort.adaptation**outer)
-        solve(band, penalties, model.shape, ends, around, effort.inner, effort.tolerance)
+    penalties = weighed(model.penalties, factor)
+    solve(band, penalties, model.shape, ends, around, model.effort.inner, model.effort.tolerance)
     return band, around, penalties
 
 

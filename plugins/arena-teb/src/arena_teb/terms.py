@@ -85,8 +85,9 @@ def interval_rows(band: FloatArray, penalties: Penalties, ends: Ends, around: Su
             rows.residual[at] = root * excess
             rows.first[at] = 4 * k
             rows.width[at] = 7 if root * excess != 0.0 else 0
-            for i in range(7):
-                rows.jacobian[at, i] = root * rows.slopes[k, axis, i]
+            if root * excess != 0.0:
+                for i in range(7):
+                    rows.jacobian[at, i] = root * rows.slopes[k, axis, i]
             at += 1
         kinematic_rows(band, k, penalties, rows, at)
         rows.residual[at + 3] = penalties.root_time * band[k, 3]
@@ -110,32 +111,36 @@ def kinematic_rows(band: FloatArray, k: int, penalties: Penalties, rows: Rows, a
     dt = band[k, 3]
     forward, sideways, turn = dt * rows.speeds[k, 0], dt * rows.speeds[k, 1], dt * rows.speeds[k, 2]
     slopes = rows.slopes[k]
-    half_c, half_s = math.cos(0.5 * turn), math.sin(0.5 * turn)
     root = penalties.root_nonholonomic
-    rows.residual[at] = root * 2.0 * half_c * sideways
+    rows.residual[at] = 0.0
     rows.first[at], rows.width[at] = 4 * k, 7 if root > 0.0 else 0
-    for i in range(7):
-        rows.jacobian[at, i] = root * 2.0 * half_c * dt * slopes[1, i]
-    rows.jacobian[at, 2] += root * half_s * sideways
-    rows.jacobian[at, 6] -= root * half_s * sideways
-    rows.jacobian[at, 3] = 0.0
+    if root > 0.0:
+        half_c, half_s = math.cos(0.5 * turn), math.sin(0.5 * turn)
+        rows.residual[at] = root * 2.0 * half_c * sideways
+        for i in range(7):
+            rows.jacobian[at, i] = root * 2.0 * half_c * dt * slopes[1, i]
+        rows.jacobian[at, 2] += root * half_s * sideways
+        rows.jacobian[at, 6] -= root * half_s * sideways
+        rows.jacobian[at, 3] = 0.0
 
     root = penalties.root_forward
     backward = min(forward, 0.0)
     rows.residual[at + 1] = root * backward
     rows.first[at + 1], rows.width[at + 1] = 4 * k, 7 if root * backward != 0.0 else 0
-    for i in range(7):
-        rows.jacobian[at + 1, i] = root * dt * slopes[0, i]
-    rows.jacobian[at + 1, 3] = 0.0
+    if root * backward != 0.0:
+        for i in range(7):
+            rows.jacobian[at + 1, i] = root * dt * slopes[0, i]
+        rows.jacobian[at + 1, 3] = 0.0
 
     root = penalties.root_turn_radius
     lack = max(penalties.turn_radius * abs(turn) - abs(forward), 0.0)
     rows.residual[at + 2] = root * lack
     rows.first[at + 2], rows.width[at + 2] = 4 * k, 7 if root * lack != 0.0 else 0
-    by_turn, by_forward = math.copysign(penalties.turn_radius, turn) * dt, -math.copysign(1.0, forward) * dt
-    for i in range(7):
-        rows.jacobian[at + 2, i] = root * (by_turn * slopes[2, i] + by_forward * slopes[0, i])
-    rows.jacobian[at + 2, 3] = 0.0
+    if root * lack != 0.0:
+        by_turn, by_forward = math.copysign(penalties.turn_radius, turn) * dt, -math.copysign(1.0, forward) * dt
+        for i in range(7):
+            rows.jacobian[at + 2, i] = root * (by_turn * slopes[2, i] + by_forward * slopes[0, i])
+        rows.jacobian[at + 2, 3] = 0.0
 
 
 @inner
@@ -157,6 +162,8 @@ def rotation_row(band: FloatArray, k: int, penalties: Penalties, ends: Ends, row
     against = min(ends.rotation * band[k, 3] * rows.speeds[k, 2], 0.0) if k < ROTATION_INTERVALS else 0.0
     rows.residual[at] = penalties.root_rotation * against
     rows.first[at], rows.width[at] = 4 * k + 2, 5 if rows.residual[at] != 0.0 else 0
+    if rows.residual[at] == 0.0:
+        return
     slope = penalties.root_rotation * ends.rotation
     jacobian = rows.jacobian[at]
     jacobian[0], jacobian[1], jacobian[2], jacobian[3], jacobian[4] = -slope, 0.0, 0.0, 0.0, slope
@@ -210,6 +217,8 @@ def edge_acceleration_row(
     residual = root * beyond(acceleration, -penalties.acceleration[axis], penalties.acceleration[axis])
     rows.residual[at] = residual
     rows.first[at], rows.width[at] = 4 * k, 7 if residual != 0.0 else 0
+    if residual == 0.0:
+        return
     for i in range(7):
         rows.jacobian[at, i] = root * sign * rate * rows.slopes[k, axis, i]
     rows.jacobian[at, 3] -= root * rate * acceleration
@@ -218,27 +227,40 @@ def edge_acceleration_row(
 @inner
 def obstacle_rows(band: FloatArray, penalties: Penalties, shape: Shape, around: Surroundings, rows: Rows, at: int) -> int:
     """Write how near every pose between start and goal is to static points and to moving discs."""
-    static_reach = max(penalties.near, penalties.inflated)
-    dynamic_reach = max(penalties.dynamic_near, penalties.dynamic_inflated)
+    static = max(penalties.near, penalties.inflated) + around.point_radius + shape.radius
+    dynamic = max(penalties.dynamic_near, penalties.dynamic_inflated)
     for k in range(1, len(band) - 1):
-        c, s = math.cos(band[k, 2]), math.sin(band[k, 2])
+        c, s, turned = 1.0, 0.0, False
         for i in range(around.points.shape[1]):
             x, y = around.points[k, i, 0] - band[k, 0], around.points[k, i, 1] - band[k, 1]
-            enough = static_reach + around.point_radius
-            roots = penalties.root_obstacle, penalties.root_inflation
-            bounds = penalties.near, penalties.inflated
-            distance_rows(k, x, y, c, s, around.point_radius, enough, bounds, roots, shape, rows, at)
-            if penalties.exponent != 1.0 and rows.width[at] > 0:
-                raise_row(at, roots[0], penalties, rows)
+            leave_out(rows, at)
+            if x * x + y * y < static * static:
+                if not turned:
+                    c, s, turned = math.cos(band[k, 2]), math.sin(band[k, 2]), True
+                roots = penalties.root_obstacle, penalties.root_inflation
+                distance_rows(k, x, y, c, s, around.point_radius, (penalties.near, penalties.inflated), roots, shape, rows, at)
+                if penalties.exponent != 1.0 and rows.width[at] > 0:
+                    raise_row(at, roots[0], penalties, rows)
             at += POINT_ROWS
         for j in range(len(around.radii)):
             x, y = around.moving[k, j, 0] - band[k, 0], around.moving[k, j, 1] - band[k, 1]
-            enough = dynamic_reach + around.radii[j]
-            roots = penalties.root_dynamic, penalties.root_dynamic_inflation
-            bounds = penalties.dynamic_near, penalties.dynamic_inflated
-            distance_rows(k, x, y, c, s, around.radii[j], enough, bounds, roots, shape, rows, at)
+            far = dynamic + around.radii[j] + shape.radius
+            leave_out(rows, at)
+            if x * x + y * y < far * far:
+                if not turned:
+                    c, s, turned = math.cos(band[k, 2]), math.sin(band[k, 2]), True
+                roots = penalties.root_dynamic, penalties.root_dynamic_inflation
+                bounds = penalties.dynamic_near, penalties.dynamic_inflated
+                distance_rows(k, x, y, c, s, around.radii[j], bounds, roots, shape, rows, at)
             at += POINT_ROWS
     return at
+
+
+@inlined
+def leave_out(rows: Rows, at: int) -> None:
+    """Take the terms of an obstacle out of action."""
+    rows.residual[at], rows.residual[at + 1] = 0.0, 0.0
+    rows.width[at], rows.width[at + 1] = 0, 0
 
 
 @inner
@@ -249,7 +271,6 @@ def distance_rows(
     c: float,
     s: float,
     radius: float,
-    enough: float,
     bounds: tuple[float, float],
     roots: tuple[float, float],
     shape: Shape,
@@ -257,11 +278,6 @@ def distance_rows(
     at: int,
 ) -> None:
     """Write two terms for a disc at (x, y) from a pose whose heading has cosine and sine (c, s): nearer than each of ``bounds``."""
-    rows.residual[at], rows.residual[at + 1] = 0.0, 0.0
-    rows.width[at], rows.width[at + 1] = 0, 0
-    far = enough + shape.radius
-    if not x * x + y * y < far * far:
-        return
     bx, by = c * x + s * y, c * y - s * x
     gap, nx, ny = hull_distance(shape, bx, by)
     gap -= radius

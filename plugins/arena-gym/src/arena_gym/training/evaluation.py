@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from arena_core import ConfigurationError
 from arena_gym.building import build_parts
 from arena_gym.seeds import check_unseen_seed
 from arena_gym.vector_environment import NavigationVectorEnv
@@ -48,6 +49,15 @@ def unseen_worlds(config: Mapping[str, Any], episodes: int, seed: int, name: str
     if parts.pool.staging is not None:
         env.set_stage(parts.pool.staging.levels - 1)
     return env
+
+
+def check_apart(config: Mapping[str, Any]) -> None:
+    """Raise ConfigurationError unless training, validation and test have seeds of their own."""
+    trained, validated = config["environment"]["seed"], config["training"]["validation"]["seed"]
+    check_unseen_seed(validated, trained, "training.validation.seed")
+    tested = check_unseen_seed(config["training"]["test"]["seed"], trained, "training.test.seed")
+    if tested == validated:
+        raise ConfigurationError(f"training.test.seed is {tested}; allowed: any other than training.validation.seed, which chooses weights")
 
 
 def evaluate(env: NavigationVectorEnv, act: Act, episodes: int, seed: int) -> Score:

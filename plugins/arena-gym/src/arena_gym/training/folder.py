@@ -7,26 +7,49 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from arena_core import ConfigurationError, RunFolderError, read_json, write_text_whole
+from arena_core import Code, ConfigurationError, RunFolderError, read_json, write_text_whole
 
 CONFIG = "config.json"
+CODE = "code.json"
 MAY_DIFFER = ("total_steps", "device")  # between a training and what goes on with it
 
 
-def open_folder(folder: Path, config: Mapping[str, Any], resume: bool) -> None:
-    """Write ``config`` to a new folder, or check it against the one of a training that is gone on with.
+def open_folder(folder: Path, config: Mapping[str, Any], resume: bool, code: Code | None = None, force: bool = False) -> None:
+    """Write ``config`` and the ``code`` that trains to a new folder, or check them against those of a training that is gone on with.
 
-    Raises ConfigurationError for a folder that holds a training (unless ``resume``), or that of another configuration.
+    Raises ConfigurationError for a folder that holds a training (unless ``resume``), that of another configuration, or of other code
+    (unless ``force``).
     """
     file = folder / CONFIG
     if not file.exists():
         write_text_whole(file, json.dumps(config, indent=1, sort_keys=True) + "\n")
+        _write_code(folder, code)
         return
     if not resume:
         raise ConfigurationError(f"{folder} holds a training already; resume=true goes on with it, out=DIR takes another folder")
     differing = _differing(_read(file), json.loads(json.dumps(config)))
     if differing:
         raise ConfigurationError(f"{folder} holds a training with another {differing}; resume=true goes on only with the same one")
+    if code is not None and not force:
+        _check_code(folder, code)
+    _write_code(folder, code)
+
+
+def _check_code(folder: Path, code: Code) -> None:
+    before = _read(folder / CODE) if (folder / CODE).exists() else {}
+    if before.get("digest") == code.digest:
+        return
+    parts = before.get("parts")
+    what = f": {', '.join(code.changed(parts))}" if isinstance(parts, dict) else ", which it does not name"
+    raise ConfigurationError(
+        f"{folder} holds a training by other code{what}; resume=force goes on with it by this code, out=DIR takes another folder"
+    )
+
+
+def _write_code(folder: Path, code: Code | None) -> None:
+    if code is not None:
+        content = {"digest": code.digest, "parts": dict(code.parts)}
+        write_text_whole(folder / CODE, json.dumps(content, indent=1, sort_keys=True) + "\n")
 
 
 def _read(file: Path) -> dict[str, Any]:
@@ -37,6 +60,10 @@ def _read(file: Path) -> dict[str, Any]:
 
 
 def _differing(before: Mapping[str, Any], now: Mapping[str, Any]) -> str | None:
-    """Return the first key in which two configurations differ."""
-    keys = sorted((before.keys() | now.keys()) - set(MAY_DIFFER))
-    return next((key for key in keys if before.get(key) != now.get(key)), None)
+    """Return the first key in which two configurations differ, with the keys that lead to it."""
+    for key in sorted((before.keys() | now.keys()) - set(MAY_DIFFER)):
+        then, here = before.get(key), now.get(key)
+        if then != here:
+            inside = _differing(then, here) if isinstance(then, dict) and isinstance(here, dict) else None
+            return f"{key}.{inside}" if inside else key
+    return None

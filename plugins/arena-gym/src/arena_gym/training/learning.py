@@ -1,8 +1,7 @@
-"""From settings to a learner, and from a learner to its checkpoints."""
+"""From settings to a learner."""
 
 from __future__ import annotations
 
-import io
 from pathlib import Path
 from typing import Any
 
@@ -11,17 +10,19 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.vec_env import VecEnv
 from torch import nn
 
-from arena_core import ConfigurationError, ObservationField, write_bytes_whole
-from arena_gym.training.network import BeamFeatures
+from arena_core import ConfigurationError, ObservationField
+from arena_gym.training.network import BeamFeatures, TruthSeeingCritic
 from arena_gym.training.settings import Network, TrainingSettings
 
 
 def make_learner(env: VecEnv, layout: tuple[ObservationField, ...], settings: TrainingSettings, logs: Path | None) -> PPO:
-    """Return an untrained learner whose random streams follow from the settings' seed."""
+    """Return an untrained learner whose random streams follow from its seed; what ``env`` shows behind ``layout`` is the truth."""
     torch.set_num_threads(settings.threads)
     chosen = settings.optimization
+    truth = env.observation_space.shape[0] - sum(field.size for field in layout)  # type: ignore[index]
+    policy = _policy(settings.network, layout)
     return PPO(
-        "MlpPolicy",
+        TruthSeeingCritic if truth else "MlpPolicy",
         env,
         learning_rate=_falling(chosen.learning_rate, chosen.final_learning_rate),
         n_steps=chosen.steps,
@@ -33,7 +34,7 @@ def make_learner(env: VecEnv, layout: tuple[ObservationField, ...], settings: Tr
         ent_coef=chosen.entropy,
         vf_coef=chosen.value,
         max_grad_norm=chosen.max_gradient,
-        policy_kwargs=_policy(settings.network, layout),
+        policy_kwargs={**policy, "truth": truth} if truth else policy,
         tensorboard_log=str(logs) if logs else None,
         seed=settings.seed,
         device=choose_device(settings.device),
@@ -94,23 +95,3 @@ def limit_spread(learner: PPO, log_std: float) -> None:
     """Let actions spread by at most exp(``log_std``) about their mean."""
     with torch.no_grad():
         learner.policy.log_std.clamp_(max=log_std)
-
-
-def save_checkpoint(path: Path, learner: PPO, progress: dict[str, Any]) -> None:
-    """Write a learner's weights and ``progress`` (plain numbers), whole or not at all."""
-    content = io.BytesIO()
-    policy = learner.policy
-    torch.save({"policy": policy.state_dict(), "optimizer": policy.optimizer.state_dict(), "progress": progress}, content)
-    write_bytes_whole(path, content.getvalue())
-
-
-def load_checkpoint(path: Path, learner: PPO) -> dict[str, Any]:
-    """Give a learner the weights of a checkpoint and return its progress; reads tensors and plain numbers, never code."""
-    try:
-        content = torch.load(path, weights_only=True, map_location=learner.device)
-        learner.policy.load_state_dict(content["policy"])
-        learner.policy.optimizer.load_state_dict(content["optimizer"])
-        return dict(content["progress"])
-    except Exception as error:  # whatever a damaged or foreign file raises
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise ConfigurationError(f"{path}: is no checkpoint of this training ({reason}); remove the folder to begin anew") from error

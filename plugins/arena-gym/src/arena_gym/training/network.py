@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import torch
 from gymnasium import spaces
-from stable_baselines3.common.torch_layers import BaseFeaturesExtractor
+from stable_baselines3.common.policies import ActorCriticPolicy
+from stable_baselines3.common.torch_layers import BaseFeaturesExtractor, MlpExtractor
 from torch import nn
 
 from arena_gym.training.settings import Convolution
@@ -42,3 +45,29 @@ class BeamFeatures(BaseFeaturesExtractor):
         scans = observations[:, start:stop].reshape(-1, self._scans, 1, (stop - start) // self._scans)
         seen = self.reduced(self.convolutions(scans.contiguous(memory_format=torch.channels_last)))
         return torch.cat((seen, observations[:, :start], observations[:, stop:]), dim=1)
+
+
+class TruthSeeingCritic(ActorCriticPolicy):
+    """A policy and a value of which only the value reads the last ``truth`` columns of what it is shown."""
+
+    def __init__(self, *args: Any, truth: int, **kwargs: Any) -> None:
+        self._truth = truth
+        super().__init__(*args, **kwargs)
+
+    def _build_mlp_extractor(self) -> None:
+        heads = {"net_arch": self.net_arch, "activation_fn": self.activation_fn, "device": self.device}
+        self.mlp_extractor = _Heads(self.features_dim, self._truth, **heads)
+
+
+class _Heads(MlpExtractor):
+    """Heads of which that of the policy is narrower by the truth, which stands last in the features."""
+
+    def __init__(self, features: int, truth: int, **heads: Any) -> None:
+        super().__init__(features, **heads)
+        self._seen = features - truth
+        self.policy_net = MlpExtractor(self._seen, **heads).policy_net
+
+    def forward_actor(self, features: torch.Tensor) -> torch.Tensor:
+        """Return what the actions are made of, from what the robot sees."""
+        answer: torch.Tensor = self.policy_net(features[:, : self._seen])
+        return answer

@@ -2,46 +2,108 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from arena_core import ConfigurationError, ObservationEncoder, local_path, read_settings, write_bytes_whole
+from stable_baselines3 import PPO
+
+from arena_core import (
+    Code,
+    ConfigurationError,
+    ObservationEncoder,
+    code_of,
+    load_registry,
+    local_path,
+    read_json,
+    read_settings,
+    write_bytes_whole,
+    write_text_whole,
+)
 from arena_gym.building import Parts, build_parts
-from arena_gym.training.evaluation import Score, unseen_worlds
-from arena_gym.training.export import to_onnx
+from arena_gym.training.checkpoint import digest_of
+from arena_gym.training.evaluation import check_apart, evaluate, unseen_worlds
+from arena_gym.training.export import Actor, to_onnx
 from arena_gym.training.folder import open_folder
+from arena_gym.training.levels import make_levels
+from arena_gym.training.selection import rule
 from arena_gym.training.settings import TrainingSettings
-from arena_gym.training.trainer import train
+from arena_gym.training.statistics import wilson
+from arena_gym.training.trainer import Trained, train
 from arena_gym.vector_environment import NavigationVectorEnv
 from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.card import PolicyCard, part_path, sha256, write_card
 from arena_policies.network import network_content
 
 PACKAGES = ("arena-core", "arena-gym", "arena-policies", "arena-sim2d", "arena-pedsim", "torch", "stable-baselines3", "onnx")
+TESTED = "test.json"
+NO_PART = ("metrics", "executor", "command", "listing")  # kinds that have no part in a training
 
 
-def run_training(config: Mapping[str, Any], folder: Path, resume: bool) -> int:
-    """Train by a composed configuration; write ``policy.onnx`` and ``policy.json`` to ``folder``, which may hold its beginning."""
+def run_training(config: Mapping[str, Any], folder: Path, resume: bool, force: bool = False) -> int:
+    """Train by a composed configuration; write the best weights to ``folder``, which may hold its beginning, the last to ``last`` in it."""
     settings = training_settings(config)
-    parts, chosen = build_parts(config), settings.evaluation
+    check_apart(config)
+    registry = load_registry()
+    parts, chosen = build_parts(config, registry), settings.validation
     if parts.switch is not None and settings.network.log_std_final is not None:
         raise ConfigurationError(
             f"training.network.log_std_final is {settings.network.log_std_final:g}; allowed: null for a switch, which has no spread"
         )
-    evaluation = unseen_worlds(config, chosen.episodes, chosen.seed, "training.evaluation.seed")
-    open_folder(folder, config, resume)  # once all is built: a request that is refused leaves nothing behind
+    levels = make_levels(settings.levels, parts.pool.staging, settings.mixture)
+    validation = unseen_worlds(config, chosen.episodes, chosen.seed, "training.validation.seed")
+    for pool in (parts.pool, validation.batch.parts.pool):
+        (pool.at_stage(pool.staging.start) if pool.staging else pool).problem(0)  # a world in which none can be drawn is told now
     env = NavigationVectorEnv(settings.optimization.environments, parts=parts)
-    learner, curve, score = train(settings, env, evaluation, parts.pool.staging, folder)
-    content = to_onnx(learner)
-    write_bytes_whole(folder / "policy.onnx", content)
-    networks = _write_parts(folder / "policy.onnx", parts.encoder)
-    card = _card(config, parts, content, learner.num_timesteps, curve, score)
-    write_card(folder / "policy.json", replace(card, parts=networks))
-    print(f"policy: {folder / 'policy.onnx'}")
+    code = code_of(config, registry, apart=NO_PART, besides=("gym",))
+    open_folder(folder, config, resume, code, force)  # once all is built: a request that is refused leaves nothing behind
+    trained = train(settings, env, validation, levels, folder)
+    _export(config, parts, trained, code, folder)
     return 0
+
+
+def _export(config: Mapping[str, Any], parts: Parts, trained: Trained, code: Code, folder: Path) -> None:
+    """Write the last weights, then those that were chosen, with what a test says of them."""
+    told = {"seed": config["seed"], "steps": trained.steps, "curve": trained.curve, "config": dict(config), "code": code.digest}
+    told |= {"versions": {name: version(name) for name in PACKAGES}}
+    _write_policy(config, parts, trained.learner, folder / "last" / "policy.onnx", {**told, "weights": "last", "score": None})
+    trained.learner.policy.load_state_dict(trained.best)
+    score = _tested(config, trained, folder / TESTED)
+    choice = {**trained.choice.as_row(), "rule": rule(training_settings(config).validation)}
+    path = folder / "policy.onnx"
+    _write_policy(config, parts, trained.learner, path, {**told, "weights": "best", "choice": choice, "score": score})
+    low, high = score["interval"]
+    print(
+        f"test: success {score['success']:.3f} ({low:.3f} .. {high:.3f}), collision {score['collision']:.3f}, time out "
+        f"{score['time_out']:.3f} of {score['episodes']}; weights after {trained.choice.steps} of {trained.steps} steps"
+    )
+    print(f"policy: {path}")
+
+
+def _tested(config: Mapping[str, Any], trained: Trained, file: Path) -> dict[str, Any]:
+    """Return the score of the chosen weights in the test, from ``file`` where they were tested before."""
+    chosen = training_settings(config).test
+    of = {"weights": digest_of(trained.best), "seed": chosen.seed, "wanted": chosen.episodes}
+    if file.exists():
+        before = read_json(file, "what `arena train` wrote after a test")
+        if isinstance(before, dict) and before.get("of") == of:
+            return dict(before["score"])
+    print(f"test: {chosen.episodes} episodes ...", flush=True)
+    worlds = unseen_worlds(config, chosen.episodes, chosen.seed, "training.test.seed")
+    found = evaluate(worlds, Actor(trained.learner.policy).act, chosen.episodes, chosen.seed)
+    score = {**found.as_row(), "interval": list(wilson(found.success, found.episodes)), "method": "Wilson, 95 %", "seed": chosen.seed}
+    write_text_whole(file, json.dumps({"of": of, "score": score}, indent=1) + "\n")
+    return score
+
+
+def _write_policy(config: Mapping[str, Any], parts: Parts, learner: PPO, path: Path, told: dict[str, Any]) -> None:
+    content = to_onnx(learner, sum(field.size for field in parts.encoder.layout()))
+    write_bytes_whole(path, content)
+    card = _card(config, parts, content, told)
+    write_card(path.with_suffix(".json"), replace(card, parts=_write_parts(path, parts.encoder)))
 
 
 def training_settings(config: Mapping[str, Any]) -> TrainingSettings:
@@ -62,7 +124,7 @@ def _write_parts(policy: Path, encoder: ObservationEncoder) -> dict[str, str]:
     return hashes
 
 
-def _card(config: Mapping[str, Any], parts: Parts, content: bytes, steps: int, curve: list[dict[str, float]], score: Score) -> PolicyCard:
+def _card(config: Mapping[str, Any], parts: Parts, content: bytes, told: Mapping[str, Any]) -> PolicyCard:
     switch = parts.switch
     action_range = dict.fromkeys(config["action"]) if switch else config["action"]  # members have their own, up to the robot's limits
     scale = ActionScale.of(parts.robot, read_settings(action_range, ActionRange, "action"))
@@ -77,14 +139,7 @@ def _card(config: Mapping[str, Any], parts: Parts, content: bytes, steps: int, c
         action={name: (low, high) for name, low, high in ends},
         action_range=action_range,
         sha256=sha256(content),
-        training={
-            "seed": config["seed"],
-            "steps": steps,
-            "curve": curve,
-            "score": {**score.as_row(), "seed": config["training"]["evaluation"]["seed"]},
-            "config": dict(config),
-            "versions": {name: version(name) for name in PACKAGES},
-        },
+        training=told,
         members=switch.members if switch else {},
         every=switch.every if switch else 1,
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 from arena_core import ConfigurationError, Fraction, NonNegative, NonNegativeInt, Positive, PositiveInt
 
@@ -62,8 +63,8 @@ class Optimization:
 
 
 @dataclass(frozen=True, slots=True)
-class Evaluation:
-    """How a policy is evaluated while it trains: ``episodes`` of ``seed`` every ``every`` steps.
+class Validation:
+    """How weights are chosen: ``episodes`` of ``seed`` every ``every`` steps; best is the mean of ``average`` validations in a row.
 
     Training stops early once ``target`` of them succeed without a collision on the last level; null trains to the end.
     """
@@ -71,12 +72,37 @@ class Evaluation:
     every: PositiveInt
     episodes: PositiveInt
     seed: NonNegativeInt
+    average: PositiveInt
     target: Fraction | None
 
 
 @dataclass(frozen=True, slots=True)
+class Test:
+    """What the weights that were chosen are tried on once: ``episodes`` of ``seed``."""
+
+    episodes: PositiveInt
+    seed: NonNegativeInt
+
+
+@dataclass(frozen=True, slots=True)
+class TruthSettings:
+    """What a critic that sees the truth is shown: so many of the nearest ``people`` within ``reach`` m."""
+
+    people: NonNegativeInt
+    reach: Positive
+
+
+@dataclass(frozen=True, slots=True)
+class Mixture:
+    """Levels drawn evenly in a share ``floor`` of episodes, else by the change of success over ``window`` episodes of a level."""
+
+    floor: Fraction
+    window: PositiveInt
+
+
+@dataclass(frozen=True, slots=True)
 class TrainingSettings:
-    """What a training is beside its environment."""
+    """What a training is beside its environment; ``checkpoint`` is the time in s after which one is written."""
 
     planner: str
     seed: NonNegativeInt
@@ -84,5 +110,11 @@ class TrainingSettings:
     device: str
     threads: PositiveInt
     network: Network
+    critic: Literal["observed", "truth"]
+    truth: TruthSettings
+    levels: Literal["promote", "mixture"]
+    mixture: Mixture
+    checkpoint: NonNegative
+    validation: Validation
+    test: Test
     optimization: Optimization
-    evaluation: Evaluation

@@ -1,142 +1,217 @@
-"""One training: rollouts and updates, levels, evaluations, checkpoints, the exported policy."""
+"""One training: rollouts and updates, levels, validations, checkpoints."""
 
 from __future__ import annotations
 
 import json
-from collections import deque
-from collections.abc import Mapping
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback
 
-from arena_core import Staging, write_text_whole
-from arena_gym.training.evaluation import Score, evaluate
-from arena_gym.training.learning import limit_spread, load_checkpoint, make_learner, save_checkpoint
-from arena_gym.training.report import TrainingReport
+from arena_core import ArenaError, RunFolderError, write_text_whole
+from arena_gym.training.checkpoint import Weights, all_finite, load_checkpoint, save_checkpoint, weights_of
+from arena_gym.training.evaluation import evaluate
+from arena_gym.training.export import Actor
+from arena_gym.training.learning import limit_spread, make_learner
+from arena_gym.training.levels import Levels
+from arena_gym.training.report import LateEpisodes, TrainingReport
+from arena_gym.training.selection import Choice, candidate, is_better
 from arena_gym.training.settings import TrainingSettings
+from arena_gym.training.truth import Truth
 from arena_gym.training.worlds_in_step import WorldsInStep
 from arena_gym.vector_environment import NavigationVectorEnv
 
 CHECKPOINT, CURVE = "checkpoint.pt", "curve.json"
-LATE = 300  # episodes whose success the bar shows
+NO_NUMBER = "the loss is no number (a smaller training.optimization.learning_rate or max_gradient may help, with out=DIR)"
+
+
+class TrainingStopped(ArenaError):
+    """A training could not go on (disk full, weights that are no numbers); its last checkpoint is kept."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trained:
+    """What a training made: a learner with its last weights after ``steps``, its curve, and the weights that were chosen."""
+
+    learner: PPO
+    steps: int
+    curve: list[dict[str, float]]
+    choice: Choice
+    best: Weights
 
 
 class Trainer(BaseCallback):
-    """Watches a learner: moves it between levels, evaluates it, keeps it, and says when it is good enough."""
+    """Watches a learner: moves its worlds between levels, validates it, keeps it, and says when it is good enough.
+
+    All that matters happens between an update and the next rollout, where a checkpoint holds the whole state.
+    """
 
     def __init__(
         self,
         learner: PPO,
         settings: TrainingSettings,
-        staging: Staging | None,
-        worlds: NavigationVectorEnv,
-        evaluation: NavigationVectorEnv,
+        levels: Levels,
+        worlds: WorldsInStep,
+        validation: NavigationVectorEnv,
         folder: Path,
         report: TrainingReport,
     ) -> None:
         super().__init__()
-        self._learner = learner
-        self._settings, self._staging = settings, staging
-        self._worlds, self._evaluation = worlds, evaluation
+        self._learner, self._settings, self._levels = learner, settings, levels
+        self._worlds, self._validation = worlds, validation
         self._folder, self._report = folder, report
-        self._late: deque[bool] = deque(maxlen=LATE)
-        self._block: list[bool] = []
-        self.stage = staging.start if staging else 0
+        self._late = LateEpisodes()
+        self._next_validation = settings.validation.every
+        self._kept_at = time.monotonic()
         self.curve: list[dict[str, float]] = []
-        self._next_evaluation = settings.evaluation.every
-        self._good_enough = False
+        self.choice: Choice | None = None
+        self.best: Weights | None = None
+        self.kept = 0
+        self.good_enough = False
 
-    def resume(self, progress: Mapping[str, Any]) -> None:
+    def resume(self, progress: Mapping[str, Any], best: Weights | None) -> None:
         """Go on where a checkpoint left."""
-        self.stage, self.curve = int(progress["stage"]), list(progress["curve"])
-        self._next_evaluation = int(progress["next_evaluation"])
-
-    def _on_training_start(self) -> None:
-        self._enter(self.stage)
+        self._levels.restore(progress["levels"])
+        self._late.restore(progress["late"])
+        self._next_validation = int(progress["next_validation"])
+        self.curve, self.best = list(progress["curve"]), best
+        self.choice = None if progress["choice"] is None else Choice.of(progress["choice"])
+        self.good_enough = bool(progress["good_enough"])
+        self.kept = self._learner.num_timesteps
 
     def _on_rollout_start(self) -> None:
+        self._after_update()
         initial, final = self._settings.network.log_std_init, self._settings.network.log_std_final
         if final is not None:
-            limit_spread(self._learner, initial + min(self.num_timesteps / self._settings.total_steps, 1.0) * (final - initial))
+            limit_spread(self._learner, initial + min(self._learner.num_timesteps / self._settings.total_steps, 1.0) * (final - initial))
 
     def _on_step(self) -> bool:
         for info in self.locals["infos"]:
             if "episode" in info:
-                self._ended(bool(info["is_success"]))
-        return not self._good_enough
-
-    def _ended(self, success: bool) -> None:
-        self._late.append(success)
-        self._block.append(success)
-        if self._staging is not None and len(self._block) >= self._staging.block:
-            following = self._staging.next(self.stage, self._block)
-            self._block = []
-            if following != self.stage:
-                self._enter(following)
-
-    def _enter(self, stage: int) -> None:
-        self.stage = stage
-        if self._staging is not None:
-            self._worlds.set_stage(stage)
+                success = bool(info["is_success"])
+                self._late.add(success, int(info["episode"]["c"]))
+                self._levels.ended(info["stage"], success, self._worlds.env.batch)
+        self._report.note(self._learner.num_timesteps, self._late, self._level())
+        return not self.good_enough
 
     def _on_rollout_end(self) -> None:
-        self._report.note(self.num_timesteps, self._late_success(), self.stage)
-        self.logger.record("train/success", self._late_success())
-        self.logger.record("train/level", self.stage)
-        if self.num_timesteps >= self._next_evaluation:
-            self._next_evaluation = self.num_timesteps + self._settings.evaluation.every
-            self._evaluate()
+        self.logger.record("train/success", self._late.success)
+        self.logger.record("train/collisions", self._late.collisions)
+        self.logger.record("train/level", self._levels.mean)
+        for level, share in enumerate(self._levels.shares()):
+            self.logger.record(f"levels/{level}", share)
 
-    def _late_success(self) -> float:
-        return sum(self._late) / len(self._late) if self._late else 0.0
+    def _after_update(self) -> None:
+        """Check the weights, validate them and write a checkpoint where it is time to; tell the worlds their levels."""
+        self._check_weights()
+        self._levels.apply(self._worlds.env.batch)
+        steps = self._learner.num_timesteps
+        due = steps >= self._next_validation
+        if time.monotonic() - self._kept_at >= self._settings.checkpoint and steps > self.kept:
+            self.keep()  # ahead of a validation, too, which takes its time
+        if due:
+            self.validate()
 
-    def _evaluate(self) -> None:
-        score = self.score()
-        self.curve.append({"steps": self.num_timesteps, "level": self.stage, "training": self._late_success(), **score.as_row()})
-        self.logger.record("evaluation/success", score.success)
+    def validate(self) -> None:
+        """Validate the weights as they are, take them where they are best, and keep all."""
+        chosen, steps = self._settings.validation, self._learner.num_timesteps
+        self._next_validation = steps + chosen.every
+        score = evaluate(self._validation, Actor(self._learner.policy).act, chosen.episodes, chosen.seed)
+        training = {"training": self._late.success, "training_collisions": self._late.collisions}
+        self.curve.append({"steps": steps, "level": self._levels.mean, **training, **score.as_row()})
+        found = candidate(self.curve, chosen)
+        if is_better(found, self.choice):
+            self.choice, self.best = found, weights_of(self._learner)
+        self.good_enough = chosen.target is not None and self._levels.on_top and score.success >= chosen.target
+        self._learner.logger.record("validation/success", score.success)
+        self._learner.logger.record("validation/collision", score.collision)
+        self._learner.logger.record("validation/mean", found.success)
         print(
-            f"{self.num_timesteps:>9} steps, level {self.stage}, success {self._late_success():.2f}; evaluation: "
-            f"success {score.success:.3f}, collision {score.collision:.3f}, time out {score.time_out:.3f} of {score.episodes}",
+            f"{steps:>9} steps{self._level()}, success {self._late.success:.2f}, collisions {self._late.collisions:.2f}; validation: "
+            f"success {score.success:.3f}, collision {score.collision:.3f}, time out {score.time_out:.3f} of {score.episodes}, "
+            f"mean of {found.validations} {found.success:.3f}{', the best' if self.choice is found else ''}",
             flush=True,
         )
-        target = self._settings.evaluation.target
-        on_top = self._staging is None or self.stage == self._staging.levels - 1
-        self._good_enough = target is not None and on_top and score.success >= target
         self.keep()
 
-    def score(self) -> Score:
-        """Evaluate the policy as it is, without exploration, on the last level."""
-        learner, chosen = self._learner, self._settings.evaluation
-        return evaluate(self._evaluation, lambda seen: learner.predict(seen, deterministic=True)[0], chosen.episodes, chosen.seed)
+    def finish(self) -> None:
+        """Validate the last weights, unless that was done."""
+        if not self.good_enough and (not self.curve or self.curve[-1]["steps"] < self._learner.num_timesteps):
+            self._check_weights()
+            self.validate()
 
     def keep(self) -> None:
         """Write checkpoint and curve."""
-        progress = {"steps": self.num_timesteps, "stage": self.stage, "curve": self.curve, "next_evaluation": self._next_evaluation}
-        save_checkpoint(self._folder / CHECKPOINT, self._learner, progress)
+        progress = {
+            "levels": self._levels.state(),
+            "late": self._late.state(),
+            "curve": self.curve,
+            "next_validation": self._next_validation,
+            "choice": self.choice.as_row() if self.choice else None,
+            "good_enough": self.good_enough,
+        }
+        save_checkpoint(self._folder / CHECKPOINT, self._learner, self._worlds, progress, self.best)
         write_text_whole(self._folder / CURVE, json.dumps(self.curve, indent=1) + "\n")
+        self._kept_at, self.kept = time.monotonic(), self._learner.num_timesteps
+
+    def _check_weights(self) -> None:
+        if not all_finite(self._learner):
+            raise TrainingStopped(self._said(NO_NUMBER))
+
+    def _level(self) -> str:
+        return f", level {self._levels.mean:.3g}" if self._levels.state() else ""
+
+    def _said(self, what: str) -> str:
+        there = f"{self._folder / CHECKPOINT} holds the training up to {self.kept} steps" if self.kept else "there is no checkpoint as yet"
+        return f"after {self._learner.num_timesteps} steps {what}; {there}"
+
+    @contextmanager
+    def stopping_in_one_line(self) -> Iterator[None]:
+        """Turn what ends a training into one line that says what is kept."""
+        try:
+            yield
+        except RunFolderError as error:
+            raise TrainingStopped(self._said(f"it {error}")) from error
+        except OSError as error:  # of what writes the logs
+            raise TrainingStopped(self._said(f"it cannot write to {self._folder}: {error.strerror or error}")) from error
+        except ValueError as error:  # of what draws actions, where a weight is no number
+            if all_finite(self._learner):
+                raise
+            raise TrainingStopped(self._said(NO_NUMBER)) from error
 
 
-def train(
-    settings: TrainingSettings, env: NavigationVectorEnv, evaluation: NavigationVectorEnv, staging: Staging | None, folder: Path
-) -> tuple[PPO, list[dict[str, float]], Score]:
-    """Train until the steps are spent or the target is reached; return the learner, the curve of its evaluations and the last score.
+def train(settings: TrainingSettings, env: NavigationVectorEnv, validation: NavigationVectorEnv, levels: Levels, folder: Path) -> Trained:
+    """Train until the steps are spent or the target is reached.
 
-    ``folder`` keeps checkpoint, curve and logs; where there is a checkpoint, its training goes on. Raises ConfigurationError for one
-    of another training.
+    ``folder`` keeps checkpoint, curve and logs; where there is a checkpoint, its training goes on as if it had never stopped. Raises
+    ConfigurationError for one of another training, TrainingStopped where it cannot go on.
     """
-    worlds = WorldsInStep(env, settings.seed)
+    worlds = WorldsInStep(env, settings.seed, Truth(settings.truth) if settings.critic == "truth" else None)
     learner = make_learner(worlds, env.batch.parts.encoder.layout(), settings, folder / "tensorboard")
     with TrainingReport(settings.total_steps) as report:
-        trainer = Trainer(learner, settings, staging, env, evaluation, folder, report)
-        if (folder / CHECKPOINT).exists():
-            progress = load_checkpoint(folder / CHECKPOINT, learner)
-            trainer.resume(progress)
-            learner.num_timesteps = int(progress["steps"])
-            worlds.resume(learner.num_timesteps)
-        left = settings.total_steps - learner.num_timesteps
-        if left > 0:
-            learner.learn(left, trainer, tb_log_name="ppo", reset_num_timesteps=False)
-            trainer.keep()
-        return learner, trainer.curve, trainer.score()
+        trainer = Trainer(learner, settings, levels, worlds, validation, folder, report)
+        with trainer.stopping_in_one_line():
+            _go_on(trainer, learner, settings, worlds, folder)
+            levels.apply(env.batch)
+            report.begin(learner.num_timesteps)
+            left = settings.total_steps - learner.num_timesteps
+            if left > 0 and not trainer.good_enough:
+                learner.learn(left, trainer, tb_log_name="ppo", reset_num_timesteps=False)
+            trainer.finish()
+    assert trainer.choice is not None
+    assert trainer.best is not None
+    return Trained(learner, int(trainer.curve[-1]["steps"]), trainer.curve, trainer.choice, trainer.best)
+
+
+def _go_on(trainer: Trainer, learner: PPO, settings: TrainingSettings, worlds: WorldsInStep, folder: Path) -> None:
+    """Take the state of the folder's checkpoint, if there is one; its running episodes only where training goes on."""
+    if not (folder / CHECKPOINT).exists():
+        return
+    trainer.resume(*load_checkpoint(folder / CHECKPOINT, learner))
+    if learner.num_timesteps < settings.total_steps and not trainer.good_enough:
+        load_checkpoint(folder / CHECKPOINT, learner, worlds)

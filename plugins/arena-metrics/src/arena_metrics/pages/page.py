@@ -34,6 +34,7 @@ PACKAGES = ("arena-", "numpy", "numba", "scipy", "shapely", "torch", "mujoco", "
 def render(
     summary: Summary,
     baseline: str | None,
+    claims: Table | None,
     pairs: Sequence[Table],
     levels: Table | None,
     of_drives: Sequence[Table],
@@ -60,6 +61,7 @@ def render(
         of_drives=of_drives,
         pictures_first=len(summary.cells.cells) <= PICTURES_FIRST,
         pictures_left_out=len(summary.cells.cells) - len(pictures),
+        claims=claims,
         pairs=pairs,
         levels=levels,
         problems=problems,

@@ -62,12 +62,12 @@ class ReportCommand(Command):
         if given.out is None:
             _write_summaries(runs)
         figures: Figures = "none" if given.no_figures else "all" if given.all_figures else "headline"
-        write_report(runs, target, given.pictures, figures, given.baseline, given.pdf)
+        write_report(runs, target, given.pictures, figures, given.baseline, given.pdf, given.claims)
         return 0
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
         """Return the options; folders are the shell's."""
-        return ["--out", "--pictures", "--baseline", "--pdf", "--all-figures", "--no-figures"] if word.startswith("-") else ()
+        return ["--out", "--pictures", "--baseline", "--pdf", "--all-figures", "--no-figures", "--claims"] if word.startswith("-") else ()
 
 
 def _parser(description: str | None) -> argparse.ArgumentParser:
@@ -82,6 +82,7 @@ def _parser(description: str | None) -> argparse.ArgumentParser:
     parser.add_argument("--baseline", metavar="PLANNER", help="what the other planners are compared with in pairs (default: the first)")
     parser.add_argument("--pdf", action="store_true", help="write each figure as PDF too, for print")
     parser.add_argument("--all-figures", action="store_true", help="draw every metric, not those of the headline alone")
+    parser.add_argument("--claims", metavar="NAME", help="say which claims of a source hold: paper, or a file of your own")
     parser.add_argument("--no-figures", action="store_true", help="tables alone, within seconds")
     return parser
 
@@ -93,10 +94,12 @@ def write_report(
     figures: Figures = "headline",
     baseline: str | None = None,
     pdf: bool = False,
+    claims: str | None = None,
 ) -> None:
     """Write a report over these runs to the folder ``target``; raise InputFileError when they hold no episode, or not the baseline.
 
-    ``figures`` says which metrics are drawn; with none, no record is read and no picture drawn either.
+    ``claims`` names a file of claims to judge. ``figures`` says which metrics are drawn; with none, no record is read and no picture
+    drawn either.
     """
     from arena_metrics.pages.levels import level_table
     from arena_metrics.pages.page import render
@@ -111,13 +114,16 @@ def write_report(
         raise InputFileError(f"{runs[0].folder / 'episodes.csv'}: holds no episode yet; allowed: a run with one finished episode or more")
     summary = summarise(cells_of(episodes), metric_columns(runs))
     _check_baseline(summary.cells, baseline)
+    judged = _judge_claims(summary, claims, target) if claims else None
     pairs, levels, problems = paired_tables(summary, baseline), level_table(summary.cells), problem_table(summary.cells, summary.columns)
     _write_tables(summary, pairs, levels, problems, target)
     drives = _drives(summary, pictures) if figures != "none" else {}
     tables = _tables_of_drives(summary, drives, target)
     drawn = _draw(summary, drives, target, figures, pdf) if figures != "none" else ([], [], [])
-    write_text_whole(target / "index.html", render(summary, baseline, pairs, levels, tables, problems, runs, repeats, *drawn))
+    write_text_whole(target / "index.html", render(summary, baseline, judged, pairs, levels, tables, problems, runs, repeats, *drawn))
     _print_headline(summary, baseline)
+    if judged is not None:
+        print("\n".join(f"{row[1]}: {row[0]}" for row in judged.rows))
     print(f"report: {target / 'index.html'}")
 
 
@@ -138,6 +144,17 @@ def _write_summaries(runs: Sequence[Run]) -> None:
         episodes, _ = pooled([run])
         if episodes:
             write_text_whole(run.folder / "summary.csv", summary_csv(summarise(cells_of(episodes), columns)))
+
+
+def _judge_claims(summary: Summary, name: str, target: Path) -> Table:
+    """Write and return what the runs say of a source's claims."""
+    from arena_metrics.claims.judging import claims_table, judge
+    from arena_metrics.claims.model import read_claims
+
+    claims = read_claims(name)
+    table = claims_table(judge(summary.cells, summary.columns, claims), claims.source)
+    _write_table(target, "claims", [table])
+    return table
 
 
 def _write_tables(summary: Summary, pairs: Sequence[Table], levels: Table | None, problems: Table | None, target: Path) -> None:

@@ -73,9 +73,7 @@ def take_in(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: fl
 
 
 @borrowing
-def _clear(
-    hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: Beams, reach: Reach, oldest: np.float32
-) -> None:
+def _clear(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: Beams, reach: Reach, oldest: np.float32) -> None:
     """Clear marks under the robot, and those that a beam passes; not those that are too old to stay anyway.
 
     Instead of following every beam through all its cells, look up for each marked cell, of which there are few, the beams that
@@ -122,9 +120,7 @@ def mark(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float
 
 
 @borrowing
-def _mark(
-    hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: Beams, reach: Reach, note: np.float32
-) -> None:
+def _mark(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: Beams, reach: Reach, note: np.float32) -> None:
     """Write a note to the cell behind every beam's end.
 
     A beam ends on a surface, which often is the very edge of a cell: half a cell farther lies what it belongs to.

@@ -48,7 +48,8 @@ def covered_cells(table: NDArray[np.uint8]) -> NDArray[np.int64]:
     offsets = np.stack(np.meshgrid(reach, reach, indexing="ij"), axis=-1).reshape(-1, 2)
     squared = (offsets**2).sum(axis=1)
     nearest_first = np.argsort(squared, kind="stable")
-    return offsets[nearest_first][squared[nearest_first] <= touching].astype(np.int64)
+    near: NDArray[np.int64] = offsets[nearest_first][squared[nearest_first] <= touching].astype(np.int64)
+    return near
 
 
 @borrowing

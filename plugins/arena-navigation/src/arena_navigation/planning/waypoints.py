@@ -40,7 +40,17 @@ class SpatialHorizon(WaypointGenerator):
     def next(self, paths: PathBatch, poses: FloatArray, stamps: FloatArray, slots: Slots | None = None) -> Waypoints:
         """Return each robot's waypoint; OFF_PATH if no pose lies in the horizon, WAYPOINT_TIMEOUT without progress for ``t_lim``."""
         found = Waypoints(np.empty((len(poses), 3)), np.empty(len(poses), np.int8))
-        _horizon(self._progress, _all_of(poses) if slots is None else slots, paths.poses, paths.offsets, poses, stamps, self._numbers, found.poses, found.status)
+        _horizon(
+            self._progress,
+            _all_of(poses) if slots is None else slots,
+            paths.poses,
+            paths.offsets,
+            poses,
+            stamps,
+            self._numbers,
+            found.poses,
+            found.status,
+        )
         return found
 
 

@@ -1,0 +1,1 @@
+"""Training value networks; needs the extra ``arena-cadrl[train]``."""

@@ -1,0 +1,99 @@
+"""Checkpoints: all that a training is between two updates, so that one that goes on gives the weights of one that never stopped."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Mapping
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from stable_baselines3 import PPO
+
+from arena_core import ConfigurationError, write_bytes_whole
+from arena_gym.training.worlds_in_step import WorldsInStep
+
+Weights = dict[str, torch.Tensor]
+
+
+def weights_of(learner: PPO) -> Weights:
+    """Return copies of a learner's weights."""
+    return {name: values.detach().cpu().clone() for name, values in learner.policy.state_dict().items()}
+
+
+def digest_of(weights: Weights) -> str:
+    """Return what names these weights, in hexadecimal digits."""
+    digest = blake2b(digest_size=16)
+    for name in sorted(weights):
+        digest.update(name.encode() + weights[name].cpu().numpy().tobytes())
+    return digest.hexdigest()
+
+
+def all_finite(learner: PPO) -> bool:
+    """Tell whether all weights are numbers."""
+    return all(bool(torch.isfinite(values).all()) for values in learner.policy.parameters())
+
+
+def save_checkpoint(path: Path, learner: PPO, worlds: WorldsInStep, progress: Mapping[str, Any], best: Weights | None) -> None:
+    """Write weights, optimiser, random streams, running episodes, ``progress`` and the best weights, whole or not at all."""
+    content = {
+        "policy": learner.policy.state_dict(),
+        "optimizer": learner.policy.optimizer.state_dict(),
+        "updates": learner._n_updates,
+        "steps": learner.num_timesteps,
+        "random": _random_state(),
+        "episodes": _with_tensors(worlds.state()),
+        "progress": dict(progress),
+        "best": best,
+    }
+    file = io.BytesIO()
+    torch.save(content, file)
+    write_bytes_whole(path, file.getvalue())
+
+
+def load_checkpoint(path: Path, learner: PPO, worlds: WorldsInStep | None = None) -> tuple[dict[str, Any], Weights | None]:
+    """Give a learner and its worlds the state of a checkpoint; return its progress and the best weights.
+
+    Without ``worlds`` only weights and optimiser are taken. Reads tensors and plain numbers, never code. Raises ConfigurationError for a
+    file that is no checkpoint of this training.
+    """
+    try:
+        content = torch.load(path, weights_only=True, map_location=learner.device)
+        learner.policy.load_state_dict(content["policy"])
+        learner.policy.optimizer.load_state_dict(content["optimizer"])
+        learner._n_updates, learner.num_timesteps = int(content["updates"]), int(content["steps"])
+        progress, best = dict(content["progress"]), content["best"]
+        episodes, streams = _with_arrays(content["episodes"]), content["random"]
+    except Exception as error:  # whatever a damaged or foreign file raises
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise ConfigurationError(f"{path}: is no checkpoint of this training ({reason}); remove the folder to begin anew") from error
+    if worlds is not None:
+        learner._last_obs, learner._last_episode_starts = worlds.restore(episodes)
+        _restore_random(streams)
+    return progress, best
+
+
+def _random_state() -> dict[str, Any]:
+    """Return the streams that Stable-Baselines3 draws from: torch's for exploration, numpy's global one for minibatches."""
+    _, keys, place, has_gauss, gauss = np.random.get_state(legacy=True)  # noqa: NPY002 - the one that the library uses
+    cuda = torch.cuda.get_rng_state_all() if torch.cuda.is_available() else []
+    numbers = torch.from_numpy(np.asarray(keys).astype(np.int64))
+    return {"torch": torch.get_rng_state(), "cuda": cuda, "numpy": [numbers, int(place), int(has_gauss), float(gauss)]}
+
+
+def _restore_random(state: Mapping[str, Any]) -> None:
+    keys, place, has_gauss, gauss = state["numpy"]
+    np.random.set_state(("MT19937", keys.cpu().numpy().astype(np.uint32), place, has_gauss, gauss))  # noqa: NPY002 - likewise
+    torch.set_rng_state(state["torch"].cpu())
+    if state["cuda"] and torch.cuda.is_available():
+        torch.cuda.set_rng_state_all([one.cpu() for one in state["cuda"]])
+
+
+def _with_tensors(state: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: torch.from_numpy(value) if isinstance(value, np.ndarray) else value for key, value in state.items()}
+
+
+def _with_arrays(state: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: value.cpu().numpy() if isinstance(value, torch.Tensor) else value for key, value in state.items()}

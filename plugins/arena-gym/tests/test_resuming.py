@@ -1,0 +1,226 @@
+"""A training that was cut goes on bit for bit; what it cannot go on with is one line."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from arena_core import ConfigurationError
+from arena_core.cli.main import main
+
+torch = pytest.importorskip("torch", reason="training needs the extra arena-gym[train]")
+
+RECIPE = """
+# @package _global_
+defaults:
+  - override /observation_encoder: rosnav_sectors
+  - override /reward: progress
+  - override /world: empty
+  - override /pedestrians: social_force
+
+planner: tiny
+total_steps: 1536
+world: {width: 6.0, height: 6.0}
+environment: {worlds: 1, problems_per_world: 8}
+observation_encoder: {sectors: 16}
+training:
+  network: {beams_field: null, convolutions: [], features: null, heads: [8], log_std_init: -0.5, log_std_final: -1.0}
+  optimization: {environments: 4, steps: 64, minibatch: 64, epochs: 2, learning_rate: 0.002, gamma: 0.97}
+  validation: {every: 600, episodes: 4}
+  test: {episodes: 4}
+"""
+RANDOM = ("task.pedestrians=2", "task.trip.min_distance=1.5", "task.trip.max_distance=4.0", "task.time_limit=15.0")
+NOISE = ("randomization.lidar_noise.high=0.02", "randomization.latency.high=1", "randomization.people={low: 0, high: 2}")
+STAGED = ("task=staged", "training.levels=mixture", "task.random.time_limit=15.0", "task.random.trip.min_distance=1.5")
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """Work in a folder whose conf/ holds a recipe that takes no time."""
+    (tmp_path / "conf" / "recipe").mkdir(parents=True)
+    (tmp_path / "conf" / "recipe" / "tiny.yaml").write_text(RECIPE.lstrip())
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def composed(*overrides):
+    from arena_gym.building import compose_environment
+
+    return compose_environment(["recipe=tiny", "robot=jackal", *overrides], primary="train")
+
+
+def trained(folder, *overrides):
+    """Train by ``overrides`` in a folder; return its weights and what its checkpoint holds."""
+    from arena_gym.building import build_parts
+    from arena_gym.training.evaluation import unseen_worlds
+    from arena_gym.training.levels import make_levels
+    from arena_gym.training.session import training_settings
+    from arena_gym.training.trainer import train
+    from arena_gym.vector_environment import NavigationVectorEnv
+
+    config = composed(*overrides)
+    settings, parts = training_settings(config), build_parts(config)
+    levels = make_levels(settings.levels, parts.pool.staging, settings.mixture)
+    validation = unseen_worlds(config, settings.validation.episodes, settings.validation.seed, "seed")
+    found = train(settings, NavigationVectorEnv(settings.optimization.environments, parts=parts), validation, levels, folder)
+    return found, torch.load(folder / "checkpoint.pt", weights_only=True)
+
+
+class Cut(Exception):
+    """Ends a training where a kill might."""
+
+
+def cut_after(rollouts, monkeypatch):
+    """Let a training end at so many rollouts, after the last one and before its update: what came after the checkpoint is lost."""
+    from arena_gym.training.trainer import Trainer
+
+    goes_on = Trainer._on_rollout_end
+    seen = []
+
+    def end(trainer):
+        seen.append(trainer)
+        if len(seen) > rollouts:
+            raise Cut
+        goes_on(trainer)
+
+    monkeypatch.setattr(Trainer, "_on_rollout_end", end)
+
+
+def same(one, other):
+    """Tell whether two states of a checkpoint are the same bits."""
+    if isinstance(one, torch.Tensor):
+        return torch.equal(one, other)
+    if isinstance(one, dict):
+        return one.keys() == other.keys() and all(same(one[key], other[key]) for key in one)
+    if isinstance(one, (list, tuple)):
+        return len(one) == len(other) and all(map(same, one, other))
+    return one == other
+
+
+@pytest.mark.parametrize(
+    ("overrides", "rollouts"),
+    [(RANDOM, 1), ((*RANDOM, *NOISE, "guide=driving", "training.critic=truth"), 3), (STAGED, 4)],
+    ids=["plain", "as it drives", "levels"],
+)
+def test_training_that_was_cut_gives_the_weights_of_one_that_was_not(here, monkeypatch, overrides, rollouts):
+    whole, kept = trained(here / "whole", *overrides, "training.checkpoint=10000")
+    with monkeypatch.context() as patch:
+        cut_after(rollouts, patch)
+        with pytest.raises(Cut):
+            trained(here / "cut", *overrides, "training.checkpoint=0")
+    before = torch.load(here / "cut" / "checkpoint.pt", weights_only=True)
+    assert before["steps"] == rollouts * 256
+    assert not same(before["policy"], kept["policy"])
+    assert len(before["episodes"]["actions"]) > 0
+    torch.manual_seed(99)
+    np.random.seed(99)  # noqa: NPY002 - the library's own stream, disturbed as another process would have it
+    resumed, now = trained(here / "cut", *overrides, "training.checkpoint=10000")
+    for part in ("policy", "optimizer", "best", "progress", "random", "episodes", "updates", "steps"):
+        assert same(now[part], kept[part]), part
+    assert resumed.choice == whole.choice
+    assert resumed.curve == whole.curve
+
+
+def refused(words, capsys):
+    """Return the one line that a command ends with."""
+    assert main(list(words)) == 2
+    lines = capsys.readouterr().err.strip().splitlines()
+    assert len(lines) == 1, lines
+    return lines[0]
+
+
+def test_loss_that_is_no_number_ends_a_training_in_one_line_and_spares_its_checkpoint(here, monkeypatch):
+    from arena_gym.progress_reward import ProgressReward
+    from arena_gym.training.trainer import TrainingStopped
+
+    rewards, calls = ProgressReward.reward, []
+
+    def spoilt(reward, transition):
+        calls.append(transition)
+        return rewards(reward, transition) * (np.nan if len(calls) == 150 else 1.0)
+
+    monkeypatch.setattr(ProgressReward, "reward", spoilt)
+    with pytest.raises(TrainingStopped, match=r"768 steps the loss is no number .*holds the training up to 512 steps") as stopped:
+        trained(here / "wild", *RANDOM, "training.checkpoint=0", "training.validation.every=10000")
+    assert stopped.value.exit_status == 2
+    kept = torch.load(here / "wild" / "checkpoint.pt", weights_only=True)
+    assert all(bool(torch.isfinite(values).all()) for values in kept["policy"].values())
+
+
+def test_full_disk_ends_a_training_in_one_line_and_spares_what_was_kept(here, monkeypatch):
+    from arena_gym.training.trainer import TrainingStopped
+
+    with monkeypatch.context() as patch:
+        cut_after(2, patch)
+        with pytest.raises(Cut):
+            trained(here / "full", *RANDOM, "training.checkpoint=0")
+    before = (here / "full" / "checkpoint.pt").read_bytes()
+
+    resource = pytest.importorskip("resource", reason="limits of Unix")
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, limits[1]))  # no file may grow beyond: as on a full disk, a write fails half-way
+    try:
+        with pytest.raises(TrainingStopped, match=r"cannot write .*checkpoint.pt: .*holds the training up to 512 steps"):
+            trained(here / "full", *RANDOM, "training.checkpoint=0")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert (here / "full" / "checkpoint.pt").read_bytes() == before
+    assert not list((here / "full").glob(".*"))
+    assert trained(here / "full", *RANDOM, "training.checkpoint=0")[0].steps == 1536
+
+
+def test_folder_of_other_code_is_refused_unless_forced(here, capsys):
+    from arena_core import code_of, load_registry
+    from arena_gym.training.folder import open_folder
+    from arena_gym.training.session import NO_PART
+
+    config = composed(*RANDOM)
+    code = code_of(config, load_registry(), apart=NO_PART, besides=("gym",))
+    assert {"arena-core", "arena-gym", "arena-sim2d"} <= set(code.parts)
+    open_folder(here / "mine", config, resume=False, code=code)
+    open_folder(here / "mine", config, resume=True, code=code)
+    told = json.loads((here / "mine" / "code.json").read_text())
+    told["digest"], told["parts"]["arena-sim2d"] = "00000000", "0.0.9 00000000"
+    (here / "mine" / "code.json").write_text(json.dumps(told))
+    with pytest.raises(ConfigurationError, match=r"other code: arena-sim2d; resume=force"):
+        open_folder(here / "mine", config, resume=True, code=code)
+    open_folder(here / "mine", config, resume=True, code=code, force=True)
+    open_folder(here / "mine", config, resume=True, code=code)
+    (here / "mine" / "code.json").unlink()
+    with pytest.raises(ConfigurationError, match="which it does not name"):
+        open_folder(here / "mine", config, resume=True, code=code)
+
+
+def test_folder_of_another_configuration_names_the_key(here):
+    from arena_gym.training.folder import open_folder
+
+    open_folder(here / "mine", composed(*RANDOM), resume=False)
+    other = composed(*RANDOM, "training.optimization.gamma=0.9")
+    with pytest.raises(ConfigurationError, match=r"another training\.optimization\.gamma"):
+        open_folder(here / "mine", other, resume=True)
+    open_folder(here / "mine", composed(*RANDOM, "total_steps=9999"), resume=True)
+
+
+@pytest.mark.parametrize(
+    ("word", "said"),
+    [
+        ("world.width=1", "cannot be trained on"),
+        ("training.levels=mixture", "training.levels"),
+        ("training.levels=random", "training.levels"),
+        ("training.critic=all", "training.critic"),
+        ("training.mixture.floor=2", "mixture.floor"),
+        ("training.test.seed=7", "training.test.seed"),
+        ("training.test.seed=0", "training.test.seed"),
+        ("training.validation.average=0", "validation.average"),
+        ("resume=perhaps", "resume"),
+        ("seed=0,0", "seed"),
+        ("seed=0,x", "seed"),
+    ],
+)
+def test_impossible_training_is_one_line_and_leaves_nothing_behind(here, capsys, word, said):
+    words = ["train", "planner=tiny", "robot=jackal", "out=none", *RANDOM]
+    line = refused([*(w for w in words if not w.startswith(word.split("=")[0])), word], capsys)
+    assert said in line, line
+    assert not list(here.glob("none*"))

@@ -1,0 +1,1 @@
+"""Statements about planners, as data, and what runs say of them."""

@@ -1,0 +1,156 @@
+"""``arena query``: SQL over the tables of runs, by DuckDB."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from arena_core import (
+    EPISODE_COLUMNS,
+    Command,
+    ConfigurationError,
+    InputFileError,
+    aligned,
+    find_runs,
+    harmless,
+    one_line,
+    read_words,
+    write_text_whole,
+)
+
+if TYPE_CHECKING:
+    from duckdb import DuckDBPyConnection
+
+USAGE = 'arena query "SELECT planner, avg(success) FROM episodes GROUP BY planner" DIR... [out=FILE.csv|FILE.parquet]'
+NUMBERS = ("episode", "seed", "n_pedestrians", "stage")  # of the columns that are no metrics
+PRINTED = 200  # rows that go to the terminal
+
+
+class QueryCommand(Command):
+    """Ask SQL of all runs below the given folders."""
+
+    help: ClassVar[str] = 'SQL over runs: arena query "select planner, avg(success) from episodes group by planner" DIR...'
+
+    def run(self, arguments: Sequence[str]) -> int:
+        """Print the answer, or write it to a file."""
+        if not arguments or any(word in ("-h", "--help") for word in arguments):
+            print(f"usage: {USAGE}\n\nThe table is called episodes: a row an episode, the columns of episodes.csv, and run, the folder.")
+            return 0
+        if find_spec("duckdb") is None:
+            raise ConfigurationError("arena query needs duckdb; install the extra arena-metrics[query]")
+        words = read_words(USAGE, arguments[1:], names=None, keys=("out",))
+        out = _file(words.keys.get("out"))
+        runs = list(dict.fromkeys(run for folder in words.names or (".",) for run in find_runs(Path(folder))))
+        beside = out.with_name(f".{out.name}.new") if out is not None and out.suffix == ".parquet" else None
+        with _connected(runs, beside) as database:
+            if beside is not None and out is not None:
+                _write_parquet(database, arguments[0], beside, out)
+            else:
+                _tell(database, arguments[0], out)
+        return 0
+
+
+def _file(name: str | None) -> Path | None:
+    """Return the file to write, None for the terminal; raise ConfigurationError for another kind of file."""
+    if name is None:
+        return None
+    if Path(name).suffix not in (".csv", ".parquet"):
+        raise ConfigurationError(f"out is {name}; allowed: a file called .csv or .parquet")
+    return Path(name)
+
+
+def _connected(runs: Sequence[Path], out: Path | None) -> DuckDBPyConnection:
+    """Return a database in memory that holds the table ``episodes`` and can reach nothing else but the file ``out``."""
+    import duckdb
+
+    database = duckdb.connect(":memory:")
+    files = [str(run / "episodes.csv") for run in runs]
+    try:
+        database.execute(
+            "CREATE TABLE written AS SELECT * REPLACE (regexp_replace(filename, '/?episodes[.]csv$', '') AS filename) FROM read_csv(?, "
+            "header = true, all_varchar = true, union_by_name = true, filename = true)",
+            [files],
+        )
+        names = [name for name, *_ in database.execute("DESCRIBE written").fetchall() if name != "filename"]
+        columns = [_typed(database, name) for name in names]
+        database.execute(f"CREATE TABLE episodes AS SELECT {', '.join(columns)}, filename AS run FROM written")  # noqa: S608 - quoted names
+        database.execute("DROP TABLE written")
+        if out is not None:
+            database.execute("SET allowed_paths = [$path]", {"path": str(out.resolve())})
+        database.execute("SET enable_external_access = false")
+        database.execute("SET lock_configuration = true")
+    except duckdb.Error as error:
+        raise InputFileError(f"{files[0]}{' ...' if len(files) > 1 else ''}: {_reason(error)}; allowed: tables of runs") from None
+    return database
+
+
+def _typed(database: DuckDBPyConnection, name: str) -> str:
+    """Return a column as a number, where every value of it is one; empty values are NULL."""
+    quoted = f'"{name.replace(chr(34), chr(34) * 2)}"'
+    if name in EPISODE_COLUMNS and name not in NUMBERS:
+        return quoted
+    wrong = database.execute(
+        f"SELECT count(*) FROM written WHERE nullif({quoted}, '') IS NOT NULL AND try_cast({quoted} AS DOUBLE) IS NULL"  # noqa: S608 - quoted
+    ).fetchone()
+    kind = "BIGINT" if name in NUMBERS else "DOUBLE"
+    return quoted if wrong is None or wrong[0] else f"CAST(nullif({quoted}, '') AS {kind}) AS {quoted}"
+
+
+def _answer(database: DuckDBPyConnection, question: str) -> tuple[list[str], list[tuple[Any, ...]]]:
+    import duckdb
+
+    try:
+        found = database.execute(question)
+        return [str(column[0]) for column in found.description or ()], found.fetchall()
+    except duckdb.Error as error:
+        raise ConfigurationError(f"the query cannot be answered: {_reason(error)}") from None
+
+
+def _tell(database: DuckDBPyConnection, question: str, out: Path | None) -> None:
+    head, rows = _answer(database, question)
+    if out is not None:
+        write_text_whole(out, _comma_separated(head, rows))
+        print(f"{len(rows)} rows: {out}")
+        return
+    print("\n".join(aligned([head, *([_text(value) for value in row] for row in rows[:PRINTED])])))
+    if len(rows) > PRINTED:
+        print(f"... {len(rows) - PRINTED} more; out=FILE.csv writes all")
+
+
+def _comma_separated(head: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
+    import io
+
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([harmless(name) for name in head])
+    writer.writerows([harmless(value) if isinstance(value, str) else "" if value is None else value for value in row] for row in rows)
+    return text.getvalue()
+
+
+def _write_parquet(database: DuckDBPyConnection, question: str, beside: Path, out: Path) -> None:
+    import duckdb
+
+    try:
+        database.execute(f"CREATE TABLE answer AS {question.rstrip().rstrip(';')}")
+        count = database.execute("SELECT count(*) FROM answer").fetchone()
+        target = str(beside.resolve()).replace("'", "''")
+        database.execute(f"COPY answer TO '{target}' (FORMAT parquet)")
+        beside.replace(out)
+    except duckdb.Error as error:
+        raise ConfigurationError(f"the query cannot be answered: {_reason(error)}") from None
+    finally:
+        beside.unlink(missing_ok=True)
+    print(f"{count[0] if count else 0} rows: {out}")
+
+
+def _text(value: Any) -> str:
+    if value is None:
+        return ""
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def _reason(error: Exception) -> str:
+    return one_line(str(error).partition("\n\n")[0].replace("\n", " "), 300)
