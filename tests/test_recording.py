@@ -59,6 +59,22 @@ def test_any_array_and_any_text_survive(tmp_path_factory, floats, text):
     assert read.meta["text"] == text
 
 
+@given(arrays(np.float64, (4, 3), elements=st.floats(-100.0, 100.0) | st.sampled_from((np.nan, np.inf, -np.inf))))
+def test_records_are_rounded_to_their_grain_once_and_for_all(values):
+    once = recording._rounded(
+        {name: values.astype(kind) for name, kind in (("pose", float), ("pedestrian_positions", np.float32), ("x", float))}
+    )
+    assert np.array_equal(once["x"], values, equal_nan=True)
+    finite = np.isfinite(values)
+    for name, array in once.items():
+        assert array.dtype == (np.float32 if name == "pedestrian_positions" else np.float64)
+        assert np.array_equal(array[~finite], values[~finite], equal_nan=True)
+    assert np.abs(once["pose"][finite] - values[finite]).max(initial=0.0) <= 2.0**-23
+    assert np.abs(once["pedestrian_positions"][finite] - values.astype(np.float32)[finite]).max(initial=0.0) <= 2.0**-13
+    again = recording._rounded(once)
+    assert all(np.array_equal(again[name], once[name], equal_nan=True) for name in once)
+
+
 def test_every_step_has_its_row_and_the_last_row_is_the_final_state():
     steps = record(steps=31)
     rows = {name: len(array) for name, array in steps.arrays.items() if not name.startswith(("contact_", "path_", "pedestrian_"))}
@@ -107,25 +123,25 @@ def test_rounded_arrays_are_off_by_half_a_step_at_most_and_exact_multiples():
     values = np.array([[0.1, -123.456789], [np.nan, np.inf], [-1e-9, 4000.0001]])
     for kind, step in ((np.float64, 22), (np.float32, 12)):
         given = values.astype(kind)
-        rounded = recording._rounded(given, step)
+        rounded = recording._to_grain(given, step)
         finite = np.isfinite(given)
         assert rounded.dtype == kind
         assert np.array_equal(rounded[~finite], given[~finite], equal_nan=True)
         assert np.abs(rounded[finite] - given[finite]).max() <= 2.0 ** -(step + 1)
         assert (rounded[finite] * 2.0**step % 1.0 == 0.0).all()
         assert not np.signbit(rounded[2, 0])
-        assert np.array_equal(recording._rounded(rounded, step), rounded, equal_nan=True)
+        assert np.array_equal(recording._to_grain(rounded, step), rounded, equal_nan=True)
 
 
 def test_steps_are_those_of_arrays_and_of_the_page():
     made = record()
-    assert recording.STEPS.keys() <= made.arrays.keys()
-    for name, step in recording.STEPS.items():
+    assert recording.GRAIN.keys() <= made.arrays.keys()
+    for name, step in recording.GRAIN.items():
         kept = made[name][np.isfinite(made[name])].astype(np.float64)
         assert (kept * 2.0**step % 1.0 == 0.0).all(), name
     page = (Path(__file__).parents[1] / "docs" / "records.md").read_text()
     powers = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
-    for name, step in {**recording.STEPS, "timing/": recording.TIME_STEP}.items():
+    for name, step in {**recording.GRAIN, "timing/": recording.TIME_GRAIN}.items():
         assert any(f"`{name}`" in line and f"2⁻{str(step).translate(powers)} " in line for line in page.splitlines()), name
 
 
@@ -160,7 +176,7 @@ def test_a_long_crowded_record_is_small(tmp_path):
     made, rng = record(steps=900), np.random.default_rng(0)
     velocities = np.cumsum(rng.normal(0.0, 0.03, (900, 10, 2)), axis=0)
     people = {"pedestrian_positions": np.cumsum(0.1 * velocities, axis=0), "pedestrian_velocities": velocities}
-    rounded = {name: recording._rounded(array.astype(np.float32), recording.STEPS[name]) for name, array in people.items()}
+    rounded = {name: recording._to_grain(array.astype(np.float32), recording.GRAIN[name]) for name, array in people.items()}
     write_record(tmp_path, 0, EpisodeRecord({**made.arrays, **rounded}, made.meta))
     assert (tmp_path / "records" / "0000.npz").stat().st_size < 150_000
 

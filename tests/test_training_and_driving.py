@@ -168,8 +168,8 @@ def test_a_policy_drives_the_same_episode_in_training_and_in_a_run(robot):
 
     record = run_episode(scenario, run.simulator, run.navigator, run.timing, Recorder(scenario, run.robot, {}, False), False)
     assert len(poses) > 50
-    assert np.abs(record["pose"] - poses).max() <= 2.0**-23  # half a step of what records keep
-    assert np.abs(record["estimate"] - poses).max() > 1e-3
+    assert np.abs(record["pose"] - poses).max() <= 2.0**-23, "half the grain of records"
+    assert (record["estimate"] != poses).any()
     assert len(record["contact_stamp"]) == report["collisions"]
     assert record.meta["outcome"] == report["outcome"]
 

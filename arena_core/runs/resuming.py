@@ -14,6 +14,7 @@ from arena_core.config.registry import Registry
 from arena_core.contracts.interfaces import Finished, Job, Lost
 from arena_core.loop.recording import read_record, remove_half_written
 from arena_core.runs.benchmark import build_metrics, config_hash
+from arena_core.runs.kept_rows import KeptRow
 from arena_core.runs.provenance import NAME, read_provenance
 from arena_core.runs.rows import COLUMNS, evaluate_file, write_episodes
 from arena_core.runs.schedule import OpenRun
@@ -66,9 +67,9 @@ def _take_record(run: OpenRun, path: Path) -> None:
     episode = int(path.stem)
     found = judged(Job(run.config, str(run.folder), episode), read_record(path), run.packs)
     if found.row.get("code") != run.code.digest:
-        run.superseded[episode] = found.row
+        run.superseded[episode] = KeptRow(found.row)
     else:
-        run.rows[episode], run.successes[episode] = found.row, found.succeeded
+        run.rows[episode], run.successes[episode] = KeptRow(found.row), found.succeeded
 
 
 def _other_code(run: OpenRun, before: Mapping[str, Any]) -> str:

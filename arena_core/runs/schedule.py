@@ -10,10 +10,12 @@ from typing import Any
 
 from arena_core.contracts.interfaces import Finished, Job, Metric
 from arena_core.runs.code_digest import Code
+from arena_core.runs.kept_rows import KeptRow
 from arena_core.runs.rows import write_episodes
 from arena_core.values.staging import Staging
 
-WRITE_EVERY = 1.0  # s between two writes of a growing episodes.csv
+WRITE_EVERY = 1.0  # s between two writes of a growing episodes.csv, at least
+WRITE_SHARE = 0.05  # of the time that may go into them: a table of a million rows takes many seconds
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +44,7 @@ class OpenRun:
     successes: dict[int, bool] = field(default_factory=dict)
     superseded: dict[int, Mapping[str, Any]] = field(default_factory=dict)
     written: float = 0.0
+    write_took: float = 0.0
 
     @property
     def failed(self) -> bool:
@@ -51,14 +54,16 @@ class OpenRun:
     def take(self, finished: Finished) -> None:
         """Keep the row of a finished episode."""
         episode = int(finished.row["episode"])
-        self.rows[episode], self.successes[episode] = finished.row, finished.succeeded
-        if monotonic() - self.written > WRITE_EVERY:
+        self.rows[episode], self.successes[episode] = KeptRow(finished.row), finished.succeeded
+        if monotonic() - self.written > max(WRITE_EVERY, self.write_took / WRITE_SHARE):
             self.write()
 
     def write(self) -> None:
         """Write the table of what is finished."""
+        began = monotonic()
         write_episodes(self.folder, {**self.superseded, **self.rows}.values(), self.packs)
         self.written = monotonic()
+        self.write_took = self.written - began
 
     def left(self) -> int:
         """Return how many episodes have no row yet."""
