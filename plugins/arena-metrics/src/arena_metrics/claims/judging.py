@@ -16,6 +16,7 @@ from arena_metrics.tables.tables import Table
 
 Verdict = Literal["reproduced", "not reproduced", "cannot be decided", "not tested"]
 SHOWN = 4  # findings of a claim that its row tells of
+COUNTED = {"holds": "held", "does not hold": "refuted", "cannot be decided": "open", "not tested": "not tested"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,14 +83,14 @@ def _evidence(one: Judged) -> str:
     order = ("does not hold", "cannot be decided", "not tested", "holds")
     first = sorted(one.findings, key=lambda finding: order.index(finding.state))
     decisive = [f for f in first if f.state == "does not hold"] if one.verdict == "not reproduced" else first
-    left = len(one.findings) - min(len(decisive), SHOWN)
-    more = [f"{left} more contrasts: {_counted(one.findings)}"] if left > 0 else []
+    hidden = len(one.findings) > min(len(decisive), SHOWN)
+    more = [f"of {len(one.findings)} contrasts {_counted(one.findings)}"] if hidden else []
     return "; ".join([*(finding_text(finding) for finding in decisive[:SHOWN]), *more])
 
 
 def _counted(found: Sequence[Finding]) -> str:
     states = [one.state for one in found]
-    return ", ".join(f"{states.count(state)} {state}" for state in dict.fromkeys(states)) + " in all"
+    return ", ".join(f"{states.count(state)} {COUNTED[state]}" for state in COUNTED if state in states)
 
 
 def finding_text(finding: Finding) -> str:
