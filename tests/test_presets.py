@@ -25,6 +25,8 @@ PUBLISHED: Mapping[str, str] = {
     "planner/gring_as_released": "d843565d9bcf",
     "planner/mpc_as_released": "87c07757eb49",
     "planner/mppi_as_nav2": "ed62f1edb12b",
+    "planner/navrep_as_released": "e34deccbf744",
+    "planner/rosnav_as_paper": "abf481c21ea9",
     "planner/teb_as_released": "07f3f33b719a",
     "planner/teb_in_aio_as_released": "07f3f33b719a",
     "localizer/amcl_as_clearpath": "0d14a2d440fe",

@@ -10,7 +10,7 @@ import pytest
 
 from arena_core import load_registry, testing
 from arena_core.cli.main import main
-from arena_gym.building import compose_environment
+from arena_gym.building import compose_environment, compose_training
 from arena_policies.encoding import columns
 from arena_policies.policy import load_policy
 
@@ -19,7 +19,7 @@ SMALL = ["world=indoor", "world.width=12", "world.height=12", "environment.world
 
 @pytest.fixture(scope="module")
 def config():
-    return compose_environment(["recipe=navrep", "robot=jackal", *SMALL], primary="train")
+    return compose_training("navrep", ["robot=jackal", *SMALL])
 
 
 @pytest.fixture
@@ -77,8 +77,8 @@ def test_gain_is_that_of_pairs():
 def test_equal_drives_meet_equal_problems():
     from arena_gym.training.evaluation import outcomes, unseen_worlds
 
-    words = ["recipe=navrep", "robot=jackal", *SMALL, "observation_encoder=rosnav_sectors", "task.random.time_limit=3.0"]
-    env = unseen_worlds(compose_environment(words, primary="train"), 3, 11, "seed")
+    words = ["robot=jackal", *SMALL, "observation_encoder=rosnav_sectors", "task.time_limit=3.0"]
+    env = unseen_worlds(compose_training("navrep", words), 3, 11, "seed")
 
     def drive(speed):
         met = []
