@@ -136,7 +136,7 @@ SMALL = (
     "training.optimization.minibatch=64",
     "training.validation.every=256",
     "training.validation.episodes=4",
-    "task.random.time_limit=3.0",
+    "task.time_limit=3.0",
 )
 
 
