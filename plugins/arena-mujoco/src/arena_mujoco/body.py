@@ -31,8 +31,12 @@ class Wheels:
 
 @dataclass(frozen=True, slots=True)
 class BodyFigures:
-    """What a robot's YAML says of its body; None is completed from footprint and kinematics, see mujoco.yaml."""
+    """What a robot's YAML says of its body; None is completed from footprint and kinematics, see mujoco.yaml.
 
+    All of it is of the robot ``of``, and none of it of any other; None: of any.
+    """
+
+    of: str | None
     mass: Positive | None
     height: Positive | None
     clearance: NonNegative | None
@@ -41,6 +45,9 @@ class BodyFigures:
     track_factor: Annotated[float, Bounds(low=0.1, high=10.0)]
     wheels: Wheels | None
     casters: Points | None
+
+
+UNKNOWN = BodyFigures(None, None, None, None, None, None, 1.0, None, None)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,6 +73,8 @@ class Body:
 
 def body_of(robot: Robot, figures: BodyFigures) -> Body:
     """Complete a body from the robot's footprint and kinematics; raise ConfigurationError where figures contradict each other."""
+    if figures.of not in (None, robot.name):
+        figures = UNKNOWN
     low, high = _extent(robot)
     length, width = (high - low).tolist()
     mass = figures.mass or DENSITY * _area(robot)
