@@ -124,8 +124,7 @@ def _wheels_beneath(robot: Robot, mass: float, height: float) -> Wheels:
         places = [[x, y] for x in (robot.wheelbase, 0.0) for y in (inside, -inside)]
     else:
         places = [[0.0, inside], [0.0, -inside]]
-    force = 2.0 * mass * max(robot.limits.ax_max, robot.limits.ay_max)  # twice what the acceleration takes
-    return Wheels(radius, 0.3 * radius, 0.02 * mass, force * radius / 2.0, places)
+    return Wheels(radius, 0.3 * radius, 0.02 * mass, mass * 9.81 * radius, places)  # one wheel could lift all: tyres slip, motors never stall
 
 
 def _casters_beneath(robot: Robot, wheels: Wheels) -> Points:

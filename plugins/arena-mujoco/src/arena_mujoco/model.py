@@ -24,6 +24,10 @@ STANDS, MOVES = ("2", "1"), ("1", "2")  # contype and conaffinity: what moves to
 UNSEEN, SEEN = "3", "0"  # groups of geoms: only the second is drawn and met by rays of the lidar
 PUSH = 1.5  # a planar base is pushed by so many times the force that its acceleration takes, at the most
 GRIP = 20.0  # 1/s; wheels' motors and omniwheels take up a speed within a twentieth of a second at the slowest
+STRONG = 1.3  # a motor that has so many times the torque at which its tyre slips never stalls: it is not limited, which is quicker to solve
+# A motor seen through its gear is heavy to turn. It has to be heavier than the robot for MuJoCo, whose friction acts on what a wheel weighs, not
+# on the servo that turns it: with light wheels a Jackal turns on the spot at a fifth of the rate that Coulomb's friction gives, so at 95 %.
+ROTOR = 5.0
 PERSON_HEIGHT, HIP_HEIGHT = 1.75, 0.85  # m
 AWAY = -100.0  # m; where people stand who are not in the world
 
@@ -55,6 +59,8 @@ def model_text(robot: Robot, body: Body, scenario: Scenario, radii: NDArray[np.f
     root = ElementTree.Element("mujoco", model="arena")
     ElementTree.SubElement(root, "compiler", angle="radian")
     option = ElementTree.SubElement(root, "option", timestep=_text(physics.timestep), integrator="implicitfast")
+    if physics.drive == "wheels":
+        option.set("cone", "elliptic")  # tyres hold alike in all directions
     ElementTree.SubElement(option, "flag", autoreset="disable")
     default = ElementTree.SubElement(root, "default")
     friction = _text(physics.wall_friction, 0.005, 0.0001)
@@ -133,7 +139,7 @@ def _add_hull(base: Element, assets: Element, footprint: Footprint, bottom: floa
 def _add_wheeled(world: Element, assets: Element, actuators: Element, robot: Robot, body: Body, physics: Physics) -> None:
     """Add a robot that stands on its wheels on the floor, each turned by a motor at a velocity, with a limited torque."""
     grip = _text(physics.floor_friction, 0.005, 0.0001)
-    touch = {"contype": "4", "conaffinity": "4", "solref": "0.01 1"}
+    touch = {"contype": "4", "conaffinity": "4", "solref": "0.02 1"}
     ElementTree.SubElement(world, "geom", name="floor", type="plane", size="0 0 1", friction=grip, group=SEEN, **touch)
     base = ElementTree.SubElement(world, "body", name="robot")
     ElementTree.SubElement(base, "freejoint", name="base")
@@ -143,7 +149,7 @@ def _add_wheeled(world: Element, assets: Element, actuators: Element, robot: Rob
     if robot.kinematics == "omnidirectional":
         _add_omniwheels(base, actuators, body, physics)
     else:
-        _add_rolling_wheels(base, actuators, robot, body, grip)
+        _add_rolling_wheels(base, actuators, robot, body, physics, grip)
     for x, y in body.casters:
         _add_slider(base, x, y, min(0.3 * body.wheels.radius, 0.01), touch)
 
@@ -164,15 +170,17 @@ def _add_omniwheels(base: Element, actuators: Element, body: Body, physics: Phys
         gain = body.mass * GRIP
         reach = {"forcelimited": "true", "forcerange": _text(-most, most), "gear": "1 0 0 0 0 0"}
         ElementTree.SubElement(actuators, "velocity", name=f"wheel_{number}", site=f"wheel_{number}", kv=_text(gain), **reach)
-        touch = {"contype": "4", "conaffinity": "4", "solref": "0.01 1"}
+        touch = {"contype": "4", "conaffinity": "4", "solref": "0.02 1"}
         _add_slider(base, x, y, wheels.radius, touch)
 
 
-def _add_rolling_wheels(base: Element, actuators: Element, robot: Robot, body: Body, grip: str) -> None:
+def _add_rolling_wheels(base: Element, actuators: Element, robot: Robot, body: Body, physics: Physics, grip: str) -> None:
     """Add wheels with tyres, ellipsoids that touch the floor in a point; of a car, those ahead are steered and those behind driven."""
     wheels = body.wheels
     spin = 0.5 * wheels.mass * wheels.radius**2
     load = body.mass * wheels.radius**2 / len(wheels.places)
+    slips = wheels.torque > STRONG * physics.floor_friction * body.mass * 9.81 * wheels.radius / len(wheels.places)  # before it stalls
+    rotor = ROTOR * load if slips else load
     for number, (x, y) in enumerate(wheels.places):
         name, steered = f"wheel_{number}", robot.kinematics == "ackermann" and x > STEERED
         hub = ElementTree.SubElement(base, "body", name=name, pos=_text(x, y, wheels.radius))
@@ -180,15 +188,16 @@ def _add_rolling_wheels(base: Element, actuators: Element, robot: Robot, body: B
             ElementTree.SubElement(hub, "joint", name=f"steer_{number}", type="hinge", axis="0 0 1", damping="0.2", armature="0.02")
             servo = {"kp": "60", "kv": "2", "forcelimited": "true", "forcerange": "-20 20"}
             ElementTree.SubElement(actuators, "position", name=f"steer_{number}", joint=f"steer_{number}", **servo)
-        ElementTree.SubElement(hub, "joint", name=name, type="hinge", axis="0 1 0")
+        turns = {"armature": _text(rotor)} if not steered else {}
+        ElementTree.SubElement(hub, "joint", name=name, type="hinge", axis="0 1 0", **turns)
         rim = 0.5 * spin + wheels.mass * wheels.width**2 / 12.0
         ElementTree.SubElement(hub, "inertial", pos="0 0 0", mass=_text(wheels.mass), diaginertia=_text(rim, spin, rim))
         size = _text(wheels.radius, 0.5 * wheels.width, wheels.radius)
-        touch = {"contype": "4", "conaffinity": "4", "solref": "0.01 1"}
+        touch = {"contype": "4", "conaffinity": "4", "solref": "0.02 1"}
         ElementTree.SubElement(hub, "geom", type="ellipsoid", size=size, friction=grip, condim="3", group=UNSEEN, **touch)
         if not steered:
-            reach = {"forcelimited": "true", "forcerange": _text(-wheels.torque, wheels.torque)}
-            gain = (spin + load) * 10.0 * GRIP
+            reach = {} if slips else {"forcelimited": "true", "forcerange": _text(-wheels.torque, wheels.torque)}
+            gain = (spin + load + rotor) * 10.0 * GRIP
             ElementTree.SubElement(actuators, "velocity", name=name, joint=name, kv=_text(gain), **reach)
 
 
