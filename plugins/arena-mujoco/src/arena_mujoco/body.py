@@ -124,7 +124,7 @@ def _wheels_beneath(robot: Robot, mass: float, height: float) -> Wheels:
         places = [[x, y] for x in (robot.wheelbase, 0.0) for y in (inside, -inside)]
     else:
         places = [[0.0, inside], [0.0, -inside]]
-    return Wheels(radius, 0.3 * radius, 0.02 * mass, mass * 9.81 * radius, places)  # one wheel could lift all: tyres slip, motors never stall
+    return Wheels(radius, 0.3 * radius, 0.02 * mass, mass * 9.81 * radius, places)
 
 
 def _casters_beneath(robot: Robot, wheels: Wheels) -> Points:
@@ -155,6 +155,4 @@ def _check(robot: Robot, mass: float, wheels: Wheels, casters: Points) -> None:
             f"{fewest} wheels at least, and 3 with the casters"
         )
     if wheels.mass * len(wheels.places) >= mass:
-        raise ConfigurationError(
-            f"simulator.body.mass is {mass:g} kg; allowed: more than that of its wheels"
-        )
+        raise ConfigurationError(f"simulator.body.mass is {mass:g} kg; allowed: more than that of its wheels")

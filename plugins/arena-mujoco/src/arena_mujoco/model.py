@@ -25,8 +25,8 @@ UNSEEN, SEEN = "3", "0"  # groups of geoms: only the second is drawn and met by 
 PUSH = 1.5  # a planar base is pushed by so many times the force that its acceleration takes, at the most
 GRIP = 20.0  # 1/s; wheels' motors and omniwheels take up a speed within a twentieth of a second at the slowest
 STRONG = 1.3  # a motor that has so many times the torque at which its tyre slips never stalls: it is not limited, which is quicker to solve
-# A motor seen through its gear is heavy to turn. It has to be heavier than the robot for MuJoCo, whose friction acts on what a wheel weighs, not
-# on the servo that turns it: with light wheels a Jackal turns on the spot at a fifth of the rate that Coulomb's friction gives, so at 95 %.
+# A motor seen through its gear is heavy to turn. MuJoCo needs it to be heavier than the robot: its friction acts on what a wheel weighs,
+# not on the servo that turns it. With light wheels a Jackal turns on the spot at a fifth of its rate.
 ROTOR = 5.0
 PERSON_HEIGHT, HIP_HEIGHT = 1.75, 0.85  # m
 AWAY = -100.0  # m; where people stand who are not in the world
@@ -61,10 +61,11 @@ def model_text(robot: Robot, body: Body, scenario: Scenario, radii: NDArray[np.f
     option = ElementTree.SubElement(root, "option", timestep=_text(physics.timestep), integrator="implicitfast")
     if physics.drive == "wheels":
         option.set("cone", "elliptic")  # tyres hold alike in all directions
-    ElementTree.SubElement(option, "flag", autoreset="disable")
+    # with several contacts for two convex bodies (multiccd), MuJoCo 4.0 takes the wrong side of a sharp edge, and bodies sink into each other
+    ElementTree.SubElement(option, "flag", autoreset="disable", multiccd="disable")
     default = ElementTree.SubElement(root, "default")
     friction = _text(physics.wall_friction, 0.005, 0.0001)
-    ElementTree.SubElement(default, "geom", friction=friction, solref="0.004 1", solimp="0.95 0.99 0.001", priority="0")
+    ElementTree.SubElement(default, "geom", friction=friction, solref="0.004 2", solimp="0.95 0.99 0.001", priority="0")
     assets = ElementTree.SubElement(root, "asset")
     world = ElementTree.SubElement(root, "worldbody")
     actuators = ElementTree.SubElement(root, "actuator")

@@ -28,7 +28,7 @@ from arena_kernels.entry import Entered
 from arena_mujoco.body import BodyFigures, body_of
 from arena_mujoco.model import Drive, Physics, compile_model, model_text
 from arena_mujoco.rays import Rays
-from arena_mujoco.ticking import RUNS, TIPPED, Motion, after_tick, before_tick, disturb_scan, planar_gears, wheel_gears
+from arena_mujoco.ticking import RUNS, TIPPED, Motion, after_tick, before_tick, disturb_scan, planar_gears, show_people, wheel_gears
 from arena_sim2d.bodies import Floats
 from arena_sim2d.simulator import Sim2d
 
@@ -83,7 +83,7 @@ class MujocoSimulator(Sim2d):
         wheeled = drive == "wheels"
         self._gears = wheel_gears(robot, self._body, floor_friction, tip_angle) if wheeled else planar_gears(robot, self._body)
         self._rays = Rays(robot.lidar, self._body.lidar_height) if lidar == "rays" else None
-        self._before, self._after = Entered(before_tick), Entered(after_tick)
+        self._before, self._after, self._show_people = Entered(before_tick), Entered(after_tick), Entered(show_people)
         self._models: OrderedDict[tuple[Any, ...], tuple[OccupancyGrid, mujoco.MjModel]] = OrderedDict()
         self._physical: list[Physical | None] = []
 
@@ -113,16 +113,8 @@ class MujocoSimulator(Sim2d):
         flags = np.full(1, RUNS), np.zeros(1, np.int64)
         views = data.qpos, data.qvel, data.ctrl, data.actuator_force, data.mocap_pos
         motion = Motion(*views, np.zeros(3), np.zeros(3), np.zeros(3), data.qpos.copy(), *flags)
-        self._place_people(slot, motion)
+        self._show_people(self._worlds, slot, motion, self._legs)
         return Physical(model, data, motion)
-
-    def _place_people(self, slot: int, motion: Motion) -> None:
-        """Put people where they begin; their legs come with the first tick, or with the first scan by rays."""
-        each = 3 if self._legs else 1
-        people = self._worlds.people[slot, : self._crowd.counts[slot]]
-        there = np.isfinite(people["x"])
-        for part in range(each):
-            motion.mocap[part::each, 0][there], motion.mocap[part::each, 1][there] = people["x"][there], people["y"][there]
 
     def _model(self, scenario: Scenario, radii: Floats) -> mujoco.MjModel:
         """Return the model of a world; one that is like an earlier one's is not compiled again."""

@@ -74,7 +74,19 @@ class Motion(NamedTuple):
 def planar_gears(robot: Robot, body: Body) -> Gears:
     """Return the gears of a base that slides."""
     none = np.zeros(0, np.int64)
-    return Gears(False, np.zeros((0, 3)), np.zeros((3, 0)), np.zeros((0, 2)), none > 0, none, none, np.zeros(0), -1.0, body.mass, planar_inertia(robot, body))
+    return Gears(
+        False,
+        np.zeros((0, 3)),
+        np.zeros((3, 0)),
+        np.zeros((0, 2)),
+        none > 0,
+        none,
+        none,
+        np.zeros(0),
+        -1.0,
+        body.mass,
+        planar_inertia(robot, body),
+    )
 
 
 def wheel_gears(robot: Robot, body: Body, floor_friction: float, tip_angle: float) -> Gears:
@@ -148,6 +160,12 @@ def _closing(world: World, robot: Row, speed: float, dt: float) -> float:
     things = not is_clear(world, robot.x, robot.y, world.body.radius + reach) and gap_to_things(world, world.body, reach)[0] < reach
     people = gap_to_people(world, world.body, reach) < reach
     return speed * dt if things or people else -1.0
+
+
+@borrowing
+def show_people(worlds: Worlds, k: int, motion: Motion, legs: bool) -> None:
+    """Put the people of world k where they are, as before its first tick."""
+    _place_people(worlds, world_of(worlds, k), motion, legs)
 
 
 @inner
