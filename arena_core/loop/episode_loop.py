@@ -73,7 +73,8 @@ class Verdicts:
     """What the judge says of N worlds at one instant, (N,) each, at most one of the first three being true.
 
     ``arrived``: arrival was claimed, and is true; ``mistaken``: it is not; ``collided``: a contact began since the instant before.
-    ``failed``: this was the last collision that is allowed, or the simulation cannot go on; ``timed_out``: the time is over, and no arrival was claimed.
+    ``failed``: this was the last collision that is allowed, or the simulation cannot go on; ``timed_out``: the time is over, and no arrival
+    was claimed.
     """
 
     arrived: Flags

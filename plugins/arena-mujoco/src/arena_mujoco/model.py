@@ -61,7 +61,7 @@ def model_text(robot: Robot, body: Body, scenario: Scenario, radii: NDArray[np.f
     option = ElementTree.SubElement(root, "option", timestep=_text(physics.timestep), integrator="implicitfast")
     if physics.drive == "wheels":
         option.set("cone", "elliptic")  # tyres hold alike in all directions
-    # with several contacts for two convex bodies (multiccd), MuJoCo 4.0 takes the wrong side of a sharp edge, and bodies sink into each other
+    # with several contacts for two bodies (multiccd), MuJoCo 4.0 takes the wrong side of a sharp edge: they sink into each other
     ElementTree.SubElement(option, "flag", autoreset="disable", multiccd="disable")
     default = ElementTree.SubElement(root, "default")
     friction = _text(physics.wall_friction, 0.005, 0.0001)
