@@ -102,7 +102,8 @@ def shell(arena, third_party, finished, monkeypatch):
             Path(target).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(DRAWN / source, target)
     write_packs()
-    for name in ("outputs/2026-01-31/12-00-00", "multirun/teb", "multirun/dwa", "multirun/aio"):
+    Path("mine.yaml").write_text(re.search(r"```yaml\n(source.*?)```", (TOP / "docs" / "claims.md").read_text(), re.S)[1])
+    for name in ("outputs/2026-01-31/12-00-00", "multirun/teb", "multirun/dwa", "multirun/aio", "multirun/paper"):
         shutil.copytree(finished, name)
     return Shell(arena, third_party)
 

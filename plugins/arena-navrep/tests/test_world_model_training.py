@@ -230,7 +230,7 @@ def test_rollouts_are_read_as_they_were_written(tmp_path):
         read_rollouts(tmp_path, "test", 2)
 
 
-@pytest.mark.xfail(strict=True, reason="roll-outs are still recorded level by level; on its controller's grounds when NAVREP is trained anew")
+@pytest.mark.xfail(strict=True, reason="recorded level by level still; on its controller's grounds when NAVREP is trained anew")
 @pytest.mark.parametrize("robot", ["turtlebot3", "jackal", "robotino"])
 def test_world_model_depends_on_where_its_controller_drives_and_not_on_how_it_learns(robot):
     controller = compose_environment([f"robot={robot}", "recipe=navrep"], primary="train")
