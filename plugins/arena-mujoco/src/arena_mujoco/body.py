@@ -94,7 +94,7 @@ def body_of(robot: Robot, figures: BodyFigures) -> Body:
         figures.track_factor,
         wheels,
         casters,
-        inertia,  # type: ignore[arg-type]
+        inertia,
         _between(wheels.places, casters),
     )
 

@@ -141,7 +141,7 @@ def _add_wheeled(world: Element, assets: Element, actuators: Element, robot: Rob
     """Add a robot that stands on its wheels on the floor, each turned by a motor at a velocity, with a limited torque."""
     grip = _text(physics.floor_friction, 0.005, 0.0001)
     touch = {"contype": "4", "conaffinity": "4", "solref": "0.02 1"}
-    ElementTree.SubElement(world, "geom", name="floor", type="plane", size="0 0 1", friction=grip, group=SEEN, **touch)
+    ElementTree.SubElement(world, "geom", touch, name="floor", type="plane", size="0 0 1", friction=grip, group=SEEN)
     base = ElementTree.SubElement(world, "body", name="robot")
     ElementTree.SubElement(base, "freejoint", name="base")
     centre, spread = _text(*body.centre_xy, body.centre_height), _text(*body.inertia)
@@ -158,7 +158,7 @@ def _add_wheeled(world: Element, assets: Element, actuators: Element, robot: Rob
 def _add_slider(base: Element, x: float, y: float, radius: float, touch: dict[str, str]) -> None:
     """Add a support that slides without friction: the larger of two frictions would count, so it has priority."""
     free = {"friction": "0 0 0", "condim": "1", "priority": "1"}
-    ElementTree.SubElement(base, "geom", type="sphere", size=_text(radius), pos=_text(x, y, radius), group=UNSEEN, **touch, **free)
+    ElementTree.SubElement(base, "geom", touch | free, type="sphere", size=_text(radius), pos=_text(x, y, radius), group=UNSEEN)
 
 
 def _add_omniwheels(base: Element, actuators: Element, body: Body, physics: Physics) -> None:
@@ -170,7 +170,7 @@ def _add_omniwheels(base: Element, actuators: Element, body: Body, physics: Phys
         ElementTree.SubElement(base, "site", name=f"wheel_{number}", pos=_text(x, y, 0.0), euler=_text(0.0, 0.0, rim_angle(x, y)))
         gain = body.mass * GRIP
         reach = {"forcelimited": "true", "forcerange": _text(-most, most), "gear": "1 0 0 0 0 0"}
-        ElementTree.SubElement(actuators, "velocity", name=f"wheel_{number}", site=f"wheel_{number}", kv=_text(gain), **reach)
+        ElementTree.SubElement(actuators, "velocity", reach, name=f"wheel_{number}", site=f"wheel_{number}", kv=_text(gain))
         touch = {"contype": "4", "conaffinity": "4", "solref": "0.02 1"}
         _add_slider(base, x, y, wheels.radius, touch)
 
@@ -188,18 +188,18 @@ def _add_rolling_wheels(base: Element, actuators: Element, robot: Robot, body: B
         if steered:
             ElementTree.SubElement(hub, "joint", name=f"steer_{number}", type="hinge", axis="0 0 1", damping="0.2", armature="0.02")
             servo = {"kp": "60", "kv": "2", "forcelimited": "true", "forcerange": "-20 20"}
-            ElementTree.SubElement(actuators, "position", name=f"steer_{number}", joint=f"steer_{number}", **servo)
+            ElementTree.SubElement(actuators, "position", servo, name=f"steer_{number}", joint=f"steer_{number}")
         turns = {"armature": _text(rotor)} if not steered else {}
-        ElementTree.SubElement(hub, "joint", name=name, type="hinge", axis="0 1 0", **turns)
+        ElementTree.SubElement(hub, "joint", turns, name=name, type="hinge", axis="0 1 0")
         rim = 0.5 * spin + wheels.mass * wheels.width**2 / 12.0
         ElementTree.SubElement(hub, "inertial", pos="0 0 0", mass=_text(wheels.mass), diaginertia=_text(rim, spin, rim))
         size = _text(wheels.radius, 0.5 * wheels.width, wheels.radius)
         touch = {"contype": "4", "conaffinity": "4", "solref": "0.02 1"}
-        ElementTree.SubElement(hub, "geom", type="ellipsoid", size=size, friction=grip, condim="3", group=UNSEEN, **touch)
+        ElementTree.SubElement(hub, "geom", touch, type="ellipsoid", size=size, friction=grip, condim="3", group=UNSEEN)
         if not steered:
             reach = {} if slips else {"forcelimited": "true", "forcerange": _text(-wheels.torque, wheels.torque)}
             gain = (spin + load + rotor) * 10.0 * GRIP
-            ElementTree.SubElement(actuators, "velocity", name=name, joint=name, kv=_text(gain), **reach)
+            ElementTree.SubElement(actuators, "velocity", reach, name=name, joint=name, kv=_text(gain))
 
 
 def rim_angle(x: float, y: float) -> float:
