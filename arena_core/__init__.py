@@ -75,10 +75,11 @@ from arena_core.loop.episode_loop import CommandQueue, EpisodeLoop, Verdicts
 from arena_core.loop.execution import Timing, mission_of, run_episode
 from arena_core.loop.guide import Guide, Mission, ReplanRules, View, pose_at_scan
 from arena_core.loop.navigator import NAVIGATOR_KEYS, Decision, Navigator
-from arena_core.loop.recording import check_inside, find_runs, read_record, write_bytes_whole, write_text_whole
+from arena_core.loop.recording import check_inside, find_runs, read_record, robot_meta, write_bytes_whole, write_text_whole
 from arena_core.runs.api import Run, Runs, run
 from arena_core.runs.benchmark import Benchmark, build_benchmark, build_guide, build_metrics
 from arena_core.runs.code_digest import Code, code_of
+from arena_core.runs.outside import OutsideRun
 from arena_core.runs.rows import COLUMNS as EPISODE_COLUMNS
 from arena_core.runs.rows import TEXT, evaluate, metric_column
 from arena_core.runs.text_columns import aligned
@@ -114,6 +115,7 @@ from arena_core.values.world import (
     Pedestrians,
     PedestrianSpec,
     World,
+    free_area,
 )
 
 __version__ = "0.1.0"
@@ -191,6 +193,7 @@ __all__ = [
     "Odometry",
     "OdometryModel",
     "Outcome",
+    "OutsideRun",
     "Path",
     "PathBatch",
     "PedestrianModel",
@@ -249,6 +252,7 @@ __all__ = [
     "compose",
     "evaluate",
     "find_runs",
+    "free_area",
     "generator",
     "harmless",
     "hookimpl",
@@ -274,6 +278,7 @@ __all__ = [
     "read_text",
     "read_words",
     "read_yaml",
+    "robot_meta",
     "run",
     "run_episode",
     "stream_key",
