@@ -16,6 +16,7 @@ from arena_core.base.errors import (
     NoValidCommand,
     RunFolderError,
     UnknownComponent,
+    described,
     one_line,
 )
 from arena_core.base.files import is_file, read_bytes, read_json, read_table, read_text, read_yaml
@@ -75,7 +76,8 @@ from arena_core.loop.episode_loop import CommandQueue, EpisodeLoop, Verdicts
 from arena_core.loop.execution import Timing, mission_of, run_episode
 from arena_core.loop.guide import Guide, Mission, ReplanRules, View, pose_at_scan
 from arena_core.loop.navigator import NAVIGATOR_KEYS, Decision, Navigator
-from arena_core.loop.recording import check_inside, find_runs, read_record, robot_meta, write_bytes_whole, write_text_whole
+from arena_core.loop.navigator import Spent as NavigatorSpent
+from arena_core.loop.recording import Recorder, check_inside, find_runs, read_record, robot_meta, write_bytes_whole, write_text_whole
 from arena_core.runs.api import Run, Runs, run
 from arena_core.runs.benchmark import Benchmark, build_benchmark, build_guide, build_metrics
 from arena_core.runs.code_digest import Code, code_of
@@ -180,6 +182,7 @@ __all__ = [
     "MetricPack",
     "Mission",
     "Navigator",
+    "NavigatorSpent",
     "NoPath",
     "NoValidCommand",
     "NonNegative",
@@ -204,6 +207,7 @@ __all__ = [
     "PoseEstimate",
     "Positive",
     "PositiveInt",
+    "Recorder",
     "ReferenceLocalizer",
     "Register",
     "Registry",
@@ -250,6 +254,7 @@ __all__ = [
     "code_of",
     "complete_overrides",
     "compose",
+    "described",
     "evaluate",
     "find_runs",
     "free_area",

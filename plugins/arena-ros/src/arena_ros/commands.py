@@ -11,6 +11,9 @@ from arena_core import Command, ConfigurationError, Positive, Words, find_runs, 
 USAGES = {
     "export": "arena ros export RUN --to FILE.bag|.mcap|.db3 [episodes=0,3]",
     "import": "arena ros import BAG... --out DIR [robot=NAME] [planner=NAME] [map=MAP.yaml] [scans=true] [without=...] [ROLE=/TOPIC]",
+    "drive": "arena ros drive planner=NAME robot=NAME map=MAP.yaml [transport=ros1] [goal=X,Y] [start=X,Y,THETA] [pose=/tf] [...]",
+    "simulate": "arena ros simulate [transport=ros1] [episode=0] [rate=1.0] [lock_step=true] [KEY=VALUE ...]",
+    "watchdog": "arena ros watchdog [transport=ros1] [from=/arena/cmd_vel] [to=/cmd_vel]",
 }
 READING_KEYS = ("period", "goal_radius", "time_limit", "person_radius", "without")
 IMPORT_KEYS = ("out", "robot", "planner", "map", "scans", *READING_KEYS)
@@ -19,7 +22,7 @@ IMPORT_KEYS = ("out", "robot", "planner", "map", "scans", *READING_KEYS)
 class RosCommand(Command):
     """Bags in and out, driving a robot, being one."""
 
-    help: ClassVar[str] = "bags and robots of ROS 1 and ROS 2: arena ros export|import ..."
+    help: ClassVar[str] = "bags and robots of ROS 1 and ROS 2: arena ros export|import|drive|simulate|watchdog ..."
 
     def run(self, arguments: Sequence[str]) -> int:
         """Run what the first word says."""
@@ -35,7 +38,7 @@ class RosCommand(Command):
 
 
 def _actions() -> Mapping[str, Callable[[Sequence[str]], int]]:
-    return {"export": _export, "import": _import}
+    return {"export": _export, "import": _import, "drive": _drive, "simulate": _simulate, "watchdog": _watchdog}
 
 
 def _as_keys(words: Sequence[str]) -> list[str]:
@@ -46,7 +49,7 @@ def _as_keys(words: Sequence[str]) -> list[str]:
         if word in ("--to", "--out") and rest:
             found.append(f"{word[2:]}={rest.pop(0)}")
         else:
-            found.append(word[2:] if word.startswith(("--to=", "--out=")) else word)
+            found.append({"--dry-run": "dry_run=true"}.get(word, word[2:] if word.startswith(("--to=", "--out=")) else word))
     return found
 
 
@@ -102,3 +105,21 @@ def _import(arguments: Sequence[str]) -> int:
     rows = import_bags([Path(name) for name in words.names], folder, request)
     print(f"{folder}: {len(rows)} episode{'s' * (len(rows) != 1)}")
     return 0
+
+
+def _drive(arguments: Sequence[str]) -> int:
+    from arena_ros.live.commands import drive
+
+    return drive(USAGES["drive"], arguments)
+
+
+def _simulate(arguments: Sequence[str]) -> int:
+    from arena_ros.live.commands import simulate
+
+    return simulate(USAGES["simulate"], arguments)
+
+
+def _watchdog(arguments: Sequence[str]) -> int:
+    from arena_ros.live.commands import watchdog
+
+    return watchdog(USAGES["watchdog"], arguments)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import FREE, OCCUPIED, LaserScan, OccupancyGrid, Odometry, Pose, Twist, wrap_angle
+from arena_core import FREE, INSCRIBED, LETHAL, OCCUPIED, Costmap, LaserScan, OccupancyGrid, Odometry, Pose, Twist, wrap_angle
 from arena_ros.codec import PEOPLE, Codec, stamp_of
 
 SCAN = "sensor_msgs/msg/LaserScan"
@@ -169,6 +169,15 @@ def grid_of(message: Any) -> OccupancyGrid:
     data = np.asarray(message.data, np.int8).reshape(message.info.height, message.info.width)
     data = np.where((data >= FREE) & (data <= OCCUPIED), data, -1).astype(np.int8)
     return OccupancyGrid(data, round(float(message.info.resolution), 6), pose_of(message.info.origin))
+
+
+def costmap(codec: Codec, value: Costmap, stamp: int, frame: str) -> Any:
+    """Return a cost grid as nav_msgs have it: 100 lethal, 99 inscribed, below that in proportion (as costmap_2d publishes it)."""
+    costs = np.rint(value.costs.astype(np.float64) * 98.0 / (INSCRIBED - 1)).astype(np.int8)
+    costs[value.costs == INSCRIBED] = 99
+    costs[value.costs >= LETHAL] = 100
+    left, below = value.origin_xy.tolist()
+    return grid(codec, OccupancyGrid(costs, value.resolution, Pose(left, below)), stamp, frame)
 
 
 def transforms(codec: Codec, links: Iterable[tuple[str, str, Pose]], stamp: int) -> Any:
