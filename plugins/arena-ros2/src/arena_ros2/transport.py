@@ -73,14 +73,14 @@ class Ros2(Transport):
 
         from arena_ros2.types import sample_type
 
-        class Ear(Listener):  # type: ignore[misc]
+        class Ear(Listener):
             def on_data_available(self, reader: Any) -> None:
                 for one in reader.take(N=DEPTH):
                     if hasattr(one, "content"):  # else somebody has left
                         heard(one.content)
 
         kind = sample_type(type)
-        ear = Ear()
+        ear: Any = Ear()  # type: ignore[no-untyped-call]
         about = Topic(self._participant, f"rt{topic}", kind)
         self._kept += [ear, DataReader(self._subscriber, about, qos=_quality(type not in SENSORS, False), listener=ear)]
 
@@ -97,9 +97,12 @@ class Ros2(Transport):
 
     def close(self) -> None:
         """Leave the domain."""
+        if self._closed:
+            return
         self._closed = True
         self._kept.clear()
-        self._publisher = self._subscriber = self._writers = self._participant = None
+        for name in ("_publisher", "_subscriber", "_writers", "_participant"):
+            delattr(self, name)
 
 
 @lru_cache

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Any
+from typing import Any, cast
 
 from cyclonedds.idl import make_idl_struct, types
 
@@ -67,7 +67,8 @@ def _annotation(kind: Any) -> Any:
     if node.name == "NAME":
         return _nested(detail)
     inner = _annotation(detail[0])
-    return types.array[inner, detail[1]] if node.name == "ARRAY" else types.sequence[inner]
+    array, sequence = cast("Any", types.array), cast("Any", types.sequence)
+    return array[inner, detail[1]] if node.name == "ARRAY" else sequence[inner]
 
 
 def _serialize(self: Any, buffer: Any = None, endianness: Any = None, use_version_2: Any = None) -> bytes:

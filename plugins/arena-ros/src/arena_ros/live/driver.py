@@ -34,7 +34,7 @@ from arena_core import (
 from arena_ros import conversions as to
 from arena_ros.bags.footprint import nearest
 from arena_ros.bags.records import ALL_CONTACTS, ALL_PEOPLE
-from arena_ros.codec import codec
+from arena_ros.codec import PEOPLE, codec
 from arena_ros.live.governor import STAND, Governor
 from arena_ros.live.inbox import Inbox
 from arena_ros.live.senses import Senses
@@ -81,10 +81,11 @@ class Driver:
         self._starts = Inbox(transport, own, "/initialpose", to.POSE_COVARIANCE)
         self._send = transport.publisher(target, to.TWIST)
         topics = {"/plan": to.PATH, "/waypoint": to.POSE_STAMPED, "/arena/pose": to.POSE_COVARIANCE, "/arena/status": to.TEXT}
-        topics |= {"/arena/local_costmap": to.GRID, "/arena/tracks": to.PEOPLE}
+        topics |= {"/arena/local_costmap": to.GRID, "/arena/tracks": PEOPLE}
         self._out = {topic: (transport.publisher(topic, kind, latched=topic == "/plan"), kind) for topic, kind in topics.items()}
         self._tf = None if senses.is_external else transport.publisher("/tf", to.TF)
         self._shown = float("-inf")
+        self._estimate: Pose | None = None  # where it believed to be when it was last driven
         self.latencies: list[float] = []
         self.wakes: list[float] = []
 
@@ -135,8 +136,8 @@ class Driver:
             return self._senses.pose()
         if start is not None:
             return start
-        if (last := getattr(self, "_estimate", None)) is not None:
-            return last
+        if self._estimate is not None:
+            return self._estimate
         tell("where the robot stands is not known: waiting for /initialpose (start=X,Y,THETA says it, pose=/tf takes it from elsewhere)")
         while not is_over():
             if (message := self._starts.newest()) is not None:

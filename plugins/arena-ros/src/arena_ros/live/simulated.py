@@ -11,7 +11,7 @@ import numpy as np
 
 from arena_core import Benchmark, Scenario, Snapshot
 from arena_ros import conversions as to
-from arena_ros.codec import BadMessage, codec
+from arena_ros.codec import PEOPLE, BadMessage, codec
 from arena_ros.transport import Transport
 
 BEGIN = 10**9  # ns of the clock when the first episode begins: 0 is "no time" to ROS
@@ -30,7 +30,7 @@ class SimulatedRobot:
         self._period = self._ticks * self._simulator.inner_step
         own = self._codec = codec(transport.ros)
         kinds = {"/scan": to.SCAN, "/odom": to.ODOMETRY, "/ground_truth": to.ODOMETRY, "/tf": to.TF, "/clock": to.CLOCK}
-        kinds |= {"/people": to.PEOPLE, "/people_markers": to.MARKERS}
+        kinds |= {"/people": PEOPLE, "/people_markers": to.MARKERS}
         latched = {"/map": to.GRID, "/tf_static": to.TF, "/arena/scenario_goal": to.POSE_STAMPED}
         self._out = {topic: (transport.publisher(namespace + topic, kind), kind) for topic, kind in kinds.items()}
         self._out |= {topic: (transport.publisher(namespace + topic, kind, latched=True), kind) for topic, kind in latched.items()}
