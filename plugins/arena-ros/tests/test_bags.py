@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import json
 import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
@@ -9,6 +10,7 @@ import pytest
 
 from arena_core import ArenaError, read_record, tell
 from arena_core.cli.main import main
+from arena_ros.bags.scenarios import simplified
 from arena_ros.bags.stream import open_bags
 from arena_ros.codec import codec
 
@@ -180,3 +182,21 @@ def test_a_file_that_is_no_recording_is_one_line(tmp_path: Path, capsys: pytest.
         (tmp_path / name).write_bytes(b"no recording")
         assert imported(tmp_path / name, "--out", tmp_path / "out") == 2
         assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_a_recording_becomes_a_scenario_that_can_be_run(write_recording: Recording, tmp_path: Path) -> None:
+    bag = write_recording(tmp_path / "lab.mcap", [(0.0, 4.0, 0.0)])
+    target = tmp_path / "lab.json"
+    assert main(["ros", "scenario-from", str(bag), "--out", str(target), "robot=jackal"]) == 0
+    (problem,) = json.loads(target.read_text())["scenarios"]
+    assert problem["start"][:2] == [0.0, 0.0]
+    assert problem["goal"] == [4.0, 0.0, 0.0]
+    assert problem["pedestrians"] == [{"position": [2.0, 2.0], "radius": 0.3, "waypoints": []}]
+    room = ["world=empty", "world.width=20", "world.height=20", "robot=jackal"]
+    assert main(["scenario", "show", str(target)]) == 0
+    assert main(["scenario", "check", str(target), *room]) in (0, 1)
+
+
+def test_a_way_is_kept_by_its_corners() -> None:
+    way = np.concatenate((np.stack((np.linspace(0, 4, 50), np.zeros(50)), 1), np.stack((np.full(50, 4.0), np.linspace(0, 3, 50)), 1)))
+    np.testing.assert_allclose(way[simplified(way, 0.3)], [[0, 0], [4, 0], [4, 3]], atol=0.1)

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from arena_core import Command, ConfigurationError, Positive, Words, find_runs, read_words
+
+if TYPE_CHECKING:
+    from arena_ros.bags.importing import Request
 
 USAGES = {
     "export": "arena ros export RUN --to FILE.bag|.mcap|.db3 [episodes=0,3]",
     "import": "arena ros import BAG... --out DIR [robot=NAME] [planner=NAME] [map=MAP.yaml] [scans=true] [without=...] [ROLE=/TOPIC]",
+    "scenario-from": "arena ros scenario-from BAG... --out SCENARIO.json [robot=NAME] [map=MAP.yaml] [ROLE=/TOPIC]",
     "drive": "arena ros drive planner=NAME robot=NAME map=MAP.yaml [transport=ros1] [goal=X,Y] [start=X,Y,THETA] [pose=/tf] [...]",
     "simulate": "arena ros simulate [transport=ros1] [episode=0] [rate=1.0] [lock_step=true] [KEY=VALUE ...]",
     "watchdog": "arena ros watchdog [transport=ros1] [from=/arena/cmd_vel] [to=/cmd_vel]",
@@ -22,7 +26,7 @@ IMPORT_KEYS = ("out", "robot", "planner", "map", "scans", *READING_KEYS)
 class RosCommand(Command):
     """Bags in and out, driving a robot, being one."""
 
-    help: ClassVar[str] = "bags and robots of ROS 1 and ROS 2: arena ros export|import|drive|simulate|watchdog ..."
+    help: ClassVar[str] = "bags and robots of ROS 1 and ROS 2: arena ros export|import|scenario-from|drive|simulate|watchdog ..."
 
     def run(self, arguments: Sequence[str]) -> int:
         """Run what the first word says."""
@@ -38,7 +42,14 @@ class RosCommand(Command):
 
 
 def _actions() -> Mapping[str, Callable[[Sequence[str]], int]]:
-    return {"export": _export, "import": _import, "drive": _drive, "simulate": _simulate, "watchdog": _watchdog}
+    return {
+        "export": _export,
+        "import": _import,
+        "scenario-from": _scenario_from,
+        "drive": _drive,
+        "simulate": _simulate,
+        "watchdog": _watchdog,
+    }
 
 
 def _as_keys(words: Sequence[str]) -> list[str]:
@@ -77,12 +88,33 @@ def _episodes(words: Words) -> list[int] | None:
 
 
 def _import(arguments: Sequence[str]) -> int:
-    from arena_ros.bags.importing import Request, import_bags, reading_of
+    from arena_ros.bags.importing import import_bags
+
+    words, request = _request("import", arguments)
+    folder = Path(words.required("out"))
+    rows = import_bags([Path(name) for name in words.names], folder, request)
+    print(f"{folder}: {len(rows)} episode{'s' * (len(rows) != 1)}")
+    return 0
+
+
+def _scenario_from(arguments: Sequence[str]) -> int:
+    from arena_ros.bags.scenarios import scenario_from
+
+    words, request = _request("scenario-from", arguments)
+    target = Path(words.required("out"))
+    count = scenario_from([Path(name) for name in words.names], target, request)
+    print(f"{target}: {count} problem{'s' * (count != 1)}")
+    return 0
+
+
+def _request(action: str, arguments: Sequence[str]) -> tuple[Words, Request]:
+    """Return the words of an action that reads recordings, and what is asked for."""
+    from arena_ros.bags.importing import Request, reading_of
     from arena_ros.bags.roles import roles
 
-    words = read_words(USAGES["import"], arguments, names=None, keys=(*IMPORT_KEYS, *roles()))
+    words = read_words(USAGES[action], arguments, names=None, keys=(*IMPORT_KEYS, *roles()))
     if not words.names:
-        raise ConfigurationError(f"no recording is given; allowed: {USAGES['import']}")
+        raise ConfigurationError(f"no recording is given; allowed: {USAGES[action]}")
     reading = reading_of(
         words.value("period", Positive, 0.1),
         words.value("goal_radius", Positive, 0.3),
@@ -101,10 +133,7 @@ def _import(arguments: Sequence[str]) -> int:
         words.value("scans", bool, False),
         reading,
     )
-    folder = Path(words.required("out"))
-    rows = import_bags([Path(name) for name in words.names], folder, request)
-    print(f"{folder}: {len(rows)} episode{'s' * (len(rows) != 1)}")
-    return 0
+    return words, request
 
 
 def _drive(arguments: Sequence[str]) -> int:
