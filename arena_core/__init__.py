@@ -97,7 +97,9 @@ from arena_core.values.episode import (
 from arena_core.values.geometry import Footprint, Pose, Twist, wrap_angle
 from arena_core.values.obstacles import with_obstacles
 from arena_core.values.parameters import Bounds, Count, Fraction, Horizon, NonNegative, NonNegativeInt, Positive, PositiveInt, Samples, Step
+from arena_core.values.rectangles import rectangles
 from arena_core.values.robot import Lidar, OdometryModel, Robot, VelocityLimits, make_robot
+from arena_core.values.scene import Prism, Scene, raised, scene_of, wall_boxes
 from arena_core.values.sensing import NO_TRACKS, LaserScan, Observation, Odometry, PoseEstimate, Sensors, Tracks
 from arena_core.values.staging import Staging
 from arena_core.values.success import COLLISIONS_ALLOWED, succeeded
@@ -207,6 +209,7 @@ __all__ = [
     "PoseEstimate",
     "Positive",
     "PositiveInt",
+    "Prism",
     "Recorder",
     "ReferenceLocalizer",
     "Register",
@@ -222,6 +225,7 @@ __all__ = [
     "Samples",
     "ScanMemory",
     "Scenario",
+    "Scene",
     "Sensors",
     "Simulator",
     "Situation",
@@ -273,6 +277,7 @@ __all__ = [
     "option_files",
     "plain",
     "pose_at_scan",
+    "raised",
     "read_array",
     "read_arrays",
     "read_bytes",
@@ -283,12 +288,15 @@ __all__ = [
     "read_text",
     "read_words",
     "read_yaml",
+    "rectangles",
     "robot_meta",
     "run",
     "run_episode",
+    "scene_of",
     "stream_key",
     "succeeded",
     "tell",
+    "wall_boxes",
     "with_obstacles",
     "wrap_angle",
     "write_bytes_whole",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pathlib
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar, Literal, TypeVar
 
 import numpy as np
@@ -278,7 +278,7 @@ class Snapshot:
 
     Arrays with leading axis N: ``stamps`` s, ``poses`` (N, 3), ``twists`` (N, 3) in ``base_link``, ``clearances``, ``clearances_people`` m,
     ``in_contact``, ``contact_times`` s, ``ranges`` (N, B) float32 m, ``scan_stamps`` s, ``odometry_stamps`` s, ``odometry_poses`` (N, 3),
-    ``odometry_twists`` (N, 3).
+    ``odometry_twists`` (N, 3). ``failures`` say of each world in which the simulation cannot go on why: its robot stands from then on.
     """
 
     stamps: FloatArray
@@ -296,6 +296,7 @@ class Snapshot:
     odometry_poses: FloatArray
     odometry_twists: FloatArray
     scan_header: LaserScan
+    failures: Mapping[int, str] = field(default_factory=dict)
 
     def state(self, slot: int) -> WorldState:
         """Return the truth of world ``slot``."""

@@ -73,7 +73,8 @@ class Verdicts:
     """What the judge says of N worlds at one instant, (N,) each, at most one of the first three being true.
 
     ``arrived``: arrival was claimed, and is true; ``mistaken``: it is not; ``collided``: a contact began since the instant before.
-    ``failed``: this was the last collision that is allowed; ``timed_out``: the time is over, and no arrival was claimed.
+    ``failed``: this was the last collision that is allowed, or the simulation cannot go on; ``timed_out``: the time is over, and no arrival
+    was claimed.
     """
 
     arrived: Flags
@@ -139,6 +140,7 @@ class EpisodeLoop:
         near = self.goal_distances() <= self.goal_radii + ARRIVAL_SLACK
         collided = np.array([len(contacts) > 0 for contacts in self.snapshot.contacts]) & ~claims
         failed = collided & (self.collisions >= self._collisions_to_end)
+        failed[[slot for slot in self.snapshot.failures if not claims[slot]]] = True
         timed_out = (self.snapshot.stamps >= self.time_limits - 1e-9) & ~claims
         return Verdicts(claims & near, claims & ~near, collided, failed, timed_out)
 

@@ -39,7 +39,9 @@ class Timing:
 def run_episode(
     scenario: Scenario, simulator: Simulator, navigator: Navigator, timing: Timing, recorder: Recorder, stop_on_collision: bool
 ) -> EpisodeRecord:
-    """Run one scenario to its end and return its record; whatever the navigator raises ends it with the outcome ``error``."""
+    """Run one scenario to its end and return its record; what the navigator raises, and what the simulator
+    cannot go on from, ends it with the outcome ``error``.
+    """
     worlds = EpisodeLoop(simulator, navigator.control_period, 1, 1 if stop_on_collision else None)
     snapshot = worlds.begin([scenario])
     state, sensors = snapshot.state(0), snapshot.sensors(0)
@@ -62,6 +64,8 @@ def run_episode(
         late = math.ceil(timing.delay(decision) / simulator.inner_step - 1e-9)
         snapshot = worlds.drive(decision.command.array()[None], np.array((late,)))
         state, sensors = snapshot.state(0), snapshot.sensors(0)
+        if snapshot.failures:
+            return recorder.finish(state, "error", snapshot.failures[0])
 
 
 def mission_of(scenario: Scenario) -> Mission:

@@ -160,7 +160,7 @@ def gazebo() -> bytes:
     from arena_worlds.formats.sdf_writer import sdf_text
     from arena_worlds.formats.solids import solids_of
 
-    return sdf_text(solids_of(room()), "room", 1.0).encode()
+    return sdf_text(solids_of(room()).raised(1.0), "room").encode()
 
 
 def const(content: bytes) -> Callable[[], bytes]:

@@ -10,13 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from arena_core import FREE, OCCUPIED, InputFileError, OccupancyGrid, Pose, wrap_angle
+from arena_core import FREE, OCCUPIED, InputFileError, OccupancyGrid, Pose, rectangles, wrap_angle
 from arena_worlds.formats.mjcf import read_mjcf
 from arena_worlds.formats.mjcf_writer import mjcf_text
 from arena_worlds.formats.sdf import read_sdf
 from arena_worlds.formats.sdf_writer import sdf_text
 from arena_worlds.formats.solids import Solids, grid_of, solids_of
-from arena_worlds.rectangles import rectangles
 
 masks = arrays.arrays(bool, st.tuples(st.integers(1, 12), st.integers(1, 12)))
 origins = st.builds(Pose, st.floats(-50, 50), st.floats(-50, 50), st.floats(-math.pi, math.pi))
@@ -83,7 +82,7 @@ def test_a_grid_survives_gazebo_and_mujoco(tmp_path_factory: pytest.TempPathFact
     given_grid = grid(mask, resolution, origin)
     for name, text, read in (("w.sdf", sdf_text, read_sdf), ("w.xml", mjcf_text, read_mjcf)):
         path = folder / name
-        path.write_text(text(solids_of(given_grid), "w", 2.0))
+        path.write_text(text(solids_of(given_grid).raised(2.0), "w"))
         assert_same(grid_of(read(path), resolution, 1.0), given_grid)
 
 
@@ -92,7 +91,7 @@ def test_mujoco_loads_the_model_and_its_rays_end_at_the_walls(tmp_path: Path) ->
     mask = np.zeros((40, 60), bool)
     mask[10:30, 20] = True
     given_grid = grid(mask, 0.1, Pose(1.0, -2.0, 0.5))
-    model = mujoco.MjModel.from_xml_string(mjcf_text(solids_of(given_grid), "w", 1.5))
+    model = mujoco.MjModel.from_xml_string(mjcf_text(solids_of(given_grid).raised(1.5), "w"))
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     assert (model.ngeom, model.nq) == (2, 0)
@@ -107,7 +106,7 @@ def test_mujoco_loads_the_model_and_its_rays_end_at_the_walls(tmp_path: Path) ->
 @pytest.mark.parametrize("size", [None, (6.0, 5.0)])
 def test_turned_boxes_and_cylinders_survive(tmp_path: Path, ending, text, read, size) -> None:
     given_solids = Solids(Pose(0.0, 0.0) if size is None else Pose(-2.0, 1.0, 0.7), size, BOXES, CYLINDERS)
-    (tmp_path / f"w{ending}").write_text(text(given_solids, "w", 2.0))
+    (tmp_path / f"w{ending}").write_text(text(given_solids.raised(2.0), "w"))
     found = read(tmp_path / f"w{ending}")
     assert found.boxes == pytest.approx(BOXES)
     assert found.cylinders == pytest.approx(CYLINDERS)
@@ -134,7 +133,7 @@ ATTRIBUTES = {"sdf": {"version"}, "light": {"name", "type"}, **{tag: {"name"} fo
 
 
 def test_a_gazebo_world_has_the_elements_of_the_specification() -> None:
-    root = ElementTree.fromstring(sdf_text(Solids(Pose(1.0, 2.0, 0.5), (9.0, 9.0), BOXES, CYLINDERS), "w", 2.0))
+    root = ElementTree.fromstring(sdf_text(Solids(Pose(1.0, 2.0, 0.5), (9.0, 9.0), BOXES, CYLINDERS).raised(2.0), "w"))
     for element in root.iter():
         required, allowed = SPECIFICATION.get(element.tag, (set(), set()))
         tags = [child.tag for child in element]
@@ -208,7 +207,7 @@ def test_bad_mujoco_model_is_said_in_one_line(tmp_path: Path, text: str, said: s
 @given(cuts=st.lists(st.tuples(st.integers(0, 4000), st.integers(0, 40), st.sampled_from(TOKENS)), min_size=1, max_size=3))
 @settings(deadline=None, max_examples=150)
 def test_a_spoilt_world_file_is_read_or_refused_in_one_line(tmp_path_factory: pytest.TempPathFactory, ending, text, read, cuts) -> None:
-    content = text(Solids(Pose(1.0, 2.0, 0.5), (9.0, 9.0), BOXES, CYLINDERS), "w", 2.0)
+    content = text(Solids(Pose(1.0, 2.0, 0.5), (9.0, 9.0), BOXES, CYLINDERS).raised(2.0), "w")
     for place, length, token in cuts:
         place %= len(content)
         content = content[:place] + token + content[place + length :]

@@ -65,12 +65,12 @@ def scan(worlds: Worlds, device: Scanner, k: int, tick: int, ranges: NDArray[np.
             cast_disc(x, y, yaw, device.beams, right_x, right_y, radius, ranges)
         else:
             cast_disc(x, y, yaw, device.beams, person.x, person.y, person.radius, ranges)
-    _disturb(device, robot, tick, ranges)
+    disturb(device, robot, tick, ranges)
     robot.scan_tick = tick
 
 
 @inner
-def _disturb(device: Scanner, robot: Row, tick: int, ranges: NDArray[np.float32]) -> None:
+def disturb(device: Scanner, robot: Row, tick: int, ranges: NDArray[np.float32]) -> None:
     """Add Gaussian noise to what was hit; what is nearer than the minimum range reads as the minimum range."""
     if device.noise_std > 0.0:
         normals(robot.scan_key, tick, device.normals)

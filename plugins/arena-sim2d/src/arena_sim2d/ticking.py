@@ -33,7 +33,7 @@ def run_ticks(
 ) -> None:
     """Step N worlds by ``ticks`` ticks of ``dt`` s; of the scans due within ``scan_within`` ticks only the newest is taken."""
     for k in range(len(commands)):
-        world = _world(worlds, k)
+        world = world_of(worlds, k)
         robot = world.robots[world.k]
         scan_tick = robot.tick + scan_within - (robot.tick + scan_within) % device.period
         for _ in range(ticks):
@@ -59,7 +59,7 @@ def scan_slots(worlds: Worlds, device: Scanner, ranges: NDArray[np.float32], slo
 def measure_gaps(worlds: Worlds, slots: NDArray[np.int64], gaps: Floats) -> None:
     """Fill ``gaps`` (N, 3) between the robots in these slots and walls, obstacles and people, m; negative in overlaps, inf without any."""
     for k in slots:
-        world, robot = _world(worlds, k), worlds.robots[k]
+        world, robot = world_of(worlds, k), worlds.robots[k]
         place(world.body, robot.x, robot.y, robot.theta)
         gaps[k, 0] = gap_to_walls(world.walls, world.body, math.inf)[0]
         gaps[k, 1] = gap_to_obstacles(world, world.body, math.inf)[0]
@@ -67,7 +67,7 @@ def measure_gaps(worlds: Worlds, slots: NDArray[np.int64], gaps: Floats) -> None
 
 
 @inner
-def _world(worlds: Worlds, k: int) -> World:
+def world_of(worlds: Worlds, k: int) -> World:
     """Return world k."""
     return World(
         walls_of(worlds.stack, worlds.grid_of[k]),

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from xml.etree import ElementTree
 
-from arena_core import Pose
+from arena_core import Pose, Scene
 from arena_worlds.formats.sdf import GROUND
-from arena_worlds.formats.solids import Solids
 
 SUN = {
     "cast_shadows": "1",
@@ -19,20 +18,19 @@ SUN = {
 GROUND_COLOUR, WALL_COLOUR = "0.8 0.8 0.8 1", "0.45 0.5 0.6 1"
 
 
-def sdf_text(solids: Solids, name: str, height: float) -> str:
-    """Return the world file of solids ``height`` m high: one static model for all of them, one for the ground."""
+def sdf_text(scene: Scene, name: str) -> str:
+    """Return the world file of a scene: one static model for all of them, one for the ground."""
     root = ElementTree.Element("sdf", version="1.6")
     world = ElementTree.SubElement(root, "world", name=name)
     _add_light(world)
-    if solids.size is not None:
-        _add_ground(_model(world, GROUND, solids.origin), *solids.size)
-    walls = _model(world, "walls", solids.origin)
-    middle = 0.5 * height
-    for number, (x, y, yaw, length, width) in enumerate(solids.boxes.tolist()):
-        _add_shape(walls, f"box_{number}", (x, y, middle, yaw), "box", {"size": (length, width, height)}, WALL_COLOUR)
-    for number, (x, y, radius) in enumerate(solids.cylinders.tolist()):
-        measures = {"radius": (radius,), "length": (height,)}
-        _add_shape(walls, f"cylinder_{number}", (x, y, middle, 0.0), "cylinder", measures, WALL_COLOUR)
+    if scene.size is not None:
+        _add_ground(_model(world, GROUND, scene.origin), *scene.size)
+    walls = _model(world, "walls", scene.origin)
+    for number, (x, y, yaw, length, width, bottom, top) in enumerate(scene.boxes.tolist()):
+        _add_shape(walls, f"box_{number}", (x, y, 0.5 * (bottom + top), yaw), "box", {"size": (length, width, top - bottom)}, WALL_COLOUR)
+    for number, (x, y, radius, bottom, top) in enumerate(scene.cylinders.tolist()):
+        measures = {"radius": (radius,), "length": (top - bottom,)}
+        _add_shape(walls, f"cylinder_{number}", (x, y, 0.5 * (bottom + top), 0.0), "cylinder", measures, WALL_COLOUR)
     ElementTree.indent(root)
     return '<?xml version="1.0"?>\n' + ElementTree.tostring(root, "unicode") + "\n"
 

@@ -52,7 +52,7 @@ def write_site(path: Path, site: OccupancyGrid | Solids, resolution: float, marg
     if path.suffix in (*GAZEBO, *MUJOCO):
         solids = site if isinstance(site, Solids) else solids_of(site)
         text = sdf_text if path.suffix in GAZEBO else mjcf_text
-        write_text_whole(path, text(solids, path.stem, height))
+        write_text_whole(path, text(solids.raised(height), path.stem))
         return [path]
     grid = grid_of(site, resolution, margin) if isinstance(site, Solids) else site
     if path.suffix == ".yaml":

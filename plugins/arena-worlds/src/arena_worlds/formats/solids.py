@@ -9,8 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import FREE, LIMITS, OCCUPIED, ConfigurationError, OccupancyGrid, Pose
-from arena_worlds.rectangles import rectangles
+from arena_core import FREE, LIMITS, OCCUPIED, ConfigurationError, OccupancyGrid, Pose, Scene, raised, wall_boxes
 
 EDGE = 1e-6  # cells; a box's side that lies this close to a cell's centre counts as beyond it
 
@@ -27,6 +26,10 @@ class Solids:
     size: tuple[float, float] | None
     boxes: NDArray[np.float64]
     cylinders: NDArray[np.float64]
+
+    def raised(self, height: float) -> Scene:
+        """Return the solids as they stand, all ``height`` m high."""
+        return Scene(self.origin, self.size, raised(self.boxes, height), raised(self.cylinders, height))
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,19 +58,8 @@ def solids_from(shapes: Sequence[Shape]) -> Solids:
 
 def solids_of(grid: OccupancyGrid) -> Solids:
     """Return the boxes that fill a grid's occupied cells, each cell once."""
-    first_row, first_column, end_row, end_column = rectangles(grid.occupied).T * grid.resolution
-    boxes = np.stack(
-        (
-            0.5 * (first_column + end_column),
-            0.5 * (first_row + end_row),
-            np.zeros(len(first_row)),
-            end_column - first_column,
-            end_row - first_row,
-        ),
-        axis=1,
-    )
     rows, columns = grid.data.shape
-    return Solids(grid.origin, (columns * grid.resolution, rows * grid.resolution), boxes, np.empty((0, 3)))
+    return Solids(grid.origin, (columns * grid.resolution, rows * grid.resolution), wall_boxes(grid), np.empty((0, 3)))
 
 
 def grid_of(solids: Solids, resolution: float, margin: float) -> OccupancyGrid:

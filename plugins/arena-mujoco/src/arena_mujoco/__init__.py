@@ -1,0 +1,15 @@
+"""3-D physics simulator on MuJoCo."""
+
+from arena_core import Register, hookimpl
+
+
+@hookimpl
+def register_simulators(register: Register) -> None:
+    """Offer the 3-D simulator."""
+    register("mujoco", "arena_mujoco.simulator:MujocoSimulator")
+
+
+@hookimpl
+def config_package() -> str:
+    """Name the configuration package."""
+    return "arena_mujoco.conf"

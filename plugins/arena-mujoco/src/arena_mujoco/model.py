@@ -1,0 +1,227 @@
+"""One world as a MuJoCo model: what stands, the robot and the people, written as MJCF."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core import ArenaError, Footprint, Gait, Prism, Robot, Scenario, Scene, scene_of
+from arena_mujoco.body import STEERED, Body
+from arena_mujoco.triangles import convex_parts
+
+if TYPE_CHECKING:
+    import mujoco
+
+Drive = Literal["planar", "wheels"]
+Element = ElementTree.Element
+STANDS, MOVES = ("2", "1"), ("1", "2")  # contype and conaffinity: what moves touches what stands, nothing else touches
+UNSEEN, SEEN = "3", "0"  # groups of geoms: only the second is drawn and met by rays of the lidar
+PUSH = 1.5  # a planar base is pushed by so many times the force that its acceleration takes, at the most
+GRIP = 20.0  # 1/s; wheels' motors and omniwheels take up a speed within a twentieth of a second at the slowest
+STRONG = 1.3  # a motor that has so many times the torque at which its tyre slips never stalls: it is not limited, which is quicker to solve
+# A motor seen through its gear is heavy to turn. MuJoCo needs it to be heavier than the robot: its friction acts on what a wheel weighs,
+# not on the servo that turns it. With light wheels a Jackal turns on the spot at a fifth of its rate.
+ROTOR = 5.0
+PERSON_HEIGHT, HIP_HEIGHT = 1.75, 0.85  # m
+AWAY = -100.0  # m; where people stand who are not in the world
+
+
+@dataclass(frozen=True, slots=True)
+class Physics:
+    """How models are made: step s, height of walls m, friction, and how the robot is driven."""
+
+    timestep: float
+    wall_height: float
+    floor_friction: float
+    wall_friction: float
+    drive: Drive
+    legs: bool
+
+
+def compile_model(text: str, name: str) -> mujoco.MjModel:
+    """Return the compiled model; raise ArenaError with MuJoCo's reason."""
+    import mujoco
+
+    try:
+        return mujoco.MjModel.from_xml_string(text)
+    except ValueError as error:
+        raise ArenaError(f"{name}: MuJoCo refuses the model ({' '.join(str(error).split())})") from None
+
+
+def model_text(robot: Robot, body: Body, scenario: Scenario, radii: NDArray[np.float64], gait: Gait | None, physics: Physics) -> str:
+    """Return the MJCF of one world: the body ``map`` with all that stands, the body ``robot``, and a mocap body for each person."""
+    root = ElementTree.Element("mujoco", model="arena")
+    ElementTree.SubElement(root, "compiler", angle="radian")
+    option = ElementTree.SubElement(root, "option", timestep=_text(physics.timestep), integrator="implicitfast")
+    if physics.drive == "wheels":
+        option.set("cone", "elliptic")  # tyres hold alike in all directions
+    # with several contacts for two bodies (multiccd), MuJoCo 4.0 takes the wrong side of a sharp edge: they sink into each other
+    ElementTree.SubElement(option, "flag", autoreset="disable", multiccd="disable")
+    default = ElementTree.SubElement(root, "default")
+    friction = _text(physics.wall_friction, 0.005, 0.0001)
+    ElementTree.SubElement(default, "geom", friction=friction, solref="0.004 2", solimp="0.95 0.99 0.001", priority="0")
+    assets = ElementTree.SubElement(root, "asset")
+    world = ElementTree.SubElement(root, "worldbody")
+    actuators = ElementTree.SubElement(root, "actuator")
+    add_scene(world, assets, scene_of(scenario.world.grid, scenario.obstacles, physics.wall_height))
+    if physics.drive == "planar":
+        _add_planar(world, assets, actuators, robot, body)
+    else:
+        _add_wheeled(world, assets, actuators, robot, body, physics)
+    for number, radius in enumerate(radii.tolist()):
+        add_person(world, number, radius, None if gait is None or not physics.legs else gait)
+    return ElementTree.tostring(root, "unicode")
+
+
+def add_scene(world: Element, assets: Element, scene: Scene, **looks: str) -> None:
+    """Add all that stands in a world, as geoms of one body at the map's origin."""
+    place = scene.origin
+    body = ElementTree.SubElement(world, "body", name="map", pos=_text(place.x, place.y, 0.0), euler=_text(0.0, 0.0, place.theta))
+    for x, y, yaw, length, width, bottom, top in scene.boxes.tolist():
+        size = _text(0.5 * length, 0.5 * width, 0.5 * (top - bottom))
+        turn = {"euler": _text(0.0, 0.0, yaw)} if yaw else {}
+        _add_geom(body, STANDS, "box", size, pos=_text(x, y, 0.5 * (bottom + top)), **turn, **looks)
+    for x, y, radius, bottom, top in scene.cylinders.tolist():
+        size = _text(radius, 0.5 * (top - bottom))
+        _add_geom(body, STANDS, "cylinder", size, pos=_text(x, y, 0.5 * (bottom + top)), **looks)
+    for number, prism in enumerate(scene.prisms):
+        for part, corners in enumerate(convex_parts(prism.vertices_xy)):
+            _add_prism(body, assets, f"prism_{number}_{part}", STANDS, Prism(corners, prism.bottom, prism.top), **looks)
+
+
+def add_person(world: Element, number: int, radius: float, gait: Gait | None) -> None:
+    """Add a person: an upright cylinder that robots touch, and below the hips two legs that lidars see, where it walks."""
+    body = ElementTree.SubElement(world, "body", name=f"person_{number}", mocap="true", pos=_text(AWAY, AWAY - number, 0.0))
+    half = 0.5 * PERSON_HEIGHT
+    group = SEEN if gait is None else UNSEEN
+    _add_geom(body, STANDS, "cylinder", _text(radius, half), pos=_text(0.0, 0.0, half), group=group)
+    if gait is None:
+        return
+    for side in ("left", "right"):
+        leg = ElementTree.SubElement(world, "body", name=f"person_{number}_{side}", mocap="true", pos=_text(AWAY, AWAY - number, 0.0))
+        size = _text(min(gait.leg_radius, 0.5 * radius), 0.5 * HIP_HEIGHT)
+        _add_geom(leg, ("0", "0"), "cylinder", size, pos=_text(0.0, 0.0, 0.5 * HIP_HEIGHT), group=SEEN)
+
+
+def _add_planar(world: Element, assets: Element, actuators: Element, robot: Robot, body: Body) -> None:
+    """Add a robot that slides along x and y of ``map`` and turns, each by a force that is limited."""
+    base = ElementTree.SubElement(world, "body", name="robot")
+    inertia, limits = planar_inertia(robot, body), robot.limits
+    force = PUSH * body.mass * max(limits.ax_max, limits.ay_max, limits.vx_max * limits.wz_max)
+    torque = PUSH * inertia * limits.alpha_max
+    for name, kind, axis, most in (("x", "slide", "1 0 0", force), ("y", "slide", "0 1 0", force), ("yaw", "hinge", "0 0 1", torque)):
+        ElementTree.SubElement(base, "joint", name=name, type=kind, axis=axis)
+        ElementTree.SubElement(actuators, "motor", name=name, joint=name, ctrllimited="true", ctrlrange=_text(-most, most))
+    spread = _text(inertia, inertia, inertia)
+    ElementTree.SubElement(base, "inertial", pos=_text(0.0, 0.0, body.centre_height), mass=_text(body.mass), diaginertia=spread)
+    _add_hull(base, assets, robot.footprint, body.clearance, body.height)
+
+
+def planar_inertia(robot: Robot, body: Body) -> float:
+    """Return a planar base's moment of inertia about the vertical, that of a disc, kg m2."""
+    return 0.5 * body.mass * robot.footprint.radius**2
+
+
+def _add_hull(base: Element, assets: Element, footprint: Footprint, bottom: float, top: float) -> None:
+    """Add what of the robot touches others: its footprint, upright."""
+    if footprint.is_circle:
+        size = _text(footprint.radius, 0.5 * (top - bottom))
+        _add_geom(base, MOVES, "cylinder", size, name="hull", pos=_text(0.0, 0.0, 0.5 * (bottom + top)), group=UNSEEN)
+    else:
+        _add_prism(base, assets, "hull", MOVES, Prism(footprint.vertices_xy, bottom, top), name="hull", group=UNSEEN)
+
+
+def _add_wheeled(world: Element, assets: Element, actuators: Element, robot: Robot, body: Body, physics: Physics) -> None:
+    """Add a robot that stands on its wheels on the floor, each turned by a motor at a velocity, with a limited torque."""
+    grip = _text(physics.floor_friction, 0.005, 0.0001)
+    touch = {"contype": "4", "conaffinity": "4", "solref": "0.02 1"}
+    ElementTree.SubElement(world, "geom", name="floor", type="plane", size="0 0 1", friction=grip, group=SEEN, **touch)
+    base = ElementTree.SubElement(world, "body", name="robot")
+    ElementTree.SubElement(base, "freejoint", name="base")
+    centre, spread = _text(*body.centre_xy, body.centre_height), _text(*body.inertia)
+    ElementTree.SubElement(base, "inertial", pos=centre, mass=_text(body.chassis_mass), diaginertia=spread)
+    _add_hull(base, assets, robot.footprint, body.clearance, body.height)
+    if robot.kinematics == "omnidirectional":
+        _add_omniwheels(base, actuators, body, physics)
+    else:
+        _add_rolling_wheels(base, actuators, robot, body, physics, grip)
+    for x, y in body.casters:
+        _add_slider(base, x, y, min(0.3 * body.wheels.radius, 0.01), touch)
+
+
+def _add_slider(base: Element, x: float, y: float, radius: float, touch: dict[str, str]) -> None:
+    """Add a support that slides without friction: the larger of two frictions would count, so it has priority."""
+    free = {"friction": "0 0 0", "condim": "1", "priority": "1"}
+    ElementTree.SubElement(base, "geom", type="sphere", size=_text(radius), pos=_text(x, y, radius), group=UNSEEN, **touch, **free)
+
+
+def _add_omniwheels(base: Element, actuators: Element, body: Body, physics: Physics) -> None:
+    """Add omniwheels: what carries slides freely, as on rollers; along its rim each pulls with what motor and floor can hold."""
+    wheels = body.wheels
+    load = body.mass * 9.81 / len(wheels.places)
+    most = min(wheels.torque / wheels.radius, physics.floor_friction * load)
+    for number, (x, y) in enumerate(wheels.places):
+        ElementTree.SubElement(base, "site", name=f"wheel_{number}", pos=_text(x, y, 0.0), euler=_text(0.0, 0.0, rim_angle(x, y)))
+        gain = body.mass * GRIP
+        reach = {"forcelimited": "true", "forcerange": _text(-most, most), "gear": "1 0 0 0 0 0"}
+        ElementTree.SubElement(actuators, "velocity", name=f"wheel_{number}", site=f"wheel_{number}", kv=_text(gain), **reach)
+        touch = {"contype": "4", "conaffinity": "4", "solref": "0.02 1"}
+        _add_slider(base, x, y, wheels.radius, touch)
+
+
+def _add_rolling_wheels(base: Element, actuators: Element, robot: Robot, body: Body, physics: Physics, grip: str) -> None:
+    """Add wheels with tyres, ellipsoids that touch the floor in a point; of a car, those ahead are steered and those behind driven."""
+    wheels = body.wheels
+    spin = 0.5 * wheels.mass * wheels.radius**2
+    load = body.mass * wheels.radius**2 / len(wheels.places)
+    slips = wheels.torque > STRONG * physics.floor_friction * body.mass * 9.81 * wheels.radius / len(wheels.places)  # before it stalls
+    rotor = ROTOR * load if slips else load
+    for number, (x, y) in enumerate(wheels.places):
+        name, steered = f"wheel_{number}", robot.kinematics == "ackermann" and x > STEERED
+        hub = ElementTree.SubElement(base, "body", name=name, pos=_text(x, y, wheels.radius))
+        if steered:
+            ElementTree.SubElement(hub, "joint", name=f"steer_{number}", type="hinge", axis="0 0 1", damping="0.2", armature="0.02")
+            servo = {"kp": "60", "kv": "2", "forcelimited": "true", "forcerange": "-20 20"}
+            ElementTree.SubElement(actuators, "position", name=f"steer_{number}", joint=f"steer_{number}", **servo)
+        turns = {"armature": _text(rotor)} if not steered else {}
+        ElementTree.SubElement(hub, "joint", name=name, type="hinge", axis="0 1 0", **turns)
+        rim = 0.5 * spin + wheels.mass * wheels.width**2 / 12.0
+        ElementTree.SubElement(hub, "inertial", pos="0 0 0", mass=_text(wheels.mass), diaginertia=_text(rim, spin, rim))
+        size = _text(wheels.radius, 0.5 * wheels.width, wheels.radius)
+        touch = {"contype": "4", "conaffinity": "4", "solref": "0.02 1"}
+        ElementTree.SubElement(hub, "geom", type="ellipsoid", size=size, friction=grip, condim="3", group=UNSEEN, **touch)
+        if not steered:
+            reach = {} if slips else {"forcelimited": "true", "forcerange": _text(-wheels.torque, wheels.torque)}
+            gain = (spin + load + rotor) * 10.0 * GRIP
+            ElementTree.SubElement(actuators, "velocity", name=name, joint=name, kv=_text(gain), **reach)
+
+
+def rim_angle(x: float, y: float) -> float:
+    """Return the direction in which an omniwheel pulls: counter-clockwise about base_link, rad."""
+    return math.atan2(y, x) + 0.5 * math.pi
+
+
+def _add_geom(body: Element, touches: Sequence[str], kind: str, size: str, **attributes: str) -> None:
+    contype, conaffinity = touches
+    ElementTree.SubElement(body, "geom", {"type": kind, "size": size, "contype": contype, "conaffinity": conaffinity, **attributes})
+
+
+def _add_prism(body: Element, assets: Element, mesh: str, touches: Sequence[str], prism: Prism, **attributes: str) -> None:
+    """Add a convex prism, as the mesh of its corners."""
+    corners = np.vstack([np.column_stack((prism.vertices_xy, np.full(len(prism.vertices_xy), z))) for z in (prism.bottom, prism.top)])
+    middle = corners.mean(axis=0)
+    ElementTree.SubElement(assets, "mesh", name=mesh, vertex=_text(*(corners - middle).ravel().tolist()), inertia="convex")
+    contype, conaffinity = touches
+    # MuJoCo moves a mesh to its centre of mass; a geom's pose then is that of the mesh as it was given
+    attributes = {"type": "mesh", "mesh": mesh, "contype": contype, "conaffinity": conaffinity, **attributes}
+    ElementTree.SubElement(body, "geom", {"pos": _text(*middle.tolist()), **attributes})
+
+
+def _text(*values: float) -> str:
+    return " ".join(f"{value + 0.0:.12g}" for value in values)

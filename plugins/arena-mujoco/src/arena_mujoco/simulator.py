@@ -1,0 +1,186 @@
+"""The simulator: the robots of N worlds move by rigid-body physics; people, contacts and lidar are those of the plane."""
+
+from __future__ import annotations
+
+import math
+from collections import OrderedDict
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core import (
+    Bounds,
+    ConfigurationError,
+    ImpossibleScenario,
+    OccupancyGrid,
+    PedestrianModel,
+    Positive,
+    Robot,
+    Scenario,
+    Snapshot,
+    Step,
+    wall_boxes,
+)
+from arena_kernels.entry import Entered
+from arena_mujoco.body import BodyFigures, body_of
+from arena_mujoco.model import Drive, Physics, compile_model, model_text
+from arena_mujoco.rays import Rays
+from arena_mujoco.ticking import RUNS, TIPPED, Motion, after_tick, before_tick, disturb_scan, planar_gears, show_people, wheel_gears
+from arena_sim2d.bodies import Floats
+from arena_sim2d.simulator import Sim2d
+
+if TYPE_CHECKING:
+    import mujoco
+
+MOST_BOXES = 20_000  # of a world's walls: MuJoCo then takes half a gigabyte
+KEPT = 32  # models of worlds that may begin again
+FAILURES = {TIPPED: "RobotTippedOver: it leans by more than simulator.tip_angle"}
+UNSTABLE_TEXT = "UnstablePhysics: positions or speeds are no longer finite; a smaller simulator.timestep may help"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Physical:
+    """One world's model and state, and the arrays of both that kernels read and write."""
+
+    model: mujoco.MjModel
+    data: mujoco.MjData
+    motion: Motion
+
+
+class MujocoSimulator(Sim2d):
+    """Steps N worlds, each by a model of its own; world k of N is bit for bit what it is alone."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        pedestrians: PedestrianModel,
+        inner_step: Step,
+        crowd_period: Positive,
+        drive: Drive,
+        lidar: Literal["slice", "rays"],
+        timestep: Positive,
+        fine_way: Annotated[float, Bounds(low=1e-4, high=0.1)],
+        wall_height: Positive,
+        floor_friction: Annotated[float, Bounds(low=0.01, high=10.0)],
+        wall_friction: Annotated[float, Bounds(low=0.0, high=10.0)],
+        tip_angle: Annotated[float, Bounds(low=0.1, high=1.5)],
+        body: BodyFigures,
+    ) -> None:
+        super().__init__(robot, pedestrians, inner_step, crowd_period)
+        _import_mujoco()
+        self._coarse = _steps(inner_step, timestep)
+        self._fine_way = fine_way
+        self._body = body_of(robot, body)
+        if self._body.lidar_height >= wall_height:
+            raise ConfigurationError(
+                f"simulator.wall_height is {wall_height:g}; allowed: above the lidar, {self._body.lidar_height:g} m high"
+            )
+        self._legs = lidar == "rays" and pedestrians.gait is not None
+        self._physics = Physics(timestep, wall_height, floor_friction, wall_friction, drive, self._legs)
+        wheeled = drive == "wheels"
+        self._gears = wheel_gears(robot, self._body, floor_friction, tip_angle) if wheeled else planar_gears(robot, self._body)
+        self._rays = Rays(robot.lidar, self._body.lidar_height) if lidar == "rays" else None
+        self._before, self._after, self._show_people = Entered(before_tick), Entered(after_tick), Entered(show_people)
+        self._models: OrderedDict[tuple[Any, ...], tuple[OccupancyGrid, mujoco.MjModel]] = OrderedDict()
+        self._physical: list[Physical | None] = []
+
+    def _reset_all(self, scenarios: Sequence[Scenario]) -> None:
+        self._physical = [None] * len(scenarios)
+        super()._reset_all(scenarios)
+
+    def _begin(self, slots: NDArray[np.int64]) -> None:
+        super()._begin(slots)
+        for slot in slots.tolist():
+            self._physical[slot] = self._physical_of(slot)
+            if self._rays is not None:
+                self._cast(slot, 0)
+
+    def _physical_of(self, slot: int) -> Physical:
+        """Return the physics of a world that begins."""
+        import mujoco
+
+        scenario = self._scenarios[slot]
+        model = self._model(scenario, self._crowd.radii[slot, : self._crowd.counts[slot]])
+        data = mujoco.MjData(model)
+        start = scenario.start
+        if self._gears.wheeled:
+            data.qpos[:7] = start.x, start.y, 0.0, math.cos(0.5 * start.theta), 0.0, 0.0, math.sin(0.5 * start.theta)
+        else:
+            data.qpos[:3] = start.x, start.y, start.theta
+        flags = np.full(1, RUNS), np.zeros(1, np.int64)
+        views = data.qpos, data.qvel, data.ctrl, data.actuator_force, data.mocap_pos
+        motion = Motion(*views, np.zeros(3), np.zeros(3), np.zeros(3), data.qpos.copy(), *flags)
+        self._show_people(self._worlds, slot, motion, self._legs)
+        return Physical(model, data, motion)
+
+    def _model(self, scenario: Scenario, radii: Floats) -> mujoco.MjModel:
+        """Return the model of a world; one that is like an earlier one's is not compiled again."""
+        grid = scenario.world.grid
+        things = tuple((obstacle.vertices_xy.tobytes(), obstacle.radius) for obstacle in scenario.obstacles)
+        key = (id(grid), things, radii.tobytes())
+        if key not in self._models:
+            boxes = len(grid.derive(wall_boxes))
+            if boxes > MOST_BOXES:
+                raise ImpossibleScenario(f"{scenario.name}: its walls are {boxes} boxes; allowed with simulator=mujoco: {MOST_BOXES}")
+            text = model_text(self._robot, self._body, scenario, radii, self._pedestrians.gait, self._physics)
+            self._models[key] = grid, compile_model(text, scenario.name)
+            if len(self._models) > max(KEPT, 2 * len(self._scenarios)):
+                self._models.popitem(last=False)
+        self._models.move_to_end(key)
+        return self._models[key][1]
+
+    def _run(self, commands: Floats, ticks: int, scan_within: int) -> None:
+        self._worlds.robots["contacts"] = 0
+        for slot, physical in enumerate(self._physical):
+            if physical is not None:
+                self._run_world(slot, physical, commands[slot], ticks, scan_within)
+
+    def _run_world(self, slot: int, physical: Physical, command: Floats, ticks: int, scan_within: int) -> None:
+        """Step one world by some ticks; of the scans due within ``scan_within`` ticks only the newest is taken."""
+        from mujoco import mj_step
+
+        worlds, motion, dt = self._worlds, physical.motion, self.inner_step
+        model, data, option = physical.model, physical.data, physical.model.opt
+        first = int(worlds.robots["tick"][slot])
+        last = first + scan_within
+        due = last - last % self._scanner.period
+        scan_tick = due if self._rays is None else -1
+        for tick in range(first + 1, first + ticks + 1):
+            steps = self._before(worlds, slot, self._chassis, self._gears, motion, command, self._legs, dt, self._coarse, self._fine_way)
+            if steps:
+                option.timestep = dt / steps
+                mj_step(model, data, steps)
+            self._after(worlds, slot, self._chassis, self._gears, motion, self._wheels, self._scanner, self._ranges[slot], scan_tick, dt)
+            if self._rays is not None and tick == due:
+                self._cast(slot, tick)
+
+    def _cast(self, slot: int, tick: int) -> None:
+        """Take a scan by MuJoCo's rays."""
+        physical = self._physical[slot]
+        if physical is not None and self._rays is not None:
+            self._rays.cast(physical.model, physical.data, self._ranges[slot])
+            disturb_scan(self._worlds, slot, self._scanner, tick, self._ranges[slot])
+
+    def _snapshot(self) -> Snapshot:
+        states = [RUNS if physical is None else int(physical.motion.state[0]) for physical in self._physical]
+        failures = {slot: FAILURES.get(state, UNSTABLE_TEXT) for slot, state in enumerate(states) if state != RUNS}
+        return replace(super()._snapshot(), failures=failures)
+
+
+def _import_mujoco() -> None:
+    """Raise ConfigurationError where MuJoCo cannot be imported."""
+    try:
+        import mujoco  # noqa: F401 - only whether it is there
+    except ImportError as error:
+        raise ConfigurationError(f"simulator=mujoco needs MuJoCo ({error}); allowed: pip install mujoco") from None
+
+
+def _steps(tick: float, timestep: float) -> int:
+    """Return how many steps of the physics a tick has; raise ConfigurationError unless it is a whole number of them."""
+    steps = round(tick / timestep)
+    if steps < 1 or abs(steps * timestep - tick) > 1e-9:
+        raise ConfigurationError(f"simulator.timestep is {timestep:g} s; allowed: simulator.inner_step ({tick:g} s) or a whole part of it")
+    return steps

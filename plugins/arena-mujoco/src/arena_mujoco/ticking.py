@@ -1,0 +1,337 @@
+"""A tick around the physics: before it people step and the robot's motors get their set points, after it is read where the robot is."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core import Robot
+from arena_kernels.compiled import borrowing, inner
+from arena_kernels.footprint import place
+from arena_mujoco.body import STEERED, Body
+from arena_mujoco.model import AWAY, planar_inertia, rim_angle
+from arena_sim2d.bodies import Floats, Row, World, Worlds
+from arena_sim2d.contact import note_overlaps, release_contacts
+from arena_sim2d.crossing import move_people
+from arena_sim2d.gaps import gap_to_people, gap_to_things, is_clear
+from arena_sim2d.motion import ACKERMANN, OMNIDIRECTIONAL, Chassis, Position, Velocity, drive, in_map, next_velocity, wrap
+from arena_sim2d.odometry import Wheels, measure_motion
+from arena_sim2d.scanning import Scanner, disturb, scan
+from arena_sim2d.ticking import world_of
+from arena_sim2d.walking import legs_now
+
+RUNS, UNSTABLE, TIPPED = 0, 1, 2  # how it is with a world
+FASTEST = 100.0  # m/s and rad/s; what moves faster has exploded
+SPARE = 0.01  # m; what is farther off than this beyond the way of a tick is not touched in it
+Ints = NDArray[np.int64]
+
+
+class Gears(NamedTuple):
+    """How a base is driven: on wheels or not, and of each of A actuators where its wheel is, in ``base_link``.
+
+    ``gears`` (A, 3) give each set point for a velocity (vx, vy, wz): rad/s of driven wheels, m/s of omniwheels' rims, nothing of steered
+    ones. ``measures`` (3, A) give the velocity for the wheels' speeds. ``speeds`` (A,) and ``angles`` (A,) are where in qvel and qpos
+    wheels and steered ones stand, -1 where they do not. ``limits`` (A,) N are the forces at which motors stall before tyres slip, else inf.
+    ``least_up`` is the cosine of the greatest lean; ``mass`` kg and ``inertia`` kg m2 are those of the base.
+    """
+
+    wheeled: bool
+    gears: Floats
+    measures: Floats
+    places: Floats
+    steered: NDArray[np.bool_]
+    speeds: Ints
+    angles: Ints
+    limits: Floats
+    least_up: float
+    mass: float
+    inertia: float
+
+
+class Motion(NamedTuple):
+    """The arrays of one world's physics, and what is remembered of its robot: ``velocity`` (3,) is the set point, in ``base_link``.
+
+    ``integrated`` (3,) is the pose in ``odom`` by the wheels, ``since`` (3,) what they turned since the last odometry. ``state`` (1,) tells
+    how it is with the world, ``near`` (1,) whether something may be touched in this tick.
+    """
+
+    qpos: Floats
+    qvel: Floats
+    ctrl: Floats
+    force: Floats
+    mocap: Floats
+    velocity: Floats
+    integrated: Floats
+    since: Floats
+    kept: Floats
+    state: Ints
+    near: Ints
+
+
+def planar_gears(robot: Robot, body: Body) -> Gears:
+    """Return the gears of a base that slides."""
+    none = np.zeros(0, np.int64)
+    return Gears(
+        False,
+        np.zeros((0, 3)),
+        np.zeros((3, 0)),
+        np.zeros((0, 2)),
+        none > 0,
+        none,
+        none,
+        np.zeros(0),
+        -1.0,
+        body.mass,
+        planar_inertia(robot, body),
+    )
+
+
+def wheel_gears(robot: Robot, body: Body, floor_friction: float, tip_angle: float) -> Gears:
+    """Return the gears of a base on wheels; joints follow the free one in the order of the wheels, a steered one's own before it turns."""
+    places = np.array(body.wheels.places)
+    total, radius = len(places), body.wheels.radius
+    steered = (places[:, 0] > STEERED) & (robot.kinematics == "ackermann")
+    gears, limits = np.zeros((total, 3)), np.full(total, np.inf)
+    speeds, angles, joint = np.full(total, -1), np.full(total, -1), 0
+    for k, (x, y) in enumerate(places.tolist()):
+        if robot.kinematics == "omnidirectional":
+            c, s = math.cos(rim_angle(x, y)), math.sin(rim_angle(x, y))
+            gears[k] = c, s, x * s - y * c
+            stall = body.wheels.torque / radius
+            limits[k] = stall if stall < floor_friction * body.mass * 9.81 / total else np.inf
+            continue
+        if steered[k]:
+            angles[k], joint = 7 + joint, joint + 1
+        else:
+            gears[k] = 1.0 / radius, 0.0, -y * body.track_factor / radius
+        speeds[k], joint = 6 + joint, joint + 1
+    driven = ~steered
+    measures = np.zeros((3, total))
+    measures[:, driven] = np.linalg.pinv(gears[driven])
+    up = math.cos(tip_angle)
+    return Gears(True, gears, measures, places, steered, speeds, angles, limits, up, body.mass, body.inertia[2])
+
+
+@borrowing
+def before_tick(
+    worlds: Worlds, k: int, chassis: Chassis, gears: Gears, motion: Motion, command: Floats, legs: bool, dt: float, coarse: int, way: float
+) -> int:
+    """Move people, set the motors, and return in how many steps the physics is to go through a tick of ``dt`` s.
+
+    ``coarse`` steps, and more where the robot may touch something: it then goes no farther than ``way`` m in one.
+    """
+    world = world_of(worlds, k)
+    robot = world.robots[world.k]
+    move_people(world, robot.tick + 1, dt)
+    _place_people(worlds, world, motion, legs)
+    motion.near[0] = 0
+    if motion.state[0] != RUNS:
+        return 0
+    for i in range(len(motion.qpos)):
+        motion.kept[i] = motion.qpos[i]
+    _set_motors(chassis, gears, motion, robot, command, dt)
+    speed = max(_speed(robot.vx, robot.vy, robot.wz, world.body.radius), _speed(*_set_point(motion), world.body.radius))
+    closing = _closing(world, robot, speed, dt)
+    if closing < 0.0:
+        return coarse
+    motion.near[0] = 1
+    return max(coarse, math.ceil(closing / way))
+
+
+@inner
+def _set_point(motion: Motion) -> Velocity:
+    return motion.velocity[0], motion.velocity[1], motion.velocity[2]
+
+
+@inner
+def _speed(vx: float, vy: float, wz: float, radius: float) -> float:
+    """Return how fast the fastest point of a body may be, m/s."""
+    return math.sqrt(vx * vx + vy * vy) + abs(wz) * radius
+
+
+@inner
+def _closing(world: World, robot: Row, speed: float, dt: float) -> float:
+    """Return how far the robot may go towards what it may touch in this tick, m; -1 where it touches nothing."""
+    reach = speed * dt + SPARE
+    place(world.body, robot.x, robot.y, robot.theta)
+    things = not is_clear(world, robot.x, robot.y, world.body.radius + reach) and gap_to_things(world, world.body, reach)[0] < reach
+    people = gap_to_people(world, world.body, reach) < reach
+    return speed * dt if things or people else -1.0
+
+
+@borrowing
+def show_people(worlds: Worlds, k: int, motion: Motion, legs: bool) -> None:
+    """Put the people of world k where they are, as before its first tick."""
+    _place_people(worlds, world_of(worlds, k), motion, legs)
+
+
+@inner
+def _place_people(worlds: Worlds, world: World, motion: Motion, legs: bool) -> None:
+    """Put people's bodies, and their legs, where they are; who is not in the world is far away."""
+    each = 3 if legs else 1
+    for i in range(world.robots[world.k].people):
+        person, row = world.people[i], each * i
+        absent = math.isnan(person.x)
+        for part in range(each):
+            motion.mocap[row + part, 0], motion.mocap[row + part, 1] = (AWAY, AWAY - i) if absent else (person.x, person.y)
+        if legs and not absent and person.walks == 1:
+            left_x, left_y, right_x, right_y, _ = legs_now(worlds.gait, person)
+            motion.mocap[row + 1, 0], motion.mocap[row + 1, 1] = left_x, left_y
+            motion.mocap[row + 2, 0], motion.mocap[row + 2, 1] = right_x, right_y
+
+
+@inner
+def _set_motors(chassis: Chassis, gears: Gears, motion: Motion, robot: Row, command: Floats, dt: float) -> None:
+    """Give the motors their set points for a tick: the command, within the robot's limits of speed and acceleration.
+
+    A planar base goes on from its own velocity, so that one that was stopped speeds up again, by the force that brings it to the set point
+    within the tick. Wheels go on from their set points.
+    """
+    before = _set_point(motion) if gears.wheeled else (robot.vx, robot.vy, robot.wz)
+    wanted = next_velocity(chassis, robot.speed_share, before, command, dt)
+    motion.velocity[0], motion.velocity[1], motion.velocity[2] = wanted
+    if not gears.wheeled:
+        vx, vy, wz = in_map(robot.theta + 0.5 * (robot.wz + wanted[2]) * dt, wanted)
+        motion.ctrl[0] = gears.mass * (vx - motion.qvel[0]) / dt
+        motion.ctrl[1] = gears.mass * (vy - motion.qvel[1]) / dt
+        motion.ctrl[2] = gears.inertia * (wz - motion.qvel[2]) / dt
+        return
+    for a in range(len(motion.ctrl)):
+        if gears.steered[a]:
+            motion.ctrl[a] = _steering(chassis, gears, a, motion.ctrl[a], command)
+        else:
+            motion.ctrl[a] = gears.gears[a, 0] * wanted[0] + gears.gears[a, 1] * wanted[1] + gears.gears[a, 2] * wanted[2]
+
+
+@inner
+def _steering(chassis: Chassis, gears: Gears, a: int, angle: float, command: Floats) -> float:
+    """Return the angle of a steered wheel on the commanded arc, rad; a car that is to stand keeps its wheels as they are."""
+    if command[0] == 0.0:
+        return angle
+    curvature = min(max(command[2] / command[0], -chassis.curvature_max), chassis.curvature_max)
+    return math.atan(curvature * gears.places[a, 0] / (1.0 - curvature * gears.places[a, 1]))
+
+
+@borrowing
+def after_tick(
+    worlds: Worlds,
+    k: int,
+    chassis: Chassis,
+    gears: Gears,
+    motion: Motion,
+    wheels: Wheels,
+    device: Scanner,
+    ranges: NDArray[np.float32],
+    scan_tick: int,
+    dt: float,
+) -> None:
+    """Read where the physics has brought the robot, note contacts, and measure what is due; at ``scan_tick`` a scan is."""
+    world = world_of(worlds, k)
+    robot = world.robots[world.k]
+    tick = robot.tick + 1
+    before = (robot.vx, robot.vy, robot.wz)
+    if motion.state[0] == RUNS:
+        motion.state[0] = _look(gears, motion)
+    if motion.state[0] == RUNS:
+        _read(gears, motion, robot)
+    else:
+        for i in range(len(motion.qpos)):
+            motion.qpos[i] = motion.kept[i]
+        motion.qvel[:] = 0.0
+        robot.vx, robot.vy, robot.wz = 0.0, 0.0, 0.0
+    if motion.near[0] == 1:
+        place(world.body, robot.x, robot.y, robot.theta)
+        led = _set_point(motion) if not gears.wheeled else before
+        note_overlaps(world, tick, in_map(robot.theta, led))
+    robot.contact_ticks += release_contacts(world)
+    if gears.wheeled:
+        _roll(chassis, gears, motion, robot, dt)
+        if tick % wheels.period == 0:
+            _tell_rolled(motion, robot, tick, dt)
+    elif tick % wheels.period == 0:
+        measure_motion(wheels, robot, tick, dt)
+    if tick == scan_tick:
+        scan(worlds, device, k, tick, ranges)
+    robot.tick = tick
+
+
+@inner
+def _look(gears: Gears, motion: Motion) -> int:
+    """Tell how it is with a world after a tick."""
+    for i in range(len(motion.qpos)):
+        if not math.isfinite(motion.qpos[i]):
+            return UNSTABLE
+    for i in range(3 if not gears.wheeled else 6):
+        if not abs(motion.qvel[i]) < FASTEST:
+            return UNSTABLE
+    if gears.wheeled and 1.0 - 2.0 * (motion.qpos[4] ** 2 + motion.qpos[5] ** 2) < gears.least_up:
+        return TIPPED
+    return RUNS
+
+
+@inner
+def _read(gears: Gears, motion: Motion, robot: Row) -> None:
+    """Read pose and velocity of the robot in the plane."""
+    q, v = motion.qpos, motion.qvel
+    robot.x, robot.y = q[0], q[1]
+    if gears.wheeled:
+        robot.theta = math.atan2(2.0 * (q[3] * q[6] + q[4] * q[5]), 1.0 - 2.0 * (q[5] * q[5] + q[6] * q[6]))
+        robot.wz = v[5]
+    else:
+        robot.theta = wrap(q[2])
+        robot.wz = v[2]
+    c, s = math.cos(robot.theta), math.sin(robot.theta)
+    robot.vx, robot.vy = c * v[0] + s * v[1], c * v[1] - s * v[0]
+
+
+@inner
+def _roll(chassis: Chassis, gears: Gears, motion: Motion, robot: Row, dt: float) -> None:
+    """Integrate what the wheels have turned in a tick, as if none had slipped."""
+    vx, vy, wz, steer = 0.0, 0.0, 0.0, 0.0
+    for a in range(len(motion.ctrl)):
+        if gears.steered[a]:
+            steer += math.tan(motion.qpos[gears.angles[a]]) / (
+                gears.places[a, 0] + gears.places[a, 1] * math.tan(motion.qpos[gears.angles[a]])
+            )
+            continue
+        if chassis.kinematics == OMNIDIRECTIONAL:
+            speed = motion.ctrl[a]
+            if abs(motion.force[a]) >= gears.limits[a]:
+                speed = gears.gears[a, 0] * robot.vx + gears.gears[a, 1] * robot.vy + gears.gears[a, 2] * robot.wz
+        else:
+            speed = motion.qvel[gears.speeds[a]]
+        vx += gears.measures[0, a] * speed
+        vy += gears.measures[1, a] * speed
+        wz += gears.measures[2, a] * speed
+    if chassis.kinematics == ACKERMANN:
+        wz = vx * steer / max(gears.steered.sum(), 1)
+    pose: Position = (motion.integrated[0], motion.integrated[1], motion.integrated[2])
+    motion.integrated[0], motion.integrated[1], motion.integrated[2] = drive(pose, (vx, vy, wz), dt)
+    motion.since[0] += vx * dt
+    motion.since[1] += vy * dt
+    motion.since[2] += wz * dt
+
+
+@inner
+def _tell_rolled(motion: Motion, robot: Row, tick: int, dt: float) -> None:
+    """Let odometry say what the wheels have turned; the twist is the mean over its period."""
+    seconds = (tick - robot.odometry_tick) * dt
+    robot.odometry_x, robot.odometry_y, robot.odometry_theta = motion.integrated[0], motion.integrated[1], motion.integrated[2]
+    robot.odometry_vx, robot.odometry_vy, robot.odometry_wz = (
+        motion.since[0] / seconds,
+        motion.since[1] / seconds,
+        motion.since[2] / seconds,
+    )
+    motion.since[:] = 0.0
+    robot.odometry_tick = tick
+
+
+@borrowing
+def disturb_scan(worlds: Worlds, k: int, device: Scanner, tick: int, ranges: NDArray[np.float32]) -> None:
+    """Add the noise of the lidar to a scan that was taken elsewhere."""
+    robot = worlds.robots[k]
+    disturb(device, robot, tick, ranges)
+    robot.scan_tick = tick
