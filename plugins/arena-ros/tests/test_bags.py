@@ -10,8 +10,8 @@ import pytest
 
 from arena_core import ArenaError, read_record, tell
 from arena_core.cli.main import main
+from arena_ros.bags.opening import open_bags
 from arena_ros.bags.scenarios import simplified
-from arena_ros.bags.stream import open_bags
 from arena_ros.codec import codec
 
 Recording = Callable[..., Path]

@@ -22,9 +22,10 @@ from arena_core import (
     tell,
 )
 from arena_ros.bags.gathering import Gathered, Gatherer
+from arena_ros.bags.opening import open_bags
 from arena_ros.bags.records import Reading, measured, restored
 from arena_ros.bags.roles import Cast, cast, definitions
-from arena_ros.bags.stream import Bag, Channel, open_bags
+from arena_ros.bags.stream import Bag, Channel
 from arena_ros.codec import BadMessage, Codec
 
 ROBOT = "turtlebot3"  # whose footprint counts where nobody says which robot it was
