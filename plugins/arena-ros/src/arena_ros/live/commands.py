@@ -30,6 +30,7 @@ from arena_ros.transport import open_transport
 
 FIGURES = tuple(field.name for field in fields(Settings))
 DRIVE_KEYS = ("transport", "map", "goal", "start", "pose", "scan", "odometry", "cmd_vel", "dry_run", "out", *FIGURES)
+SIMULATE_KEYS = ("transport", "episode", "rate", "lock_step", *FIGURES)
 
 
 def drive(usage: str, arguments: Sequence[str]) -> int:
@@ -66,7 +67,7 @@ def simulate(usage: str, arguments: Sequence[str]) -> int:
     """Be a robot."""
     from arena_ros.live.simulated import SimulatedRobot
 
-    words = read_words(usage, arguments, keys=("transport", "episode", "rate", "lock_step", *FIGURES), overrides=None)
+    words = read_words(usage, arguments, keys=SIMULATE_KEYS, overrides=None)
     figures = settings(words)
     benchmark = build_benchmark(compose(words.overrides), load_registry())
     with _stopped() as why, closing(open_transport(words.value("transport", str, None), "arena_simulate")) as transport:
