@@ -2,7 +2,7 @@
 .DEFAULT_GOAL := help
 ROBOTS := turtlebot3 jackal robotino
 # What needs more than Python: a marker in pyproject.toml, a case in scripts/setup and scripts/NAME.txt, a name here. make test-NAME runs it.
-APART := browser
+APART := browser ros1
 .PHONY: help demo test test-slow long lint bench clean setup wheels dist policies fuzz coverage docs $(APART:%=test-%)
 PYTHON ?= python3
 PLUGIN ?=
@@ -18,6 +18,7 @@ help:
 	@echo "make test   run the tests, one more at a time than there are cores (some wait for a clock); WORKERS=N: N at a time; PLUGIN=arena-dwa: all of that package"
 	@echo "make test-slow  run those that take more than a few seconds each: kills, faults, trainings, whole runs"
 	@echo "make test-browser  open the report's page and the documentation in chromium (installs it)"
+	@echo "make test-ros1  drive a simulated robot over a ROS 1 master (installs rosmaster and rospy with apt)"
 	@echo "make coverage  run all tests and tell which lines none of them reaches"
 	@echo "make long   the long studies: every fault at every moment, a sweep killed again and again, 10,000 episodes in one worker, how often intervals hold the truth"
 	@echo "make lint   ruff, mypy, import-linter"
@@ -42,10 +43,10 @@ demo: setup
 	$(BIN)/arena run experiment=demo
 
 test: setup
-	$(PYTEST) $(if $(PLUGIN),$(PLUGIN:%=plugins/%),-m "not slow and not long and not browser")
+	$(PYTEST) $(if $(PLUGIN),$(PLUGIN:%=plugins/%),-m "not slow and not long and not browser and not ros1")
 
 test-slow: setup
-	$(PYTEST) -m "slow and not long and not browser"
+	$(PYTEST) -m "slow and not long and not browser and not ros1"
 
 $(APART:%=test-%): test-%: .venv/.%
 	$(BIN)/pytest -m $* $(wildcard tests/$* plugins/*/tests/$*)

@@ -16,6 +16,7 @@ from arena_core.base.errors import (
     NoValidCommand,
     RunFolderError,
     UnknownComponent,
+    described,
     one_line,
 )
 from arena_core.base.files import is_file, read_bytes, read_json, read_table, read_text, read_yaml
@@ -75,10 +76,12 @@ from arena_core.loop.episode_loop import CommandQueue, EpisodeLoop, Verdicts
 from arena_core.loop.execution import Timing, mission_of, run_episode
 from arena_core.loop.guide import Guide, Mission, ReplanRules, View, pose_at_scan
 from arena_core.loop.navigator import NAVIGATOR_KEYS, Decision, Navigator
-from arena_core.loop.recording import check_inside, find_runs, read_record, write_bytes_whole, write_text_whole
+from arena_core.loop.navigator import Spent as NavigatorSpent
+from arena_core.loop.recording import Recorder, check_inside, find_runs, read_record, robot_meta, write_bytes_whole, write_text_whole
 from arena_core.runs.api import Run, Runs, run
 from arena_core.runs.benchmark import Benchmark, build_benchmark, build_guide, build_metrics
 from arena_core.runs.code_digest import Code, code_of
+from arena_core.runs.outside import OutsideRun
 from arena_core.runs.rows import COLUMNS as EPISODE_COLUMNS
 from arena_core.runs.rows import TEXT, evaluate, metric_column
 from arena_core.runs.text_columns import aligned
@@ -116,6 +119,7 @@ from arena_core.values.world import (
     Pedestrians,
     PedestrianSpec,
     World,
+    free_area,
 )
 
 __version__ = "0.1.0"
@@ -180,6 +184,7 @@ __all__ = [
     "MetricPack",
     "Mission",
     "Navigator",
+    "NavigatorSpent",
     "NoPath",
     "NoValidCommand",
     "NonNegative",
@@ -193,6 +198,7 @@ __all__ = [
     "Odometry",
     "OdometryModel",
     "Outcome",
+    "OutsideRun",
     "Path",
     "PathBatch",
     "PedestrianModel",
@@ -204,6 +210,7 @@ __all__ = [
     "Positive",
     "PositiveInt",
     "Prism",
+    "Recorder",
     "ReferenceLocalizer",
     "Register",
     "Registry",
@@ -251,8 +258,10 @@ __all__ = [
     "code_of",
     "complete_overrides",
     "compose",
+    "described",
     "evaluate",
     "find_runs",
+    "free_area",
     "generator",
     "harmless",
     "hookimpl",
@@ -280,6 +289,7 @@ __all__ = [
     "read_words",
     "read_yaml",
     "rectangles",
+    "robot_meta",
     "run",
     "run_episode",
     "scene_of",

@@ -21,6 +21,9 @@ from arena_core.config.plugins import load_plugins
 from arena_crowds.validation.command import EXPERIMENTS
 from arena_crowds.validation.measure import read_request
 from arena_navrep.navrep_command import STAGES
+from arena_ros.bags.roles import roles
+from arena_ros.commands import IMPORT_KEYS, USAGES
+from arena_ros.live.commands import DRIVE_KEYS, SIMULATE_KEYS
 
 TOP = Path(__file__).resolve().parents[1]
 DRAWN = TOP / "tests" / "data"
@@ -103,7 +106,7 @@ def shell(arena, third_party, finished, monkeypatch):
             shutil.copy(DRAWN / source, target)
     write_packs()
     Path("mine.yaml").write_text(re.search(r"```yaml\n(source.*?)```", (TOP / "docs" / "claims.md").read_text(), re.S)[1])
-    for name in ("outputs/2026-01-31/12-00-00", "multirun/teb", "multirun/dwa", "multirun/aio", "multirun/paper"):
+    for name in ("outputs/2026-01-31/12-00-00", "outputs/lab", "multirun/teb", "multirun/dwa", "multirun/aio", "multirun/paper"):
         shutil.copytree(finished, name)
     return Shell(arena, third_party)
 
@@ -140,7 +143,8 @@ class Shell:
         kind = words[0] if words[0] != "arena" else f"arena {words[1]}"
         known = {
             **{"arena run": self.composed, "arena train": self.train, "arena navrep": self.navrep, "arena choices": self.composed},
-            **{"arena trainings": lambda words: None},  # of trainings that take their time
+            **{"arena trainings": lambda words: None, "arena compare-real": lambda words: None},  # of what takes its time, or a robot
+            **{"arena ros": self.ros},
             **{"arena crowd": self.crowd, "arena check": self.check, "make": self.make, "pip": self.pip, "python": self.python},
             **{"for": self.loop, ".": lambda words: None, "git": lambda words: None},
         }
@@ -180,6 +184,15 @@ class Shell:
         else:
             assert stage in (*STAGES, "all")
             composed([word for word in rest if not word.startswith(("out=", "resume="))], "world_model")
+
+    def ros(self, words):
+        action, *rest = words
+        assert action in USAGES
+        own = {"drive": DRIVE_KEYS, "simulate": SIMULATE_KEYS}
+        if action in own:
+            composed([word for word in rest if "=" in word and word.partition("=")[0] not in own[action]])
+        elif action in ("import", "scenario-from"):
+            assert {word.partition("=")[0] for word in rest if "=" in word} <= {*IMPORT_KEYS, *roles()}
 
     def crowd(self, words):
         what, *rest = words
@@ -272,7 +285,7 @@ def named():
 
 
 def test_what_running_text_names_is_there():
-    targets = set(re.findall(r"^([\w-]+):", (TOP / "Makefile").read_text(), re.M)) | {"test-browser"}
+    targets = set(re.findall(r"^([\w-]+):", (TOP / "Makefile").read_text(), re.M)) | {"test-browser", "test-ros1"}
     for page, kind, name in set(named()):
         there = {
             "make": name in targets,

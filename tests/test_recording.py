@@ -61,7 +61,7 @@ def test_any_array_and_any_text_survive(tmp_path_factory, floats, text):
 
 @given(arrays(np.float64, (4, 3), elements=st.floats(-100.0, 100.0) | st.sampled_from((np.nan, np.inf, -np.inf))))
 def test_records_are_rounded_to_their_grain_once_and_for_all(values):
-    once = recording._rounded(
+    once = recording.rounded(
         {name: values.astype(kind) for name, kind in (("pose", float), ("pedestrian_positions", np.float32), ("x", float))}
     )
     assert np.array_equal(once["x"], values, equal_nan=True)
@@ -71,7 +71,7 @@ def test_records_are_rounded_to_their_grain_once_and_for_all(values):
         assert np.array_equal(array[~finite], values[~finite], equal_nan=True)
     assert np.abs(once["pose"][finite] - values[finite]).max(initial=0.0) <= 2.0**-23
     assert np.abs(once["pedestrian_positions"][finite] - values.astype(np.float32)[finite]).max(initial=0.0) <= 2.0**-13
-    again = recording._rounded(once)
+    again = recording.rounded(once)
     assert all(np.array_equal(again[name], once[name], equal_nan=True) for name in once)
 
 

@@ -53,7 +53,7 @@ class Recorder:
     """Collects one episode step by step: what is true and measured, then what was decided; ``meta`` identifies it, plain JSON."""
 
     def __init__(self, scenario: Scenario, robot: Robot, meta: Mapping[str, Any], keep_scans: bool) -> None:
-        self._meta = {"format": FORMAT, **meta, "scenario": _scenario_meta(scenario), "robot": _robot_meta(robot)}
+        self._meta = {"format": FORMAT, **meta, "scenario": _scenario_meta(scenario), "robot": robot_meta(robot)}
         self._keep_scans = keep_scans
         self._states: list[WorldState] = []
         self._decisions: list[Decision] = []
@@ -88,7 +88,7 @@ class Recorder:
             arrays["scan_ranges"] = np.array(self._scans, dtype=np.float32)
         events = [_event(e) for d in self._decisions for e in d.events]
         meta = {**self._meta, "outcome": outcome, "error": error, "events": events}
-        return EpisodeRecord(_rounded(arrays), meta, _timing_arrays(self._decisions))
+        return EpisodeRecord(rounded(arrays), meta, _timing_arrays(self._decisions))
 
 
 def write_record(folder: Path, episode: int, record: EpisodeRecord) -> None:
@@ -223,8 +223,8 @@ def _write_npz(file: IO[bytes], arrays: Mapping[str, NDArray[Any]]) -> None:
             archive.writestr(member, content.getbuffer(), ZIP_DEFLATED, 1)
 
 
-def _rounded(arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
-    """Return the arrays rounded to their grain, so that metrics are of what the file holds."""
+def rounded(arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """Return a record's arrays rounded to their grain, so that metrics are of what the file holds."""
     return {**arrays, **{name: _to_grain(arrays[name], places) for name, places in GRAIN.items() if name in arrays}}
 
 
@@ -326,7 +326,8 @@ def _scenario_meta(scenario: Scenario) -> dict[str, Any]:
     }
 
 
-def _robot_meta(robot: Robot) -> dict[str, Any]:
+def robot_meta(robot: Robot) -> dict[str, Any]:
+    """Return what a record says of its robot."""
     limits = {name: getattr(robot.limits, name) for name in robot.limits.__slots__}
     footprint = {"radius": robot.footprint.radius, "vertices_xy": robot.footprint.vertices_xy.tolist()}
     return {

@@ -97,6 +97,11 @@ class Benchmark:
     recording: RecordingSettings
     code: Code
 
+    @property
+    def columns(self) -> dict[str, Any]:
+        """Return the columns of episodes.csv that the configuration alone decides."""
+        return identification(self.config) | {"code": self.code.digest}
+
     def run(self, episode: int, folder: Path, stage: int | None = None) -> EpisodeRecord:
         """Run one episode, on level ``stage`` of a task that adapts; its map is written to ``folder`` once."""
         task = self.task if stage is None else self.task.at_stage(stage)

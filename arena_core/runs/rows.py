@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
+
+from numpy.typing import NDArray
 
 from arena_core.base.cells import harmless
 from arena_core.base.errors import InputFileError, one_line
@@ -33,13 +36,33 @@ def metric_column(pack: str, metric: Metric) -> str:
 
 
 def evaluate(record: EpisodeRecord, packs: Mapping[str, Sequence[Metric]]) -> dict[str, Any]:
-    """Return the row of one episode."""
+    """Return the row of one episode; a metric is empty where it asks for an array that is not known (``meta["unknown"]``)."""
+    if record.meta.get("unknown"):
+        record = _Known(record.arrays, record.meta, record.timing)
     row = {**record.meta["columns"], "outcome": record.meta["outcome"], "error": one_line(record.meta["error"])}
     return row | {metric_column(pack, metric): _value(metric, record) for pack, metrics in packs.items() for metric in metrics}
 
 
+class _Unknown(Exception):
+    """A metric asked for what nobody recorded."""
+
+
+class _Known(EpisodeRecord):
+    """A record of which some arrays are not known; ``meta["unknown"]`` names them with the reasons."""
+
+    __slots__ = ()
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        if name in self.meta["unknown"]:
+            raise _Unknown
+        return self.arrays[name]
+
+
 def _value(metric: Metric, record: EpisodeRecord) -> float | str:
-    found = metric.compute(record)
+    try:
+        found = metric.compute(record)
+    except _Unknown:
+        found = "" if metric.unit == TEXT else math.nan
     if isinstance(found, str) != (metric.unit == TEXT):
         raise TypeError(f"metric {metric.name} is {found!r} in unit {metric.unit}; allowed: a text in unit text, else a number")
     return one_line(found) if isinstance(found, str) else float(found)

@@ -13,9 +13,10 @@ def register_metrics(register: Register) -> None:
 
 @hookimpl
 def register_commands(register: Register) -> None:
-    """Offer ``arena report`` and ``arena query``."""
+    """Offer ``arena report``, ``arena query`` and ``arena compare-real``."""
     register("report", "arena_metrics.pages.report:ReportCommand")
     register("query", "arena_metrics.tables.query:QueryCommand")
+    register("compare-real", "arena_metrics.tables.reality:CompareRealCommand")
 
 
 @hookimpl

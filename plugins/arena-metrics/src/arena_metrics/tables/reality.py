@@ -1,0 +1,168 @@
+"""``arena compare-real``: the same problems in simulation and in reality, side by side and in pairs."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import io
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+
+from arena_core import ArenaError, Command, EpisodeRecord, InputFileError, aligned, find_runs, read_record, read_table, write_text_whole
+from arena_metrics.packs.motion import polyline_length
+from arena_metrics.statistics.comparisons import Comparison, after_holm, compare
+from arena_metrics.statistics.likeness import FloatArray, discrete_frechet
+
+SAME_PLACE = 0.5  # m that start and goal of one problem may differ between simulation and reality, where names do
+SPACING = 0.1  # m between the points of paths whose distance is taken
+METRICS = {"path_length": "m", "time_to_goal": "s", "velocity": "m/s", "jerk": "m/s^3", "clearance_min": "m", "clearance_people_min": "m"}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Drive:
+    """One episode: its record and the metrics of its row; NaN where a metric is empty."""
+
+    record: EpisodeRecord
+    metrics: Mapping[str, float]
+
+    @property
+    def name(self) -> str:
+        """Return the problem's name."""
+        return str(self.record.meta["scenario"]["name"])
+
+    def is_like(self, other: Drive) -> bool:
+        """Tell whether both began and were to end at the same places."""
+        ends = ((self.record.meta["scenario"][key][:2], other.record.meta["scenario"][key][:2]) for key in ("start", "goal"))
+        return all(math.dist(mine, theirs) <= SAME_PLACE for mine, theirs in ends)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pair:
+    """One problem in simulation and in reality; ``frechet`` m between the paths."""
+
+    simulated: Drive
+    real: Drive
+    frechet: float
+
+
+class CompareRealCommand(Command):
+    """Compare a run of the simulation with one of a real robot."""
+
+    help: ClassVar[str] = "simulation beside reality: arena compare-real SIM_RUN REAL_RUN [--out DIR]"
+
+    def run(self, arguments: Sequence[str]) -> int:
+        """Print a table of problems and one of differences; with --out write both and the paths, one above the other."""
+        parser = argparse.ArgumentParser("arena compare-real", description=self.__doc__)
+        parser.add_argument("simulated", metavar="SIM_RUN")
+        parser.add_argument("real", metavar="REAL_RUN")
+        parser.add_argument("--out", metavar="DIR", help="where tables (CSV) and the picture of the paths are written")
+        given = parser.parse_args(list(arguments))
+        pairs = pairs_of(drives(Path(given.simulated)), drives(Path(given.real)))
+        problems, differences = problem_rows(pairs), difference_rows(pairs)
+        print("\n".join([*aligned(problems), "", *aligned(differences)]))
+        if given.out:
+            _write(Path(given.out), problems, differences, pairs)
+        return 0
+
+
+def drives(folder: Path) -> list[Drive]:
+    """Return the episodes of the runs at or below a folder that have a record."""
+    found = []
+    for run in find_runs(folder):
+        _, rows = read_table(run / "episodes.csv", "a table that `arena run` wrote")
+        for row in rows:
+            path = run / "records" / f"{int(row['episode']):04d}.npz"
+            if path.exists():
+                found.append(Drive(read_record(path), {name: _number(row.get(name, "")) for name in METRICS}))
+    return found
+
+
+def pairs_of(simulated: Sequence[Drive], real: Sequence[Drive]) -> list[Pair]:
+    """Pair episodes by the names of their problems, else by start and goal; raise ArenaError where none are of one problem."""
+    left, found = list(simulated), []
+    for drive in real:
+        same = [one for one in left if one.name == drive.name and one.is_like(drive)] or [one for one in left if one.is_like(drive)]
+        if same:
+            left.remove(same[0])
+            found.append(Pair(same[0], drive, discrete_frechet(_path(same[0]), _path(drive))))
+    if not found:
+        raise ArenaError(
+            f"no problem is in both runs; allowed: runs whose starts and goals are within {SAME_PLACE} m (`arena ros scenario-from`)"
+        )
+    return found
+
+
+def problem_rows(pairs: Sequence[Pair]) -> list[list[str]]:
+    """Return a table of problems, its first row the head: simulation / reality of each metric."""
+    head = ["problem", "frechet m", *(f"{name} {unit}" for name, unit in METRICS.items())]
+    rows = [
+        [pair.real.name, f"{pair.frechet:.2f}", *(f"{pair.simulated.metrics[m]:.2f} / {pair.real.metrics[m]:.2f}" for m in METRICS)]
+        for pair in pairs
+    ]
+    return [head, *rows]
+
+
+def difference_rows(pairs: Sequence[Pair]) -> list[list[str]]:
+    """Return a table of mean differences, reality less simulation, with 95 % intervals over the pairs in which both are defined."""
+    found = after_holm([_compared(pairs, name) for name in METRICS])
+    head = ["reality less simulation", "mean", "from", "to", "n", "p (Holm)"]
+    rows = [
+        [f"{name} {unit}", *(f"{value:.3g}" for value in (e.mean, e.low, e.high)), str(e.n), f"{one.holm:.2g}"]
+        for (name, unit), one in zip(METRICS.items(), found, strict=True)
+        for e in (one.difference,)
+    ]
+    return [head, *rows]
+
+
+def _compared(pairs: Sequence[Pair], name: str) -> Comparison:
+    return compare([pair.real.metrics[name] for pair in pairs], [pair.simulated.metrics[name] for pair in pairs])
+
+
+def _path(drive: Drive) -> FloatArray:
+    """Return the path with points at even distances, from the place that both have as their start."""
+    positions = drive.record["pose"][:, :2]
+    steps = np.hypot(*np.diff(positions, axis=0).T)
+    along = np.concatenate(([0.0], np.cumsum(steps)))
+    points = np.linspace(0.0, along[-1], max(math.ceil(polyline_length(positions) / SPACING), 1) + 1)
+    return np.stack([np.interp(points, along, positions[:, axis]) for axis in (0, 1)], axis=1)
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text) if text else math.nan
+    except ValueError:
+        raise InputFileError(f"episodes.csv: {text[:40]!r} is no number") from None
+
+
+def _write(folder: Path, problems: Sequence[Sequence[str]], differences: Sequence[Sequence[str]], pairs: Sequence[Pair]) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, rows in (("problems", problems), ("differences", differences)):
+        text = io.StringIO()
+        csv.writer(text, lineterminator="\n").writerows(rows)
+        write_text_whole(folder / f"{name}.csv", text.getvalue())
+    _draw(folder / "paths.png", pairs)
+
+
+def _draw(target: Path, pairs: Sequence[Pair]) -> None:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    columns = min(len(pairs), 4)
+    rows = math.ceil(len(pairs) / columns)
+    figure = Figure(figsize=(4.0 * columns, 3.6 * rows), layout="constrained")
+    FigureCanvasAgg(figure)
+    for place, pair in enumerate(pairs):
+        axes = figure.add_subplot(rows, columns, place + 1)
+        for drive, label, style in ((pair.simulated, "simulation", "-"), (pair.real, "reality", "--")):
+            axes.plot(*drive.record["pose"][:, :2].T, style, label=label)
+        axes.plot(*pair.real.record.meta["scenario"]["goal"][:2], "k*")
+        axes.set_aspect("equal", "datalim")
+        axes.set_title(f"{pair.real.name}: Fréchet {pair.frechet:.2f} m", fontsize=9)
+        axes.set(xlabel="x [m]", ylabel="y [m]")
+    figure.axes[0].legend(fontsize=8)
+    figure.savefig(target, dpi=120)

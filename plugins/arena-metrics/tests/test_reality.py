@@ -1,0 +1,43 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from arena_core import ArenaError, EpisodeRecord
+from arena_metrics.tables.reality import METRICS, Drive, difference_rows, pairs_of, problem_rows
+
+
+def drive(name: str, y: float, seconds: float, goal: float = 5.0) -> Drive:
+    """Drive straight along x at a height of ``y`` m."""
+    pose = np.zeros((51, 3))
+    pose[:, 0], pose[:, 1] = np.linspace(0.0, 5.0, 51), y
+    meta = {"scenario": {"name": name, "start": [0.0, 0.0, 0.0], "goal": [goal, 0.0, 0.0]}}
+    return Drive(EpisodeRecord({"pose": pose}, meta), {**dict.fromkeys(METRICS, math.nan), "time_to_goal": seconds, "path_length": 5.0})
+
+
+def test_paths_beside_each_other_are_as_far_apart_as_they_are() -> None:
+    (pair,) = pairs_of([drive("a", 0.0, 10.0)], [drive("a", 0.2, 12.0)])
+    assert pair.frechet == pytest.approx(0.2)
+    assert problem_rows([pair])[1][1] == "0.20"
+
+
+def test_problems_of_other_names_are_paired_by_start_and_goal() -> None:
+    pairs = pairs_of([drive("a", 0.0, 10.0, goal=8.0), drive("b", 0.0, 11.0)], [drive("driven_0000", 0.1, 12.0)])
+    assert [pair.simulated.name for pair in pairs] == ["b"]
+
+
+def test_differences_are_reality_less_simulation_with_an_interval() -> None:
+    simulated = [drive(f"p{k}", 0.0, 10.0 + k) for k in range(8)]
+    real = [drive(f"p{k}", 0.1, 12.0 + k + 0.1 * (-1) ** k) for k in range(8)]
+    rows = {row[0]: row[1:] for row in difference_rows(pairs_of(simulated, real))}
+    mean, low, high, n, p = rows["time_to_goal s"]
+    assert float(mean) == pytest.approx(2.0, abs=0.01)
+    assert float(low) < 2.0 < float(high)
+    assert (n, float(p) < 0.05) == ("8", True)
+
+
+def test_runs_without_a_common_problem_are_one_line() -> None:
+    with pytest.raises(ArenaError, match="no problem is in both runs"):
+        pairs_of([drive("a", 0.0, 10.0, goal=8.0)], [drive("a", 0.0, 10.0)])

@@ -1,0 +1,272 @@
+"""What was gathered of an episode as a record: exactly where our own export wrote it, else as far as the data go."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core import EpisodeRecord, Robot, robot_meta, wrap_angle
+from arena_ros.bags.footprint import clearances
+from arena_ros.bags.gathering import Gathered
+
+Arrays = dict[str, NDArray[Any]]
+STALE_PEOPLE = 10**9  # ns after which somebody who is not seen any more is not there
+CONTACT_TYPES = {
+    "contact_stamp": np.float64,
+    "contact_kind": np.int8,
+    "contact_person": np.int32,
+    "contact_speed": np.float64,
+    "contact_caused": np.bool_,
+    "contact_position": np.float64,
+}
+ALL_CONTACTS = ("in_contact", "contact_time", *CONTACT_TYPES)
+ALL_PEOPLE = (
+    "clearance_people",
+    "pedestrian_ids",
+    "pedestrian_radii",
+    "pedestrian_positions",
+    "pedestrian_velocities",
+    "pedestrian_states",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """How a foreign recording is read: periods and limits in s, radii in m; ``without`` names what is known not to have been."""
+
+    period: float
+    goal_radius: float
+    time_limit: float
+    person_radius: float
+    without: frozenset[str]
+
+
+def restored(gathered: Gathered) -> EpisodeRecord:
+    """Return the record that our own export wrote, value for value; raise ValueError where parts of it are missing."""
+    own = gathered.meta or {}
+    ending, people = gathered.ending, own["people"]
+    stamps = gathered.reference.stamps
+    if not len(stamps):
+        raise ValueError("it has no /ground_truth")
+    ids = np.array(people["ids"], np.int32)
+    reference, amcl = gathered.reference.exactly(stamps), gathered.estimate.exactly(stamps)
+    width = 6 + len(ids)
+    state = np.full((len(stamps), width), np.nan)
+    for stamp, numbers in gathered.state:
+        place = int(np.searchsorted(stamps, stamp))
+        if place < len(stamps) and stamps[place] == stamp and len(numbers) == width:
+            state[place] = numbers
+    _, seen = gathered.people.table(stamps, 0, ids)
+    arrays: Arrays = {
+        "stamp": np.where(np.isfinite(state[:, 0]), state[:, 0], _seconds(stamps, gathered.begin)),
+        "pose": reference[:, :3],
+        "twist": reference[:, 3:],
+        "estimate": amcl[:, :3],
+        "estimate_covariance": amcl[:, 3:].reshape(-1, 3, 3).astype(np.float32),
+        "command": gathered.command.exactly(stamps),
+        "waypoint": gathered.waypoint.exactly(stamps),
+        "clearance": state[:, 1],
+        "clearance_people": state[:, 2],
+        "in_contact": state[:, 3] == 1.0,
+        "contact_time": np.nan_to_num(state[:, 4]),
+        "scan_min": state[:, 5],
+        "pedestrian_ids": ids,
+        "pedestrian_radii": np.array(people["radii"], np.float64),
+        "pedestrian_positions": seen[:, :, :2],
+        "pedestrian_velocities": seen[:, :, 2:],
+        "pedestrian_states": np.nan_to_num(state[:, 6:]).astype(np.int8),
+        **_paths(gathered),
+    }
+    contacts = ending["contacts"] if ending else {}
+    arrays |= {name: np.array(contacts.get(name, []), kind) for name, kind in CONTACT_TYPES.items()}
+    arrays["contact_position"] = arrays["contact_position"].reshape(-1, 2)
+    arrays |= _scans(gathered, stamps[:-1])
+    if ending and len(ending["path_stamps"]) == len(arrays["path_stamps"]):
+        arrays["path_stamps"] = np.array(ending["path_stamps"], np.float64)
+    ends = ending or {"outcome": "error", "error": gathered.why_ended, "events": []}
+    meta = {**own["meta"], **{key: ends[key] for key in ("outcome", "error", "events")}}
+    return EpisodeRecord(arrays, meta)
+
+
+def measured(
+    gathered: Gathered, robot: Robot, reading: Reading, number: int, columns: Mapping[str, Any], world: Mapping[str, Any]
+) -> EpisodeRecord:
+    """Return the record of a foreign recording; ``meta["unknown"]`` names the arrays that nobody recorded, with the reason."""
+    stamps, poses, twists, truth = _motion(gathered, reading)
+    goal = gathered.goal.array().tolist() if gathered.goal is not None else poses[-1].tolist()
+    last, outcome, error = _ending(gathered, poses, stamps, goal, reading)
+    stamps, poses, twists = stamps[: last + 1], poses[: last + 1], twists[: last + 1]
+    unknown: dict[str, str] = {}
+    arrays: Arrays = {"stamp": _seconds(stamps, stamps[0]), "pose": poses, "twist": twists}
+    arrays |= _estimate(gathered, stamps, truth, unknown)
+    arrays["command"] = gathered.command.held(stamps)
+    arrays["command"][-1] = np.nan
+    arrays["waypoint"] = np.full((len(stamps), 3), np.nan)
+    arrays |= _by_scan(gathered, stamps, unknown)
+    arrays |= _people(gathered, stamps, poses, robot, reading, unknown)
+    arrays |= _contacts(len(stamps), reading, unknown)
+    arrays |= _paths(gathered, stamps[0], stamps[-1])
+    arrays |= _scans(gathered, stamps[:-1])
+    arrays["clearance"] = np.fmin(arrays["clearance"], arrays["clearance_people"])
+    scenario = {
+        "name": f"recorded_{number:04d}",
+        "seed": 0,
+        "start": poses[0].tolist(),
+        "goal": goal,
+        "goal_radius": reading.goal_radius,
+        "time_limit": reading.time_limit,
+        "reference_length": None,
+        "speed_share": 1.0,
+        "pedestrian_types": {},
+        "obstacles": [],
+    }
+    there = int(np.isfinite(arrays["pedestrian_positions"]).all(axis=2).any(axis=0).sum())
+    meta = {
+        "format": 1,
+        "columns": {**columns, "scenario": scenario["name"], "episode": number, "n_pedestrians": there},
+        "world": dict(world),
+        "scenario": scenario,
+        "robot": {**robot_meta(robot), "control_period": reading.period},
+        "events": [],
+        "outcome": outcome,
+        "error": error,
+        "truth": truth,
+        "unknown": unknown,
+    }
+    return EpisodeRecord(arrays, meta)
+
+
+def _seconds(stamps: NDArray[np.int64], begin: int) -> NDArray[np.float64]:
+    return np.round((stamps - begin) * 1e-9, 9)
+
+
+def _motion(gathered: Gathered, reading: Reading) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64], str]:
+    """Return stamps, poses in ``map``, twists, and what the poses are: ``reference``, ``estimated`` or ``odometry``."""
+    source = next(series for series in (gathered.reference, gathered.odometry, gathered.estimate) if len(series))
+    first, last = max(gathered.begin, int(source.stamps.min())), int(source.stamps.max())
+    step = round(reading.period * 1e9)
+    stamps = first + step * np.arange(max((last - first) // step, 0) + 1, dtype=np.int64)
+    driven = gathered.odometry.between(stamps)
+    twists = gathered.odometry.held(stamps)[:, 3:]
+    if len(gathered.reference):
+        poses, truth = gathered.reference.between(stamps), "reference"
+        own = gathered.reference.held(stamps)[:, 3:]
+        twists = np.where(np.isfinite(own), own, twists)
+    elif len(gathered.correction) and len(gathered.odometry):
+        correction = gathered.correction.held(stamps)
+        correction = np.where(np.isfinite(correction), correction, gathered.correction.values[0])
+        poses, truth = _composed(correction, driven), "estimated"
+    elif len(gathered.estimate):
+        poses, truth = gathered.estimate.between(stamps), "estimated"
+    else:
+        poses, truth = driven, "odometry"
+    known = np.isfinite(twists)
+    return stamps, poses, np.where(known, twists, _twists(stamps, poses)), truth
+
+
+def _composed(parents: NDArray[np.float64], children: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return poses (T, 3) given in the frames of others, in those others' own."""
+    c, s = np.cos(parents[:, 2]), np.sin(parents[:, 2])
+    x = parents[:, 0] + c * children[:, 0] - s * children[:, 1]
+    y = parents[:, 1] + s * children[:, 0] + c * children[:, 1]
+    return np.stack((x, y, wrap_angle(parents[:, 2] + children[:, 2])), axis=1)
+
+
+def _twists(stamps: NDArray[np.int64], poses: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return velocities in ``base_link`` as differences of poses."""
+    if len(stamps) < 2:
+        return np.zeros((len(stamps), 3))
+    seconds = (stamps - stamps[0]) * 1e-9
+    unwrapped = np.column_stack((poses[:, :2], np.unwrap(poses[:, 2])))
+    rates = np.gradient(unwrapped, seconds, axis=0)
+    c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
+    return np.stack((c * rates[:, 0] + s * rates[:, 1], -s * rates[:, 0] + c * rates[:, 1], rates[:, 2]), axis=1)
+
+
+def _ending(
+    gathered: Gathered, poses: NDArray[np.float64], stamps: NDArray[np.int64], goal: list[float], reading: Reading
+) -> tuple[int, str, str]:
+    """Return the last row, the outcome and the error."""
+    if gathered.goal is None:
+        return len(stamps) - 1, "goal_reached", ""
+    near = np.hypot(poses[:, 0] - goal[0], poses[:, 1] - goal[1]) <= reading.goal_radius
+    late = (stamps - stamps[0]) * 1e-9 >= reading.time_limit - 1e-9
+    arrival, timeout = (int(flags.argmax()) if flags.any() else len(stamps) for flags in (near, late))
+    if arrival <= timeout and arrival < len(stamps):
+        return arrival, "goal_reached", ""
+    if timeout < len(stamps):
+        return timeout, "time_out", ""
+    return len(stamps) - 1, "error", f"{gathered.why_ended}, and the robot was not at its goal"
+
+
+def _estimate(gathered: Gathered, stamps: NDArray[np.int64], truth: str, unknown: dict[str, str]) -> Arrays:
+    rows = gathered.estimate.held(stamps)
+    estimate = rows[:, :3]
+    if truth != "reference":
+        unknown["estimate"] = "without a reference pose the truth is itself an estimate"
+    elif len(gathered.correction) and len(gathered.odometry):
+        estimate = _composed(gathered.correction.held(stamps), gathered.odometry.between(stamps))
+    elif not len(gathered.estimate):
+        unknown["estimate"] = "no topic says where the robot believed to be"
+    return {"estimate": estimate, "estimate_covariance": rows[:, 3:].reshape(-1, 3, 3).astype(np.float32)}
+
+
+def _by_scan(gathered: Gathered, stamps: NDArray[np.int64], unknown: dict[str, str]) -> Arrays:
+    rows = gathered.scan.held(stamps)
+    if not len(gathered.scan):
+        unknown |= dict.fromkeys(("clearance", "scan_min"), "no scan was recorded")
+    return {"scan_min": rows[:, 0], "clearance": rows[:, 1]}
+
+
+def _people(
+    gathered: Gathered, stamps: NDArray[np.int64], poses: NDArray[np.float64], robot: Robot, reading: Reading, unknown: dict[str, str]
+) -> Arrays:
+    ids, seen = gathered.people.table(stamps, STALE_PEOPLE)
+    if not len(gathered.people) and "people" not in reading.without:
+        unknown |= dict.fromkeys(ALL_PEOPLE, "no topic says where people were")
+    positions = seen[:, :, :2].astype(np.float64)
+    delta = positions - poses[:, None, :2]
+    c, s = np.cos(poses[:, 2])[:, None], np.sin(poses[:, 2])[:, None]
+    local = np.stack((c * delta[..., 0] + s * delta[..., 1], -s * delta[..., 0] + c * delta[..., 1]), axis=-1)
+    gaps = np.maximum(clearances(robot.footprint, local) - reading.person_radius, 0.0)
+    nearest = np.where(np.isfinite(gaps), gaps, np.inf).min(axis=1, initial=np.inf)
+    return {
+        "clearance_people": nearest,
+        "pedestrian_ids": ids,
+        "pedestrian_radii": np.full(len(ids), reading.person_radius),
+        "pedestrian_positions": seen[:, :, :2],
+        "pedestrian_velocities": seen[:, :, 2:],
+        "pedestrian_states": np.isfinite(positions).all(axis=2).astype(np.int8),
+    }
+
+
+def _contacts(rows: int, reading: Reading, unknown: dict[str, str]) -> Arrays:
+    """Return no contacts, which are unknown unless it was said that there were none."""
+    if "contacts" not in reading.without:
+        unknown |= dict.fromkeys(ALL_CONTACTS, "nothing recorded contacts; without=contacts says that there were none")
+    none: Arrays = {name: np.empty(0, kind) for name, kind in CONTACT_TYPES.items()}
+    none["contact_position"] = np.empty((0, 2))
+    return {**none, "in_contact": np.zeros(rows, np.bool_), "contact_time": np.zeros(rows)}
+
+
+def _paths(gathered: Gathered, begin: int | None = None, end: int | None = None) -> Arrays:
+    begin = gathered.begin if begin is None else begin
+    kept = [(max(stamp, begin), poses) for stamp, poses in gathered.paths if len(poses) and (end is None or stamp <= end)]
+    return {
+        "path_poses": np.concatenate([poses for _, poses in kept]) if kept else np.empty((0, 3)),
+        "path_offsets": np.cumsum([0, *(len(poses) for _, poses in kept)], dtype=np.int64),
+        "path_stamps": _seconds(np.array([stamp for stamp, _ in kept], np.int64), begin),
+    }
+
+
+def _scans(gathered: Gathered, stamps: NDArray[np.int64]) -> Arrays:
+    """Return the newest scan at each of some stamps; nothing where none is kept."""
+    if not gathered.ranges or not len(stamps):
+        return {}
+    own = np.array([stamp for stamp, _ in gathered.ranges], np.int64)
+    place = np.clip(np.searchsorted(own, stamps, side="right") - 1, 0, None)
+    return {"scan_ranges": np.array([gathered.ranges[k][1] for k in place.tolist()], np.float32)}

@@ -1,0 +1,83 @@
+"""Which topic of a recording means what: said by the user, or guessed by type and name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib.resources import files
+from pathlib import Path
+
+from arena_core import ConfigurationError, read_yaml
+from arena_ros.bags.stream import Channel
+
+NONE = "none"  # what the user says of a role that no topic is to have
+
+
+@dataclass(frozen=True, slots=True)
+class Role:
+    """What a topic can mean: of which types it is, and how it is usually called."""
+
+    types: tuple[str, ...]
+    names: tuple[str, ...]
+    only_by_name: bool
+
+
+@lru_cache(maxsize=1)
+def roles() -> Mapping[str, Role]:
+    """Return all roles by name."""
+    content = read_yaml(Path(str(files("arena_ros") / "topics.yaml")), "the topics of this package")
+    return {name: Role(tuple(role["types"]), tuple(role["names"]), bool(role.get("only_by_name"))) for name, role in content.items()}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cast:
+    """Who plays which role: channels by role, and lines on what was guessed."""
+
+    by_role: Mapping[str, Channel]
+    guesses: tuple[str, ...]
+
+
+def cast(channels: Mapping[Channel, int], said: Mapping[str, str]) -> Cast:
+    """Give roles to channels, which have these numbers of messages; raise ConfigurationError for a topic that is not there or of no use."""
+    found: dict[str, Channel] = {}
+    guesses = []
+    for name, role in roles().items():
+        fitting = {channel: count for channel, count in channels.items() if channel.type in role.types and count}
+        if name in said:
+            if said[name] != NONE:
+                found[name] = _said(name, role, said[name], channels)
+        elif fitting and (channel := _guess(role, fitting)) is not None:
+            found[name] = channel
+            if (len(fitting) > 1 and not role.only_by_name) or channel.topic != role.names[0]:
+                others = sorted(other.topic for other in fitting if other is not channel)
+                guesses.append(f"{name} is taken from {channel.topic}" + (f" (not from {', '.join(others[:4])})" if others else ""))
+    return Cast(found, tuple(guesses))
+
+
+def _said(name: str, role: Role, topic: str, channels: Mapping[Channel, int]) -> Channel:
+    there = [channel for channel in channels if channel.topic == topic]
+    if not there:
+        fitting = sorted(channel.topic for channel in channels if channel.type in role.types)
+        raise ConfigurationError(
+            f"{name} is {topic}, which is not recorded; allowed: {', '.join(fitting) or 'none of what is there'}, or none"
+        )
+    if there[0].type not in role.types:
+        raise ConfigurationError(f"{name} is {topic}, which is a {there[0].type}; allowed: a topic of {' or '.join(role.types)}")
+    return there[0]
+
+
+def _guess(role: Role, fitting: Mapping[Channel, int]) -> Channel | None:
+    for name in role.names:
+        for channel in fitting:
+            if channel.topic == name:
+                return channel
+    if role.only_by_name:
+        return None
+    others = [channel for channel in fitting if not any(channel.topic in other.names for other in roles().values() if other is not role)]
+    return max(others, key=lambda channel: (fitting[channel], channel.topic), default=None)
+
+
+def definitions(channels: Mapping[Channel, int]) -> dict[str, str]:
+    """Return the definitions of types that recordings bring."""
+    return {channel.type: channel.definition for channel in channels if channel.definition}

@@ -1,0 +1,105 @@
+"""Numbers that come with time, of one episode: eight bytes each, so that hours of a recording fit."""
+
+from __future__ import annotations
+
+from array import array
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class Series:
+    """Rows of equal width, each with a stamp in ns."""
+
+    def __init__(self, width: int) -> None:
+        self._width = width
+        self._stamps = array("q")
+        self._values = array("d")
+
+    def __len__(self) -> int:
+        return len(self._stamps)
+
+    def add(self, stamp: int, *values: float) -> None:
+        """Add a row."""
+        self._stamps.append(stamp)
+        self._values.extend(values)
+
+    def extend(self, stamp: int, values: NDArray[np.float64]) -> None:
+        """Add a row from an array."""
+        self._stamps.append(stamp)
+        self._values.frombytes(np.ascontiguousarray(values, np.float64).tobytes())
+
+    @property
+    def stamps(self) -> NDArray[np.int64]:
+        """Return the stamps, (K,)."""
+        return np.array(self._stamps, np.int64)
+
+    @property
+    def values(self) -> NDArray[np.float64]:
+        """Return the rows, (K, width)."""
+        return np.array(self._values, np.float64).reshape(-1, self._width)
+
+    def held(self, stamps: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Return at each of some stamps the newest row until then; NaN before the first."""
+        values = np.full((len(stamps), self._width), np.nan)
+        if len(self):
+            place = np.searchsorted(self.stamps, stamps, side="right") - 1
+            values[place >= 0] = self.values[place[place >= 0]]
+        return values
+
+    def exactly(self, stamps: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Return the rows that have just these stamps; NaN where there is none."""
+        values = np.full((len(stamps), self._width), np.nan)
+        if len(self):
+            own = self.stamps
+            place = np.clip(np.searchsorted(own, stamps, side="right") - 1, 0, None)
+            there = own[place] == stamps
+            values[there] = self.values[place[there]]
+        return values
+
+    def between(self, stamps: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Return poses (x, y, theta first) interpolated at some stamps, the first and last held beyond; NaN where there is none."""
+        from arena_ros.conversions import at_stamps
+
+        if not len(self):
+            return np.full((len(stamps), 3), np.nan)
+        own, first = self.stamps, self.stamps[0]
+        order = np.argsort(own, kind="stable")
+        return at_stamps((stamps - first) * 1e-9, (own[order] - first) * 1e-9, self.values[order][:, :3])
+
+
+class People:
+    """Who was seen when: any number at each stamp."""
+
+    def __init__(self) -> None:
+        self._stamps, self._counts, self._values = array("q"), array("q"), array("d")
+
+    def __len__(self) -> int:
+        return len(self._stamps)
+
+    def add(self, stamp: int, seen: list[tuple[int, float, float, float, float]]) -> None:
+        """Add those who are seen at a stamp: number, x, y, vx, vy in ``map``."""
+        self._stamps.append(stamp)
+        self._counts.append(len(seen))
+        for each in seen:
+            self._values.extend(each)
+
+    def table(
+        self, stamps: NDArray[np.int64], oldest: int, ids: NDArray[np.int32] | None = None
+    ) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+        """Return ids (P,) and x, y, vx, vy (T, P, 4) as they were seen at most ``oldest`` ns before each of T stamps; NaN where not."""
+        rows = np.array(self._values, np.float64).reshape(-1, 5)
+        known = np.unique(rows[:, 0]).astype(np.int32) if ids is None else ids
+        table = np.full((len(stamps), len(known), 4), np.nan, np.float32)
+        if len(self) and len(known):
+            ends = np.cumsum(np.array(self._counts, np.int64))
+            own = np.array(self._stamps, np.int64)
+            place = np.searchsorted(own, stamps, side="right") - 1
+            column = {int(number): k for k, number in enumerate(known.tolist())}
+            for t, k in enumerate(place.tolist()):
+                if k < 0 or stamps[t] - own[k] > oldest:
+                    continue
+                for row in rows[ends[k] - self._counts[k] : ends[k]]:
+                    if int(row[0]) in column:
+                        table[t, column[int(row[0])]] = row[1:]
+        return known, table

@@ -1,0 +1,154 @@
+"""``arena ros``: what a user can do with ROS."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar
+
+from arena_core import Command, ConfigurationError, Positive, Words, find_runs, read_words
+
+if TYPE_CHECKING:
+    from arena_ros.bags.importing import Request
+
+USAGES = {
+    "export": "arena ros export RUN --to FILE.bag|.mcap|.db3 [episodes=0,3]",
+    "import": "arena ros import BAG... --out DIR [robot=NAME] [planner=NAME] [map=MAP.yaml] [scans=true] [without=...] [ROLE=/TOPIC]",
+    "scenario-from": "arena ros scenario-from BAG... --out SCENARIO.json [robot=NAME] [map=MAP.yaml] [ROLE=/TOPIC]",
+    "drive": "arena ros drive planner=NAME robot=NAME map=MAP.yaml [transport=ros1] [goal=X,Y] [start=X,Y,THETA] [pose=/tf] [...]",
+    "simulate": "arena ros simulate [transport=ros1] [episode=0] [rate=1.0] [lock_step=true] [KEY=VALUE ...]",
+    "watchdog": "arena ros watchdog [transport=ros1] [from=/arena/cmd_vel] [to=/cmd_vel]",
+}
+READING_KEYS = ("period", "goal_radius", "time_limit", "person_radius", "without")
+IMPORT_KEYS = ("out", "robot", "planner", "map", "scans", *READING_KEYS)
+
+
+class RosCommand(Command):
+    """Bags in and out, driving a robot, being one."""
+
+    help: ClassVar[str] = "bags and robots of ROS 1 and ROS 2: arena ros export|import|scenario-from|drive|simulate|watchdog ..."
+
+    def run(self, arguments: Sequence[str]) -> int:
+        """Run what the first word says."""
+        actions = _actions()
+        if not arguments or arguments[0] not in actions:
+            wanted = arguments[0] if arguments else "nothing"
+            raise ConfigurationError(f"arena ros: {wanted} is no action; allowed: {', '.join(actions)}")
+        return actions[arguments[0]](_as_keys(arguments[1:]))
+
+    def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
+        """Return the actions that fit."""
+        return [name for name in _actions() if name.startswith(word)] if not words else ()
+
+
+def _actions() -> Mapping[str, Callable[[Sequence[str]], int]]:
+    return {
+        "export": _export,
+        "import": _import,
+        "scenario-from": _scenario_from,
+        "drive": _drive,
+        "simulate": _simulate,
+        "watchdog": _watchdog,
+    }
+
+
+def _as_keys(words: Sequence[str]) -> list[str]:
+    """Turn ``--to FILE`` and ``--to=FILE`` into ``to=FILE``."""
+    found, rest = list[str](), list(words)
+    while rest:
+        word = rest.pop(0)
+        if word in ("--to", "--out") and rest:
+            found.append(f"{word[2:]}={rest.pop(0)}")
+        else:
+            found.append({"--dry-run": "dry_run=true"}.get(word, word[2:] if word.startswith(("--to=", "--out=")) else word))
+    return found
+
+
+def _export(arguments: Sequence[str]) -> int:
+    from arena_ros.bags.exporting import export
+
+    words = read_words(USAGES["export"], arguments, names=1, keys=("to", "episodes"))
+    target, folder = Path(words.required("to")), Path(words.names[0])
+    runs = find_runs(folder)
+    if len(runs) > 1:
+        raise ConfigurationError(f"{folder} holds {len(runs)} runs; allowed: the folder of one, such as {runs[0]}")
+    count = export(runs[0], target, _episodes(words))
+    print(f"{target}: {count} episode{'s' * (count != 1)}, {target.stat().st_size / 1e6:.1f} MB")
+    return 0
+
+
+def _episodes(words: Words) -> list[int] | None:
+    text = words.keys.get("episodes")
+    if text is None:
+        return None
+    parts = text.split(",")
+    if not all(part.isdecimal() for part in parts):
+        raise ConfigurationError(f"episodes is {text}; allowed: numbers with commas between them")
+    return [int(part) for part in parts]
+
+
+def _import(arguments: Sequence[str]) -> int:
+    from arena_ros.bags.importing import import_bags
+
+    words, request = _request("import", arguments)
+    folder = Path(words.required("out"))
+    rows = import_bags([Path(name) for name in words.names], folder, request)
+    print(f"{folder}: {len(rows)} episode{'s' * (len(rows) != 1)}")
+    return 0
+
+
+def _scenario_from(arguments: Sequence[str]) -> int:
+    from arena_ros.bags.scenarios import scenario_from
+
+    words, request = _request("scenario-from", arguments)
+    target = Path(words.required("out"))
+    count = scenario_from([Path(name) for name in words.names], target, request)
+    print(f"{target}: {count} problem{'s' * (count != 1)}")
+    return 0
+
+
+def _request(action: str, arguments: Sequence[str]) -> tuple[Words, Request]:
+    """Return the words of an action that reads recordings, and what is asked for."""
+    from arena_ros.bags.importing import Request, reading_of
+    from arena_ros.bags.roles import roles
+
+    words = read_words(USAGES[action], arguments, names=None, keys=(*IMPORT_KEYS, *roles()))
+    if not words.names:
+        raise ConfigurationError(f"no recording is given; allowed: {USAGES[action]}")
+    reading = reading_of(
+        words.value("period", Positive, 0.1),
+        words.value("goal_radius", Positive, 0.3),
+        words.value("time_limit", Positive, 180.0),
+        words.value("person_radius", Positive, 0.3),
+        words.value("without", str, ""),
+    )
+    # `map` is a role, too: a topic begins with a slash and has no ending
+    where = words.keys.get("map")
+    said = {key: value for key, value in words.keys.items() if key in roles() and not (key == "map" and value.endswith((".yaml", ".yml")))}
+    request = Request(
+        said,
+        words.value("robot", str, None),
+        words.value("planner", str, "recorded"),
+        Path(where) if where is not None and "map" not in said else None,
+        words.value("scans", bool, False),
+        reading,
+    )
+    return words, request
+
+
+def _drive(arguments: Sequence[str]) -> int:
+    from arena_ros.live.commands import drive
+
+    return drive(USAGES["drive"], arguments)
+
+
+def _simulate(arguments: Sequence[str]) -> int:
+    from arena_ros.live.commands import simulate
+
+    return simulate(USAGES["simulate"], arguments)
+
+
+def _watchdog(arguments: Sequence[str]) -> int:
+    from arena_ros.live.commands import watchdog
+
+    return watchdog(USAGES["watchdog"], arguments)

@@ -1,0 +1,129 @@
+"""The actions of ``arena ros`` that need a ROS to talk to."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing, contextmanager
+from dataclasses import fields
+from datetime import datetime
+from pathlib import Path
+from types import FrameType
+
+import numpy as np
+
+from arena_core import (
+    ConfigurationError,
+    Count,
+    OutsideRun,
+    Pose,
+    Positive,
+    Words,
+    build_benchmark,
+    compose,
+    load_registry,
+    plain,
+    read_words,
+)
+from arena_ros.live.settings import Settings, settings
+from arena_ros.transport import open_transport
+
+FIGURES = tuple(field.name for field in fields(Settings))
+DRIVE_KEYS = ("transport", "map", "goal", "start", "pose", "scan", "odometry", "cmd_vel", "dry_run", "out", *FIGURES)
+SIMULATE_KEYS = ("transport", "episode", "rate", "lock_step", *FIGURES)
+
+
+def drive(usage: str, arguments: Sequence[str]) -> int:
+    """Drive a robot; return 0 where every goal was reached, else 1."""
+    from arena_ros.live.driver import Driver
+    from arena_ros.live.senses import Senses, Topics
+
+    words = read_words(usage, arguments, keys=DRIVE_KEYS, overrides=None)
+    figures, pose = settings(words), words.value("pose", str, "")
+    start, goal = _pose(words, "start"), _pose(words, "goal")
+    where = ["world=ros_map", f"world.path={words.required('map')}"]
+    config = compose([*where, *words.overrides, *(["localizer=ground_truth"] if pose else [])])
+    registry = load_registry()
+    benchmark = build_benchmark(config, registry)
+    world = registry.build("world", plain(config)["world"]).world(0, 0)
+    folder = Path(words.value("out", str, f"outputs/{datetime.now():%Y-%m-%d/%H-%M-%S-%f}"))
+    topics = Topics(words.value("scan", str, "/scan"), words.value("odometry", str, "/odom"), pose)
+    target = words.value("cmd_vel", str, "/cmd_vel")
+    if words.value("dry_run", bool, False):
+        target = "/arena/dry_run/cmd_vel"
+    with (
+        _stopped() as why,
+        closing(open_transport(words.value("transport", str, None), "arena_drive")) as transport,
+        OutsideRun(folder, benchmark.config, registry, benchmark.code) as run,
+    ):
+        driver = Driver(transport, Senses(transport, topics, benchmark.robot, figures), benchmark, world, run, figures, target)
+        driver.drive(start, goal, why)
+        _tell_latency(driver.latencies, driver.wakes, benchmark.navigator.control_period)
+    print(f"records: {folder}" if run.rows else "no records: there was no goal")
+    return int(any(row["outcome"] != "goal_reached" for row in run.rows))
+
+
+def simulate(usage: str, arguments: Sequence[str]) -> int:
+    """Be a robot."""
+    from arena_ros.live.simulated import SimulatedRobot
+
+    words = read_words(usage, arguments, keys=SIMULATE_KEYS, overrides=None)
+    figures = settings(words)
+    benchmark = build_benchmark(compose(words.overrides), load_registry())
+    with _stopped() as why, closing(open_transport(words.value("transport", str, None), "arena_simulate")) as transport:
+        robot = SimulatedRobot(transport, benchmark, figures.sensor_period)
+        print("the robot is on the air", flush=True)
+        robot.run(words.value("episode", Count, 0), words.value("rate", Positive, 1.0), words.value("lock_step", bool, False), why)
+    return 0
+
+
+def watchdog(usage: str, arguments: Sequence[str]) -> int:
+    """Relay velocities and stop the robot when they end."""
+    from arena_ros.live.watchdog import watch
+
+    words = read_words(usage, arguments, keys=("transport", "from", "to", *FIGURES))
+    with _stopped() as why, closing(open_transport(words.value("transport", str, None), "arena_watchdog")) as transport:
+        print("watching", flush=True)
+        watch(
+            transport, words.value("from", str, "/arena/cmd_vel"), words.value("to", str, "/cmd_vel"), settings(words), lambda: bool(why())
+        )
+    return 0
+
+
+@contextmanager
+def _stopped() -> Iterator[Callable[[], str]]:
+    """Note Ctrl-C, SIGTERM and SIGHUP within the block: yield what says why it is to end, empty while it is not."""
+    came: list[int] = []
+
+    def note(number: int, frame: FrameType | None) -> None:
+        came.append(number)
+
+    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    before = [signal.signal(number, note) for number in numbers]
+    try:
+        yield lambda: f"stopped by {signal.Signals(came[0]).name}" if came else ""
+    finally:
+        for number, usual in zip(numbers, before, strict=True):
+            signal.signal(number, usual)
+
+
+def _pose(words: Words, key: str) -> Pose | None:
+    text = words.keys.get(key)
+    if text is None:
+        return None
+    try:
+        numbers = [float(part) for part in text.split(",")]
+    except ValueError:
+        numbers = []
+    if len(numbers) not in (2, 3) or not np.isfinite(numbers).all():
+        raise ConfigurationError(f"{key} is {text}; allowed: X,Y or X,Y,THETA in m and rad")
+    return Pose(*numbers)
+
+
+def _tell_latency(latencies: Sequence[float], wakes: Sequence[float], period: float) -> None:
+    """Print what control steps took, and how evenly they came."""
+    if len(latencies) > 1:
+        took = 1e3 * np.array(latencies)
+        late = 1e3 * np.abs(np.diff(wakes) - period)
+        print(f"control steps: {len(took)}, took {np.median(took):.1f} ms, p99 {np.percentile(took, 99):.1f} ms; ", end="")
+        print(f"jitter p99 {np.percentile(late, 99):.1f} ms")

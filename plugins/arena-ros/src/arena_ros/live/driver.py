@@ -1,0 +1,300 @@
+"""``arena ros drive``: the navigator of the simulation drives a robot, with the wall clock for its time, and keeps records of it."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from arena_core import (
+    Benchmark,
+    Decision,
+    Event,
+    Mission,
+    NavigatorSpent,
+    Observation,
+    OutsideRun,
+    Pedestrians,
+    Planner,
+    Pose,
+    Recorder,
+    Scenario,
+    Sensors,
+    Twist,
+    World,
+    WorldState,
+    described,
+    free_area,
+    tell,
+)
+from arena_ros import conversions as to
+from arena_ros.bags.footprint import nearest
+from arena_ros.bags.records import ALL_CONTACTS, ALL_PEOPLE
+from arena_ros.codec import PEOPLE, codec
+from arena_ros.live.governor import STAND, Governor
+from arena_ros.live.inbox import Inbox
+from arena_ros.live.senses import Senses
+from arena_ros.live.settings import Settings
+from arena_ros.transport import Transport
+
+NOBODY = Pedestrians(np.empty(0, np.int32), np.empty((0, 2)), np.empty((0, 2)), np.empty(0), np.empty(0, np.int8))
+
+
+class Seen(Planner):
+    """A planner whose last observation can be shown to people."""
+
+    def __init__(self, planner: Planner) -> None:
+        self.inner = planner
+        self.observation: Observation | None = None
+
+    def reset(self, episode: Any) -> None:
+        """Begin an episode."""
+        self.observation = None
+        self.inner.reset(episode)
+
+    def compute_velocity(self, observation: Observation) -> Twist:
+        """Return what the planner says."""
+        self.observation = observation
+        return self.inner.compute_velocity(observation)
+
+
+class Driver:
+    """Drives to one goal after another until ``is_over``; ``world`` is the site, ``start`` where the robot believes to stand, or None."""
+
+    def __init__(
+        self, transport: Transport, senses: Senses, benchmark: Benchmark, world: World, run: OutsideRun, settings: Settings, target: str
+    ) -> None:
+        self._benchmark, self._world, self._run, self._settings, self._senses = benchmark, world, run, settings, senses
+        self._navigator = benchmark.navigator
+        self._seen = Seen(self._navigator.planner)
+        self._seen.compiles = self._navigator.planner.compiles  # type: ignore[misc]
+        self._navigator.planner = self._seen
+        self._period = self._navigator.control_period
+        self._governor = Governor(benchmark.robot, settings.speed, self._period)
+        own = self._codec = codec(transport.ros)
+        goal = "/move_base_simple/goal" if transport.ros == 1 else "/goal_pose"
+        self._goals = Inbox(transport, own, goal, to.POSE_STAMPED)
+        self._starts = Inbox(transport, own, "/initialpose", to.POSE_COVARIANCE)
+        self._send = transport.publisher(target, to.TWIST)
+        topics = {"/plan": to.PATH, "/waypoint": to.POSE_STAMPED, "/arena/pose": to.POSE_COVARIANCE, "/arena/status": to.TEXT}
+        topics |= {"/arena/local_costmap": to.GRID, "/arena/tracks": PEOPLE}
+        self._out = {topic: (transport.publisher(topic, kind, latched=topic == "/plan"), kind) for topic, kind in topics.items()}
+        self._tf = None if senses.is_external else transport.publisher("/tf", to.TF)
+        self._shown = float("-inf")
+        self._estimate: Pose | None = None  # where it believed to be when it was last driven
+        self.latencies: list[float] = []
+        self.wakes: list[float] = []
+
+    def drive(self, start: Pose | None, goal: Pose | None, is_over: Callable[[], str]) -> int:
+        """Drive to a goal, or, where it is None, to each that comes, until ``is_over`` says why it ends; return how many were driven to."""
+        only, driven = goal is not None, 0
+        try:
+            self._senses.await_all(is_over)
+            while not is_over():
+                goal = goal or self._next_goal(is_over)
+                if goal is None:
+                    break
+                place = self._place(start, is_over)
+                if place is None:
+                    break
+                goal, start = self._episode(driven, place, goal, is_over), None
+                driven += 1
+                if only:
+                    break
+        finally:
+            self._publish(self._governor.stop())
+        return driven
+
+    def _next_goal(self, is_over: Callable[[], str]) -> Pose | None:
+        """Wait for a goal in ``map``; meanwhile the robot stands."""
+        while not is_over():
+            if (goal := self._new_goal()) is not None:
+                return goal
+            self._publish(self._governor.stop())
+            self._show_status("waits for a goal", None)
+            time.sleep(self._period)
+        return None
+
+    def _new_goal(self) -> Pose | None:
+        message = self._goals.take()
+        if message is None:
+            return None
+        frame = message.header.frame_id.lstrip("/")
+        goal = to.pose_of(message.pose)
+        if frame not in ("map", "") or not np.isfinite(goal.array()).all():
+            tell(f"a goal in the frame {frame} is not driven to; allowed: map")
+            return None
+        return goal
+
+    def _place(self, start: Pose | None, is_over: Callable[[], str]) -> Pose | None:
+        """Return where the robot stands: by a pose from elsewhere, by what was said, by what it believed last, or by /initialpose."""
+        if self._senses.is_external:
+            return self._senses.pose()
+        if start is not None:
+            return start
+        if self._estimate is not None:
+            return self._estimate
+        tell("where the robot stands is not known: waiting for /initialpose (start=X,Y,THETA says it, pose=/tf takes it from elsewhere)")
+        while not is_over():
+            if (message := self._starts.newest()) is not None:
+                return to.pose_of(message.pose.pose)
+            time.sleep(self._period)
+        return None
+
+    def _episode(self, number: int, start: Pose, goal: Pose, is_over: Callable[[], str]) -> Pose | None:
+        """Drive to one goal and write its record; return the next goal where one came meanwhile."""
+        task, grid = self._benchmark.config["task"], self._world.grid
+        radius, limit = float(task.get("goal_radius", 0.3)), float(task.get("time_limit", 180.0))
+        seed = self._benchmark.settings.seed
+        scenario = Scenario(f"driven_{number:04d}", seed, self._world, start, goal, (), (), radius, limit)
+        recorder = Recorder(scenario, self._benchmark.robot, self._meta(scenario, number), self._benchmark.recording.scans)
+        self._navigator.reset(Mission(grid if self._world.known else None, start, goal, radius, seed, scenario.name))
+        if (fault := self._senses.fault()) is None:
+            self._navigator.rehearse(self._senses.sensors(time.monotonic()))
+        begin = due = time.monotonic()
+        last: tuple[WorldState, Sensors, Decision] | None = None
+        following: Pose | None = None
+        outcome, error, ending = "error", "", None
+        while True:
+            due = self._wait(due)
+            stamp = time.monotonic() - begin
+            if why := is_over():
+                error = why
+                break
+            if (following := self._new_goal()) is not None:
+                error = "another goal came"
+                break
+            if stamp >= limit:
+                outcome = "time_out"
+                break
+            if (fault := self._senses.fault()) is not None:
+                self._publish(self._governor.stop())
+                last = self._stood(recorder, last, stamp, fault)
+                continue
+            sensors = self._senses.sensors(begin)
+            try:
+                decision = self._navigator.decide(sensors)
+            except Exception as broken:  # whatever a planner raises: the robot stands first
+                self._publish(self._governor.stop())
+                error = described(broken)
+                break
+            decision = self._act(decision, time.monotonic() - begin - stamp, stamp)
+            state = self._state(sensors, decision)
+            last = state, sensors, decision
+            if decision.arrived:
+                self._publish(self._governor.stop())
+                outcome, ending = "goal_reached", decision
+                break
+            recorder.sense(state, sensors)
+            recorder.add(decision)
+            self._show(decision, sensors)
+        self._publish(self._governor.stop())
+        if last is not None:
+            self._estimate = last[2].estimate.pose
+            record = recorder.finish(last[0], outcome, error, ending)  # type: ignore[arg-type]
+            self._run.add(replace(record, meta={**record.meta, **self._unknown()}))
+        self._show_status(outcome + (f": {error}" if error else ""), None, at_once=True)
+        print(f"{scenario.name}: {outcome}" + (f" ({error})" if error else ""), flush=True)
+        return following
+
+    def _wait(self, due: float) -> float:
+        """Wait until a step is due; return when the next one is. Steps that were missed are left out."""
+        now = time.monotonic()
+        if due > now:
+            time.sleep(due - now)
+        self.wakes.append(time.monotonic())
+        return max(due + self._period, time.monotonic()) if time.monotonic() - due > self._period else due + self._period
+
+    def _act(self, decision: Decision, took: float, stamp: float) -> Decision:
+        """Send the command, unless it comes too late to be true any more."""
+        if took > self._settings.overrun * self._period:
+            sent = self._governor.stop()
+            event = Event(stamp, "safety_stop", f"a control step took {took:.2f} s")
+            decision = replace(decision, events=(*decision.events, event))
+            tell("control steps take longer than they may: the robot stops for each of them")
+        else:
+            sent = self._governor.limited(decision.command)
+        if not decision.arrived:
+            self._publish(sent)
+            self.latencies.append(took)
+        return replace(decision, command=sent)
+
+    def _stood(self, recorder: Recorder, last: Any, stamp: float, fault: str) -> Any:
+        """Record a step in which the robot had to stand."""
+        self._show_status(f"stopped: {fault}", None)
+        if last is None:
+            return None
+        state, sensors, decision = last
+        state = replace(state, stamp=stamp, contacts=())
+        newly = not any(event.kind == "safety_stop" for event in decision.events)
+        events = (Event(stamp, "safety_stop", fault),) if newly else (Event(stamp, "safety_stop", "still"),)
+        if newly:
+            tell(f"stopped: {fault}")
+        decision = replace(decision, command=STAND, planned=None, events=events, spent=NavigatorSpent(0.0, 0.0, 0.0))
+        recorder.sense(state, sensors)
+        recorder.add(decision)
+        return state, sensors, decision
+
+    def _state(self, sensors: Sensors, decision: Decision) -> WorldState:
+        _, clearance = nearest(self._benchmark.robot.footprint, sensors.scan)
+        pose = sensors.reference if sensors.reference is not None else decision.estimate.pose
+        return WorldState(sensors.stamp, pose, sensors.odometry.twist, NOBODY, clearance, float("inf"), False, 0.0, ())
+
+    def _unknown(self) -> dict[str, Any]:
+        unknown = dict.fromkeys(ALL_CONTACTS, "no simulator knows contacts")
+        unknown |= dict.fromkeys(ALL_PEOPLE, "nobody told where people were")
+        unknown["estimate"] = "the truth is itself an estimate"
+        return {"truth": "reference" if self._senses.is_external else "estimated", "unknown": unknown}
+
+    def _meta(self, scenario: Scenario, number: int) -> dict[str, Any]:
+        grid = self._world.grid
+        columns = {
+            **self._benchmark.columns,
+            "simulator": "real",
+            "timing": "real",
+            "scenario": scenario.name,
+            "scenario_hash": "",
+            "stage": None,
+            "seed": scenario.seed,
+            "n_pedestrians": 0,
+        }
+        world = {"name": self._world.name, "known": self._world.known, "grid": self._run.grid(grid), "free_area": grid.derive(free_area)}
+        return {"columns": {**columns, "episode": number}, "world": world, "config": self._benchmark.config}
+
+    def _publish(self, command: Twist) -> None:
+        self._send(self._codec.encode(to.twist(self._codec, command), to.TWIST))
+
+    def _show(self, decision: Decision, sensors: Sensors) -> None:
+        """Publish what people want to see; the command is out already."""
+        own, now = self._codec, time.time_ns()
+        if decision.planned is not None:
+            self._put("/plan", to.path(own, decision.planned.poses, now, "map"))
+        self._put("/waypoint", to.pose_stamped(own, decision.waypoint, now, "map"))
+        estimate = decision.estimate
+        self._put("/arena/pose", to.pose_covariance(own, estimate.pose, estimate.covariance, now, "map"))
+        if self._tf is not None:
+            correction = estimate.pose.compose(sensors.odometry.pose.relative(Pose(0.0, 0.0)))
+            self._tf(own.encode(to.transforms(own, [("map", "odom", correction)], now), to.TF))
+        self._show_status("drives", decision)
+
+    def _show_status(self, text: str, decision: Decision | None, at_once: bool = False) -> None:
+        if not at_once and time.monotonic() - self._shown < self._settings.status_period:
+            return
+        self._shown = time.monotonic()
+        own, now = self._codec, time.time_ns()
+        status: dict[str, Any] = {"status": text}
+        if decision is not None:
+            status["command"] = decision.command.array().tolist()
+            if (seen := self._seen.observation) is not None:
+                costs, tracks = seen.local_map, seen.tracks
+                self._put("/arena/local_costmap", to.costmap(own, costs, now, "map"))
+                self._put("/arena/tracks", to.people(own, tracks.ids.tolist(), tracks.positions, tracks.velocities, now, "map"))
+        self._put("/arena/status", to.text(own, json.dumps(status)))
+
+    def _put(self, topic: str, message: Any) -> None:
+        publish, kind = self._out[topic]
+        publish(self._codec.encode(message, kind))

@@ -1,0 +1,132 @@
+"""``planner=ros_external``: a ROS node decides, in lock-step. The clock goes on when its command has come, however long that takes."""
+
+from __future__ import annotations
+
+import threading
+import time
+from functools import lru_cache
+from typing import Any
+
+from arena_core import ArenaError, EpisodeStart, Observation, Planner, Pose, Positive, Robot, Twist
+from arena_ros import conversions as to
+from arena_ros.codec import BadMessage, codec, stamp_of
+from arena_ros.transport import Transport, open_transport
+
+BEGIN = 10**9  # ns of the clock at the first episode's begin
+PAUSE = 10**9  # ns from one episode's last step to the next one's begin
+AGAIN = 0.1  # s after which the first step is sent again: who connects late has missed it
+AT_HOME = Pose(0.0, 0.0)
+
+
+class BudgetExceeded(ArenaError):
+    """A foreign planner did not answer in time."""
+
+
+class RosExternal(Planner):
+    """Sends what it is shown to a ROS node, and returns the command that comes back for this very step."""
+
+    def __init__(self, robot: Robot, transport: str | None, command: str, stamped: bool, budget: Positive, patience: Positive) -> None:
+        self._robot, self._transport_name, self._topic, self._stamped = robot, transport, command, stamped
+        self._budget, self._patience = budget, patience
+        self._link: _Link | None = None
+        self._clock = BEGIN - PAUSE
+
+    def reset(self, episode: EpisodeStart) -> None:
+        """Connect, once in a process, and tell goal and map."""
+        if self._link is None:
+            self._link = _link(self._transport_name, self._topic, self._stamped)
+        self._begin = self._clock + PAUSE
+        self._path: Any = None
+        self._link.begin(episode, self._begin)
+
+    def compute_velocity(self, observation: Observation) -> Twist:
+        """Return the node's command; raise BudgetExceeded, which ends the episode, where none comes."""
+        if self._link is None:
+            raise ArenaError("ros_external was not reset")
+        self._clock = self._begin + round(observation.stamp * 1e9)
+        limit = self._budget if self._link.answered else self._patience
+        return self._link.ask(observation, self._clock, self._robot.lidar.period, limit)
+
+
+@lru_cache(maxsize=4)
+def _link(transport: str | None, command: str, stamped: bool) -> _Link:
+    return _Link(open_transport(transport, "arena_ros_external"), command, stamped)
+
+
+class _Link:
+    """The topics between this process and the node; ``answered`` tells whether it has ever sent a command."""
+
+    def __init__(self, transport: Transport, command: str, stamped: bool) -> None:
+        if "/clock" in transport.topics():
+            raise ArenaError("/clock is published already; allowed: one clock (executor.workers=1, and no other simulator at this master)")
+        self._codec, self._stamped, self._command = codec(transport.ros), stamped, command
+        kinds = {"/scan": to.SCAN, "/odom": to.ODOMETRY, "/tf": to.TF, "/clock": to.CLOCK, "/waypoint": to.POSE_STAMPED}
+        latched = {"/map": to.GRID, "/plan": to.PATH, "/tf_static": to.TF}
+        latched["/move_base_simple/goal" if transport.ros == 1 else "/goal_pose"] = to.POSE_STAMPED
+        self._goal = next(topic for topic in latched if "goal" in topic)
+        self._out = {topic: (transport.publisher(topic, kind), kind) for topic, kind in kinds.items()}
+        self._out |= {topic: (transport.publisher(topic, kind, latched=True), kind) for topic, kind in latched.items()}
+        self._came = threading.Condition()
+        self._answer: tuple[int | None, Twist] | None = None
+        self.answered = False
+        self._path: Any = None
+        transport.subscribe(command, to.TWIST_STAMPED if stamped else to.TWIST, self._hear)
+
+    def begin(self, episode: EpisodeStart, stamp: int) -> None:
+        """Tell map and goal."""
+        own = self._codec
+        self._path = None
+        if episode.map is not None:
+            self._put("/map", to.grid(own, episode.map, stamp, "map"))
+        self._put("/clock", own.make(to.CLOCK, clock=own.time(stamp)))
+        self._put(self._goal, to.pose_stamped(own, episode.goal, stamp, "map"))
+
+    def ask(self, observation: Observation, stamp: int, scan_period: float, limit: float) -> Twist:
+        """Send a step and wait for its command."""
+        end = time.monotonic() + limit
+        with self._came:
+            self._answer = None
+        self._send(observation, stamp, scan_period)
+        while True:
+            left = end - time.monotonic()
+            with self._came:
+                self._came.wait_for(lambda: self._is_for(stamp), left if self.answered else min(left, AGAIN))
+                if self._is_for(stamp) and self._answer is not None:
+                    self.answered = True
+                    return self._answer[1]
+            if time.monotonic() >= end:
+                raise BudgetExceeded(f"no command on {self._command} for this step within {limit:g} s")
+            if not self.answered:
+                self._send(observation, stamp, scan_period)
+
+    def _is_for(self, stamp: int) -> bool:
+        return self._answer is not None and self._answer[0] in (None, stamp)
+
+    def _hear(self, content: bytes) -> None:
+        try:
+            message = self._codec.decode(content, to.TWIST_STAMPED if self._stamped else to.TWIST)
+        except BadMessage:
+            return
+        with self._came:
+            self._answer = (stamp_of(message.header.stamp) if self._stamped else None), to.twist_of(message)
+            self._came.notify()
+
+    def _send(self, observation: Observation, stamp: int, scan_period: float) -> None:
+        """Send all that belongs to a step, the clock last."""
+        own, pose = self._codec, observation.pose
+        links = [("map", "odom", AT_HOME), ("odom", "base_link", pose)]
+        self._put("/tf", to.transforms(own, links, stamp))
+        if self._path is None:
+            self._put("/tf_static", to.transforms(own, [("base_link", "laser", observation.scan.mount)], stamp))
+        if self._path is not observation.path:
+            self._path = observation.path
+            self._put("/plan", to.path(own, observation.path.poses, stamp, "map"))
+        self._put("/waypoint", to.pose_stamped(own, observation.waypoint, stamp, "map"))
+        seen = stamp - round((observation.stamp - observation.scan.stamp) * 1e9)
+        self._put("/scan", to.scan(own, observation.scan, seen, "laser", scan_period))
+        self._put("/odom", to.odometry(own, pose, observation.twist, stamp, "odom", "base_link"))
+        self._put("/clock", own.make(to.CLOCK, clock=own.time(stamp)))
+
+    def _put(self, topic: str, message: Any) -> None:
+        publish, kind = self._out[topic]
+        publish(self._codec.encode(message, kind))

@@ -1,0 +1,142 @@
+"""What a robot on the air measures, as the navigator takes it, or why it cannot be driven now."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from arena_core import ArenaError, Odometry, Pose, Robot, Sensors
+from arena_ros import conversions as of
+from arena_ros.codec import codec, stamp_of
+from arena_ros.live.inbox import Inbox
+from arena_ros.live.settings import Settings
+from arena_ros.transport import Transport
+
+LARGEST_LAG = 1.0  # s by which a scan's stamp may lie before odometry's; beyond, clocks differ and times of arrival count
+
+
+@dataclass(frozen=True, slots=True)
+class Topics:
+    """Where sensors come from; ``pose`` is empty where the robot localises itself, ``tf`` where map -> odom on /tf counts."""
+
+    scan: str
+    odometry: str
+    pose: str
+
+
+class Senses:
+    """Hears a robot's sensors."""
+
+    def __init__(self, transport: Transport, topics: Topics, robot: Robot, settings: Settings) -> None:
+        own = codec(transport.ros)
+        self._robot, self._settings, self._topics, self._transport = robot, settings, topics, transport
+        self._scan = Inbox(transport, own, topics.scan, of.SCAN)
+        self._odometry = Inbox(transport, own, topics.odometry, of.ODOMETRY)
+        self._pose = Inbox(transport, own, topics.pose, _pose_type(topics.pose)) if topics.pose else None
+        self._correction: Pose | None = None  # odom in map, by a pose from elsewhere
+        self._corrected = float("-inf")
+        self._good_scan = self._good_odometry = float("-inf")  # when the newest of use came
+        self._tf_needed = topics.pose == "/tf"
+
+    def await_all(self, is_over: object = None) -> None:
+        """Wait until scan, odometry and, where it comes from elsewhere, pose have come; raise ArenaError where they do not."""
+        end = time.monotonic() + self._settings.patience
+        while (fault := self.fault()) is not None:
+            self._look()
+            if time.monotonic() > end:
+                raise ArenaError(f"{fault} within {self._settings.patience:g} s; {self._there()}")
+            if callable(is_over) and is_over():
+                raise KeyboardInterrupt
+            time.sleep(0.02)
+
+    def _there(self) -> str:
+        there = self._transport.topics()
+        wanted = {self._topics.scan: of.SCAN, self._topics.odometry: of.ODOMETRY}
+        for topic, kind in wanted.items():
+            if there.get(topic, kind) not in (kind, "*"):
+                return f"{topic} is a {there[topic]}; allowed: {kind}"
+        return f"published are {', '.join(sorted(there)[:12]) or 'no topics at all'}"
+
+    def fault(self) -> str | None:
+        """Return what is missing or too old, None where the robot may be driven."""
+        self._look()
+        now, own = time.monotonic(), self._settings
+        if now - self._good_scan > own.scan_age:
+            return f"no scan of use on {self._topics.scan}" + _since(self._good_scan, now)
+        if now - self._good_odometry > own.odometry_age:
+            return f"no odometry of use on {self._topics.odometry}" + _since(self._good_odometry, now)
+        if self._pose is not None and now - self._corrected > own.pose_age:
+            return f"no pose on {self._topics.pose}" + _since(self._corrected, now)
+        return None
+
+    def _look(self) -> None:
+        """Take in what has come: what is no number is of no use, and grows old."""
+        scan = self._scan.take()
+        if scan is not None and not np.isnan(scan.ranges).all() and len(scan.ranges) and np.isfinite(scan.angle_increment):
+            self._good_scan = self._scan.came
+            self._newest_scan = scan
+        odometry = self._odometry.take()
+        if odometry is not None:
+            measured = of.odometry_of(odometry, 0.0)
+            if np.isfinite([*measured.pose.array(), *measured.twist.array()]).all():
+                self._good_odometry = self._odometry.came
+                self._newest_odometry, self._measured = odometry, measured
+        if self._pose is not None and self._good_odometry > float("-inf"):
+            self._take_pose(self._pose.take())
+
+    def _take_pose(self, message: object) -> None:
+        if message is None or self._pose is None:
+            return
+        if self._tf_needed:
+            odom = self._newest_odometry.header.frame_id.lstrip("/") or "odom"
+            found = [pose for parent, child, pose, _ in of.links_of(message) if (parent, child) == ("map", odom)]
+            if not found:
+                return
+            self._correction = found[-1]
+        else:
+            inner = message.pose  # type: ignore[attr-defined]
+            pose = of.pose_of(getattr(inner, "pose", inner))
+            self._correction = pose.compose(self._measured.pose.relative(Pose(0.0, 0.0)))
+        if np.isfinite(self._correction.array()).all():
+            self._corrected = self._pose.came
+
+    @property
+    def is_external(self) -> bool:
+        """Tell whether the pose comes from elsewhere."""
+        return self._pose is not None
+
+    def pose(self) -> Pose | None:
+        """Return the pose from elsewhere, carried on by odometry."""
+        return None if self._correction is None else self._correction.compose(self._measured.pose)
+
+    def odometry_pose(self) -> Pose:
+        """Return the pose in odom."""
+        return self._measured.pose
+
+    def sensors(self, begin: float) -> Sensors:
+        """Return what is measured now, s since ``begin`` of the monotonic clock. Only where there is no fault."""
+        now = time.monotonic() - begin
+        odometry_stamp = self._good_odometry - begin
+        lag = (stamp_of(self._newest_odometry.header.stamp) - stamp_of(self._newest_scan.header.stamp)) * 1e-9
+        scan_stamp = odometry_stamp - lag if abs(lag) < LARGEST_LAG else self._good_scan - begin
+        scan = of.scan_of(self._newest_scan, min(scan_stamp, now), self._robot.lidar.mount)
+        odometry = Odometry(odometry_stamp, self._measured.pose, self._measured.twist)
+        return Sensors(now, scan, odometry, self.pose())
+
+
+def _pose_type(topic: str) -> str:
+    if topic == "/tf":
+        return of.TF
+    return (
+        of.ODOMETRY
+        if "odom" in topic or "truth" in topic
+        else of.POSE_STAMPED
+        if "mocap" in topic or "vicon" in topic
+        else of.POSE_COVARIANCE
+    )
+
+
+def _since(when: float, now: float) -> str:
+    return "" if when == float("-inf") else f" for {now - when:.2f} s"

@@ -1,0 +1,33 @@
+"""The figures of ``live.yaml``, each of which the command line may change."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+
+from arena_core import Fraction, Positive, Words, read_settings, read_yaml
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """Ages and periods in s; ``overrun`` in control periods, ``speed`` a share."""
+
+    scan_age: Positive
+    odometry_age: Positive
+    pose_age: Positive
+    overrun: Positive
+    patience: Positive
+    speed: Fraction
+    status_period: Positive
+    watchdog_age: Positive
+    watchdog_period: Positive
+    sensor_period: Positive
+
+
+def settings(words: Words) -> Settings:
+    """Return the figures, those of the command line first; raise ConfigurationError."""
+    usual: Mapping[str, float] = read_yaml(Path(str(files("arena_ros") / "live.yaml")), "the figures of this package")
+    said = {key: words.value(key, float, value) for key, value in usual.items()}
+    return read_settings(said, Settings, "")

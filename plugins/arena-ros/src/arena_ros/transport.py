@@ -1,0 +1,56 @@
+"""Bytes from topic to topic: what a package for one generation of ROS implements, and nothing else of it is needed here."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from importlib.metadata import entry_points
+from typing import ClassVar
+
+from arena_core import ConfigurationError
+from arena_ros.codec import Ros
+
+GROUP = "arena_ros"  # of entry points: a name such as ros1, and the class of a Transport
+Publish = Callable[[bytes], None]
+Heard = Callable[[bytes], None]  # may be called in another thread
+
+
+class Transport(ABC):
+    """One node. The constructor receives the node's name and raises ArenaError where there is no ROS to talk to."""
+
+    ros: ClassVar[Ros]
+
+    @abstractmethod
+    def __init__(self, node: str) -> None: ...
+
+    @abstractmethod
+    def publisher(self, topic: str, type: str, latched: bool = False) -> Publish:
+        """Return what publishes messages of a type; who comes later gets the last one of a latched topic."""
+
+    @abstractmethod
+    def subscribe(self, topic: str, type: str, heard: Heard) -> None:
+        """Have ``heard`` called with each message."""
+
+    @abstractmethod
+    def topics(self) -> Mapping[str, str]:
+        """Return the topics that somebody publishes, with their types as far as they are known."""
+
+    def serve(self, name: str, act: Callable[[], None]) -> bool:
+        """Offer a service std_srvs/Empty; return whether this transport can."""
+        return False
+
+    @abstractmethod
+    def close(self) -> None:
+        """Leave; nothing is published any more."""
+
+
+def open_transport(name: str | None, node: str) -> Transport:
+    """Return a node on the transport of a name, on the only one that is installed where there is no name."""
+    found = {point.name: point for point in entry_points(group=GROUP)}
+    allowed = ", ".join(sorted(found)) or "none is installed; pip install arena-ros1 or arena-ros2"
+    if name is None and len(found) == 1:
+        name = next(iter(found))
+    if name not in found:
+        raise ConfigurationError(f"transport is {name or 'not said'}; allowed: {allowed}")
+    transport: type[Transport] = found[name].load()
+    return transport(node)
