@@ -77,7 +77,16 @@ from arena_core.loop.execution import Timing, mission_of, run_episode
 from arena_core.loop.guide import Guide, Mission, ReplanRules, View, pose_at_scan
 from arena_core.loop.navigator import NAVIGATOR_KEYS, Decision, Navigator
 from arena_core.loop.navigator import Spent as NavigatorSpent
-from arena_core.loop.recording import Recorder, check_inside, find_runs, read_record, robot_meta, write_bytes_whole, write_text_whole
+from arena_core.loop.recording import (
+    Recorder,
+    check_inside,
+    find_runs,
+    read_grid,
+    read_record,
+    robot_meta,
+    write_bytes_whole,
+    write_text_whole,
+)
 from arena_core.runs.api import Run, Runs, run
 from arena_core.runs.benchmark import Benchmark, build_benchmark, build_guide, build_metrics
 from arena_core.runs.code_digest import Code, code_of
@@ -281,6 +290,7 @@ __all__ = [
     "read_array",
     "read_arrays",
     "read_bytes",
+    "read_grid",
     "read_json",
     "read_record",
     "read_settings",

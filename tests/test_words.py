@@ -16,6 +16,12 @@ def test_words_are_names_own_keys_and_overrides():
     assert words.overrides == ("world.width=3", "+world.plan=x", "~world.seed")
 
 
+def test_own_keys_may_be_options():
+    assert sorted_words("a.yaml", "--out", "b", "--size=2").keys == {"out": "b", "size": "2"}
+    with pytest.raises(ConfigurationError, match="arguments are a --out; allowed: arena draw FILE"):
+        sorted_words("a", "--out")
+
+
 def test_own_values_are_converted_and_checked_as_those_of_a_configuration():
     words = sorted_words("a.yaml", "size=2e-1")
     assert words.value("size", Positive, 1.0) == 0.2

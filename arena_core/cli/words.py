@@ -41,8 +41,10 @@ def read_words(
 ) -> Words:
     """Sort the words of a command: so many ``names`` (None: any number), its own ``keys``, each once, and overrides.
 
-    ``overrides`` are the parts of the configuration that may be changed (None: all). Raises ConfigurationError for every other word.
+    A key may be given as an option, too: ``--to FILE`` is ``to=FILE``. ``overrides`` are the parts of the configuration that may be
+    changed (None: all). Raises ConfigurationError for every other word.
     """
+    words = _without_dashes(words, keys)
     assignments = [word for word in words if is_key_value(word)]
     own = [key_value(word) for word in assignments if word.partition("=")[0] in keys]
     others = tuple(word for word in assignments if word.partition("=")[0] not in keys)
@@ -50,6 +52,18 @@ def read_words(
     _check_names(found, names)
     _check_own(found, [key for key, _ in own])
     _check_overrides(found, keys, overrides)
+    return found
+
+
+def _without_dashes(words: Sequence[str], keys: Collection[str]) -> list[str]:
+    """Turn ``--KEY VALUE`` and ``--KEY=VALUE`` of a command's own keys into KEY=VALUE."""
+    found, rest = list[str](), list(words)
+    while rest:
+        word = rest.pop(0)
+        key, equals, _ = word.removeprefix("--").partition("=")
+        if word.startswith("--") and key in keys:
+            word = word[2:] if equals else f"{key}={rest.pop(0)}" if rest else word
+        found.append(word)
     return found
 
 

@@ -21,6 +21,7 @@ from arena_core.base.arrays import read_arrays
 from arena_core.base.errors import InputFileError, RunFolderError, one_line
 from arena_core.base.files import reason_of
 from arena_core.base.frozen import frozen
+from arena_core.base.limits import LIMITS
 from arena_core.loop.navigator import Decision, Spent
 from arena_core.loop.record_layout import fault_of
 from arena_core.values.episode import Contact, EpisodeRecord, Event, Outcome, Scenario, WorldState
@@ -152,6 +153,20 @@ def write_grid(folder: Path, grid: OccupancyGrid) -> str:
         content = {"data": grid.data, "resolution": np.array(grid.resolution), "origin": origin}
         write_whole(folder / name, lambda file: _write_npz(file, content))
     return name
+
+
+def read_grid(path: Path) -> OccupancyGrid:
+    """Read a run's map, ``worlds/HASH.npz``; raise InputFileError when it is missing, damaged or leads out of the run's folder."""
+    allowed = "the maps that `arena run` wrote beside the records"
+    check_inside(path.parent.parent, path)
+    content = read_arrays(path, allowed)
+    try:
+        data, resolution, origin = content["data"], float(content["resolution"]), content["origin"].astype(np.float64)
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputFileError(f"{path}: damaged ({one_line(repr(error))}); allowed: {allowed}") from None
+    if data.ndim != 2 or data.dtype != np.int8 or data.size > LIMITS.cells or origin.shape != (3,) or not resolution > 0.0:
+        raise InputFileError(f"{path}: damaged (its arrays are not those of a map); allowed: {allowed}")
+    return OccupancyGrid(data, resolution, Pose.of(origin))
 
 
 def write_whole(path: Path, write: Callable[[IO[bytes]], object]) -> None:

@@ -229,7 +229,7 @@ def report_run(path: Path) -> object:
 
 def read_map_of_run(path: Path) -> object:
     """Read the map of a run."""
-    from arena_metrics.pages.trajectories import read_grid
+    from arena_core import read_grid
 
     return read_grid(path)
 

@@ -34,7 +34,7 @@ class RosCommand(Command):
         if not arguments or arguments[0] not in actions:
             wanted = arguments[0] if arguments else "nothing"
             raise ConfigurationError(f"arena ros: {wanted} is no action; allowed: {', '.join(actions)}")
-        return actions[arguments[0]](_as_keys(arguments[1:]))
+        return actions[arguments[0]](["dry_run=true" if word == "--dry-run" else word for word in arguments[1:]])
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
         """Return the actions that fit."""
@@ -50,18 +50,6 @@ def _actions() -> Mapping[str, Callable[[Sequence[str]], int]]:
         "simulate": _simulate,
         "watchdog": _watchdog,
     }
-
-
-def _as_keys(words: Sequence[str]) -> list[str]:
-    """Turn ``--to FILE`` and ``--to=FILE`` into ``to=FILE``."""
-    found, rest = list[str](), list(words)
-    while rest:
-        word = rest.pop(0)
-        if word in ("--to", "--out") and rest:
-            found.append(f"{word[2:]}={rest.pop(0)}")
-        else:
-            found.append({"--dry-run": "dry_run=true"}.get(word, word[2:] if word.startswith(("--to=", "--out=")) else word))
-    return found
 
 
 def _export(arguments: Sequence[str]) -> int:

@@ -5,13 +5,12 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import LIMITS, EpisodeRecord, InputFileError, check_inside, one_line, read_arrays, read_record
+from arena_core import EpisodeRecord, read_grid, read_record
 from arena_drawing.painter import draw_goal, draw_map, draw_obstacles, draw_start, frame_axes
 from arena_metrics.packs.outcome import PERSON
 from arena_metrics.pages.figures import INK, Image, rendered
@@ -68,7 +67,8 @@ def _panel_sizes(panels: Sequence[Panel]) -> tuple[int, float, float]:
 def _draw(axes: Axes, panel: Panel, drives: Sequence[Drive], records: Sequence[EpisodeRecord]) -> None:
     frame_axes(axes, panel.window)
     if drives:
-        draw_map(axes, *read_grid(drives[0].episode.run.folder / drives[0].problem.grid))
+        grid = read_grid(drives[0].episode.run.folder / drives[0].problem.grid)
+        draw_map(axes, grid.data, grid.resolution, grid.origin.array())
     for obstacles in {problem.obstacles: None for problem in sorted(panel.problems, key=repr)}:
         draw_obstacles(axes, json.loads(obstacles))
     _draw_people(axes, records)
@@ -79,20 +79,6 @@ def _draw(axes: Axes, panel: Panel, drives: Sequence[Drive], records: Sequence[E
     _draw_ends(axes, panel)
     _draw_scale_bar(axes, panel.window)
     axes.spines[:].set(visible=True, color="#bbbbbb", linewidth=0.6)
-
-
-def read_grid(path: Path) -> tuple[NDArray[np.int8], float, FloatArray]:
-    """Read a run's map: cells (H, W), resolution in m, origin (3,); raise InputFileError when it is missing or damaged."""
-    allowed = "the maps that `arena run` wrote beside the records"
-    check_inside(path.parent.parent, path)
-    content = read_arrays(path, allowed)
-    try:
-        data, resolution, origin = content["data"], float(content["resolution"]), content["origin"].astype(np.float64)
-    except (KeyError, TypeError, ValueError) as error:
-        raise InputFileError(f"{path}: damaged ({one_line(repr(error))}); allowed: {allowed}") from None
-    if data.ndim != 2 or data.dtype != np.int8 or data.size > LIMITS.cells or origin.shape != (3,) or not resolution > 0.0:
-        raise InputFileError(f"{path}: damaged (its arrays are not those of a map); allowed: {allowed}")
-    return data, resolution, origin
 
 
 def _draw_people(axes: Axes, records: Sequence[EpisodeRecord]) -> None:

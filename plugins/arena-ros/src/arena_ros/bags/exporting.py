@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from arena_core import ArenaError, ConfigurationError, EpisodeRecord, InputFileError, LaserScan, OccupancyGrid, Pose, Twist, read_arrays
+from arena_core import ArenaError, ConfigurationError, EpisodeRecord, InputFileError, LaserScan, OccupancyGrid, Pose, Twist, read_grid
 from arena_ros import conversions as to
 from arena_ros.codec import PEOPLE, Codec, Ros, codec
 
@@ -167,8 +167,7 @@ def _grid(folder: Path, record: EpisodeRecord) -> OccupancyGrid | None:
     name = record.meta["world"].get("grid")
     if name is None or not (folder / name).is_file():
         return None
-    arrays = read_arrays(folder / name, "a map that `arena run` wrote")
-    return OccupancyGrid(arrays["data"], float(arrays["resolution"]), Pose.of(arrays["origin"]))
+    return read_grid(folder / name)
 
 
 def _lidar(record: EpisodeRecord) -> dict[str, Any]:
