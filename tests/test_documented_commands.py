@@ -20,6 +20,7 @@ from arena_core.config.configuration import compose, option_files
 from arena_core.config.plugins import load_plugins
 from arena_crowds.validation.command import EXPERIMENTS
 from arena_crowds.validation.measure import read_request
+from arena_mujoco.pictures.command import read_request as read_picture
 from arena_navrep.navrep_command import STAGES
 from arena_ros.bags.roles import roles
 from arena_ros.commands import IMPORT_KEYS, USAGES
@@ -144,7 +145,7 @@ class Shell:
         known = {
             **{"arena run": self.composed, "arena train": self.train, "arena navrep": self.navrep, "arena choices": self.composed},
             **{"arena trainings": lambda words: None, "arena compare-real": lambda words: None},  # of what takes its time, or a robot
-            **{"arena ros": self.ros},
+            **{"arena ros": self.ros, "arena render": read_picture},
             **{"arena crowd": self.crowd, "arena check": self.check, "make": self.make, "pip": self.pip, "python": self.python},
             **{"for": self.loop, ".": lambda words: None, "git": lambda words: None},
         }

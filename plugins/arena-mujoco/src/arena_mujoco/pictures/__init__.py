@@ -1,0 +1,1 @@
+"""Pictures and films of recorded episodes in 3-D, of either simulator."""
