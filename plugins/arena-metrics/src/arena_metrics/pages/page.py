@@ -10,6 +10,7 @@ from typing import Any
 
 from arena_metrics.pages.figures import Image
 from arena_metrics.pages.headline import OUTCOMES, Group, answers, groups, headings, outcome
+from arena_metrics.pages.profiles import PROFILES
 from arena_metrics.pooling.cells import VARIANT, Cell, Cells, differences
 from arena_metrics.pooling.codes import other_code
 from arena_metrics.pooling.drives import numbered
@@ -35,6 +36,7 @@ def render(
     summary: Summary,
     baseline: str | None,
     claims: Table | None,
+    ranking: Table | None,
     pairs: Sequence[Table],
     levels: Table | None,
     of_drives: Sequence[Table],
@@ -50,7 +52,7 @@ def render(
 
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     template = environment.from_string((files("arena_metrics") / "templates" / "report.html.j2").read_text(encoding="utf-8"))
-    first = {column.name for column, _ in headline_columns(summary)}
+    first = {PROFILES, *(column.name for column, _ in headline_columns(summary))}
     return template.render(
         **_head(summary, baseline, runs, repeats),
         style=(files("arena_metrics") / "templates" / "report.css").read_text(encoding="utf-8"),
@@ -62,6 +64,7 @@ def render(
         pictures_first=len(summary.cells.cells) <= PICTURES_FIRST,
         pictures_left_out=len(summary.cells.cells) - len(pictures),
         claims=claims,
+        ranking=ranking,
         pairs=pairs,
         levels=levels,
         problems=problems,
