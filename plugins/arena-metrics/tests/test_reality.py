@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from arena_core import ArenaError, EpisodeRecord
-from arena_metrics.tables.reality import METRICS, CompareRealCommand, Drive, difference_rows, pairs_of, problem_rows
+from arena_metrics.pages.reality import METRICS, CompareRealCommand, Drive, difference_rows, pairs_of, problem_rows
 
 
 def drive(name: str, y: float, seconds: float, goal: float = 5.0) -> Drive:
