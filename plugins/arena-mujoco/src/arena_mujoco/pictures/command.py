@@ -28,9 +28,9 @@ from arena_core import (
     read_words,
     tell,
 )
+from arena_drawing.film import check_encoder, check_target, write_film, write_picture
 from arena_mujoco.body import UNKNOWN, Body, BodyFigures, body_of
 from arena_mujoco.pictures.drama import Drama
-from arena_mujoco.pictures.film import check_encoder, check_target, write_film, write_picture
 from arena_mujoco.pictures.looks import Looks, looks
 from arena_mujoco.pictures.painting import Camera
 from arena_mujoco.pictures.stage import Stage

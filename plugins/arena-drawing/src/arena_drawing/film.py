@@ -28,7 +28,7 @@ def check_encoder(target: Path) -> None:
         try:
             import imageio_ffmpeg  # noqa: F401 - only whether it is there
         except ImportError:
-            raise ConfigurationError(f"{target.name} needs imageio-ffmpeg; allowed: install arena-mujoco[film], or .gif") from None
+            raise ConfigurationError(f"{target.name} needs imageio-ffmpeg; allowed: pip install imageio-ffmpeg, or .gif") from None
 
 
 def write_picture(target: Path, frame: Frame) -> None:
