@@ -77,6 +77,7 @@ from arena_core.loop.execution import Timing, mission_of, run_episode
 from arena_core.loop.guide import Guide, Mission, ReplanRules, View, pose_at_scan
 from arena_core.loop.navigator import NAVIGATOR_KEYS, Decision, Navigator
 from arena_core.loop.navigator import Spent as NavigatorSpent
+from arena_core.loop.record_digest import record_digest
 from arena_core.loop.recording import (
     Recorder,
     check_inside,
@@ -86,11 +87,14 @@ from arena_core.loop.recording import (
     robot_meta,
     write_bytes_whole,
     write_text_whole,
+    write_whole,
 )
 from arena_core.runs.api import Run, Runs, run
 from arena_core.runs.benchmark import Benchmark, build_benchmark, build_guide, build_metrics
 from arena_core.runs.code_digest import Code, code_of
 from arena_core.runs.outside import OutsideRun
+from arena_core.runs.provenance import cpu_kind, read_provenance, versions
+from arena_core.runs.repeating import repeat
 from arena_core.runs.rows import COLUMNS as EPISODE_COLUMNS
 from arena_core.runs.rows import TEXT, evaluate, metric_column
 from arena_core.runs.text_columns import aligned
@@ -267,6 +271,7 @@ __all__ = [
     "code_of",
     "complete_overrides",
     "compose",
+    "cpu_kind",
     "described",
     "evaluate",
     "find_runs",
@@ -292,13 +297,16 @@ __all__ = [
     "read_bytes",
     "read_grid",
     "read_json",
+    "read_provenance",
     "read_record",
     "read_settings",
     "read_table",
     "read_text",
     "read_words",
     "read_yaml",
+    "record_digest",
     "rectangles",
+    "repeat",
     "robot_meta",
     "run",
     "run_episode",
@@ -306,9 +314,11 @@ __all__ = [
     "stream_key",
     "succeeded",
     "tell",
+    "versions",
     "wall_boxes",
     "with_obstacles",
     "wrap_angle",
     "write_bytes_whole",
     "write_text_whole",
+    "write_whole",
 ]
