@@ -3,6 +3,7 @@
 from arena_core.base.addresses import local_path
 from arena_core.base.arrays import read_array, read_arrays
 from arena_core.base.cells import harmless
+from arena_core.base.ctrl_c import interrupts
 from arena_core.base.errors import (
     ArenaError,
     BrokenPlugin,
@@ -15,6 +16,7 @@ from arena_core.base.errors import (
     NoPath,
     NoValidCommand,
     RunFolderError,
+    RunStopped,
     UnknownComponent,
     described,
     one_line,
@@ -91,7 +93,10 @@ from arena_core.loop.recording import (
 )
 from arena_core.runs.api import Run, Runs, run
 from arena_core.runs.benchmark import Benchmark, build_benchmark, build_guide, build_metrics
+from arena_core.runs.budgets import Budgets
 from arena_core.runs.code_digest import Code, code_of
+from arena_core.runs.executors import ProcessExecutor
+from arena_core.runs.nodes import Delivery, Node, OtherCode, take_in
 from arena_core.runs.outside import OutsideRun
 from arena_core.runs.provenance import cpu_kind, read_provenance, versions
 from arena_core.runs.repeating import repeat
@@ -109,7 +114,19 @@ from arena_core.values.episode import (
 )
 from arena_core.values.geometry import Footprint, Pose, Twist, wrap_angle
 from arena_core.values.obstacles import with_obstacles
-from arena_core.values.parameters import Bounds, Count, Fraction, Horizon, NonNegative, NonNegativeInt, Positive, PositiveInt, Samples, Step
+from arena_core.values.parameters import (
+    Bounds,
+    Count,
+    Fraction,
+    Horizon,
+    NonNegative,
+    NonNegativeInt,
+    Positive,
+    PositiveInt,
+    Samples,
+    Step,
+    Workers,
+)
 from arena_core.values.rectangles import rectangles
 from arena_core.values.robot import Lidar, OdometryModel, Robot, VelocityLimits, make_robot
 from arena_core.values.scene import Prism, Scene, raised, scene_of, wall_boxes
@@ -159,6 +176,7 @@ __all__ = [
     "Better",
     "Bounds",
     "BrokenPlugin",
+    "Budgets",
     "Code",
     "Command",
     "CommandQueue",
@@ -169,6 +187,7 @@ __all__ = [
     "Count",
     "Crowd",
     "Decision",
+    "Delivery",
     "DuplicateComponent",
     "EarlierScans",
     "EpisodeLoop",
@@ -200,6 +219,7 @@ __all__ = [
     "NavigatorSpent",
     "NoPath",
     "NoValidCommand",
+    "Node",
     "NonNegative",
     "NonNegativeInt",
     "Observation",
@@ -210,6 +230,7 @@ __all__ = [
     "OccupancyGrid",
     "Odometry",
     "OdometryModel",
+    "OtherCode",
     "Outcome",
     "OutsideRun",
     "Path",
@@ -223,6 +244,7 @@ __all__ = [
     "Positive",
     "PositiveInt",
     "Prism",
+    "ProcessExecutor",
     "Recorder",
     "ReferenceLocalizer",
     "Register",
@@ -234,6 +256,7 @@ __all__ = [
     "RobotBatch",
     "Run",
     "RunFolderError",
+    "RunStopped",
     "Runs",
     "Samples",
     "ScanMemory",
@@ -260,6 +283,7 @@ __all__ = [
     "Waypoints",
     "Window",
     "Words",
+    "Workers",
     "World",
     "WorldSource",
     "WorldState",
@@ -279,6 +303,7 @@ __all__ = [
     "generator",
     "harmless",
     "hookimpl",
+    "interrupts",
     "is_file",
     "is_key_value",
     "key_value",
@@ -313,6 +338,7 @@ __all__ = [
     "scene_of",
     "stream_key",
     "succeeded",
+    "take_in",
     "tell",
     "versions",
     "wall_boxes",
