@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import socket
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -19,6 +20,7 @@ OWN = {  # what a Ray of its own is told, unless the environment says otherwise
     "RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO": "0",
 }
 PREFIX = "RAY_"
+REACHED_WITHIN = 10.0  # s
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
@@ -49,6 +51,7 @@ class Cluster:
 
     def _connect(self, **words: Any) -> None:
         try:
+            _knock(words.get("address", "auto"))
             self._ray.init(configure_logging=False, log_to_driver=False, **words)
         except (OSError, RuntimeError, ValueError) as error:  # ConnectionError is an OSError
             where = words.get("address", "null")
@@ -97,6 +100,13 @@ class Cluster:
         for name in [name for name in os.environ if name.startswith(PREFIX)]:
             del os.environ[name]
         os.environ.update(self._before)
+
+
+def _knock(address: str) -> None:
+    """Raise OSError or ValueError where nobody listens at HOST:PORT: Ray would try for minutes."""
+    host, _, port = address.rpartition(":")
+    if host and "://" not in address:
+        socket.create_connection((host.strip("[]"), int(port)), timeout=REACHED_WITHIN).close()
 
 
 class LostMachine(Exception):  # noqa: N818 - named after the event
