@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from arena_core import ConfigurationError, Job, Lost, compose, load_registry, plain
+from arena_core import ConfigurationError, Job, Lost, RunStopped, compose, load_registry, plain
 from arena_core import run as run_benchmark
 from arena_core.testing import check, robot
 from arena_core.testing.checks import echo
@@ -86,7 +86,7 @@ def test_a_machine_that_is_killed_in_the_middle_costs_nothing_but_time(by_proces
 
 def test_a_machine_with_other_code_is_left_out_and_nothing_runs_without_any(tmp_path, capfd):
     jobs = [Job({"code": "00000000", "planner": {"name": "pure_pursuit"}}, str(tmp_path), 0)]
-    with closing(executor(workers=1)) as ray, pytest.raises(Exception, match="no machine of Ray is left .*has other code"):
+    with closing(executor(workers=1)) as ray, pytest.raises(RunStopped, match=r"no machine of Ray is left .*has other code"):
         list(ray.map(echo, jobs))
     assert "is left out: " in capfd.readouterr().err
 

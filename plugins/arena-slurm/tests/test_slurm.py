@@ -122,7 +122,10 @@ def test_a_job_with_other_code_says_so(tmp_path):
 
 def test_where_no_slurm_is_the_request_is_refused(tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
-    with closing(executor(cluster="slurm")) as slurm, pytest.raises(ConfigurationError, match=r"executor\.cluster is slurm, and it cannot be"):
+    with (
+        closing(executor(cluster="slurm")) as slurm,
+        pytest.raises(ConfigurationError, match=r"executor\.cluster is slurm, and it"),
+    ):
         list(slurm.map(echo, [Job({}, str(tmp_path / "run"), 0)]))
 
 

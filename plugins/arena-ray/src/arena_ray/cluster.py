@@ -42,7 +42,7 @@ class Cluster:
             os.environ.update({name: value for name, value in OWN.items() if name not in os.environ})
         import ray  # it reads the environment
 
-        self._ray = ray
+        self._ray: Any = ray
         self.own = not ray.is_initialized()  # in a notebook somebody may have
         if self.own:
             own_ray = {"num_cpus": cpus or os.cpu_count() or 1, "include_dashboard": False}
@@ -54,10 +54,9 @@ class Cluster:
             _knock(words.get("address", "auto"))
             self._ray.init(configure_logging=False, log_to_driver=False, **words)
         except (OSError, RuntimeError, ValueError) as error:  # ConnectionError is an OSError
-            where = words.get("address", "null")
-            raise ConfigurationError(
-                f"executor.address is {where}, and Ray cannot be reached: {one_line(str(error), 200)}; allowed: null, auto, HOST:PORT of a head"
-            ) from None
+            where, reason = words.get("address", "null"), one_line(str(error), 200)
+            allowed = "null, auto, HOST:PORT of a head"
+            raise ConfigurationError(f"executor.address is {where}, and Ray cannot be reached: {reason}; allowed: {allowed}") from None
 
     def places(self) -> list[Place]:
         """Return the machines that are alive and have CPUs."""
@@ -109,7 +108,7 @@ def _knock(address: str) -> None:
         socket.create_connection((host.strip("[]"), int(port)), timeout=REACHED_WITHIN).close()
 
 
-class LostMachine(Exception):  # noqa: N818 - named after the event
+class LostMachine(Exception):
     """A machine, or the actor on it, is gone."""
 
 

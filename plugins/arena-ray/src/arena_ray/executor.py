@@ -58,9 +58,7 @@ class RayExecutor(Executor):
     room on its disk, is left out. Checks that come before a run are made at home, in one supervised process.
     """
 
-    def __init__(
-        self, address: str | None, workers: Workers | None, silence: Positive, attempts: PositiveInt, budgets: Budgets
-    ) -> None:
+    def __init__(self, address: str | None, workers: Workers | None, silence: Positive, attempts: PositiveInt, budgets: Budgets) -> None:
         self._address, self._workers, self._silence, self._attempts, self._budgets = address, workers, silence, attempts, budgets
         self._cluster: Cluster | None = None
         self._members: dict[str, Member] = {}
