@@ -3,9 +3,10 @@
 ROBOTS := turtlebot3 jackal robotino
 # What needs more than Python: a marker in pyproject.toml, a case in scripts/setup and scripts/NAME.txt, a name here. make test-NAME runs it.
 APART := browser ros1 pictures
-.PHONY: help demo test test-slow long lint bench clean setup wheels dist policies fuzz coverage docs $(APART:%=test-%)
+.PHONY: help demo test test-slow long lint bench clean setup wheels dist policies fuzz coverage docs results-check $(APART:%=test-%)
 PYTHON ?= python3
 PLUGIN ?=
+FIRST ?= 40
 WORKERS ?= $(shell $(PYTHON) -c 'import os; print(os.cpu_count() + 1)')
 FUZZ_EXAMPLES ?= 4200
 BIN := .venv/bin
@@ -25,6 +26,7 @@ help:
 	@echo "make lint   ruff, mypy, import-linter"
 	@echo "make docs   build the documentation into site/"
 	@echo "make fuzz   a hundred thousand spoilt files for all readers (half an hour); FUZZ_EXAMPLES=N: N for each"
+	@echo "make results-check  drive 40 episodes of experiment=paper anew and say which are not those of docs/results/check.json; FIRST=N: N of them"
 	@echo "make bench  speed against named peers (installs the peers)"
 	@echo "make policies  train every policy that comes with a package, two at a time; goes on where it was cut off"
 	@echo "make wheels build wheels and try them in an empty environment"
@@ -70,6 +72,9 @@ docs: .venv/.docs
 
 fuzz: setup
 	FUZZ_EXAMPLES=$(FUZZ_EXAMPLES) $(BIN)/pytest tests/fuzz -q -s
+
+results-check: setup
+	$(BIN)/python scripts/results_check.py --first $(FIRST)
 
 bench: setup
 	scripts/setup bench

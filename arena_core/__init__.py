@@ -3,6 +3,7 @@
 from arena_core.base.addresses import local_path
 from arena_core.base.arrays import read_array, read_arrays
 from arena_core.base.cells import harmless
+from arena_core.base.ctrl_c import interrupts
 from arena_core.base.errors import (
     ArenaError,
     BrokenPlugin,
@@ -15,6 +16,7 @@ from arena_core.base.errors import (
     NoPath,
     NoValidCommand,
     RunFolderError,
+    RunStopped,
     UnknownComponent,
     described,
     one_line,
@@ -77,6 +79,7 @@ from arena_core.loop.execution import Timing, mission_of, run_episode
 from arena_core.loop.guide import Guide, Mission, ReplanRules, View, pose_at_scan
 from arena_core.loop.navigator import NAVIGATOR_KEYS, Decision, Navigator
 from arena_core.loop.navigator import Spent as NavigatorSpent
+from arena_core.loop.record_digest import record_digest
 from arena_core.loop.recording import (
     Recorder,
     check_inside,
@@ -86,11 +89,17 @@ from arena_core.loop.recording import (
     robot_meta,
     write_bytes_whole,
     write_text_whole,
+    write_whole,
 )
 from arena_core.runs.api import Run, Runs, run
 from arena_core.runs.benchmark import Benchmark, build_benchmark, build_guide, build_metrics
+from arena_core.runs.budgets import Budgets
 from arena_core.runs.code_digest import Code, code_of
+from arena_core.runs.executors import ProcessExecutor
+from arena_core.runs.nodes import Delivery, Node, OtherCode, take_in
 from arena_core.runs.outside import OutsideRun
+from arena_core.runs.provenance import cpu_kind, read_provenance, versions
+from arena_core.runs.repeating import repeat
 from arena_core.runs.rows import COLUMNS as EPISODE_COLUMNS
 from arena_core.runs.rows import TEXT, evaluate, metric_column
 from arena_core.runs.text_columns import aligned
@@ -105,7 +114,19 @@ from arena_core.values.episode import (
 )
 from arena_core.values.geometry import Footprint, Pose, Twist, wrap_angle
 from arena_core.values.obstacles import with_obstacles
-from arena_core.values.parameters import Bounds, Count, Fraction, Horizon, NonNegative, NonNegativeInt, Positive, PositiveInt, Samples, Step
+from arena_core.values.parameters import (
+    Bounds,
+    Count,
+    Fraction,
+    Horizon,
+    NonNegative,
+    NonNegativeInt,
+    Positive,
+    PositiveInt,
+    Samples,
+    Step,
+    Workers,
+)
 from arena_core.values.rectangles import rectangles
 from arena_core.values.robot import Lidar, OdometryModel, Robot, VelocityLimits, make_robot
 from arena_core.values.scene import Prism, Scene, raised, scene_of, wall_boxes
@@ -155,6 +176,7 @@ __all__ = [
     "Better",
     "Bounds",
     "BrokenPlugin",
+    "Budgets",
     "Code",
     "Command",
     "CommandQueue",
@@ -165,6 +187,7 @@ __all__ = [
     "Count",
     "Crowd",
     "Decision",
+    "Delivery",
     "DuplicateComponent",
     "EarlierScans",
     "EpisodeLoop",
@@ -196,6 +219,7 @@ __all__ = [
     "NavigatorSpent",
     "NoPath",
     "NoValidCommand",
+    "Node",
     "NonNegative",
     "NonNegativeInt",
     "Observation",
@@ -206,6 +230,7 @@ __all__ = [
     "OccupancyGrid",
     "Odometry",
     "OdometryModel",
+    "OtherCode",
     "Outcome",
     "OutsideRun",
     "Path",
@@ -219,6 +244,7 @@ __all__ = [
     "Positive",
     "PositiveInt",
     "Prism",
+    "ProcessExecutor",
     "Recorder",
     "ReferenceLocalizer",
     "Register",
@@ -230,6 +256,7 @@ __all__ = [
     "RobotBatch",
     "Run",
     "RunFolderError",
+    "RunStopped",
     "Runs",
     "Samples",
     "ScanMemory",
@@ -256,6 +283,7 @@ __all__ = [
     "Waypoints",
     "Window",
     "Words",
+    "Workers",
     "World",
     "WorldSource",
     "WorldState",
@@ -267,6 +295,7 @@ __all__ = [
     "code_of",
     "complete_overrides",
     "compose",
+    "cpu_kind",
     "described",
     "evaluate",
     "find_runs",
@@ -274,6 +303,7 @@ __all__ = [
     "generator",
     "harmless",
     "hookimpl",
+    "interrupts",
     "is_file",
     "is_key_value",
     "key_value",
@@ -292,23 +322,29 @@ __all__ = [
     "read_bytes",
     "read_grid",
     "read_json",
+    "read_provenance",
     "read_record",
     "read_settings",
     "read_table",
     "read_text",
     "read_words",
     "read_yaml",
+    "record_digest",
     "rectangles",
+    "repeat",
     "robot_meta",
     "run",
     "run_episode",
     "scene_of",
     "stream_key",
     "succeeded",
+    "take_in",
     "tell",
+    "versions",
     "wall_boxes",
     "with_obstacles",
     "wrap_angle",
     "write_bytes_whole",
     "write_text_whole",
+    "write_whole",
 ]

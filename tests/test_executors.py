@@ -4,7 +4,6 @@ import signal
 import subprocess
 import sys
 import time
-from collections import deque
 from contextlib import closing
 
 import pytest
@@ -63,7 +62,7 @@ def test_no_job_gives_no_row():
 
 
 def test_without_a_number_there_is_one_worker_a_core():
-    assert processes(None).workers == os.cpu_count()
+    assert processes(None).supervisor.workers == os.cpu_count()
 
 
 @pytest.mark.parametrize("workers", [0, -1, 1.5, "many"])
@@ -306,9 +305,9 @@ def test_workers_end_when_their_parent_has_gone_whatever_they_are_at(working, th
 def test_what_comes_of_a_rehearsal_is_nobodys_row(work):
     with closing(processes(1)) as executor:
         worker = Worker()
-        executor._staff.append(worker)
+        executor.supervisor._staff.append(worker)
         assert worker.begin(work, Task(JOBS[0], 1, Watch(GENEROUS), rehearsal=True))
         while worker.task:
-            assert list(executor._look(worker, 0.0, deque())) == []
+            assert list(executor.supervisor._look(worker, 0.0)) == []
             time.sleep(0.02)
-        assert not executor._awaited()
+        assert not executor.supervisor.unfinished

@@ -61,10 +61,14 @@ class Turns:
     def expect(self, jobs: Iterable[Job]) -> None:
         """Take in what will be asked for; nobody is at anything yet."""
         self._new = {}
+        self._leader = None
+        self.expect_more(jobs)
+
+    def expect_more(self, jobs: Iterable[Job]) -> None:
+        """Take in what will be asked for besides."""
         for job in jobs:
             if (parts := parts_of(job)) not in self._driven:
                 self._new.setdefault(parts, job)
-        self._leader = None
 
     def rehearsal(self) -> Job | None:
         """Return a job whose brain an idle worker can have compiled meanwhile, the leader's first; each brain once."""

@@ -6,7 +6,9 @@ import platform
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from functools import lru_cache
+from hashlib import blake2b
 from importlib.metadata import distributions
 from pathlib import Path
 from typing import Any
@@ -20,6 +22,7 @@ from arena_core.runs.benchmark import config_hash
 from arena_core.runs.code_digest import Code
 
 NAME = "provenance.json"
+_CPU = Path("/proc/cpuinfo")  # of Linux
 
 
 def provenance(config: Mapping[str, Any], code: Code, notes: Sequence[str]) -> dict[str, Any]:
@@ -30,10 +33,10 @@ def provenance(config: Mapping[str, Any], code: Code, notes: Sequence[str]) -> d
         "episodes": config["episodes"],
         "config": {key: value for key, value in config.items() if key != "code"},
         "code": {"digest": code.digest, "parts": dict(code.parts)},
-        "versions": dict(_versions(tuple(sys.path))),
+        "versions": dict(versions()),
         "python": platform.python_version(),
         "commit": _commit(),
-        "machine": {"system": platform.platform(), "processor": platform.machine()},
+        "machine": {"system": platform.platform(), "processor": platform.machine(), "cpu": cpu_kind()},
         "untuned": list(notes),
     }
 
@@ -43,6 +46,11 @@ def untuned(choices: Mapping[str, str], manager: PluginManager) -> list[str]:
     tunings = [(group.partition("@")[0], option) for group, option in choices.items() if "_tuning" in group]
     lacking = [(group, option) for group, option in tunings if option not in option_files(group, manager)]
     return [f"{group.rpartition('/')[2].removesuffix('_tuning')}: untuned for {option}" for group, option in lacking]
+
+
+def versions() -> Mapping[str, str]:
+    """Return the version of every installed distribution, sorted by name."""
+    return _versions(tuple(sys.path))
 
 
 @lru_cache(maxsize=1)
@@ -65,6 +73,18 @@ def _commit() -> str:
     except (OSError, subprocess.CalledProcessError):
         return ""
     return answer.stdout.strip()
+
+
+@lru_cache(maxsize=1)
+def cpu_kind() -> str:
+    """Return what compiled code depends on: the processor's name, and a digest of what it can do where the kernel tells that."""
+    with suppress(OSError):
+        facts = dict(line.split(":", 1) for line in _CPU.read_text(errors="replace").partition("\n\n")[0].splitlines() if ":" in line)
+        told = {key.strip(): value.strip() for key, value in facts.items()}
+        able = " ".join(sorted(told.get("flags", told.get("Features", "")).split()))
+        name = one_line(told.get("model name", platform.machine()), 100)
+        return f"{name} {blake2b(able.encode(), digest_size=4).hexdigest()}"
+    return platform.processor() or platform.machine()
 
 
 def read_provenance(folder: Path) -> dict[str, Any]:

@@ -1,0 +1,23 @@
+"""Run single episodes anew, of whatever runs: to hold results against what is driven here and now."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing
+from typing import Any
+
+from arena_core.base.ctrl_c import interrupts
+from arena_core.config.registry import Registry
+from arena_core.contracts.interfaces import Finished, Job, Lost
+from arena_core.runs.working import work
+
+
+def repeat(jobs: Sequence[Job], executor: Mapping[str, Any], registry: Registry) -> Iterator[Finished | Lost]:
+    """Run jobs by an executor's configuration and yield what came of each, in any order; records go to the folders of the jobs.
+
+    A configuration that cannot be built is a row with its error. Raises RunFolderError where a record cannot be written.
+    """
+    with interrupts.heard(), interrupts.held(), closing(registry.build("executor", executor)) as runner:
+        for answer in runner.map(work, list(jobs)):
+            interrupts.check()
+            yield answer

@@ -1,0 +1,142 @@
+"""Jobs of submitit give the records that processes give, also when one is killed in the middle. No Slurm is here: cluster=local."""
+
+import csv
+import os
+import signal
+import threading
+import time
+from contextlib import closing
+from pathlib import Path
+
+import psutil
+import pytest
+
+from arena_core import ConfigurationError, Job, Lost, RunFolderError, compose, load_registry, plain
+from arena_core import run as run_benchmark
+from arena_core.testing import check, robot
+from arena_core.testing.checks import echo
+
+ROOM = ("planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=7", "world.height=7", "task.pedestrians=2", "report=false")
+LOCAL = ("executor=slurm", "executor.cluster=local", "executor.workers=1", "executor.jobs=2")
+WORK = """
+import os
+import time
+from arena_core import RunFolderError
+
+def bad(job):
+    if job.episode == 2:
+        os._exit(3)
+    return {"episode": job.episode}
+
+def full(job):
+    raise RunFolderError("cannot write it: No space left on device")
+"""
+
+
+def executor(**values):
+    config = plain(compose(["executor=slurm", "executor.cluster=local", "executor.workers=1", "executor.jobs=2"]))["executor"]
+    return load_registry().build("executor", {**config, **values})
+
+
+def kept(folder):
+    """Return a run's records by name, and its rows without wall times."""
+    with Path(folder, "episodes.csv").open(newline="") as file:
+        rows = [{k: v for k, v in row.items() if not k.startswith("planning_")} for row in csv.DictReader(file)]
+    files = [path for part in ("records", "worlds") for path in sorted(Path(folder, part).iterdir())]
+    return rows, {f"{path.parent.name}/{path.name}": path.read_bytes() for path in files}
+
+
+@pytest.fixture(scope="module")
+def by_processes(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("processes") / "run"
+    run_benchmark([*ROOM, "episodes=60", "executor.workers=1"], folder)
+    return kept(folder)
+
+
+@pytest.fixture
+def slurm_work(tmp_path, monkeypatch):
+    (tmp_path / "site").mkdir()
+    (tmp_path / "site" / "slurm_work.py").write_text(WORK)
+    monkeypatch.syspath_prepend(str(tmp_path / "site"))
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path / "site"))
+    import slurm_work
+
+    return slurm_work
+
+
+@pytest.mark.slow
+def test_it_keeps_the_contract_of_an_executor(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert check("executor", executor(), robot())
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.slow
+def test_a_job_that_is_killed_in_the_middle_costs_nothing_but_time(by_processes, tmp_path, capfd):
+    """Two jobs of 30 episodes; one is killed as a site does that preempts it."""
+    records = tmp_path / "run" / "records"
+
+    def kill():
+        until = time.monotonic() + 120.0
+        while len(list(records.glob("[0-9]*.npz"))) < 6 and time.monotonic() < until:
+            time.sleep(0.02)
+        ours = [child for child in psutil.Process().children(recursive=True) if "submitit" in " ".join(child.cmdline())]
+        os.kill(max(ours, key=lambda child: child.create_time()).pid, signal.SIGKILL)
+
+    thread = threading.Thread(target=kill, daemon=True)
+    thread.start()
+    run_benchmark([*ROOM, *LOCAL, "episodes=60"], tmp_path / "run")
+    thread.join()
+    assert kept(tmp_path / "run") == by_processes
+    assert "its episodes are begun again" in capfd.readouterr().err
+
+
+@pytest.mark.slow
+def test_what_nobody_disturbs_leaves_nothing_of_submitit(by_processes, tmp_path):
+    run_benchmark([*ROOM, *LOCAL, "episodes=60"], tmp_path / "run")
+    assert kept(tmp_path / "run") == by_processes
+    assert not (tmp_path / "run" / "slurm").exists()
+
+
+@pytest.mark.slow
+def test_a_worker_that_dies_costs_its_episode_alone(slurm_work, tmp_path):
+    with closing(executor()) as slurm:
+        answers = list(slurm.map(slurm_work.bad, [Job({}, str(tmp_path / "run"), k) for k in range(4)]))
+    assert [(one.job.episode, one.reason) for one in answers if isinstance(one, Lost)] == [(2, "worker died: exit status 3")]
+
+
+@pytest.mark.slow
+def test_what_the_work_raises_is_raised_here(slurm_work, tmp_path):
+    with closing(executor()) as slurm, pytest.raises(RunFolderError, match="cannot write it: No space left on device"):
+        list(slurm.map(slurm_work.full, [Job({}, str(tmp_path / "run"), 0)]))
+
+
+@pytest.mark.slow
+def test_a_job_with_other_code_says_so(tmp_path):
+    jobs = [Job({"code": "00000000", "planner": {"name": "pure_pursuit"}}, str(tmp_path), 0)]
+    with closing(executor(attempts=1)) as slurm:
+        (lost,) = slurm.map(echo, jobs)
+    assert "has other code, " in lost.reason
+    assert "in place of 00000000" in lost.reason
+
+
+def test_where_no_slurm_is_the_request_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with (
+        closing(executor(cluster="slurm")) as slurm,
+        pytest.raises(ConfigurationError, match=r"executor\.cluster is slurm, and it"),
+    ):
+        list(slurm.map(echo, [Job({}, str(tmp_path / "run"), 0)]))
+
+
+@pytest.mark.parametrize(
+    ("values", "fault"),
+    [
+        ({"options": {"account": "lab"}}, r"executor\.options has account; allowed: keys that begin with slurm_"),
+        ({"cluster": "pbs"}, r"executor\.cluster is 'pbs'; allowed: "),
+        ({"jobs": 0}, r"executor\.jobs is 0; allowed: "),
+    ],
+)
+def test_an_impossible_value_is_named(values, fault):
+    with pytest.raises(ConfigurationError, match=fault):
+        executor(**values)

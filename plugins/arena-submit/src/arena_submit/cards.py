@@ -1,0 +1,120 @@
+"""Score cards: what a planner's episodes of a standing benchmark are worth, all together, by robot and by situation."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from arena_core import aligned
+from arena_metrics.pooling.cells import Cell, Cells, cells_of
+from arena_metrics.pooling.problems import labels
+from arena_metrics.pooling.runs import Column, metric_columns, pooled, read_runs
+from arena_metrics.statistics.intervals import Estimate, estimate
+from arena_submit.packing import Pack
+from arena_submit.standing import planner_of
+
+HEAD = ["", "episodes", "success", "95 %", "no collision", "collisions", "time to goal", "CPU a step"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Card:
+    """A pack's planner with its cells; ``code`` and ``digest`` say whose they are."""
+
+    planner: str
+    code: str
+    digest: str
+    cells: Sequence[Cell]
+
+    def success(self, cells: Iterable[Cell] | None = None) -> Estimate:
+        """Estimate the share of successes over cells, by problem and within scenarios; an error is no success."""
+        chosen = list(self.cells if cells is None else cells)
+        values = [value if math.isfinite(value) else 0.0 for cell in chosen for value in cell.values("success")]
+        worlds = [_scenario(cell) for cell in chosen for _ in cell.episodes]
+        problems = [(_scenario(cell), label) for cell in chosen for label in labels(cell)]
+        return estimate(values, True, problems, worlds)
+
+    def parts(self, by: str) -> dict[str, list[Cell]]:
+        """Return the cells by ``robot``, or by ``situation``: the scenario without its density."""
+        found: dict[str, list[Cell]] = {}
+        for cell in self.cells:
+            found.setdefault(cell.factors["robot"] if by == "robot" else _scenario(cell).rpartition("_")[0], []).append(cell)
+        return dict(sorted(found.items()))
+
+    def row(self, name: str, cells: Sequence[Cell]) -> list[str]:
+        """Return a line of the card for a reader."""
+        success = self.success(cells)
+        interval = f"{100 * success.low:.0f}–{100 * success.high:.0f}" if success.has_interval else "–"
+        return [
+            *(name, str(success.n), f"{100 * success.mean:.0f} %", interval, _percent(_mean(cells, "strict_success"))),
+            *(_figure(_mean(cells, "collisions"), ".2f"), _figure(_mean_of_successes(cells, "time_to_goal"), ".1f", " s")),
+            _figure(_mean(cells, "planning_cpu_mean"), ".1f", " ms"),
+        ]
+
+    def rows(self) -> list[list[str]]:
+        """Return the whole card: all episodes, each robot, each situation."""
+        parts = {"all": list(self.cells), **self.parts("robot"), **self.parts("situation")}
+        return [self.row(name, cells) for name, cells in parts.items()]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Read:
+    """The cards of packs, in the packs' order, and what they have in common for comparisons."""
+
+    cards: Sequence[Card]
+    cells: Cells
+    columns: Mapping[str, Column]
+
+
+def read_together(packs: Sequence[Pack]) -> Read:
+    """Read the tables of packs into cards whose cells can be compared."""
+    with TemporaryDirectory(prefix="arena-cards-") as place:
+        for number, pack in enumerate(packs):
+            tables = [name for name in pack.archive.names if name.endswith((".csv", "provenance.json")) and name.startswith("runs/")]
+            pack.archive.unpack(tables, Path(place, str(number)))
+        runs = read_runs([Path(place)])
+        columns = {column.name: column for column in metric_columns(runs)}
+        cells = cells_of(pooled(runs)[0])
+        cards = [_card(pack, Path(place, str(number)).resolve(), cells) for number, pack in enumerate(packs)]
+    return Read(cards, cells, columns)
+
+
+def read_cards(packs: Sequence[Pack]) -> Sequence[Card]:
+    """Return the cards of packs, in their order."""
+    return read_together(packs).cards
+
+
+def card_text(card: Card) -> str:
+    """Return a card for the terminal."""
+    return "\n".join(aligned([[card.planner, *HEAD[1:]], *card.rows()]))
+
+
+def _card(pack: Pack, folder: Path, cells: Cells) -> Card:
+    own = [cell for cell in cells.cells if cell.episodes[0].run.folder.resolve().is_relative_to(folder)]
+    codes = sorted({cell.code for cell in own})
+    return Card(planner_of(pack.runs[0]), ", ".join(codes), pack.digest, own)
+
+
+def _scenario(cell: Cell) -> str:
+    return cell.factors["scenario"].rpartition("/")[2]
+
+
+def _mean(cells: Sequence[Cell], column: str) -> float:
+    values = [value for cell in cells for value in cell.values(column) if math.isfinite(value)]
+    return sum(values) / len(values) if values else math.nan
+
+
+def _mean_of_successes(cells: Sequence[Cell], column: str) -> float:
+    both = [pair for cell in cells for pair in zip(cell.values(column), cell.values("success"), strict=True)]
+    values = [value for value, success in both if success == 1.0 and math.isfinite(value)]
+    return sum(values) / len(values) if values else math.nan
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.0f} %" if math.isfinite(share) else "–"
+
+
+def _figure(value: float, form: str, unit: str = "") -> str:
+    return f"{value:{form}}{unit}" if math.isfinite(value) else "–"

@@ -1,0 +1,130 @@
+"""``arena submit``, ``arena verify`` and ``arena leaderboard``."""
+
+from __future__ import annotations
+
+import secrets
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar
+
+from arena_core import (
+    Command,
+    ConfigurationError,
+    NonNegativeInt,
+    PositiveInt,
+    complete_overrides,
+    compose,
+    load_registry,
+    plain,
+    read_words,
+    write_text_whole,
+)
+
+if TYPE_CHECKING:
+    from arena_submit.verifying import Verdict
+
+SUBMIT = "arena submit RUN... --to FILE.zip"
+VERIFY = "arena verify FILE.zip [sample=20] [seed=N] [executor.workers=N]"
+LEADERBOARD = "arena leaderboard FILE.zip... [--to FILE.md]"
+SAMPLE = 20  # episodes that are driven anew
+SHOWN = 20  # lines of what is wrong
+
+
+def _help(arguments: Sequence[str], usage: str) -> bool:
+    wanted = not arguments or any(word in ("-h", "--help") for word in arguments)
+    if wanted:
+        print(f"usage: {usage}")
+    return wanted
+
+
+class SubmitCommand(Command):
+    """Pack finished runs into one file that anybody can verify."""
+
+    help: ClassVar[str] = f"pack runs so that anybody can verify them: {SUBMIT}"
+
+    def run(self, arguments: Sequence[str]) -> int:
+        """Write the pack; print its digest and, where it is of a standing benchmark, its score card."""
+        from arena_submit.cards import card_text, read_cards
+        from arena_submit.packing import read_pack, write_pack
+        from arena_submit.standing import benchmark_of, check_standing
+
+        if _help(arguments, SUBMIT):
+            return 0
+        words = read_words(SUBMIT, arguments, names=None, keys=("to",))
+        target = Path(words.required("to"))
+        if not words.names or target.suffix != ".zip":
+            raise ConfigurationError(f"arguments are {' '.join(arguments)}; allowed: {SUBMIT}")
+        digest = write_pack([Path(name) for name in words.names], target)
+        with read_pack(target) as pack:
+            wanted = benchmark_of(pack)
+            if wanted is not None:
+                check_standing(pack, wanted, load_registry())
+                print(card_text(read_cards([pack])[0]))
+            episodes = sum(len(run.rows) for run in pack.runs)
+        of = f", all of experiment={wanted.experiment}" if wanted else "; no standing benchmark: it can be verified, not ranked"
+        print(f"{target}: {episodes} episodes{of}\ndigest {digest}")
+        return 0
+
+
+class VerifyCommand(Command):
+    """Drive a random sample of a pack's episodes anew and say whether the pack is true."""
+
+    help: ClassVar[str] = f"drive a sample of a pack anew: {VERIFY}"
+
+    def run(self, arguments: Sequence[str]) -> int:
+        """Print what was found; return 1 where the pack does not hold."""
+        from arena_submit.packing import read_pack
+        from arena_submit.verifying import verify
+
+        if _help(arguments, VERIFY):
+            return 0
+        words = read_words(VERIFY, arguments, names=1, keys=("sample", "seed"), overrides=("executor",))
+        sample = words.value("sample", PositiveInt, SAMPLE)
+        seed = words.value("seed", NonNegativeInt, secrets.randbits(31))  # nobody who packs knows what will be drawn
+        executor = plain(compose(words.overrides))["executor"]
+        with read_pack(Path(words.names[0])) as pack:
+            print(f"digest {pack.digest}")
+            found = verify(pack, sample, seed, executor, load_registry())
+        print("\n".join(told(found, seed)))
+        return 0 if found.holds else 1
+
+    def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
+        """Return the executor's keys; files are the shell's."""
+        return complete_overrides(words, word) if word.startswith("executor") else ()
+
+
+def told(found: Verdict, seed: int) -> list[str]:
+    """Return a verification's lines for a reader; the last one is the verdict."""
+    lines = [f"rows: {found.rows - len(found.wrong_rows)} of {found.rows} are those of the records", *found.wrong_rows[:SHOWN]]
+    same = sum(one.same for one in found.repeated)
+    agreeing = sum(one.agrees for one in found.repeated)
+    lines.append(f"driven anew: {len(found.repeated)} episodes (seed={seed}), {same} the same bit for bit, {agreeing} alike in success")
+    lines += [f"{one.drawn.name}: {one.told}" for one in found.repeated if not one.same][:SHOWN]
+    lines += [f"here is {line}" for line in found.elsewhere]
+    how = f"by outcome: {found.needed} of {len(found.repeated)} have to end alike" if found.elsewhere else "bit for bit"
+    return [*lines, f"verified {how}" if found.holds else f"not verified {how}"]
+
+
+class LeaderboardCommand(Command):
+    """Rank packs of a standing benchmark."""
+
+    help: ClassVar[str] = f"rank packs of a standing benchmark: {LEADERBOARD}"
+
+    def run(self, arguments: Sequence[str]) -> int:
+        """Write or print the table, in Markdown."""
+        from contextlib import ExitStack
+
+        from arena_submit.leaderboard import leaderboard
+        from arena_submit.packing import read_pack
+
+        if _help(arguments, LEADERBOARD):
+            return 0
+        words = read_words(LEADERBOARD, arguments, names=None, keys=("to",))
+        with ExitStack() as stack:
+            text = leaderboard([stack.enter_context(read_pack(Path(name))) for name in words.names], load_registry())
+        if "to" not in words.keys:
+            print(text, end="")
+            return 0
+        write_text_whole(Path(words.keys["to"]), text)
+        print(words.keys["to"])
+        return 0

@@ -1,0 +1,117 @@
+"""Standing benchmarks: fixed, versioned sets of problems and rules, and whether a pack keeps to one."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib.resources import as_file, files
+from typing import Any
+
+from arena_core import InputFileError, Registry, compose, one_line, option_files, plain, read_settings, read_yaml
+from arena_submit.packing import Pack, PackedRun
+
+FREE = ("planner", "seed", "episodes", "executor", "resume", "report", "objective", "metrics", "recording", "experiment", "choices", "code")
+OF_THE_SCENARIO = ("world.path", "task.path")
+Condition = tuple[str, str]  # robot and scenario
+
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """A standing benchmark: the experiment of this name, its episodes and seed, robots, and the hash of each scenario's content."""
+
+    experiment: str
+    episodes: int
+    seed: int
+    robots: list[str]
+    scenarios: dict[str, str]
+
+    @property
+    def conditions(self) -> list[Condition]:
+        """Return all conditions that a planner has to face."""
+        return [(robot, scenario) for robot in self.robots for scenario in self.scenarios]
+
+
+def standing(name: str) -> Standing:
+    """Return a standing benchmark by its experiment's name."""
+    with as_file(files("arena_submit") / "benchmarks" / f"{name}.yaml") as path:
+        return read_settings(read_yaml(path, "a standing benchmark"), Standing, name)
+
+
+def benchmark_of(pack: Pack) -> Standing | None:
+    """Return the standing benchmark that a pack's runs say they are of, None where they are of none."""
+    names = {str(run.config.get("choices", {}).get("experiment")) for run in pack.runs}
+    known = {path.name.removesuffix(".yaml") for path in (files("arena_submit") / "benchmarks").iterdir() if path.name.endswith(".yaml")}
+    return standing(names.pop()) if len(names) == 1 and names <= known else None
+
+
+def check_standing(pack: Pack, wanted: Standing, registry: Registry) -> None:
+    """Raise InputFileError where a pack is not the whole benchmark, of one planner and by its rules."""
+    faced: dict[Condition, PackedRun] = {}
+    for run in pack.runs:
+        condition = _condition(run)
+        if fault := _fault(run, wanted, registry) or ("is there twice" if condition in faced else ""):
+            raise InputFileError(
+                f"{pack.path}: {run.name} ({' '.join(condition)}) {fault}; allowed: runs of experiment={wanted.experiment}"
+            )
+        faced[condition] = run
+    lacking = [condition for condition in wanted.conditions if condition not in faced]
+    if lacking:
+        some = f"{len(lacking)} of {len(wanted.conditions)} conditions, {' '.join(lacking[0])} among them"
+        raise InputFileError(f"{pack.path}: lacks {some}; allowed: all of experiment={wanted.experiment}")
+    planners = sorted({planner_of(run) for run in pack.runs})
+    if len(planners) > 1:
+        raise InputFileError(f"{pack.path}: holds {', '.join(planners)}; allowed: one planner a pack")
+
+
+def planner_of(run: PackedRun) -> str:
+    """Return the planner's preset."""
+    config = run.config
+    return one_line(str(config.get("choices", {}).get("planner") or config["planner"]["name"]), 60)
+
+
+def _condition(run: PackedRun) -> Condition:
+    choices = run.config.get("choices", {})
+    return one_line(str(choices.get("robot")), 60), one_line(str(choices.get("scenario")), 60)
+
+
+def _fault(run: PackedRun, wanted: Standing, registry: Registry) -> str:
+    """Return in what a run is not of the benchmark; empty where it is."""
+    robot, scenario = _condition(run)
+    if robot not in wanted.robots or scenario not in wanted.scenarios:
+        return "is no condition of it"
+    if (run.seed, run.config.get("episodes")) != (wanted.seed, wanted.episodes):
+        return f"has seed {run.seed} and {run.config.get('episodes')} episodes, not {wanted.seed} and {wanted.episodes}"
+    if sorted(int(row["episode"]) for row in run.rows) != list(range(wanted.episodes)):
+        return "has not every episode once"
+    if any(row.get("scenario_hash") != wanted.scenarios[scenario] for row in run.rows if row.get("scenario_hash")):
+        return "is of another version of the scenario"
+    expected = {**_rules(wanted.experiment, robot), **_paths(scenario, registry)}
+    own = dict(_flat({key: value for key, value in run.config.items() if key not in FREE}))
+    wrong = [key for key, value in expected.items() if key in own and own[key] != value]
+    return f"has {wrong[0]} {one_line(str(own[wrong[0]]), 60)}, not {expected[wrong[0]]}" if wrong else ""
+
+
+@lru_cache(maxsize=16)
+def _rules(experiment: str, robot: str) -> Mapping[str, str]:
+    """Return all that the benchmark fixes but the paths of its scenarios, as JSON by dotted key."""
+    first = next(iter(standing(experiment).scenarios))
+    config = plain(compose([f"experiment={experiment}", f"robot={robot}", f"scenario={first}"]))
+    return {key: value for key, value in _flat({k: v for k, v in config.items() if k not in FREE}) if key not in OF_THE_SCENARIO}
+
+
+def _paths(scenario: str, registry: Registry) -> Mapping[str, str]:
+    """Return what a scenario's option says of map and file."""
+    with as_file(option_files("scenario", registry.manager)[scenario]) as path:
+        option = read_yaml(path, "an option of the group scenario")
+    return {key: json.dumps(option[key.partition(".")[0]]["path"]) for key in OF_THE_SCENARIO}
+
+
+def _flat(node: Any, prefix: str = "") -> Iterator[tuple[str, str]]:
+    """Yield every value of nested mappings as JSON, by its dotted key."""
+    if isinstance(node, Mapping):
+        for key, value in node.items():
+            yield from _flat(value, f"{prefix}{key}.")
+    else:
+        yield prefix.rstrip("."), json.dumps(node, sort_keys=True)

@@ -1,0 +1,220 @@
+"""Whether a pack is true: its table against its records, and a random sample of its records against episodes driven anew."""
+
+from __future__ import annotations
+
+import math
+import platform
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from arena_core import (
+    ArenaError,
+    EpisodeRecord,
+    Finished,
+    InputFileError,
+    Job,
+    Lost,
+    Registry,
+    build_metrics,
+    code_of,
+    cpu_kind,
+    evaluate,
+    generator,
+    one_line,
+    read_record,
+    record_digest,
+    repeat,
+    succeeded,
+    versions,
+)
+from arena_submit.packing import Pack, PackedRun
+
+CLOSE = 1e-9  # relative difference of a figure that another version of a library may make
+AGREEING = 0.8  # share of the episodes driven anew that have to end alike where they cannot be equal bit for bit
+DRIVES_WITH = (
+    "casadi",
+    "llvmlite",
+    "mujoco",
+    "numba",
+    "numpy",
+    "onnxruntime",
+    "scipy",
+    "shapely",
+)  # libraries whose numbers reach a record
+
+
+@dataclass(frozen=True, slots=True)
+class Drawn:
+    """An episode of a pack that is driven anew."""
+
+    run: PackedRun
+    row: Mapping[str, str]
+
+    @property
+    def name(self) -> str:
+        """Return what the episode is called in messages."""
+        return f"{self.run.name} episode {self.row['episode']}"
+
+    @property
+    def record(self) -> str:
+        """Return the name of its record within the pack."""
+        return f"{self.run.name}/records/{int(self.row['episode']):04d}.npz"
+
+
+@dataclass(frozen=True, slots=True)
+class Repeated:
+    """What came of an episode: whether it is the ``same`` bit for bit or ``agrees`` in its success at least, and how it went."""
+
+    drawn: Drawn
+    same: bool
+    agrees: bool
+    told: str
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """What a verification found: rows that are not those of records, what became of the sample, and what is different here.
+
+    ``elsewhere`` names versions, code or processor that are not those of the pack; where there are any, records need not be equal.
+    """
+
+    rows: int
+    wrong_rows: Sequence[str]
+    repeated: Sequence[Repeated]
+    elsewhere: Sequence[str]
+
+    @property
+    def needed(self) -> int:
+        """Return how many episodes of the sample have to agree."""
+        return math.ceil(AGREEING * len(self.repeated)) if self.elsewhere else len(self.repeated)
+
+    @property
+    def holds(self) -> bool:
+        """Tell whether the pack is what it says: bit for bit where all is the same here, else by outcome."""
+        agreeing = sum(one.agrees if self.elsewhere else one.same for one in self.repeated)
+        return not self.wrong_rows and bool(self.repeated) and agreeing >= self.needed
+
+
+def verify(pack: Pack, sample: int, seed: int, executor: Mapping[str, Any], registry: Registry) -> Verdict:
+    """Hold a pack's rows against its records, and ``sample`` of its episodes, drawn by ``seed``, against what is driven here."""
+    wrong = [one for run in pack.runs for one in _wrong_rows(pack, run, registry)]
+    drawn = draw(pack, sample, seed)
+    elsewhere = list(dict.fromkeys(line for run in {id(one.run): one.run for one in drawn}.values() for line in _elsewhere(run, registry)))
+    return Verdict(sum(len(run.rows) for run in pack.runs), wrong, list(_repeated(pack, drawn, executor, registry)), elsewhere)
+
+
+def draw(pack: Pack, sample: int, seed: int) -> list[Drawn]:
+    """Return so many of the episodes that left a record, in the pack's order; all of them where there are not more."""
+    files = set(pack.archive.names)
+    known = [one for run in pack.runs for one in (Drawn(run, row) for row in run.rows) if one.record in files]
+    chosen = generator(seed, pack.digest, "verify").choice(len(known), size=min(sample, len(known)), replace=False)
+    return [known[i] for i in sorted(int(i) for i in chosen)]
+
+
+def _wrong_rows(pack: Pack, run: PackedRun, registry: Registry) -> Iterator[str]:
+    """Yield a line for each row that is not its record's; one of an error without a record is what it says."""
+    packs = build_metrics(run.config, registry)
+    for row in run.rows:
+        one = Drawn(run, row)
+        if one.record not in pack.archive.names:
+            if row.get("outcome") != "error":
+                yield f"{one.name} has no record"
+            continue
+        wrong = _differing(row, evaluate(_record(pack, one), packs))
+        if wrong:
+            yield f"{one.name}: {wrong} is not that of the record"
+
+
+def _differing(written: Mapping[str, str], computed: Mapping[str, Any]) -> str:
+    """Return the first column in which a row is not what its record gives; empty where all are."""
+    for name, value in computed.items():
+        text = written.get(name, "")
+        if isinstance(value, float):
+            alike = (text == "") if math.isnan(value) else _close(text, value)
+        else:
+            alike = text.removeprefix("'") == ("" if value is None else str(value)).removeprefix("'")
+        if not alike:
+            return one_line(name, 60)
+    return ""
+
+
+def _close(text: str, value: float) -> bool:
+    try:
+        return math.isclose(float(text), value, rel_tol=CLOSE, abs_tol=CLOSE)
+    except ValueError:
+        return False
+
+
+def _record(pack: Pack, one: Drawn) -> EpisodeRecord:
+    """Read an episode's record out of the pack."""
+    timing = one.record.replace("/records/", "/timing/")
+    with TemporaryDirectory(prefix="arena-pack-") as folder:
+        pack.archive.unpack([name for name in (one.record, timing) if name in pack.archive.names], Path(folder))
+        return read_record(Path(folder, one.record))
+
+
+def _repeated(pack: Pack, drawn: Sequence[Drawn], executor: Mapping[str, Any], registry: Registry) -> Iterator[Repeated]:
+    """Drive episodes anew and yield how each compares."""
+    with TemporaryDirectory(prefix="arena-verify-") as folder:
+        asked = {(str(Path(folder, one.run.name)), int(one.row["episode"])): one for one in drawn}
+        jobs = [Job(one.run.config, place, episode, _stage(one.row)) for (place, episode), one in asked.items()]
+        for answer in repeat(jobs, executor, registry):
+            one = asked[answer.job.folder, answer.job.episode]
+            path = Path(answer.job.folder, "records", f"{answer.job.episode:04d}.npz")
+            yield _compared(one, _record(pack, one), answer, path)
+
+
+def _compared(one: Drawn, then: EpisodeRecord, answer: Finished | Lost, path: Path) -> Repeated:
+    try:
+        now = read_record(path)
+    except InputFileError:
+        reason = answer.reason if isinstance(answer, Lost) else str(answer.row.get("error", ""))
+        return Repeated(one, False, False, f"{_word(then)} then, cannot be driven here: {one_line(reason, 200)}")
+    same = record_digest(then) == record_digest(now)
+    return Repeated(one, same, same or succeeded(then) == succeeded(now), f"{_word(then)} then, {_word(now)} now")
+
+
+def _word(record: EpisodeRecord) -> str:
+    outcome = str(record.meta["outcome"])
+    return "success" if succeeded(record) else "too many collisions" if outcome == "goal_reached" else outcome
+
+
+def _stage(row: Mapping[str, str]) -> int | None:
+    return int(row["stage"]) if row.get("stage", "").isdecimal() else None
+
+
+def _elsewhere(run: PackedRun, registry: Registry) -> Iterator[str]:
+    """Yield what of code, libraries, Python and processor is not as it was."""
+    try:
+        changed = code_of(run.config, registry).changed(run.provenance["code"].get("parts") or {})
+    except ArenaError as error:
+        changed = [str(error)]
+    if changed:
+        yield f"other code: {one_line(', '.join(changed), 200)}"
+    facts = run.provenance
+    yield from driven_elsewhere({"versions": facts["versions"], "python": facts.get("python"), "cpu": facts["machine"].get("cpu")})
+
+
+def driven_elsewhere(facts: Mapping[str, Any]) -> Iterator[str]:
+    """Yield which ``versions`` of libraries, ``python`` and ``cpu`` are not those here: their numbers may differ in the last digit."""
+    here = here_and_now()
+    for name in DRIVES_WITH:
+        mine, theirs = here["versions"].get(name), facts["versions"].get(name)
+        if mine != theirs:
+            yield f"{name} {mine or 'absent'}, {one_line(str(theirs or 'absent'), 40)} there"
+    for key, name in (("python", "Python"), ("cpu", "processor")):
+        if here[key] != facts.get(key):
+            yield f"{name} {here[key]}, {one_line(str(facts.get(key) or 'unknown'), 120)} there"
+
+
+def here_and_now() -> dict[str, Any]:
+    """Return what records depend on beside the code: ``versions`` of libraries, ``python``, and the kind of ``cpu``."""
+    found = versions()
+    return {
+        "versions": {name: found[name] for name in DRIVES_WITH if name in found},
+        "python": platform.python_version(),
+        "cpu": cpu_kind(),
+    }

@@ -1,0 +1,110 @@
+"""Only whole packs by the rules are ranked; those that cannot be told apart share a rank."""
+
+import json
+import shutil
+from functools import reduce
+from operator import getitem
+from pathlib import Path
+
+import pytest
+
+from arena_core import ConfigurationError, InputFileError, load_registry, option_files, read_record
+from arena_submit.commands import LeaderboardCommand, SubmitCommand
+from arena_submit.leaderboard import leaderboard
+from arena_submit.packing import read_pack, write_pack
+from arena_submit.standing import benchmark_of, check_standing, standing
+
+
+def test_the_first_version_has_every_scenario_of_the_pack_on_two_robots():
+    found = standing("arena_v1")
+    registry = load_registry()
+    assert set(found.scenarios) == set(option_files("scenario", registry.manager))
+    assert len(found.conditions) * found.episodes == 300
+
+
+@pytest.mark.parametrize("scenario", ["arena/queue_high", "arena/outdoor_20"])
+def test_the_hashes_are_those_of_the_scenarios_that_are_driven(scenario):
+    from arena_core import compose, plain
+
+    registry = load_registry()
+    config = plain(compose(["experiment=arena_v1", "robot=jackal", f"scenario={scenario}"]))
+    robot = registry.build("robot", config["robot"])
+    task = registry.build("task", config["task"], robot=robot, world=registry.build("world", config["world"]))
+    assert task.scenario(0, 0).content_hash == standing("arena_v1").scenarios[scenario]
+
+
+def test_a_pack_of_no_standing_benchmark_is_not_ranked(packed, capsys):
+    with read_pack(packed) as pack:
+        assert benchmark_of(pack) is None
+    with pytest.raises(InputFileError, match=r"pack\.zip: is of no standing benchmark"):
+        LeaderboardCommand().run([str(packed)])
+
+
+def test_a_part_of_the_benchmark_is_not_ranked(faced):
+    with (
+        read_pack(faced()) as pack,
+        pytest.raises(InputFileError, match="lacks 59 of 60 conditions, turtlebot3 arena/blind_corner_high among"),
+    ):
+        check_standing(pack, benchmark_of(pack), load_registry())
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "fault"),
+    [
+        ("localizer.name", "ground_truth", 'has localizer.name "ground_truth", not "amcl"'),
+        ("pedestrians.reaction", "ignore", 'has pedestrians.reaction "ignore", not "yield"'),
+        ("task.time_limit", 20, "has task.time_limit 20, not "),
+        ("world.path", "own.yaml", 'has world.path "own.yaml", not "pkg://arena_scenarios'),
+        ("seed", 1, "has seed 1 and 5 episodes, not 0 and 5"),
+    ],
+)
+def test_other_rules_are_named(key, value, fault, faced, small, tmp_path):
+    run = Path(shutil.copytree(faced().parent / "run", tmp_path / "run"))
+    facts = json.loads((run / "provenance.json").read_text())
+    *place, name = key.split(".")
+    reduce(getitem, place, facts["config"])[name] = value
+    (run / "provenance.json").write_text(json.dumps(facts))
+    write_pack([run], tmp_path / "pack.zip")
+    with read_pack(tmp_path / "pack.zip") as pack, pytest.raises(InputFileError) as error:
+        check_standing(pack, small, load_registry())
+    assert fault in str(error.value)
+
+
+def test_planners_are_ranked_with_their_cards(faced, small, tmp_path):
+    packs = [faced(), faced("planner.speed=0.4")]
+    assert LeaderboardCommand().run([*map(str, packs), "--to", str(tmp_path / "board.md")]) == 0
+    text = (tmp_path / "board.md").read_text()
+    ranked = [line.split(" | ") for line in text.splitlines() if line.startswith(("| 1", "| 2"))]
+    assert [row[0] for row in ranked] == ["| 1", "| 1"], "five episodes cannot tell them apart"
+    assert [row[1] for row in ranked] == ["pure_pursuit", "pure_pursuit"]
+    assert text.count("## pure_pursuit (") == 2
+    assert "| jackal | 5 |" in text
+    assert "| warehouse | 5 |" in text
+
+
+def test_a_pack_given_twice_is_refused(faced, small):
+    with read_pack(faced()) as pack, pytest.raises(InputFileError, match="a pack is given twice"):
+        leaderboard([pack, pack], load_registry())
+
+
+def test_submitting_the_whole_benchmark_prints_its_card(faced, small, tmp_path, capsys):
+    assert SubmitCommand().run([str(faced().parent / "run"), "--to", str(tmp_path / "whole.zip")]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].split()[:2] == ["pure_pursuit", "episodes"]
+    assert [line.split()[0] for line in lines[1:4]] == ["all", "jackal", "warehouse"]
+    assert lines[4].endswith("whole.zip: 5 episodes, all of experiment=arena_v1")
+
+
+@pytest.mark.parametrize("words", [["--to", "pack.zip"], ["run", "--to", "pack.tar"], ["run"]])
+def test_a_wrong_request_is_one_line(words):
+    with pytest.raises(ConfigurationError, match="allowed: arena submit RUN"):
+        SubmitCommand().run(words)
+
+
+def test_packs_of_several_planners_are_refused(faced, small, tmp_path):
+    other = faced().parent / "run"
+    record = read_record(other / "records" / "0000.npz")
+    assert record.meta["columns"]["scenario_hash"] == small.scenarios["arena/warehouse_05"]
+    write_pack([other, faced("planner.speed=0.4").parent / "run"], tmp_path / "two.zip")
+    with read_pack(tmp_path / "two.zip") as pack, pytest.raises(InputFileError, match="is there twice"):
+        check_standing(pack, small, load_registry())

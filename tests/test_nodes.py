@@ -1,0 +1,63 @@
+"""A node drives its share in a folder of its own and hands over what is finished, with its files."""
+
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from arena_core import Budgets, Delivery, Finished, InputFileError, Job, Node, OtherCode, compose, plain, take_in
+from arena_core.runs.working import check, work
+from arena_core.testing.checks import echo
+
+ROOM = ["planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=6", "world.height=6", "task.pedestrians=0", "episodes=2"]
+BUDGETS = Budgets(600.0, 60.0, 600.0, 4.0)
+
+
+def over(node, do):
+    done = []
+    while node.unfinished:
+        done += node.look(do)
+    return done
+
+
+@pytest.mark.slow
+def test_what_a_node_finishes_comes_home_with_its_files_and_each_map_once(tmp_path):
+    jobs = [Job(plain(compose(ROOM)), str(tmp_path / "home"), k) for k in range(2)]
+    with closing(Node(1, BUDGETS, tmp_path / "node")) as node:
+        node.add(jobs[:1])
+        first = over(node, work)
+        node.add(jobs[1:])
+        second = over(node, work)
+    assert [sorted(one.files)[-1].partition("/")[0] for one in (*first, *second)] == ["worlds", "timing"]
+    assert not (tmp_path / "home").exists()
+    answers = [take_in(one) for one in (*first, *second)]
+    assert [one.job for one in answers] == jobs
+    assert all(isinstance(one, Finished) and one.row["outcome"] == "goal_reached" for one in answers)
+    there = sorted(path.relative_to(tmp_path / "home").parent.as_posix() for path in (tmp_path / "home").rglob("*.npz"))
+    assert there == ["records", "records", "timing", "timing", "worlds"]
+    assert [path.parent.name for path in (tmp_path / "node").rglob("*.npz")] == ["worlds"], "a node keeps no records"
+
+
+def test_jobs_are_taken_on_while_others_run():
+    with closing(Node(1, BUDGETS)) as node:
+        node.add([Job({}, "", 0)])
+        node.look(echo)
+        node.add([Job({}, "", 1)])
+        assert sorted(one.answer["episode"] for one in over(node, echo)) in ([1], [0, 1])
+
+
+def test_other_code_is_refused_before_anything_runs():
+    config = plain(compose(ROOM))
+    node = Node(1, BUDGETS)
+    with pytest.raises(OtherCode, match=r"has other code, [0-9a-f]{8} in place of 00000000: .*arena-core 0\.1\.0 "):
+        node.add([Job({**config, "code": "00000000"}, "", 0)])
+    node.add([Job({**config, "code": check(Job(config, "", 0)).code.digest}, "", 0)])
+    assert node.unfinished == 1
+    node.close()
+
+
+@pytest.mark.parametrize("name", ["../evil.npz", "/etc/passwd", "records/0000.npz/../../x", "episodes.csv", "records/0000.npz\n"])
+def test_a_file_that_no_job_has_is_not_written(name, tmp_path):
+    with pytest.raises(InputFileError, match="a node sent "):
+        take_in(Delivery(None, Job({}, str(tmp_path / "run"), 0), {name: b""}))
+    assert not Path(tmp_path / "run").exists()
