@@ -69,7 +69,7 @@ def model_text(robot: Robot, body: Body, scenario: Scenario, radii: NDArray[np.f
     assets = ElementTree.SubElement(root, "asset")
     world = ElementTree.SubElement(root, "worldbody")
     actuators = ElementTree.SubElement(root, "actuator")
-    add_scene(world, assets, scene_of(scenario.world.grid, scenario.obstacles, physics.wall_height))
+    add_scene(world, assets, scene_of(scenario.world.grid, scenario.obstacles, physics.wall_height, scenario.world.furniture))
     if physics.drive == "planar":
         _add_planar(world, assets, actuators, robot, body)
     else:
@@ -79,10 +79,10 @@ def model_text(robot: Robot, body: Body, scenario: Scenario, radii: NDArray[np.f
     return ElementTree.tostring(root, "unicode")
 
 
-def add_scene(world: Element, assets: Element, scene: Scene, **looks: str) -> None:
-    """Add all that stands in a world, as geoms of one body at the map's origin."""
+def add_scene(world: Element, assets: Element, scene: Scene, name: str = "map", **looks: str) -> None:
+    """Add all that stands in a world, as geoms of one body at the map's origin that is called ``name``."""
     place = scene.origin
-    body = ElementTree.SubElement(world, "body", name="map", pos=numbers(place.x, place.y, 0.0), euler=numbers(0.0, 0.0, place.theta))
+    body = ElementTree.SubElement(world, "body", name=name, pos=numbers(place.x, place.y, 0.0), euler=numbers(0.0, 0.0, place.theta))
     for x, y, yaw, length, width, bottom, top in scene.boxes.tolist():
         size = numbers(0.5 * length, 0.5 * width, 0.5 * (top - bottom))
         turn = {"euler": numbers(0.0, 0.0, yaw)} if yaw else {}

@@ -30,6 +30,7 @@ from arena_mujoco.model import Drive, Physics, compile_model, model_text
 from arena_mujoco.rays import Rays
 from arena_mujoco.ticking import RUNS, TIPPED, Motion, after_tick, before_tick, disturb_scan, planar_gears, show_people, wheel_gears
 from arena_sim2d.bodies import Floats
+from arena_sim2d.obstacles import Reach
 from arena_sim2d.simulator import Sim2d
 
 if TYPE_CHECKING:
@@ -69,11 +70,12 @@ class MujocoSimulator(Sim2d):
         tip_angle: Annotated[float, Bounds(low=0.1, high=1.5)],
         body: BodyFigures,
     ) -> None:
-        super().__init__(robot, pedestrians, inner_step, crowd_period)
+        self._body = body_of(robot, body)
+        super().__init__(robot, pedestrians, inner_step, crowd_period, self._body.lidar_height, self._body.height)
+        self._reach = Reach(self._body.lidar_height, self._body.clearance, self._body.height)
         _import_mujoco()
         self._coarse = _steps(inner_step, timestep)
         self._fine_way = fine_way
-        self._body = body_of(robot, body)
         if self._body.lidar_height >= wall_height:
             raise ConfigurationError(
                 f"simulator.wall_height is {wall_height:g}; allowed: above the lidar, {self._body.lidar_height:g} m high"
@@ -120,7 +122,7 @@ class MujocoSimulator(Sim2d):
         """Return the model of a world; one that is like an earlier one's is not compiled again."""
         grid = scenario.world.grid
         things = tuple((obstacle.vertices_xy.tobytes(), obstacle.radius) for obstacle in scenario.obstacles)
-        key = (id(grid), things, radii.tobytes())
+        key = (id(grid), things, scenario.world.furniture, radii.tobytes())
         if key not in self._models:
             boxes = len(grid.derive(wall_boxes))
             if boxes > MOST_BOXES:

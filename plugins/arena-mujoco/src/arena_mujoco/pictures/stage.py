@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import EpisodeRecord, Obstacle, OccupancyGrid, Prism, Robot, scene_of
+from arena_core import EpisodeRecord, Obstacle, OccupancyGrid, Prism, Robot, furniture_of, furniture_scene, scene_of
 from arena_mujoco.body import Body
 from arena_mujoco.model import AWAY, add_prism, add_scene, compile_model, numbers
 from arena_mujoco.pictures.drama import Still
@@ -85,6 +85,8 @@ def _text(record: EpisodeRecord, grid: OccupancyGrid, robot: Robot, body: Body, 
     _add_sky_and_floor(assets, world, looks)
     obstacles = [Obstacle(np.asarray(thing["vertices_xy"]), thing["radius"]) for thing in record.meta["scenario"]["obstacles"]]
     add_scene(world, assets, scene_of(grid, obstacles, looks.wall_height), rgba=numbers(*looks.wall), group="0")
+    furniture = furniture_scene(furniture_of(record.meta["scenario"]), grid.origin)
+    add_scene(world, assets, furniture, "furniture", rgba=numbers(*looks.furniture), group="0")
     x, y, _ = record.meta["scenario"]["goal"]
     radius = record.meta["scenario"]["goal_radius"]
     _add(world, "cylinder", looks.goal, size=numbers(radius, 0.01), pos=numbers(x, y, 0.01), group=OWN)
