@@ -132,9 +132,9 @@ def _add_hull(base: Element, assets: Element, footprint: Footprint, bottom: floa
     """Add what of the robot touches others: its footprint, upright."""
     if footprint.is_circle:
         size = numbers(footprint.radius, 0.5 * (top - bottom))
-        _add_geom(base, MOVES, "cylinder", size, name="hull", pos=numbers(0.0, 0.0, 0.5 * (bottom + top)), group=UNSEEN)
+        _add_geom(base, MOVES, "cylinder", size, name="hull", pos=numbers(0.0, 0.0, 0.5 * (bottom + top)), group=UNSEEN, mass="0")
     else:
-        add_prism(base, assets, "hull", MOVES, Prism(footprint.vertices_xy, bottom, top), name="hull", group=UNSEEN)
+        add_prism(base, assets, "hull", MOVES, Prism(footprint.vertices_xy, bottom, top), name="hull", group=UNSEEN, mass="0")
 
 
 def _add_wheeled(world: Element, assets: Element, actuators: Element, robot: Robot, body: Body, physics: Physics) -> None:
@@ -145,8 +145,11 @@ def _add_wheeled(world: Element, assets: Element, actuators: Element, robot: Rob
     base = ElementTree.SubElement(world, "body", name="robot")
     ElementTree.SubElement(base, "freejoint", name="base")
     centre, spread = numbers(*body.centre_xy, body.centre_height), numbers(*body.inertia)
-    ElementTree.SubElement(base, "inertial", pos=centre, mass=numbers(body.chassis_mass), diaginertia=spread)
+    if body.own is None:
+        ElementTree.SubElement(base, "inertial", pos=centre, mass=numbers(body.chassis_mass), diaginertia=spread)
     _add_hull(base, assets, robot.footprint, body.clearance, body.height)
+    if body.own is not None:
+        return  # its wheels and its mass come from a file
     if robot.kinematics == "omnidirectional":
         _add_omniwheels(base, actuators, body, physics)
     else:

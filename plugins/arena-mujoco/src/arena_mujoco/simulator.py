@@ -25,10 +25,22 @@ from arena_core import (
     wall_boxes,
 )
 from arena_kernels.entry import Entered
-from arena_mujoco.body import BodyFigures, body_of
+from arena_mujoco.attaching import wheeled_model
+from arena_mujoco.body import BodyFigures, body_of, check_wheels
 from arena_mujoco.model import Drive, Physics, compile_model, model_text
 from arena_mujoco.rays import Rays
-from arena_mujoco.ticking import RUNS, TIPPED, Motion, after_tick, before_tick, disturb_scan, planar_gears, show_people, wheel_gears
+from arena_mujoco.ticking import (
+    RUNS,
+    TIPPED,
+    Motion,
+    after_tick,
+    before_tick,
+    disturb_scan,
+    own_gears,
+    planar_gears,
+    show_people,
+    wheel_gears,
+)
 from arena_sim2d.bodies import Floats
 from arena_sim2d.obstacles import Reach
 from arena_sim2d.simulator import Sim2d
@@ -82,8 +94,11 @@ class MujocoSimulator(Sim2d):
             )
         self._legs = lidar == "rays" and pedestrians.gait is not None
         self._physics = Physics(timestep, wall_height, floor_friction, wall_friction, drive, self._legs)
-        wheeled = drive == "wheels"
-        self._gears = wheel_gears(robot, self._body, floor_friction, tip_angle) if wheeled else planar_gears(robot, self._body)
+        self._gears = planar_gears(robot, self._body)
+        if drive == "wheels":
+            check_wheels(robot, self._body)
+            make = wheel_gears if self._body.own is None else own_gears
+            self._gears = make(robot, self._body, floor_friction, tip_angle)
         self._rays = Rays(robot.lidar, self._body.lidar_height) if lidar == "rays" else None
         self._before, self._after, self._show_people = Entered(before_tick), Entered(after_tick), Entered(show_people)
         self._models: OrderedDict[tuple[Any, ...], tuple[OccupancyGrid, mujoco.MjModel]] = OrderedDict()
@@ -128,11 +143,17 @@ class MujocoSimulator(Sim2d):
             if boxes > MOST_BOXES:
                 raise ImpossibleScenario(f"{scenario.name}: its walls are {boxes} boxes; allowed with simulator=mujoco: {MOST_BOXES}")
             text = model_text(self._robot, self._body, scenario, radii, self._pedestrians.gait, self._physics)
-            self._models[key] = grid, compile_model(text, scenario.name)
+            self._models[key] = grid, self._compiled(text, scenario.name)
             if len(self._models) > max(KEPT, 2 * len(self._scenarios)):
                 self._models.popitem(last=False)
         self._models.move_to_end(key)
         return self._models[key][1]
+
+    def _compiled(self, text: str, name: str) -> mujoco.MjModel:
+        own = self._body.own
+        if own is None or self._physics.drive == "planar":
+            return compile_model(text, name)
+        return wheeled_model(text, name, own, self._robot, self._body, self._physics)
 
     def _run(self, commands: Floats, ticks: int, scan_within: int) -> None:
         self._worlds.robots["contacts"] = 0
