@@ -111,7 +111,7 @@ from arena_core.values.parameters import Bounds, Count, Fraction, Horizon, NonNe
 from arena_core.values.rectangles import rectangles
 from arena_core.values.robot import Lidar, OdometryModel, Robot, VelocityLimits, make_robot
 from arena_core.values.scene import Prism, Scene, furniture_scene, raised, scene_of, wall_boxes
-from arena_core.values.sensing import NO_TRACKS, LaserScan, Observation, Odometry, PoseEstimate, Sensors, Tracks
+from arena_core.values.sensing import NO_TRACKS, DepthImage, LaserScan, Observation, Odometry, PoseEstimate, Sensors, Tracks, camera_rays
 from arena_core.values.staging import Staging
 from arena_core.values.success import COLLISIONS_ALLOWED, succeeded
 from arena_core.values.world import (
@@ -168,6 +168,7 @@ __all__ = [
     "Count",
     "Crowd",
     "Decision",
+    "DepthImage",
     "DuplicateComponent",
     "EarlierScans",
     "EpisodeLoop",
@@ -268,6 +269,7 @@ __all__ = [
     "build_benchmark",
     "build_guide",
     "build_metrics",
+    "camera_rays",
     "check_inside",
     "code_of",
     "complete_overrides",

@@ -22,11 +22,13 @@ from arena_core import (
     Scenario,
     Snapshot,
     Step,
+    stream_key,
     wall_boxes,
 )
 from arena_kernels.entry import Entered
 from arena_mujoco.attaching import wheeled_model
 from arena_mujoco.body import BodyFigures, body_of, check_wheels
+from arena_mujoco.camera import CameraFigures, DepthCamera
 from arena_mujoco.model import Drive, Physics, compile_model, model_text
 from arena_mujoco.rays import Rays
 from arena_mujoco.ticking import (
@@ -80,6 +82,7 @@ class MujocoSimulator(Sim2d):
         floor_friction: Annotated[float, Bounds(low=0.01, high=10.0)],
         wall_friction: Annotated[float, Bounds(low=0.0, high=10.0)],
         tip_angle: Annotated[float, Bounds(low=0.1, high=1.5)],
+        depth_camera: CameraFigures,
         body: BodyFigures,
     ) -> None:
         self._body = body_of(robot, body)
@@ -92,8 +95,9 @@ class MujocoSimulator(Sim2d):
             raise ConfigurationError(
                 f"simulator.wall_height is {wall_height:g}; allowed: above the lidar, {self._body.lidar_height:g} m high"
             )
-        self._legs = lidar == "rays" and pedestrians.gait is not None
-        self._physics = Physics(timestep, wall_height, floor_friction, wall_friction, drive, self._legs)
+        self._camera = DepthCamera(depth_camera, robot, self._body, inner_step) if depth_camera.enabled else None
+        self._legs = (lidar == "rays" or depth_camera.enabled) and pedestrians.gait is not None
+        self._physics = Physics(timestep, wall_height, floor_friction, wall_friction, drive, self._legs, depth_camera.enabled)
         self._gears = planar_gears(robot, self._body)
         if drive == "wheels":
             check_wheels(robot, self._body)
@@ -103,9 +107,14 @@ class MujocoSimulator(Sim2d):
         self._before, self._after, self._show_people = Entered(before_tick), Entered(after_tick), Entered(show_people)
         self._models: OrderedDict[tuple[Any, ...], tuple[OccupancyGrid, mujoco.MjModel]] = OrderedDict()
         self._physical: list[Physical | None] = []
+        self._images = np.empty((0, 0, 0), np.float32)
+        self._image_keys, self._image_ticks = np.zeros(0, np.uint64), np.zeros(0, np.int64)
 
     def _reset_all(self, scenarios: Sequence[Scenario]) -> None:
         self._physical = [None] * len(scenarios)
+        if self._camera is not None:
+            self._images = np.full((len(scenarios), *self._camera.shape), np.inf, np.float32)
+            self._image_keys, self._image_ticks = np.zeros(len(scenarios), np.uint64), np.zeros(len(scenarios), np.int64)
         super()._reset_all(scenarios)
 
     def _begin(self, slots: NDArray[np.int64]) -> None:
@@ -114,6 +123,10 @@ class MujocoSimulator(Sim2d):
             self._physical[slot] = self._physical_of(slot)
             if self._rays is not None:
                 self._cast(slot, 0)
+            if self._camera is not None:
+                scenario = self._scenarios[slot]
+                self._image_keys[slot] = stream_key(scenario.seed, scenario.name, "depth")
+                self._film(slot, 0)
 
     def _physical_of(self, slot: int) -> Physical:
         """Return the physics of a world that begins."""
@@ -171,6 +184,7 @@ class MujocoSimulator(Sim2d):
         last = first + scan_within
         due = last - last % self._scanner.period
         scan_tick = due if self._rays is None else -1
+        film_tick = -1 if self._camera is None else last - last % self._camera.period
         for tick in range(first + 1, first + ticks + 1):
             steps = self._before(worlds, slot, self._chassis, self._gears, motion, command, self._legs, dt, self._coarse, self._fine_way)
             if steps:
@@ -179,6 +193,15 @@ class MujocoSimulator(Sim2d):
             self._after(worlds, slot, self._chassis, self._gears, motion, self._wheels, self._scanner, self._ranges[slot], scan_tick, dt)
             if self._rays is not None and tick == due:
                 self._cast(slot, tick)
+            if tick == film_tick:
+                self._film(slot, tick)
+
+    def _film(self, slot: int, tick: int) -> None:
+        """Take an image."""
+        physical = self._physical[slot]
+        if physical is not None and self._camera is not None:
+            self._camera.take(physical.model, physical.data, self._image_keys[slot], tick, self._images[slot])
+            self._image_ticks[slot] = tick
 
     def _cast(self, slot: int, tick: int) -> None:
         """Take a scan by MuJoCo's rays."""
@@ -190,7 +213,11 @@ class MujocoSimulator(Sim2d):
     def _snapshot(self) -> Snapshot:
         states = [RUNS if physical is None else int(physical.motion.state[0]) for physical in self._physical]
         failures = {slot: FAILURES.get(state, UNSTABLE_TEXT) for slot, state in enumerate(states) if state != RUNS}
-        return replace(super()._snapshot(), failures=failures)
+        seen = replace(super()._snapshot(), failures=failures)
+        if self._camera is None:
+            return seen
+        stamps = np.asarray(self._image_ticks * self.inner_step, np.float64)
+        return replace(seen, depths=self._images.copy(), depth_stamps=stamps, depth_header=self._camera.header)
 
 
 def _import_mujoco() -> None:
