@@ -85,10 +85,10 @@ class MujocoSimulator(Sim2d):
         depth_camera: CameraFigures,
         body: BodyFigures,
     ) -> None:
+        _prepare_mujoco()
         self._body = body_of(robot, body)
         super().__init__(robot, pedestrians, inner_step, crowd_period, self._body.lidar_height, self._body.height)
         self._reach = Reach(self._body.lidar_height, self._body.clearance, self._body.height)
-        _import_mujoco()
         self._coarse = _steps(inner_step, timestep)
         self._fine_way = fine_way
         if self._body.lidar_height >= wall_height:
@@ -152,9 +152,10 @@ class MujocoSimulator(Sim2d):
         things = tuple((obstacle.vertices_xy.tobytes(), obstacle.radius) for obstacle in scenario.obstacles)
         key = (id(grid), things, scenario.world.furniture, radii.tobytes())
         if key not in self._models:
-            boxes = len(grid.derive(wall_boxes))
+            boxes = len(grid.derive(wall_boxes)) + sum(len(piece.boxes) + len(piece.cylinders) for piece in scenario.world.furniture)
             if boxes > MOST_BOXES:
-                raise ImpossibleScenario(f"{scenario.name}: its walls are {boxes} boxes; allowed with simulator=mujoco: {MOST_BOXES}")
+                what = "walls and furniture" if scenario.world.furniture else "walls"
+                raise ImpossibleScenario(f"{scenario.name}: its {what} are {boxes} boxes; allowed with simulator=mujoco: {MOST_BOXES}")
             text = model_text(self._robot, self._body, scenario, radii, self._pedestrians.gait, self._physics)
             self._models[key] = grid, self._compiled(text, scenario.name)
             if len(self._models) > max(KEPT, 2 * len(self._scenarios)):
@@ -220,12 +221,21 @@ class MujocoSimulator(Sim2d):
         return replace(seen, depths=self._images.copy(), depth_stamps=stamps, depth_header=self._camera.header)
 
 
-def _import_mujoco() -> None:
-    """Raise ConfigurationError where MuJoCo cannot be imported."""
+def _prepare_mujoco() -> None:
+    """Keep MuJoCo from writing a log into the working directory, unless somebody else takes its warnings: rows say what is wrong.
+
+    Raises ConfigurationError where MuJoCo cannot be imported.
+    """
     try:
-        import mujoco  # noqa: F401 - only whether it is there
+        import mujoco
     except ImportError as error:
         raise ConfigurationError(f"simulator=mujoco needs MuJoCo ({error}); allowed: pip install mujoco") from None
+    if mujoco.get_mju_user_warning() is None:
+        mujoco.set_mju_user_warning(_leave_unsaid)
+
+
+def _leave_unsaid(_: str) -> None:
+    pass
 
 
 def _steps(tick: float, timestep: float) -> int:
