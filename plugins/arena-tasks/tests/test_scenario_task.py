@@ -10,6 +10,7 @@ import pytest
 
 from arena_core import ConfigurationError, ImpossibleScenario, InputFileError, OccupancyGrid, Pose, Robot, World, WorldSource, testing
 from arena_core.testing import check
+from arena_tasks.commands.converting import ConvertCommand
 from arena_tasks.scenario_files.scenario_file import save_scenarios
 from arena_tasks.scenario_files.scenario_task import ScenarioTask
 
@@ -175,3 +176,17 @@ def test_bad_furniture_is_said_with_file_and_key(tmp_path: Path, piece: dict[str
 def test_goal_on_a_table_is_impossible(tmp_path: Path) -> None:
     with pytest.raises(ImpossibleScenario, match="lies inside a wall or an obstacle"):
         make(tmp_path, problem(furniture=[{"kind": "table", "pose": [3.0, 0.0]}]))
+
+
+def test_more_furniture_than_can_be_run_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputFileError, match="one has 1001 pieces of furniture; allowed: up to 1000"):
+        make(tmp_path, problem(furniture=[{"kind": "chair", "pose": [0, 0]}] * 1001))
+
+
+def test_formats_without_furniture_say_that_it_is_left_out(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    source = tmp_path / "ours.json"
+    furnished = problem(furniture=[{"kind": "chair", "pose": [0, 0]}])
+    source.write_text(json.dumps({"format": "arena-scenario", "version": 2, "scenarios": [furnished]}))
+    for form in ("arena-tools", "arena-rosnav"):
+        assert ConvertCommand().run([str(source), str(tmp_path / "theirs.json"), f"format={form}"]) == 0
+        assert "left out: furniture" in capsys.readouterr().out

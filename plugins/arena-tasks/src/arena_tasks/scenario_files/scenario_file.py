@@ -67,6 +67,7 @@ def _within_limits(path: Path, file: ScenarioFile) -> ScenarioFile:
         for what, found, most in (
             ("people", len(problem.pedestrians), LIMITS.people),
             ("obstacles", len(problem.obstacles), LIMITS.obstacles),
+            ("pieces of furniture", len(problem.furniture), LIMITS.furniture),
             ("m of a body", max(extents, default=0.0), LIMITS.body_extent),
         ):
             if found > most:
