@@ -121,3 +121,30 @@ def test_report_opens_and_fits(report: Path, show: Callable[[Path], Opened]) -> 
     assert [url for url in opened.requests if not url.startswith(("file:", "data:"))] == []
     assert opened.overflow <= 0
     assert "pure_pursuit" in opened.page.inner_text("body")
+
+
+def test_rows_of_the_report_are_chosen_by_planner(report: Path, show: Callable[[Path], Opened]) -> None:
+    page = show(report).page
+    page.select_option("select[name=planner]", "dwa")
+    page.locator("details:has(table.episodes) > summary").click()
+    shown = page.locator("table.episodes tbody tr:visible")
+    assert shown.count() == 3
+    assert page.inner_text("#filters output") == "3 of 6 episodes"
+    assert {name.split(",")[0] for name in shown.locator("td.name").all_inner_texts()} == {"dwa"}
+    assert page.locator("table.headline tbody tr:visible td.name").all_inner_texts() == ["dwa"]
+
+
+def test_episodes_of_the_report_are_sorted_by_a_column(report: Path, show: Callable[[Path], Opened]) -> None:
+    page = show(report).page
+    page.locator("details:has(table.episodes) > summary").click()
+    head = page.locator("table.episodes th", has_text="path length").first
+    column = int(head.evaluate("head => head.cellIndex")) + 1
+
+    def lengths() -> list[float]:
+        texts = page.locator(f"table.episodes tbody tr td:nth-child({column})").all_inner_texts()
+        return [float(text) for text in texts if text != "–"]
+
+    head.click()
+    assert lengths() == sorted(lengths())
+    head.press("Enter")
+    assert lengths() == sorted(lengths(), reverse=True)
