@@ -29,6 +29,7 @@ from arena_core.cli.candidates import complete_overrides
 from arena_core.cli.words import Words, is_key_value, key_value, read_words
 from arena_core.config.binding import read_settings
 from arena_core.config.configuration import compose, option_files, plain
+from arena_core.config.furniture import furniture_kind
 from arena_core.config.registry import Registry, load_registry
 from arena_core.contracts.hookspecs import Register, hookimpl
 from arena_core.contracts.interfaces import (
@@ -112,6 +113,7 @@ from arena_core.values.episode import (
     Scenario,
     WorldState,
 )
+from arena_core.values.furniture import FurnitureKind, furnished, furniture_of, furniture_shapes, outlines
 from arena_core.values.geometry import Footprint, Pose, Twist, wrap_angle
 from arena_core.values.obstacles import with_obstacles
 from arena_core.values.parameters import (
@@ -129,8 +131,8 @@ from arena_core.values.parameters import (
 )
 from arena_core.values.rectangles import rectangles
 from arena_core.values.robot import Lidar, OdometryModel, Robot, VelocityLimits, make_robot
-from arena_core.values.scene import Prism, Scene, raised, scene_of, wall_boxes
-from arena_core.values.sensing import NO_TRACKS, LaserScan, Observation, Odometry, PoseEstimate, Sensors, Tracks
+from arena_core.values.scene import Prism, Scene, furniture_scene, raised, scene_of, wall_boxes
+from arena_core.values.sensing import NO_TRACKS, DepthImage, LaserScan, Observation, Odometry, PoseEstimate, Sensors, Tracks, camera_rays
 from arena_core.values.staging import Staging
 from arena_core.values.success import COLLISIONS_ALLOWED, succeeded
 from arena_core.values.world import (
@@ -142,6 +144,7 @@ from arena_core.values.world import (
     UNKNOWN,
     Costmap,
     Crowd,
+    Furniture,
     Gait,
     Obstacle,
     OccupancyGrid,
@@ -188,6 +191,7 @@ __all__ = [
     "Crowd",
     "Decision",
     "Delivery",
+    "DepthImage",
     "DuplicateComponent",
     "EarlierScans",
     "EpisodeLoop",
@@ -198,6 +202,8 @@ __all__ = [
     "Finished",
     "Footprint",
     "Fraction",
+    "Furniture",
+    "FurnitureKind",
     "Gait",
     "GlobalPlanner",
     "Guide",
@@ -291,6 +297,7 @@ __all__ = [
     "build_benchmark",
     "build_guide",
     "build_metrics",
+    "camera_rays",
     "check_inside",
     "code_of",
     "complete_overrides",
@@ -300,6 +307,11 @@ __all__ = [
     "evaluate",
     "find_runs",
     "free_area",
+    "furnished",
+    "furniture_kind",
+    "furniture_of",
+    "furniture_scene",
+    "furniture_shapes",
     "generator",
     "harmless",
     "hookimpl",
@@ -314,6 +326,7 @@ __all__ = [
     "mission_of",
     "one_line",
     "option_files",
+    "outlines",
     "plain",
     "pose_at_scan",
     "raised",

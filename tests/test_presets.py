@@ -15,7 +15,7 @@ from arena_core import compose, load_registry, option_files, plain
 GROUPS = (
     "planner", "robot", "world", "pedestrians", "task", "localizer", "global_planner", "waypoints", "local_map", "tracker", "reward",
     "observation_encoder", "metrics", "executor", "simulator", "recipe", "recipe_tuning", "people", "people_task", "people_crowd",
-    "experiment", "world_model_tuning", "vision_tuning", "switch", "gait",
+    "experiment", "world_model_tuning", "vision_tuning", "switch", "gait", "furniture",
 )  # fmt: skip
 
 # What others published, as it composes for a robot that no tuning is for. Whoever changes a preset that one of these derives from states

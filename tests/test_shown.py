@@ -6,8 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arena_core import build_benchmark, compose, load_registry, plain, read_record
+from arena_core import NO_TRACKS, DepthImage, Pose, PoseEstimate, build_benchmark, compose, load_registry, plain, read_record
 from arena_core.base.frozen import frozen
+from arena_core.loop.shown import shown
+from arena_core.testing import boxes_costmap, robot, sensors, straight_path
 
 QUICK = (
     *("planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=8", "world.height=8", "task.pedestrians=2"),
@@ -127,3 +129,16 @@ def test_what_is_recorded_is_taken_before_the_planner_decides(third_party, arena
     record = read_record(Path("run/records/0000.npz"))
     assert record["estimate"][:, 0].min() > 0.0
     assert record["waypoint"][:, 0].min() > 0.0
+
+
+def test_planner_is_shown_a_depth_image_of_its_own():
+    taken = DepthImage(0.0, np.ones((2, 3), np.float32), 3.0, Pose(0.1, 0.0), 0.2, 0.0, 0.3, 3.0)
+    nothing = PoseEstimate(Pose(0.0, 0.0), np.zeros((3, 3))), Pose(1.0, 0.0), Pose(1.0, 0.0), straight_path(Pose(0.0, 0.0), Pose(1.0, 0.0))
+    without, with_image = sensors(Pose(0.0, 0.0), robot()), dataclasses.replace(sensors(Pose(0.0, 0.0), robot()), depth=taken)
+    seen = shown(with_image, *nothing, None, boxes_costmap, lambda: NO_TRACKS).depth
+    assert seen is not taken
+    assert seen.mount is not taken.mount
+    assert seen.depths.tolist() == taken.depths.tolist()
+    with pytest.raises(ValueError, match="read-only"):
+        seen.depths[0, 0] = 0.0
+    assert shown(without, *nothing, None, boxes_costmap, lambda: NO_TRACKS).depth is None

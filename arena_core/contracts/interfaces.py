@@ -5,7 +5,7 @@ from __future__ import annotations
 import pathlib
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, Literal, TypeVar
 
 import numpy as np
@@ -15,7 +15,7 @@ from arena_core.base.errors import ArenaError, ConfigurationError
 from arena_core.base.once import Once
 from arena_core.values.episode import Contact, EpisodeRecord, EpisodeStart, Scenario, WorldState
 from arena_core.values.geometry import FloatArray, Pose, Twist
-from arena_core.values.sensing import LaserScan, Observation, Odometry, PoseEstimate, Sensors, Tracks
+from arena_core.values.sensing import DepthImage, LaserScan, Observation, Odometry, PoseEstimate, Sensors, Tracks
 from arena_core.values.staging import Staging
 from arena_core.values.world import INSCRIBED, Costmap, Crowd, Gait, OccupancyGrid, Path, World
 
@@ -278,7 +278,9 @@ class Snapshot:
 
     Arrays with leading axis N: ``stamps`` s, ``poses`` (N, 3), ``twists`` (N, 3) in ``base_link``, ``clearances``, ``clearances_people`` m,
     ``in_contact``, ``contact_times`` s, ``ranges`` (N, B) float32 m, ``scan_stamps`` s, ``odometry_stamps`` s, ``odometry_poses`` (N, 3),
-    ``odometry_twists`` (N, 3). ``failures`` say of each world in which the simulation cannot go on why: its robot stands from then on.
+    ``odometry_twists`` (N, 3). Where robots have depth cameras, ``depths`` (N, H, W) float32 m and ``depth_stamps`` (N,) s are their newest
+    images, and ``depth_header`` what they have in common.
+    ``failures`` say of each world in which the simulation cannot go on why: its robot stands from then on.
     """
 
     stamps: FloatArray
@@ -297,6 +299,9 @@ class Snapshot:
     odometry_twists: FloatArray
     scan_header: LaserScan
     failures: Mapping[int, str] = field(default_factory=dict)
+    depths: NDArray[np.float32] | None = None
+    depth_stamps: FloatArray | None = None
+    depth_header: DepthImage | None = None
 
     def state(self, slot: int) -> WorldState:
         """Return the truth of world ``slot``."""
@@ -318,7 +323,12 @@ class Snapshot:
         beams = head.angle_min, head.angle_increment, head.range_min, head.range_max
         scan = LaserScan(float(self.scan_stamps[slot]), *beams, self.ranges[slot].copy(), head.mount)
         odometry = Odometry(float(self.odometry_stamps[slot]), Pose.of(self.odometry_poses[slot]), Twist.of(self.odometry_twists[slot]))
-        return Sensors(float(self.stamps[slot]), scan, odometry, Pose.of(self.poses[slot]))
+        return Sensors(float(self.stamps[slot]), scan, odometry, Pose.of(self.poses[slot]), self._depth(slot))
+
+    def _depth(self, slot: int) -> DepthImage | None:
+        if self.depths is None or self.depth_stamps is None or self.depth_header is None:
+            return None
+        return replace(self.depth_header, stamp=float(self.depth_stamps[slot]), depths=self.depths[slot].copy())
 
 
 class Simulator(ABC):

@@ -68,7 +68,8 @@ class ObservationBatch:
     ``stamps`` (N,) s; ``ranges`` (N, B) float32 m, +inf where nothing was hit; ``poses`` (N, 3) in ``map``; ``twists`` (N, 3) measured, in
     ``base_link``; ``goals`` and ``waypoints`` (N, 3) in ``map``; ``last_commands`` (N, 3), the velocities commanded a step before, zero at
     first; ``paths`` in ``map``; ``earlier`` scans as many as the encoder looks back at; ``maps`` (N), None where a robot has none;
-    ``recalled`` (N, D), what a recurrent encoder made of the step before, zeros at first, (N, 0) for all others.
+    ``recalled`` (N, D), what a recurrent encoder made of the step before, zeros at first, (N, 0) for all others; ``depths`` (N, H, W)
+    float32 m, the newest images of depth cameras, None where robots have none.
     """
 
     stamps: FloatArray
@@ -82,6 +83,7 @@ class ObservationBatch:
     earlier: EarlierScans
     maps: tuple[OccupancyGrid | None, ...]
     recalled: NDArray[np.float32]
+    depths: NDArray[np.float32] | None = None
 
     @staticmethod
     def of(
@@ -103,6 +105,7 @@ class ObservationBatch:
             (memory or ScanMemory((), 1, len(observation.scan.ranges))).earlier(),
             (observation.map,),
             np.zeros((1, 0), np.float32) if recalled is None else recalled,
+            None if observation.depth is None else observation.depth.depths[None],
         )
 
 

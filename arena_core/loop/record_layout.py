@@ -95,6 +95,9 @@ def _fault_of_scenario(scenario: Mapping[str, Any]) -> str:
     obstacles = scenario.get("obstacles")
     if not isinstance(obstacles, list) or not all(_is_obstacle(obstacle) for obstacle in obstacles):
         return "meta.scenario.obstacles are none"
+    furniture = scenario.get("furniture", [])
+    if not isinstance(furniture, list) or not all(_is_furniture(piece) for piece in furniture):
+        return "meta.scenario.furniture is none"
     optional = [scenario.get(key) for key in ("reference_length", "speed_share")]
     return "" if all(value is None or _is_number(value) for value in optional) else "meta.scenario.reference_length is no number"
 
@@ -117,6 +120,13 @@ def _is_event(event: object) -> bool:
 def _is_obstacle(obstacle: object) -> bool:
     vertices = obstacle.get("vertices_xy") if isinstance(obstacle, Mapping) else None
     return isinstance(vertices, list) and bool(vertices) and all(_is_row(v, 2) for v in vertices) and _is_number(obstacle.get("radius"))  # type: ignore[attr-defined]
+
+
+def _is_furniture(piece: object) -> bool:
+    if not isinstance(piece, Mapping) or not isinstance(piece.get("kind"), str) or not _is_row(piece.get("pose"), 3):
+        return False
+    solids = [(piece.get(shape), width) for shape, width in (("boxes", 7), ("cylinders", 5))]
+    return all(isinstance(rows, list) and all(_is_row(row, width) for row in rows) for rows, width in solids)
 
 
 def _is_row(value: object, length: int) -> bool:

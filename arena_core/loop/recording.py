@@ -25,6 +25,7 @@ from arena_core.base.limits import LIMITS
 from arena_core.loop.navigator import Decision, Spent
 from arena_core.loop.record_layout import fault_of
 from arena_core.values.episode import Contact, EpisodeRecord, Event, Outcome, Scenario, WorldState
+from arena_core.values.furniture import furniture_meta
 from arena_core.values.geometry import Pose
 from arena_core.values.robot import Robot
 from arena_core.values.sensing import Sensors
@@ -338,6 +339,7 @@ def _scenario_meta(scenario: Scenario) -> dict[str, Any]:
         "pedestrian_types": {str(p.id): p.behaviour["type"] for p in scenario.pedestrians if "type" in p.behaviour},
         "speed_share": scenario.speed_share,
         "obstacles": obstacles,
+        **({"furniture": list(map(furniture_meta, scenario.world.furniture))} if scenario.world.furniture else {}),
     }
 
 

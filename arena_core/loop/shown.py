@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from arena_core.base.frozen import frozen
 from arena_core.base.once import Once
 from arena_core.values.geometry import Pose, Twist
-from arena_core.values.sensing import LaserScan, Observation, PoseEstimate, Sensors, Tracks
+from arena_core.values.sensing import DepthImage, LaserScan, Observation, PoseEstimate, Sensors, Tracks
 from arena_core.values.world import Costmap, OccupancyGrid, Path
 
 
@@ -35,6 +36,7 @@ def shown(
         grid,
         Once(lambda: _costmap(local_map())),
         Once(lambda: _tracks(tracks())),
+        None if sensors.depth is None else _depth(sensors.depth),
     )
 
 
@@ -51,6 +53,10 @@ def shown_map(grid: OccupancyGrid) -> OccupancyGrid:
 def _scan(scan: LaserScan) -> LaserScan:
     header = scan.stamp, scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max
     return LaserScan(*header, frozen(scan.ranges), shown_pose(scan.mount))
+
+
+def _depth(image: DepthImage) -> DepthImage:
+    return replace(image, depths=frozen(image.depths), mount=shown_pose(image.mount))
 
 
 def _costmap(window: Costmap) -> Costmap:

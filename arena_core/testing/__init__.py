@@ -4,6 +4,7 @@ from arena_core.testing.checks import CHECKS, check
 from arena_core.testing.samples import (
     component,
     free_costmap,
+    furniture,
     observation,
     planner,
     record,
@@ -23,6 +24,7 @@ __all__ = [
     "check",
     "component",
     "free_costmap",
+    "furniture",
     "joined",
     "observation",
     "planner",

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from arena_core.base.frozen import frozen
 from arena_core.base.random_streams import generator
 from arena_core.config.configuration import compose, plain
+from arena_core.config.furniture import furniture_kind
 from arena_core.config.registry import load_registry
 from arena_core.contracts.interfaces import Planner
 from arena_core.loop.execution import Timing
@@ -23,7 +24,7 @@ from arena_core.values.episode import Contact, EpisodeRecord, EpisodeStart, Even
 from arena_core.values.geometry import FloatArray, Footprint, Pose, Twist
 from arena_core.values.robot import Kinematics, Lidar, OdometryModel, Robot, VelocityLimits
 from arena_core.values.sensing import NO_TRACKS, LaserScan, Observation, Odometry, PoseEstimate, Sensors
-from arena_core.values.world import ABSENT, LETHAL, Costmap, OccupancyGrid, Path, Pedestrians, PedestrianSpec, World
+from arena_core.values.world import ABSENT, LETHAL, Costmap, Furniture, OccupancyGrid, Path, Pedestrians, PedestrianSpec, World
 
 IDEAL = Timing("ideal", 0.0, 1.0)
 ROOM_SIDE = 10.0  # m
@@ -130,6 +131,11 @@ def scenario(
     return Scenario(
         name, seed, World("room", room()), start or Pose(-1.5, 0.0, 0.0), goal or Pose(1.5, 0.0, 0.0), tuple(people), (), 0.3, 60.0
     )
+
+
+def furniture(kind: str, x: float, y: float, theta: float = 0.0) -> Furniture:
+    """Return a piece of furniture of conf/furniture."""
+    return furniture_kind(kind).at(kind, Pose(x, y, theta))
 
 
 def person(id: int, x: float, y: float, *waypoints: tuple[float, float], speed: float = 0.5) -> PedestrianSpec:

@@ -9,7 +9,7 @@ import numpy as np
 
 from arena_core.values.geometry import FloatArray, Pose
 from arena_core.values.rectangles import rectangles
-from arena_core.values.world import Obstacle, OccupancyGrid
+from arena_core.values.world import Furniture, Obstacle, OccupancyGrid
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,8 +48,9 @@ def wall_boxes(grid: OccupancyGrid) -> FloatArray:
     return np.stack((*middle, np.zeros(len(first_row)), end_column - first_column, end_row - first_row), axis=1)
 
 
-def scene_of(grid: OccupancyGrid, obstacles: Sequence[Obstacle], height: float) -> Scene:
-    """Return a map's walls as merged boxes and a scenario's obstacles as cylinders and prisms, all ``height`` m high."""
+def scene_of(grid: OccupancyGrid, obstacles: Sequence[Obstacle], height: float, furniture: Sequence[Furniture] = ()) -> Scene:
+    """Return a map's walls as merged boxes, a scenario's obstacles as cylinders and prisms, all ``height`` m high, and furniture."""
+    pieces = furniture_scene(furniture, grid.origin)
     rows, columns = grid.data.shape
     discs = [obstacle for obstacle in obstacles if len(obstacle.vertices_xy) == 1]
     polygons = [obstacle.vertices_xy for obstacle in obstacles if len(obstacle.vertices_xy) > 1]
@@ -57,15 +58,31 @@ def scene_of(grid: OccupancyGrid, obstacles: Sequence[Obstacle], height: float) 
     return Scene(
         grid.origin,
         (columns * grid.resolution, rows * grid.resolution),
-        raised(wall_boxes(grid), height),
-        raised(np.column_stack((centres, [disc.radius for disc in discs])), height),
+        np.vstack((raised(wall_boxes(grid), height), pieces.boxes)),
+        np.vstack((raised(np.column_stack((centres, [disc.radius for disc in discs])), height), pieces.cylinders)),
         tuple(Prism(_in_frame(vertices, grid.origin), 0.0, height) for vertices in polygons),
     )
+
+
+def furniture_scene(furniture: Sequence[Furniture], origin: Pose) -> Scene:
+    """Return pieces of furniture alone, in the frame ``origin``, piece by piece."""
+    boxes, cylinders = [np.empty((0, 7))], [np.empty((0, 5))]
+    for piece in furniture:
+        place = origin.relative(piece.pose)
+        boxes.append(np.column_stack((out_of_frame(piece.boxes[:, :2], place), piece.boxes[:, 2] + place.theta, piece.boxes[:, 3:])))
+        cylinders.append(np.column_stack((out_of_frame(piece.cylinders[:, :2], place), piece.cylinders[:, 2:])))
+    return Scene(origin, None, np.vstack(boxes), np.vstack(cylinders))
 
 
 def raised(footprints: FloatArray, height: float) -> FloatArray:
     """Return rows (N, K) of footprints as rows (N, K + 2) of solids that stand on the ground, ``height`` m high."""
     return np.column_stack((footprints, np.zeros(len(footprints)), np.full(len(footprints), float(height))))
+
+
+def out_of_frame(points: FloatArray, frame: Pose) -> FloatArray:
+    """Return points (N, 2) seen from a pose as they are in the frame that the pose is in."""
+    cosine, sine = np.cos(frame.theta), np.sin(frame.theta)
+    return np.asarray(points @ np.array(((cosine, sine), (-sine, cosine))) + (frame.x, frame.y))
 
 
 def _in_frame(points: FloatArray, frame: Pose) -> FloatArray:

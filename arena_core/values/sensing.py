@@ -28,6 +28,40 @@ class LaserScan:
     mount: Pose
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class DepthImage:
+    """One image of a depth camera with its own stamp (s): ``depths`` (H, W) float32 m along its axis, row 0 on top, +inf without a return.
+
+    A pinhole in the middle of the image has ``focal`` pixels to it, with square pixels. Its axis points forwards in ``mount``, a pose in
+    ``base_link``, from ``height`` m above the floor, ``pitch`` rad downwards. Returns lie between ``range_min`` and ``range_max``, m.
+    """
+
+    stamp: float
+    depths: NDArray[np.float32]
+    focal: float
+    mount: Pose
+    height: float
+    pitch: float
+    range_min: float
+    range_max: float
+
+    def points(self) -> FloatArray:
+        """Return where each pixel's return is, (H, W, 3): x and y in ``base_link``, z above the floor, m; infinite without a return."""
+        rays = camera_rays(self.depths.shape[0], self.depths.shape[1], self.focal, self.pitch, self.mount.theta)
+        with np.errstate(invalid="ignore"):  # a level ray without a return
+            away = np.where(np.isfinite(self.depths)[..., None], self.depths[..., None] * rays, np.inf)
+        return np.asarray(away + np.array((self.mount.x, self.mount.y, self.height)))
+
+
+def camera_rays(rows: int, columns: int, focal: float, pitch: float, yaw: float) -> FloatArray:
+    """Return the way from a camera to each pixel's return at depth 1 m, (H, W, 3): x forwards, y to the left, z up, turned by ``yaw``."""
+    right = (np.arange(columns) + 0.5 - 0.5 * columns) / focal
+    down = (np.arange(rows) + 0.5 - 0.5 * rows)[:, None] / focal
+    ahead, up = np.cos(pitch) - np.sin(pitch) * down, -np.sin(pitch) - np.cos(pitch) * down
+    x, y, z = np.broadcast_arrays(ahead, -right, up)
+    return np.stack((np.cos(yaw) * x - np.sin(yaw) * y, np.sin(yaw) * x + np.cos(yaw) * y, z), axis=-1)
+
+
 @dataclass(frozen=True, slots=True)
 class Odometry:
     """Wheel odometry: ``pose`` in ``odom`` (drifts), ``twist`` in ``base_link``, ``stamp`` in s."""
@@ -42,13 +76,14 @@ class Sensors:
     """All that leaves the robot's hardware at one control step.
 
     ``reference`` is the pose of an external positioning system (in simulation: exact); only the ``ground_truth`` localiser
-    reads it, and planners never see it.
+    reads it, and planners never see it. ``depth`` is that of a depth camera; None where the robot has none.
     """
 
     stamp: float
     scan: LaserScan
     odometry: Odometry
     reference: Pose | None = None
+    depth: DepthImage | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,7 +117,7 @@ class Observation:
 
     ``stamp`` s; ``pose`` estimate with ``covariance`` (3, 3) in ``map``; ``twist`` measured, in ``base_link``; ``goal``,
     ``waypoint`` and ``path`` in ``map``; ``map`` is None in an unknown world. ``local_map`` and ``tracks`` are computed when
-    first asked for.
+    first asked for. ``depth`` is the newest image of a depth camera, None where the robot has none.
     """
 
     stamp: float
@@ -96,6 +131,7 @@ class Observation:
     map: OccupancyGrid | None
     _local_map: Callable[[], Costmap] = field(repr=False)
     _tracks: Callable[[], Tracks] = field(repr=False)
+    depth: DepthImage | None = None
 
     @property
     def local_map(self) -> Costmap:

@@ -112,8 +112,21 @@ class Obstacle:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Furniture:
+    """A piece of furniture, on no map: its ``kind``, its ``pose`` in ``map``, and the upright solids that it is made of, in its own frame.
+
+    ``boxes`` (N, 7) are x, y (m), yaw (rad), length, width, bottom and top (m); ``cylinders`` (M, 5) are x, y, radius, bottom and top, m.
+    """
+
+    kind: str
+    pose: Pose
+    boxes: FloatArray
+    cylinders: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class World:
-    """A static environment: its map, and whether the robot is given that map (``known``).
+    """A static environment: its map, and whether the robot is given that map (``known``). Its ``furniture`` is on no map.
 
     ``reference_xy`` (M, 2), m, is the way through that comes with the world, None where there is none; only metrics see it.
     ``movers`` are those who belong to the world and move in it by a timetable; tasks take them over where they say so.
@@ -124,6 +137,7 @@ class World:
     known: bool = True
     reference_xy: FloatArray | None = None
     movers: tuple[PedestrianSpec, ...] = ()
+    furniture: tuple[Furniture, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from arena_core import read_record
+from arena_core import World, read_record
 from arena_core.loop.recording import write_grid, write_record
 from tests.fuzz import mutations as change
 from tests.fuzz.samples import (
@@ -88,7 +88,8 @@ def read_scenario(path: Path) -> object:
 
     file = read_scenario_file(path, PersonDefaults(0.3, 0.3))
     noted(file.problems)
-    return [reason_against(Feasibility(path, problem, robot(), problem.goal_radius or 0.3), room()) for problem in file.problems[:3]]
+    world = World("room", room())
+    return [reason_against(Feasibility(path, problem, robot(), problem.goal_radius or 0.3), world) for problem in file.problems[:3]]
 
 
 def read_recording_of(path: Path) -> object:

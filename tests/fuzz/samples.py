@@ -58,7 +58,8 @@ PERSON = {
     "behaviour": {"type": "adult", "wait_time": 2},
 }
 OBSTACLES = [{"center": [1.0, 3.0], "radius": 0.2}, {"vertices": [[3, 3], [3.2, 3], [3.2, 3.2]]}]
-PROBLEM = {"name": "a", "repeats": 2, "start": [1, 1, 0], "goal": [3, 3], "pedestrians": [PERSON], "obstacles": OBSTACLES, "time_limit": 60}
+THINGS = {"obstacles": OBSTACLES, "furniture": [{"kind": "chair", "pose": [2.5, 1.0, 0.3]}]}
+PROBLEM = {"name": "a", "repeats": 2, "start": [1, 1, 0], "goal": [3, 3], "pedestrians": [PERSON], **THINGS, "time_limit": 60}
 OURS = {"format": "arena-scenario", "version": 2, "title": "t", "map": "map.yaml", "scenarios": [PROBLEM, {**PROBLEM, "name": "b"}]}
 AGENT = {
     "name": "p",

@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from arena_core import ConfigurationError, ImpossibleScenario, OccupancyGrid, Pose, Robot, World, WorldSource, testing
+from arena_core import ConfigurationError, ImpossibleScenario, InputFileError, OccupancyGrid, Pose, Robot, World, WorldSource, testing
 from arena_core.testing import check
+from arena_tasks.commands.converting import ConvertCommand
+from arena_tasks.scenario_files.scenario_file import save_scenarios
 from arena_tasks.scenario_files.scenario_task import ScenarioTask
 
 ROOM = testing.room(10.0)  # its centre is the origin
@@ -137,3 +139,54 @@ def test_changing_worlds_are_checked_one_by_one(tmp_path: Path) -> None:
 def test_path_must_be_given() -> None:
     with pytest.raises(ConfigurationError, match=r"task\.path is null; allowed: .*task\.path=scenario\.json"):
         ScenarioTask(testing.robot(), Fixed(ROOM), None, 0.3, 0.3, 0.3, 180.0)
+
+
+def test_furniture_of_a_problem_stands_beside_that_of_the_world(tmp_path: Path) -> None:
+    class Furnished(WorldSource):
+        def world(self, seed: int, index: int) -> World:
+            return World("furnished", ROOM, furniture=(chair,))
+
+    chair = testing.furniture("chair", 0.0, 3.0)
+    task = make(tmp_path, problem(furniture=[{"kind": "table", "pose": [0.0, 0.0, 0.5]}]), problem("two"), world=Furnished())
+    with_table, without = task.scenario(0, 0), task.scenario(0, 1)
+    assert [(piece.kind, piece.pose) for piece in with_table.world.furniture] == [("chair", chair.pose), ("table", Pose(0.0, 0.0, 0.5))]
+    assert without.world.furniture == (chair,)
+    assert with_table.world.grid is ROOM
+    save_scenarios(tmp_path / "again.json", [with_table])
+    assert json.loads((tmp_path / "again.json").read_text())["scenarios"][0]["furniture"][1] == {"kind": "table", "pose": [0.0, 0.0, 0.5]}
+
+
+@pytest.mark.parametrize(
+    ("piece", "said"),
+    [
+        (
+            {"kind": "sofa", "pose": [0, 0]},
+            r"problem.json: scenarios\[0\].furniture\[0\].kind: furniture is 'sofa'; allowed: chair, shelf, table",
+        ),
+        ({"kind": "table"}, r"furniture\[0\].pose is missing"),
+        ({"kind": "table", "pose": [0, float("nan")]}, "problem.json"),
+        ({"kind": "table", "pose": [0, 0], "top": 1}, r"furniture\[0\].top is unknown; allowed: kind, pose"),
+    ],
+)
+def test_bad_furniture_is_said_with_file_and_key(tmp_path: Path, piece: dict[str, Any], said: str) -> None:
+    with pytest.raises(InputFileError, match=said):
+        make(tmp_path, problem(furniture=[piece]))
+
+
+def test_goal_on_a_table_is_impossible(tmp_path: Path) -> None:
+    with pytest.raises(ImpossibleScenario, match="lies inside a wall or an obstacle"):
+        make(tmp_path, problem(furniture=[{"kind": "table", "pose": [3.0, 0.0]}]))
+
+
+def test_more_furniture_than_can_be_run_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputFileError, match="one has 1001 pieces of furniture; allowed: up to 1000"):
+        make(tmp_path, problem(furniture=[{"kind": "chair", "pose": [0, 0]}] * 1001))
+
+
+def test_formats_without_furniture_say_that_it_is_left_out(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    source = tmp_path / "ours.json"
+    furnished = problem(furniture=[{"kind": "chair", "pose": [0, 0]}])
+    source.write_text(json.dumps({"format": "arena-scenario", "version": 2, "scenarios": [furnished]}))
+    for form in ("arena-tools", "arena-rosnav"):
+        assert ConvertCommand().run([str(source), str(tmp_path / "theirs.json"), f"format={form}"]) == 0
+        assert "left out: furniture" in capsys.readouterr().out

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 FloatArray = NDArray[np.float64]
 INK = "#333333"
 ROBOT, PERSON, PATH, GOAL = "#0072B2", "#D55E00", "#009E73", "#F0C808"  # after Okabe and Ito: told apart by who is colour-blind
-OBSTACLE = "#8a8a8d"
+OBSTACLE, OVERHANG = "#8a8a8d", "#e3d2bd"
 WALL, UNKNOWN_CELL, FREE_CELL = (0.36, 0.36, 0.38), (0.93, 0.93, 0.93), (1.0, 1.0, 1.0)
 OCCUPIED_FROM = 65  # of a cell (ROS map_server)
 
@@ -35,11 +35,14 @@ def draw_map(axes: Axes, data: NDArray[np.int8], resolution: float, origin: Arra
 
 
 def draw_obstacles(axes: Axes, obstacles: Sequence[Mapping[str, Any]]) -> None:
-    """Draw obstacles that are on no map, as records have them: ``vertices_xy`` of a polygon, or a place and a ``radius``."""
+    """Draw obstacles that are on no map, as records have them: ``vertices_xy`` of a polygon, or a place and a ``radius``.
+
+    What has a key ``overhang`` is a top of furniture, and drawn lightly.
+    """
     for obstacle in obstacles:
         vertices = np.asarray(obstacle["vertices_xy"])
         shape = Circle(tuple(vertices[0]), obstacle["radius"]) if len(vertices) < 3 else Polygon(vertices)
-        shape.set(facecolor=OBSTACLE, edgecolor="none", zorder=1)
+        shape.set(facecolor=OVERHANG if obstacle.get("overhang") else OBSTACLE, edgecolor="none", zorder=1)
         axes.add_patch(shape)
 
 

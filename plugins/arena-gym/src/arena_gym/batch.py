@@ -200,6 +200,7 @@ class NavigationBatch:
             earlier,
             tuple(_map_of(self.episodes[slot]) for slot in rows.tolist()),
             self._recalled[rows],
+            None if snapshot.depths is None else snapshot.depths[rows],
         )
 
     def _seen(self, snapshot: Snapshot) -> Situation:

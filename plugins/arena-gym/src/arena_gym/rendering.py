@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ConfigurationError
+from arena_core import ConfigurationError, furniture_shapes
 from arena_gym.batch import NavigationBatch
 from arena_gym.episodes import Episode
 
@@ -60,6 +60,7 @@ class Renderer:
         if known is None or known[0] is not episode:
             scenario, path = episode.problem.scenario, episode.problem.path
             obstacles = [{"vertices_xy": one.vertices_xy, "radius": one.radius} for one in scenario.obstacles]
+            obstacles += furniture_shapes(scenario.world.furniture)
             stage = Stage(scenario.world.grid, obstacles, scenario.start.array(), scenario.goal.array(), path)
             known = self._painters[slot] = (episode, FramePainter(stage, self._batch.parts.robot.footprint))
         return known[1]

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import Bounds, ConfigurationError, NonNegative, Positive, Robot
+from arena_mujoco.own_model import NO_JOINTS, Joints, OwnModel, read_own_model
 
 DENSITY = 100.0  # kg/m2 of footprint
 FEWEST = {"differential": 2, "omnidirectional": 3, "ackermann": 3}  # wheels
@@ -45,9 +46,11 @@ class BodyFigures:
     track_factor: Annotated[float, Bounds(low=0.1, high=10.0)]
     wheels: Wheels | None
     casters: Points | None
+    model: str | None
+    joints: Joints
 
 
-UNKNOWN = BodyFigures(None, None, None, None, None, None, 1.0, None, None)
+UNKNOWN = BodyFigures(None, None, None, None, None, None, 1.0, None, None, None, NO_JOINTS)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,6 +67,7 @@ class Body:
     casters: Points
     inertia: tuple[float, float, float]
     centre_xy: tuple[float, float]
+    own: OwnModel | None = None
 
     @property
     def chassis_mass(self) -> float:
@@ -75,6 +79,8 @@ def body_of(robot: Robot, figures: BodyFigures) -> Body:
     """Complete a body from the robot's footprint and kinematics; raise ConfigurationError where figures contradict each other."""
     if figures.of not in (None, robot.name):
         figures = UNKNOWN
+    if figures.model is not None:
+        return _body_of_file(robot, figures, figures.model)
     low, high = _extent(robot)
     length, width = (high - low).tolist()
     mass = figures.mass or DENSITY * _area(robot)
@@ -97,6 +103,42 @@ def body_of(robot: Robot, figures: BodyFigures) -> Body:
         inertia,
         _between(wheels.places, casters),
     )
+
+
+def _body_of_file(robot: Robot, figures: BodyFigures, model: str) -> Body:
+    """Return the body that a file describes; of the figures count the lidar's height, where the file names none, and the track factor."""
+    own = read_own_model(model, figures.joints, robot)
+    radius = max((wheel.radius for wheel in own.wheels), default=0.0)
+    width = max((2.0 * wheel.half for wheel in own.wheels), default=0.0)
+    torque = figures.joints.torque or own.mass * 9.81 * max(radius, 0.01)
+    return Body(
+        own.mass,
+        own.top,
+        min(own.bottom, 0.9 * own.top),
+        own.centre[2],
+        own.lidar_height or figures.lidar_height or own.top,
+        figures.track_factor,
+        Wheels(radius, width, 0.0, torque, [wheel.place.tolist() for wheel in own.wheels]),
+        [],
+        own.inertia,
+        own.centre[:2],
+        own,
+    )
+
+
+def check_wheels(robot: Robot, body: Body) -> None:
+    """Raise ConfigurationError for a file's body that cannot drive on its wheels: joints are missing, or it has omniwheels."""
+    if body.own is None:
+        return
+    if robot.kinematics == "omnidirectional":
+        raise ConfigurationError("simulator.drive is wheels for a simulator.body.model with omniwheels; allowed: planar")
+    ahead = sum(wheel.place[0] > STEERED for wheel in body.own.wheels)
+    fewest = {"differential": 2, "ackermann": ahead + 1}[robot.kinematics]
+    if len(body.own.wheels) < fewest:
+        there, kind = len(body.own.wheels), robot.kinematics
+        raise ConfigurationError(f"simulator.body.joints.wheels has {there} joints; allowed for {kind} kinematics: {fewest} at least")
+    if robot.kinematics == "ackermann" and not body.own.steering:
+        raise ConfigurationError("simulator.body.joints.steering is empty; allowed for ackermann kinematics: 1 joint at least")
 
 
 def _extent(robot: Robot) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -20,8 +20,9 @@ if TYPE_CHECKING:
 
 Drive = Literal["planar", "wheels"]
 Element = ElementTree.Element
-STANDS, MOVES = ("2", "1"), ("1", "2")  # contype and conaffinity: what moves touches what stands, nothing else touches
+STANDS, MOVES, NOTHING = ("2", "1"), ("1", "2"), ("0", "0")  # contype and conaffinity: what moves touches what stands, nothing else touches
 UNSEEN, SEEN = "3", "0"  # groups of geoms: only the second is drawn and met by rays of the lidar
+FILMED = "4"  # the group of what depth cameras see and lidars do not: the floor beneath a sliding base, what of people is above their legs
 PUSH = 1.5  # a planar base is pushed by so many times the force that its acceleration takes, at the most
 GRIP = 20.0  # 1/s; wheels' motors and omniwheels take up a speed within a twentieth of a second at the slowest
 STRONG = 1.3  # a motor that has so many times the torque at which its tyre slips never stalls: it is not limited, which is quicker to solve
@@ -34,7 +35,7 @@ AWAY = -100.0  # m; where people stand who are not in the world
 
 @dataclass(frozen=True, slots=True)
 class Physics:
-    """How models are made: step s, height of walls m, friction, and how the robot is driven."""
+    """How models are made: step s, height of walls m, friction, how the robot is driven, and what is there for lidars and cameras."""
 
     timestep: float
     wall_height: float
@@ -42,6 +43,7 @@ class Physics:
     wall_friction: float
     drive: Drive
     legs: bool
+    camera: bool
 
 
 def compile_model(text: str, name: str) -> mujoco.MjModel:
@@ -69,20 +71,22 @@ def model_text(robot: Robot, body: Body, scenario: Scenario, radii: NDArray[np.f
     assets = ElementTree.SubElement(root, "asset")
     world = ElementTree.SubElement(root, "worldbody")
     actuators = ElementTree.SubElement(root, "actuator")
-    add_scene(world, assets, scene_of(scenario.world.grid, scenario.obstacles, physics.wall_height))
+    add_scene(world, assets, scene_of(scenario.world.grid, scenario.obstacles, physics.wall_height, scenario.world.furniture))
     if physics.drive == "planar":
         _add_planar(world, assets, actuators, robot, body)
+        if physics.camera:
+            _add_geom(world, NOTHING, "plane", "0 0 1", group=FILMED)
     else:
         _add_wheeled(world, assets, actuators, robot, body, physics)
     for number, radius in enumerate(radii.tolist()):
-        add_person(world, number, radius, None if gait is None or not physics.legs else gait)
+        add_person(world, number, radius, None if gait is None or not physics.legs else gait, physics.camera)
     return ElementTree.tostring(root, "unicode")
 
 
-def add_scene(world: Element, assets: Element, scene: Scene, **looks: str) -> None:
-    """Add all that stands in a world, as geoms of one body at the map's origin."""
+def add_scene(world: Element, assets: Element, scene: Scene, name: str = "map", **looks: str) -> None:
+    """Add all that stands in a world, as geoms of one body at the map's origin that is called ``name``."""
     place = scene.origin
-    body = ElementTree.SubElement(world, "body", name="map", pos=numbers(place.x, place.y, 0.0), euler=numbers(0.0, 0.0, place.theta))
+    body = ElementTree.SubElement(world, "body", name=name, pos=numbers(place.x, place.y, 0.0), euler=numbers(0.0, 0.0, place.theta))
     for x, y, yaw, length, width, bottom, top in scene.boxes.tolist():
         size = numbers(0.5 * length, 0.5 * width, 0.5 * (top - bottom))
         turn = {"euler": numbers(0.0, 0.0, yaw)} if yaw else {}
@@ -95,7 +99,7 @@ def add_scene(world: Element, assets: Element, scene: Scene, **looks: str) -> No
             add_prism(body, assets, f"prism_{number}_{part}", STANDS, Prism(corners, prism.bottom, prism.top), **looks)
 
 
-def add_person(world: Element, number: int, radius: float, gait: Gait | None) -> None:
+def add_person(world: Element, number: int, radius: float, gait: Gait | None, filmed: bool) -> None:
     """Add a person: an upright cylinder that robots touch, and below the hips two legs that lidars see, where it walks."""
     body = ElementTree.SubElement(world, "body", name=f"person_{number}", mocap="true", pos=numbers(AWAY, AWAY - number, 0.0))
     half = 0.5 * PERSON_HEIGHT
@@ -103,10 +107,13 @@ def add_person(world: Element, number: int, radius: float, gait: Gait | None) ->
     _add_geom(body, STANDS, "cylinder", numbers(radius, half), pos=numbers(0.0, 0.0, half), group=group)
     if gait is None:
         return
+    if filmed:
+        tall = 0.5 * (PERSON_HEIGHT - HIP_HEIGHT)
+        _add_geom(body, NOTHING, "cylinder", numbers(radius, tall), pos=numbers(0.0, 0.0, PERSON_HEIGHT - tall), group=FILMED)
     for side in ("left", "right"):
         leg = ElementTree.SubElement(world, "body", name=f"person_{number}_{side}", mocap="true", pos=numbers(AWAY, AWAY - number, 0.0))
         size = numbers(min(gait.leg_radius, 0.5 * radius), 0.5 * HIP_HEIGHT)
-        _add_geom(leg, ("0", "0"), "cylinder", size, pos=numbers(0.0, 0.0, 0.5 * HIP_HEIGHT), group=SEEN)
+        _add_geom(leg, NOTHING, "cylinder", size, pos=numbers(0.0, 0.0, 0.5 * HIP_HEIGHT), group=SEEN)
 
 
 def _add_planar(world: Element, assets: Element, actuators: Element, robot: Robot, body: Body) -> None:
@@ -132,9 +139,9 @@ def _add_hull(base: Element, assets: Element, footprint: Footprint, bottom: floa
     """Add what of the robot touches others: its footprint, upright."""
     if footprint.is_circle:
         size = numbers(footprint.radius, 0.5 * (top - bottom))
-        _add_geom(base, MOVES, "cylinder", size, name="hull", pos=numbers(0.0, 0.0, 0.5 * (bottom + top)), group=UNSEEN)
+        _add_geom(base, MOVES, "cylinder", size, name="hull", pos=numbers(0.0, 0.0, 0.5 * (bottom + top)), group=UNSEEN, mass="0")
     else:
-        add_prism(base, assets, "hull", MOVES, Prism(footprint.vertices_xy, bottom, top), name="hull", group=UNSEEN)
+        add_prism(base, assets, "hull", MOVES, Prism(footprint.vertices_xy, bottom, top), name="hull", group=UNSEEN, mass="0")
 
 
 def _add_wheeled(world: Element, assets: Element, actuators: Element, robot: Robot, body: Body, physics: Physics) -> None:
@@ -145,8 +152,11 @@ def _add_wheeled(world: Element, assets: Element, actuators: Element, robot: Rob
     base = ElementTree.SubElement(world, "body", name="robot")
     ElementTree.SubElement(base, "freejoint", name="base")
     centre, spread = numbers(*body.centre_xy, body.centre_height), numbers(*body.inertia)
-    ElementTree.SubElement(base, "inertial", pos=centre, mass=numbers(body.chassis_mass), diaginertia=spread)
+    if body.own is None:
+        ElementTree.SubElement(base, "inertial", pos=centre, mass=numbers(body.chassis_mass), diaginertia=spread)
     _add_hull(base, assets, robot.footprint, body.clearance, body.height)
+    if body.own is not None:
+        return  # its wheels and its mass come from a file
     if robot.kinematics == "omnidirectional":
         _add_omniwheels(base, actuators, body, physics)
     else:

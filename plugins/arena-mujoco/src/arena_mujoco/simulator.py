@@ -22,14 +22,29 @@ from arena_core import (
     Scenario,
     Snapshot,
     Step,
+    stream_key,
     wall_boxes,
 )
 from arena_kernels.entry import Entered
-from arena_mujoco.body import BodyFigures, body_of
+from arena_mujoco.attaching import wheeled_model
+from arena_mujoco.body import BodyFigures, body_of, check_wheels
+from arena_mujoco.camera import CameraFigures, DepthCamera
 from arena_mujoco.model import Drive, Physics, compile_model, model_text
 from arena_mujoco.rays import Rays
-from arena_mujoco.ticking import RUNS, TIPPED, Motion, after_tick, before_tick, disturb_scan, planar_gears, show_people, wheel_gears
+from arena_mujoco.ticking import (
+    RUNS,
+    TIPPED,
+    Motion,
+    after_tick,
+    before_tick,
+    disturb_scan,
+    own_gears,
+    planar_gears,
+    show_people,
+    wheel_gears,
+)
 from arena_sim2d.bodies import Floats
+from arena_sim2d.obstacles import Reach
 from arena_sim2d.simulator import Sim2d
 
 if TYPE_CHECKING:
@@ -67,28 +82,39 @@ class MujocoSimulator(Sim2d):
         floor_friction: Annotated[float, Bounds(low=0.01, high=10.0)],
         wall_friction: Annotated[float, Bounds(low=0.0, high=10.0)],
         tip_angle: Annotated[float, Bounds(low=0.1, high=1.5)],
+        depth_camera: CameraFigures,
         body: BodyFigures,
     ) -> None:
-        super().__init__(robot, pedestrians, inner_step, crowd_period)
-        _import_mujoco()
+        _prepare_mujoco()
+        self._body = body_of(robot, body)
+        super().__init__(robot, pedestrians, inner_step, crowd_period, self._body.lidar_height, self._body.height)
+        self._reach = Reach(self._body.lidar_height, self._body.clearance, self._body.height)
         self._coarse = _steps(inner_step, timestep)
         self._fine_way = fine_way
-        self._body = body_of(robot, body)
         if self._body.lidar_height >= wall_height:
             raise ConfigurationError(
                 f"simulator.wall_height is {wall_height:g}; allowed: above the lidar, {self._body.lidar_height:g} m high"
             )
-        self._legs = lidar == "rays" and pedestrians.gait is not None
-        self._physics = Physics(timestep, wall_height, floor_friction, wall_friction, drive, self._legs)
-        wheeled = drive == "wheels"
-        self._gears = wheel_gears(robot, self._body, floor_friction, tip_angle) if wheeled else planar_gears(robot, self._body)
+        self._camera = DepthCamera(depth_camera, robot, self._body, inner_step) if depth_camera.enabled else None
+        self._legs = (lidar == "rays" or depth_camera.enabled) and pedestrians.gait is not None
+        self._physics = Physics(timestep, wall_height, floor_friction, wall_friction, drive, self._legs, depth_camera.enabled)
+        self._gears = planar_gears(robot, self._body)
+        if drive == "wheels":
+            check_wheels(robot, self._body)
+            make = wheel_gears if self._body.own is None else own_gears
+            self._gears = make(robot, self._body, floor_friction, tip_angle)
         self._rays = Rays(robot.lidar, self._body.lidar_height) if lidar == "rays" else None
         self._before, self._after, self._show_people = Entered(before_tick), Entered(after_tick), Entered(show_people)
         self._models: OrderedDict[tuple[Any, ...], tuple[OccupancyGrid, mujoco.MjModel]] = OrderedDict()
         self._physical: list[Physical | None] = []
+        self._images = np.empty((0, 0, 0), np.float32)
+        self._image_keys, self._image_ticks = np.zeros(0, np.uint64), np.zeros(0, np.int64)
 
     def _reset_all(self, scenarios: Sequence[Scenario]) -> None:
         self._physical = [None] * len(scenarios)
+        if self._camera is not None:
+            self._images = np.full((len(scenarios), *self._camera.shape), np.inf, np.float32)
+            self._image_keys, self._image_ticks = np.zeros(len(scenarios), np.uint64), np.zeros(len(scenarios), np.int64)
         super()._reset_all(scenarios)
 
     def _begin(self, slots: NDArray[np.int64]) -> None:
@@ -97,6 +123,10 @@ class MujocoSimulator(Sim2d):
             self._physical[slot] = self._physical_of(slot)
             if self._rays is not None:
                 self._cast(slot, 0)
+            if self._camera is not None:
+                scenario = self._scenarios[slot]
+                self._image_keys[slot] = stream_key(scenario.seed, scenario.name, "depth")
+                self._film(slot, 0)
 
     def _physical_of(self, slot: int) -> Physical:
         """Return the physics of a world that begins."""
@@ -120,17 +150,24 @@ class MujocoSimulator(Sim2d):
         """Return the model of a world; one that is like an earlier one's is not compiled again."""
         grid = scenario.world.grid
         things = tuple((obstacle.vertices_xy.tobytes(), obstacle.radius) for obstacle in scenario.obstacles)
-        key = (id(grid), things, radii.tobytes())
+        key = (id(grid), things, scenario.world.furniture, radii.tobytes())
         if key not in self._models:
-            boxes = len(grid.derive(wall_boxes))
+            boxes = len(grid.derive(wall_boxes)) + sum(len(piece.boxes) + len(piece.cylinders) for piece in scenario.world.furniture)
             if boxes > MOST_BOXES:
-                raise ImpossibleScenario(f"{scenario.name}: its walls are {boxes} boxes; allowed with simulator=mujoco: {MOST_BOXES}")
+                what = "walls and furniture" if scenario.world.furniture else "walls"
+                raise ImpossibleScenario(f"{scenario.name}: its {what} are {boxes} boxes; allowed with simulator=mujoco: {MOST_BOXES}")
             text = model_text(self._robot, self._body, scenario, radii, self._pedestrians.gait, self._physics)
-            self._models[key] = grid, compile_model(text, scenario.name)
+            self._models[key] = grid, self._compiled(text, scenario.name)
             if len(self._models) > max(KEPT, 2 * len(self._scenarios)):
                 self._models.popitem(last=False)
         self._models.move_to_end(key)
         return self._models[key][1]
+
+    def _compiled(self, text: str, name: str) -> mujoco.MjModel:
+        own = self._body.own
+        if own is None or self._physics.drive == "planar":
+            return compile_model(text, name)
+        return wheeled_model(text, name, own, self._robot, self._body, self._physics)
 
     def _run(self, commands: Floats, ticks: int, scan_within: int) -> None:
         self._worlds.robots["contacts"] = 0
@@ -148,6 +185,7 @@ class MujocoSimulator(Sim2d):
         last = first + scan_within
         due = last - last % self._scanner.period
         scan_tick = due if self._rays is None else -1
+        film_tick = -1 if self._camera is None else last - last % self._camera.period
         for tick in range(first + 1, first + ticks + 1):
             steps = self._before(worlds, slot, self._chassis, self._gears, motion, command, self._legs, dt, self._coarse, self._fine_way)
             if steps:
@@ -156,6 +194,15 @@ class MujocoSimulator(Sim2d):
             self._after(worlds, slot, self._chassis, self._gears, motion, self._wheels, self._scanner, self._ranges[slot], scan_tick, dt)
             if self._rays is not None and tick == due:
                 self._cast(slot, tick)
+            if tick == film_tick:
+                self._film(slot, tick)
+
+    def _film(self, slot: int, tick: int) -> None:
+        """Take an image."""
+        physical = self._physical[slot]
+        if physical is not None and self._camera is not None:
+            self._camera.take(physical.model, physical.data, self._image_keys[slot], tick, self._images[slot])
+            self._image_ticks[slot] = tick
 
     def _cast(self, slot: int, tick: int) -> None:
         """Take a scan by MuJoCo's rays."""
@@ -167,15 +214,28 @@ class MujocoSimulator(Sim2d):
     def _snapshot(self) -> Snapshot:
         states = [RUNS if physical is None else int(physical.motion.state[0]) for physical in self._physical]
         failures = {slot: FAILURES.get(state, UNSTABLE_TEXT) for slot, state in enumerate(states) if state != RUNS}
-        return replace(super()._snapshot(), failures=failures)
+        seen = replace(super()._snapshot(), failures=failures)
+        if self._camera is None:
+            return seen
+        stamps = np.asarray(self._image_ticks * self.inner_step, np.float64)
+        return replace(seen, depths=self._images.copy(), depth_stamps=stamps, depth_header=self._camera.header)
 
 
-def _import_mujoco() -> None:
-    """Raise ConfigurationError where MuJoCo cannot be imported."""
+def _prepare_mujoco() -> None:
+    """Keep MuJoCo from writing a log into the working directory, unless somebody else takes its warnings: rows say what is wrong.
+
+    Raises ConfigurationError where MuJoCo cannot be imported.
+    """
     try:
-        import mujoco  # noqa: F401 - only whether it is there
+        import mujoco
     except ImportError as error:
         raise ConfigurationError(f"simulator=mujoco needs MuJoCo ({error}); allowed: pip install mujoco") from None
+    if mujoco.get_mju_user_warning() is None:
+        mujoco.set_mju_user_warning(_leave_unsaid)
+
+
+def _leave_unsaid(_: str) -> None:
+    pass
 
 
 def _steps(tick: float, timestep: float) -> int:

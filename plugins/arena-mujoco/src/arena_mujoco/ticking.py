@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 from arena_core import Robot
 from arena_kernels.compiled import borrowing, inner
 from arena_kernels.footprint import place
+from arena_mujoco.attaching import driven_wheels
 from arena_mujoco.body import STEERED, Body
 from arena_mujoco.model import AWAY, planar_inertia, rim_angle
+from arena_mujoco.own_model import OwnModel
 from arena_sim2d.bodies import Floats, Row, World, Worlds
 from arena_sim2d.contact import note_overlaps, release_contacts
 from arena_sim2d.crossing import move_people
@@ -113,6 +115,23 @@ def wheel_gears(robot: Robot, body: Body, floor_friction: float, tip_angle: floa
     measures[:, driven] = np.linalg.pinv(gears[driven])
     up = math.cos(tip_angle)
     return Gears(True, gears, measures, places, steered, speeds, angles, limits, up, body.mass, body.inertia[2])
+
+
+def own_gears(robot: Robot, body: Body, floor_friction: float, tip_angle: float) -> Gears:
+    """Return the gears of a file's body: driven wheels, then what steers; joints stand where the file has them."""
+    own: OwnModel = body.own  # type: ignore[assignment]  # asked for only where there is one
+    where = {wheel.joint: speed for wheel, speed in zip(own.wheels, own.speeds, strict=True)}
+    wheels = driven_wheels(own, robot)
+    places = np.array([wheel.place for wheel in (*wheels, *own.steering)])
+    turned = [(wheel.turns / wheel.radius, 0.0, -wheel.turns * wheel.place[1] * body.track_factor / wheel.radius) for wheel in wheels]
+    gears = np.array([*turned, *((0.0, 0.0, 0.0) for _ in own.steering)])
+    steered = np.array([False] * len(wheels) + [True] * len(own.steering))
+    speeds = np.array([*(where[wheel.joint] for wheel in wheels), *(-1 for _ in own.steering)])
+    angles = np.array([*(-1 for _ in wheels), *own.angles])
+    measures = np.zeros((3, len(gears)))
+    measures[:, ~steered] = np.linalg.pinv(gears[~steered])
+    limits = np.full(len(gears), np.inf)
+    return Gears(True, gears, measures, places, steered, speeds, angles, limits, math.cos(tip_angle), body.mass, body.inertia[2])
 
 
 @borrowing

@@ -16,6 +16,7 @@ from arena_core import (
     RobotBatch,
     Scenario,
     Step,
+    furnished,
     with_obstacles,
 )
 from arena_kernels.crowds import Crowds, Robots
@@ -98,7 +99,7 @@ class SocialForceModel(PedestrianModel):
             self._population = Population(total)
             self._society = Society(total, self._behaviour)
             self._terrain = Terrain(self._cell)
-        grids = [with_obstacles(scenario.world.grid, scenario.obstacles) for scenario in scenarios]
+        grids = [with_obstacles(furnished(scenario.world), scenario.obstacles) for scenario in scenarios]
         self._terrain.replace(slots, grids, total)
         for slot, scenario, grid in zip(slots, scenarios, grids, strict=True):
             for spec in scenario.pedestrians:

@@ -33,4 +33,5 @@ def batch_of_one(observation: Observation, last_command: Twist, earlier: Earlier
         earlier=earlier,
         maps=(observation.map,),
         recalled=recalled,
+        depths=None if observation.depth is None else observation.depth.depths[None],
     )

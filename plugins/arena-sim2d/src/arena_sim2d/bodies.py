@@ -48,8 +48,9 @@ PERSON = np.dtype(
 CONTACT = np.dtype(
     [*((name, np.int64) for name in ("tick", "thing", "person", "caused")), *((name, np.float64) for name in ("speed", "x", "y"))]
 )
-# A disc (no sides: first == last), or a polygon within that disc with the sides from first to last.
-OBSTACLE = np.dtype([*((name, np.float64) for name in ("x", "y", "radius")), ("first", np.int64), ("last", np.int64)])
+# A disc (no sides: first == last), or a polygon within that disc with the sides from first to last. ``meets`` tells who meets it.
+OBSTACLE = np.dtype([*((name, np.float64) for name in ("x", "y", "radius")), ("first", np.int64), ("last", np.int64), ("meets", np.int64)])
+BEAMS, ROBOTS, PEOPLE = 1, 2, 4  # who may meet an obstacle: a part of furniture is above or below some of them
 
 
 class Worlds(NamedTuple):

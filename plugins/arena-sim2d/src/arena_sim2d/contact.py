@@ -5,7 +5,7 @@ from __future__ import annotations
 from arena_kernels.compiled import inner
 from arena_kernels.footprint import NOTHING, Gap, place
 from arena_kernels.walls import gap_to_walls
-from arena_sim2d.bodies import World
+from arena_sim2d.bodies import ROBOTS, World
 from arena_sim2d.gaps import gap_to_obstacle, gap_to_round
 from arena_sim2d.motion import Velocity
 
@@ -34,7 +34,7 @@ def _gap_to_thing(world: World, thing: int, within: float) -> Gap:
     if thing >= world.first_person:
         person = world.people[thing - world.first_person]
         return gap_to_round(world.body, person.x, person.y, person.radius, within)
-    if thing <= world.robots[world.k].obstacles:
+    if thing <= world.robots[world.k].obstacles and world.obstacles[thing - 1].meets & ROBOTS:
         return gap_to_obstacle(world, thing - 1, world.body, within)
     return NOTHING
 

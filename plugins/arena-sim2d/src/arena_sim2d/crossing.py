@@ -8,7 +8,7 @@ from arena_kernels.compiled import inner
 from arena_kernels.footprint import disc_like, gap_to_disc, place
 from arena_sim2d.bodies import Floats, Row, World
 from arena_sim2d.contact import TOLERANCE, note_contact, note_overlaps
-from arena_sim2d.gaps import gap_to_people, gap_to_things, is_clear
+from arena_sim2d.gaps import gap_of_person, gap_to_people, gap_to_things, is_clear
 from arena_sim2d.motion import ACKERMANN, Chassis, Position, Velocity, drive, in_map, next_velocity
 
 HALVINGS = 8  # of a blocked motion: the fastest robot then stops within 0.1 mm of what it meets
@@ -43,12 +43,12 @@ def _out_of_things(world: World, person: Row) -> tuple[float, float, bool]:
     before = 0.0
     for attempt in range(2):
         place(body, x, y, 0.0)
-        gap = gap_to_things(world, body, before - TOLERANCE)
+        gap = gap_of_person(world, body, before - TOLERANCE)
         if gap[0] == math.inf:
             return x, y, True
         if attempt == 0:
             place(body, person.x, person.y, 0.0)
-            before = min(gap_to_things(world, body, 0.0)[0], 0.0)  # some published scenarios place people in walls: they may walk out
+            before = min(gap_of_person(world, body, 0.0)[0], 0.0)  # some published scenarios place people in walls: they may walk out
             if gap[0] < before:
                 _stop_into(person, gap[1], gap[2])
                 x, y = x + gap[0] * gap[1], y + gap[0] * gap[2]
@@ -68,7 +68,7 @@ def _off_the_robot(world: World, i: int, tick: int, dt: float, x: float, y: floa
     x, y = x + (TOLERANCE - gap[0]) * gap[1], y + (TOLERANCE - gap[0]) * gap[2]
     body = disc_like(world.person, person.radius)
     place(body, x, y, 0.0)
-    free = gap_to_disc(world.body, x, y, person.radius)[0] >= 0.0 and gap_to_things(world, body, -TOLERANCE)[0] == math.inf
+    free = gap_to_disc(world.body, x, y, person.radius)[0] >= 0.0 and gap_of_person(world, body, -TOLERANCE)[0] == math.inf
     return x, y, free
 
 

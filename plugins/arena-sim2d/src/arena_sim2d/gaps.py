@@ -5,7 +5,7 @@ from __future__ import annotations
 from arena_kernels.compiled import inner
 from arena_kernels.footprint import NOTHING, Body, Gap, gap_to_disc, gap_to_polygon
 from arena_kernels.walls import gap_to_walls, walls_beyond
-from arena_sim2d.bodies import World
+from arena_sim2d.bodies import PEOPLE, ROBOTS, World
 
 
 @inner
@@ -20,20 +20,32 @@ def is_clear(world: World, x: float, y: float, reach: float) -> bool:
 
 @inner
 def gap_to_things(world: World, body: Body, within: float) -> Gap:
-    """Return the least gap between a body and all that stands, ``NOTHING`` unless it is less than ``within``."""
+    """Return the least gap between a robot's body and all that stands, ``NOTHING`` unless it is less than ``within``."""
+    return _gap_to_things(world, body, within, ROBOTS)
+
+
+@inner
+def gap_of_person(world: World, body: Body, within: float) -> Gap:
+    """Return the least gap between a person's body and all that stands, ``NOTHING`` unless it is less than ``within``."""
+    return _gap_to_things(world, body, within, PEOPLE)
+
+
+@inner
+def _gap_to_things(world: World, body: Body, within: float, who: int) -> Gap:
     wall = gap_to_walls(world.walls, body, within)
-    obstacle = gap_to_obstacles(world, body, min(wall[0], within))
+    obstacle = gap_to_obstacles(world, body, min(wall[0], within), who)
     return obstacle if obstacle[0] < wall[0] else wall
 
 
 @inner
-def gap_to_obstacles(world: World, body: Body, within: float) -> Gap:
-    """Return the gap to the nearest obstacle, ``NOTHING`` unless it is less than ``within``."""
+def gap_to_obstacles(world: World, body: Body, within: float, who: int) -> Gap:
+    """Return the gap to the nearest obstacle that ``who`` may meet, ``NOTHING`` unless it is less than ``within``."""
     best = NOTHING
     for index in range(world.robots[world.k].obstacles):
-        gap = gap_to_obstacle(world, index, body, min(best[0], within))
-        if gap[0] < best[0]:
-            best = gap
+        if world.obstacles[index].meets & who:
+            gap = gap_to_obstacle(world, index, body, min(best[0], within))
+            if gap[0] < best[0]:
+                best = gap
     return best
 
 

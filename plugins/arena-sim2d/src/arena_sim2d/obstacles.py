@@ -1,26 +1,51 @@
-"""Static obstacles of a scenario, checked and tabled for the kernels."""
+"""Static obstacles of a scenario and the solids of furniture, checked and tabled for the kernels."""
 
 from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from shapely.geometry import Polygon
 from shapely.validation import explain_validity
 
-from arena_core import ImpossibleScenario, Obstacle, Scenario
-from arena_sim2d.bodies import OBSTACLE, Floats, Rows
+from arena_core import ImpossibleScenario, Obstacle, Scenario, outlines
+from arena_sim2d.bodies import BEAMS, OBSTACLE, PEOPLE, ROBOTS, Floats, Rows
+
+TALL = 2.0  # m; people meet all of furniture that is lower
 
 
-def table_obstacles(scenario: Scenario) -> tuple[Rows, Floats]:
-    """Return a scenario's obstacles (O,) and the sides (S, 2, 2) of all its polygons.
+@dataclass(frozen=True, slots=True)
+class Reach:
+    """At which heights a robot meets what stands, m: its lidar at ``lidar``, its body from ``bottom`` to ``top``."""
+
+    lidar: float
+    bottom: float
+    top: float
+
+
+def table_obstacles(scenario: Scenario, reach: Reach) -> tuple[Rows, Floats]:
+    """Return a scenario's obstacles and the solids of its furniture (O,), and the sides (S, 2, 2) of all polygons.
 
     Raises ImpossibleScenario for an outline that is no simple polygon.
     """
-    table = np.zeros(len(scenario.obstacles), OBSTACLE)
-    sides = [np.empty((0, 2, 2)), *(_sides(scenario, obstacle) for obstacle in scenario.obstacles)]
+    things = list(_things(scenario, reach))
+    table = np.zeros(len(things), OBSTACLE)
+    sides = [np.empty((0, 2, 2)), *(_sides(scenario, obstacle) for obstacle, _ in things)]
     ends = np.cumsum([len(part) for part in sides])
-    for row, obstacle in enumerate(scenario.obstacles):
-        table[row] = (*_disc(obstacle), ends[row], ends[row + 1])
+    for row, (obstacle, meets) in enumerate(things):
+        table[row] = (*_disc(obstacle), ends[row], ends[row + 1], meets)
     return table, np.concatenate(sides)
+
+
+def _things(scenario: Scenario, reach: Reach) -> Iterator[tuple[Obstacle, int]]:
+    """Yield what stands on no map, and who meets it."""
+    for obstacle in scenario.obstacles:
+        yield obstacle, BEAMS | ROBOTS | PEOPLE
+    pieces = scenario.world.furniture
+    for met, low, high in ((BEAMS, reach.lidar, reach.lidar), (ROBOTS, reach.bottom, reach.top), (PEOPLE, 0.0, TALL)):
+        for outline in outlines(pieces, low, high):
+            yield outline, met
 
 
 def _disc(obstacle: Obstacle) -> tuple[float, float, float]:

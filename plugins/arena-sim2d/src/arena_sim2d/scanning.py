@@ -12,7 +12,7 @@ from arena_core import Lidar
 from arena_kernels.compiled import inner
 from arena_kernels.random import normals
 from arena_kernels.raycast import Beams, cast_disc, cast_grid, cast_segments, make_beams
-from arena_sim2d.bodies import Floats, Row, Worlds
+from arena_sim2d.bodies import BEAMS, Floats, Row, Worlds
 from arena_sim2d.walking import legs_now
 
 
@@ -53,6 +53,8 @@ def scan(worlds: Worlds, device: Scanner, k: int, tick: int, ranges: NDArray[np.
     cast_grid(worlds.stack, worlds.grid_of[k], x, y, yaw, device.beams, ranges)
     for i in range(robot.obstacles):
         obstacle = worlds.obstacles[k, i]
+        if obstacle.meets & BEAMS == 0:
+            continue
         if obstacle.first < obstacle.last:
             cast_segments(x, y, yaw, device.beams, worlds.sides[k, obstacle.first : obstacle.last], ranges)
         else:

@@ -13,6 +13,7 @@ from arena_core import (
     Contact,
     Crowd,
     LaserScan,
+    NonNegative,
     PedestrianModel,
     Positive,
     Robot,
@@ -26,6 +27,7 @@ from arena_kernels.entry import Entered
 from arena_kernels.pool import GridPool
 from arena_sim2d.bodies import Floats, Rows, Worlds
 from arena_sim2d.motion import chassis
+from arena_sim2d.obstacles import Reach
 from arena_sim2d.odometry import wheels
 from arena_sim2d.reading import read_people, read_robots, room_for_people, room_for_readings
 from arena_sim2d.scanning import scanner
@@ -46,8 +48,17 @@ class Sim2d(Simulator):
     _gaps: Floats
     _slots: NDArray[np.int64]
 
-    def __init__(self, robot: Robot, pedestrians: PedestrianModel, inner_step: Step, crowd_period: Positive) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        pedestrians: PedestrianModel,
+        inner_step: Step,
+        crowd_period: Positive,
+        lidar_height: NonNegative,
+        robot_height: NonNegative,
+    ) -> None:
         self.inner_step = inner_step
+        self._reach = Reach(lidar_height, 0.0, robot_height)
         self._robot = robot
         self._pedestrians = pedestrians
         self._gait = gait_of(pedestrians.gait)
@@ -96,7 +107,7 @@ class Sim2d(Simulator):
     def _begin(self, slots: NDArray[np.int64]) -> None:
         scenarios = [self._scenarios[slot] for slot in slots.tolist()]
         self._crowd = self._pedestrians.reset(slots, scenarios, len(self._scenarios))
-        self._worlds = begin(self._worlds, self._scenarios, slots, self._crowd, self._pool, self._edges)
+        self._worlds = begin(self._worlds, self._scenarios, slots, self._crowd, self._pool, self._edges, self._reach)
         if self._pedestrians.gait is not None:
             begin_walking(self._worlds.people, self._pedestrians.walks(self._crowd), scenarios, slots)
         self._measure_gaps(self._worlds, slots, self._gaps)

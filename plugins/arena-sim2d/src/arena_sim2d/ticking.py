@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from arena_kernels.compiled import borrowing, inner
 from arena_kernels.footprint import place
 from arena_kernels.walls import gap_to_walls, walls_of
-from arena_sim2d.bodies import Floats, World, Worlds
+from arena_sim2d.bodies import ROBOTS, Floats, World, Worlds
 from arena_sim2d.contact import release_contacts
 from arena_sim2d.crossing import move_people, move_robot
 from arena_sim2d.gaps import gap_to_obstacles, gap_to_people
@@ -62,7 +62,7 @@ def measure_gaps(worlds: Worlds, slots: NDArray[np.int64], gaps: Floats) -> None
         world, robot = world_of(worlds, k), worlds.robots[k]
         place(world.body, robot.x, robot.y, robot.theta)
         gaps[k, 0] = gap_to_walls(world.walls, world.body, math.inf)[0]
-        gaps[k, 1] = gap_to_obstacles(world, world.body, math.inf)[0]
+        gaps[k, 1] = gap_to_obstacles(world, world.body, math.inf, ROBOTS)[0]
         gaps[k, 2] = gap_to_people(world, world.body, math.inf)
 
 

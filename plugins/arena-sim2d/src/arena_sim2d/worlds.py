@@ -14,7 +14,7 @@ from arena_kernels.legs import Gait
 from arena_kernels.pool import GridPool
 from arena_sim2d.bodies import CONTACT, OBSTACLE, PERSON, ROBOT, Rows, Worlds
 from arena_sim2d.contact import TOLERANCE
-from arena_sim2d.obstacles import table_obstacles
+from arena_sim2d.obstacles import Reach, table_obstacles
 
 Slots = NDArray[np.int64]
 
@@ -40,12 +40,12 @@ def no_worlds(robot: Robot, scenarios: Sequence[Scenario], pool: GridPool, gait:
     )
 
 
-def begin(worlds: Worlds, scenarios: Sequence[Scenario], slots: Slots, crowd: Crowd, pool: GridPool, edges: int) -> Worlds:
+def begin(worlds: Worlds, scenarios: Sequence[Scenario], slots: Slots, crowd: Crowd, pool: GridPool, edges: int, reach: Reach) -> Worlds:
     """Begin the ``scenarios`` of these ``slots``; all other worlds go on as they are.
 
     ``crowd`` holds the people of all worlds. A robot gains at most ``edges`` contacts with one thing between two looks at them.
     """
-    tabled = [table_obstacles(scenarios[slot]) for slot in slots.tolist()]
+    tabled = [table_obstacles(scenarios[slot], reach) for slot in slots.tolist()]
     obstacles = _widened(worlds.obstacles, max((len(rows) for rows, _ in tabled), default=0))
     sides = _widened(worlds.sides, max((len(part) for _, part in tabled), default=0))
     people = _table_people(crowd)
@@ -55,7 +55,7 @@ def begin(worlds: Worlds, scenarios: Sequence[Scenario], slots: Slots, crowd: Cr
     people[kept, :common] = worlds.people[kept, :common]
     for slot, (rows, part) in zip(slots.tolist(), tabled, strict=True):
         obstacles[slot, : len(rows)], sides[slot, : len(part)] = rows, part
-        _begin_robot(worlds.robots[slot : slot + 1], scenarios[slot], int(crowd.counts[slot]))
+        _begin_robot(worlds.robots[slot : slot + 1], scenarios[slot], int(crowd.counts[slot]), len(rows))
     grid_of = pool.place([scenario.world.grid for scenario in scenarios])
     begun = worlds._replace(obstacles=obstacles, sides=sides, people=people, grid_of=grid_of, stack=pool.stack)
     return _keep_touching(worlds, begun._replace(first_person=1 + obstacles.shape[1]), slots, edges)
@@ -81,14 +81,14 @@ def _keep_touching(before: Worlds, worlds: Worlds, slots: Slots, edges: int) -> 
     return worlds._replace(touching=touching, contacts=_widened(worlds.contacts, things * edges))
 
 
-def _begin_robot(row: Rows, scenario: Scenario, people: int) -> None:
+def _begin_robot(row: Rows, scenario: Scenario, people: int, obstacles: int) -> None:
     """Write the robot of a scenario at rest into its row, shape (1,)."""
     start = scenario.start
     row[...] = np.zeros(1, ROBOT)
     row["x"], row["y"], row["theta"] = start.x, start.y, start.theta
     row["speed_share"] = scenario.speed_share
     row["odometry_from_x"], row["odometry_from_y"], row["odometry_from_theta"] = start.x, start.y, start.theta
-    row["people"], row["obstacles"] = people, len(scenario.obstacles)
+    row["people"], row["obstacles"] = people, obstacles
     row["odometry_key"] = stream_key(scenario.seed, scenario.name, "odometry")
     row["scan_key"] = stream_key(scenario.seed, scenario.name, "lidar")
 

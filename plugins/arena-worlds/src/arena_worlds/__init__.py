@@ -5,7 +5,7 @@ from arena_core import Register, hookimpl
 
 @hookimpl
 def register_worlds(register: Register) -> None:
-    """Offer maps and world files, BARN's worlds, the built-in halls and the generators."""
+    """Offer maps and world files, BARN's worlds, the built-in halls, the generators, and what furnishes worlds."""
     register("ros_map", "arena_worlds.formats.ros_map:RosMap")
     register("file", "arena_worlds.formats.file_world:FileWorld")
     register("scenario_map", "arena_worlds.formats.scenario_map:ScenarioMap")
@@ -18,6 +18,7 @@ def register_worlds(register: Register) -> None:
     register("outdoor", "arena_worlds.generators.outdoor:Outdoor")
     register("rooms", "arena_worlds.generators.rooms:Rooms")
     register("cellular", "arena_worlds.generators.cellular:Cellular")
+    register("furnished", "arena_worlds.generators.furnished:FurnishedWorlds")
     register("mixed", "arena_worlds.generators.mixed:MixedWorlds")
 
 

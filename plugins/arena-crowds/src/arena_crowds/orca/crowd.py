@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Crowd, Gait, NonNegative, PedestrianModel, Positive, PositiveInt, RobotBatch, Scenario, with_obstacles
+from arena_core import Crowd, Gait, NonNegative, PedestrianModel, Positive, PositiveInt, RobotBatch, Scenario, furnished, with_obstacles
 from arena_crowds.orca.orca_step import step_crowds
 from arena_crowds.orca.parameters import RobotRules, Rules, Wayfinding, WayRules
 from arena_crowds.orca.walkers import Walkers
@@ -58,7 +58,7 @@ class OrcaCrowd(PedestrianModel):
         """
         if total != len(self._walkers):
             self._walkers, self._terrain = Walkers(total), Terrain(self._cell)
-        grids = [with_obstacles(scenario.world.grid, scenario.obstacles) for scenario in scenarios]
+        grids = [with_obstacles(furnished(scenario.world), scenario.obstacles) for scenario in scenarios]
         self._terrain.replace(slots, grids, total)
         self._walkers.settle(dict(zip(slots.tolist(), scenarios, strict=True)), grids)
         self._grant_wishes()

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import EpisodeRecord, read_record
+from arena_core import EpisodeRecord, furniture_of, furniture_shapes, read_record
 from arena_metrics.packs.motion import resample_by_length
 from arena_metrics.pooling.cells import Cell, Cells
 from arena_metrics.pooling.runs import Episode
@@ -35,7 +35,7 @@ class Problem:
             str(record.meta["world"].get("grid", "worlds")),
             tuple(scenario["start"]),
             tuple(scenario["goal"]),
-            json.dumps(scenario.get("obstacles", [])),
+            json.dumps([*scenario.get("obstacles", []), *furniture_shapes(furniture_of(scenario))]),
         )
 
     @property

@@ -22,6 +22,7 @@ from arena_core import (
     Robot,
     find_runs,
     load_registry,
+    local_path,
     read_grid,
     read_record,
     read_settings,
@@ -131,7 +132,7 @@ class _painting:
             raise ConfigurationError(f"{folder}: the episode has no map; allowed: episodes of a known world")
         grid, own = read_grid(folder / name), looks()
         robot = _robot(record)
-        body = _body(robot)
+        body = _body(record, robot)
         self._drama = drama
         self._painter = Painter(Stage(record, grid, robot, body, own), robot, body, own, camera, size, lidar)
         self._window = _window(grid.positions(np.argwhere(~grid.occupied)), own)
@@ -167,8 +168,11 @@ def _robot(record: EpisodeRecord) -> Robot:
     return robot
 
 
-def _body(robot: Robot) -> Body:
-    """Return the robot's body with its maker's figures where the package has them."""
+def _body(record: EpisodeRecord, robot: Robot) -> Body:
+    """Return the robot's body: of a file if it had one that is still there, else with its maker's figures where the package has them."""
+    driven = (record.meta["config"].get("simulator") or {}).get("body") or {}
+    if driven.get("model") is not None and local_path(driven["model"]).is_file():
+        return body_of(robot, read_settings(driven, BodyFigures, "body"))
     tuning = files("arena_mujoco.conf") / "simulator" / "mujoco_tuning" / f"{robot.name}.yaml"
     known: Mapping[str, Any] = yaml.safe_load(tuning.read_text())["body"] if tuning.is_file() else {}
     missing = {name: getattr(UNKNOWN, name) for name in UNKNOWN.__slots__ if name not in known}

@@ -46,6 +46,7 @@ class Looks:
     nose: Colour
     wheel: Colour
     wall: Colour
+    furniture: Colour
     floor: list[Colour]
     goal: Colour
     path: Colour

@@ -9,7 +9,8 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import EpisodeRecord, Obstacle, OccupancyGrid, Prism, Robot, scene_of
+from arena_core import EpisodeRecord, Obstacle, OccupancyGrid, Prism, Robot, furniture_of, furniture_scene, scene_of
+from arena_mujoco.attaching import still_model
 from arena_mujoco.body import Body
 from arena_mujoco.model import AWAY, add_prism, add_scene, compile_model, numbers
 from arena_mujoco.pictures.drama import Still
@@ -31,7 +32,8 @@ class Stage:
 
         radii = np.asarray(record["pedestrian_radii"], np.float64)
         text = _text(record, grid, robot, body, looks, radii)
-        self.model: mujoco.MjModel = compile_model(text, "a picture")
+        own = body.own
+        self.model: mujoco.MjModel = compile_model(text, "a picture") if own is None else still_model(text, "a picture", own, int(OWN))
         self.data: mujoco.MjData = mujoco.MjData(self.model)
         self._looks, self._people = looks, len(radii)
         self._torsos = [self.model.geom(f"torso_{number}").id for number in range(self._people)]
@@ -85,6 +87,8 @@ def _text(record: EpisodeRecord, grid: OccupancyGrid, robot: Robot, body: Body, 
     _add_sky_and_floor(assets, world, looks)
     obstacles = [Obstacle(np.asarray(thing["vertices_xy"]), thing["radius"]) for thing in record.meta["scenario"]["obstacles"]]
     add_scene(world, assets, scene_of(grid, obstacles, looks.wall_height), rgba=numbers(*looks.wall), group="0")
+    furniture = furniture_scene(furniture_of(record.meta["scenario"]), grid.origin)
+    add_scene(world, assets, furniture, "furniture", rgba=numbers(*looks.furniture), group="0")
     x, y, _ = record.meta["scenario"]["goal"]
     radius = record.meta["scenario"]["goal_radius"]
     _add(world, "cylinder", looks.goal, size=numbers(radius, 0.01), pos=numbers(x, y, 0.01), group=OWN)
@@ -109,7 +113,9 @@ def _add_robot(world: Element, assets: Element, robot: Robot, body: Body, looks:
     base = ElementTree.SubElement(world, "body", name="robot", mocap="true")
     bottom, top, footprint = body.clearance, body.height, robot.footprint
     paint = {"rgba": numbers(*looks.robot), "group": OWN}
-    if footprint.is_circle:
+    if body.own is not None:
+        pass  # the file's own shapes
+    elif footprint.is_circle:
         _add(
             base,
             "cylinder",
@@ -124,7 +130,7 @@ def _add_robot(world: Element, assets: Element, robot: Robot, body: Body, looks:
     nose = np.array(((0.9, 0.0), (-0.3, 0.5), (-0.3, -0.5))) * reach
     add_prism(base, assets, "nose", ("0", "0"), Prism(nose, top, top + 0.1 * reach), rgba=numbers(*looks.nose), group=OWN)
     wheels = body.wheels
-    for x, y in wheels.places:
+    for x, y in wheels.places if body.own is None else ():
         turn = math.atan2(y, x) if robot.kinematics == "omnidirectional" else 0.5 * math.pi
         _add(
             base,

@@ -18,6 +18,7 @@ from arena_core import (
     World,
     aligned,
     compose,
+    furnished,
     load_registry,
     option_files,
     plain,
@@ -73,7 +74,7 @@ class _Site:
         """Return why a problem cannot be run here, in one line; empty where it can."""
         goal_radius = problem.goal_radius or self._goal_radius
         try:
-            self.world.grid.derive(Feasibility(self._path, problem, self.robot, goal_radius))
+            furnished(problem.placed_in(self.world)).derive(Feasibility(self._path, problem, self.robot, goal_radius))
             self._people.reset(np.zeros(1, np.int64), [self._scenario(problem, goal_radius)], 1)
         except ArenaError as error:
             return str(error).removeprefix(f"{self._path}: ")
@@ -83,7 +84,7 @@ class _Site:
         return Scenario(
             name=problem.name,
             seed=0,
-            world=self.world,
+            world=problem.placed_in(self.world),
             start=problem.start,
             goal=problem.goal,
             pedestrians=problem.pedestrians,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from arena_core import ImpossibleScenario, Obstacle, PedestrianSpec, Scenario, World, WorldSource, generator, with_obstacles
+from arena_core import ImpossibleScenario, Obstacle, PedestrianSpec, Scenario, World, WorldSource, furnished, generator, with_obstacles
 from arena_tasks.random.free_space import FreeSpace
 from arena_tasks.random.manners import with_manners
 from arena_tasks.random.obstacles import ObstacleRules, draw_obstacles
@@ -32,12 +32,13 @@ class RandomProblems:
 
     def _draw(self, name: str, seed: int, world: World) -> tuple[Trip, tuple[Obstacle, ...], tuple[PedestrianSpec, ...]]:
         random, aside = generator(seed, name, "task"), generator(seed, name, "obstacles")  # obstacles shift nobody's numbers
-        space = world.grid.derive(FreeSpace)
+        standing = furnished(world)
+        space = standing.derive(FreeSpace)
         for left in reversed(range(self.tries)):
             try:
                 trip = draw_trip(space, self.trip, random, self.tries)
                 obstacles, onward = draw_obstacles(space, trip, self.obstacles, aside)
-                among = with_obstacles(world.grid, obstacles).derive(FreeSpace)
+                among = with_obstacles(standing, obstacles).derive(FreeSpace)
                 people = draw_walkers(among, onward, self.walkers, random)
                 return trip, obstacles, with_manners(people, self.walkers.people, generator(seed, name, "manners"))
             except ImpossibleScenario as error:

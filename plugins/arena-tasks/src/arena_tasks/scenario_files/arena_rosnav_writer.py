@@ -40,6 +40,7 @@ def left_out(problem: Problem) -> list[str]:
     said = {
         "goal_radius": problem.goal_radius is not None,
         "time_limit": problem.time_limit is not None,
+        "furniture": bool(problem.furniture),
         "the radii of people": any(person.radius != people[0].radius for person in people),
     }
     return [name for name, is_so in said.items() if is_so]

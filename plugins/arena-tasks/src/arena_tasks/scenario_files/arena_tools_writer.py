@@ -69,6 +69,7 @@ def left_out(problem: Problem | Scenario) -> list[str]:
         "the goal's heading": problem.goal.theta != 0.0,
         "goal_radius": problem.goal_radius is not None,
         "time_limit": problem.time_limit is not None,
+        "furniture": bool(problem.furniture if isinstance(problem, Problem) else problem.world.furniture),
         "the radii of people": any(person.radius != people[0].radius for person in people),
         "where trigger zones lie (there they are around the person)": any("trigger_zone_x" in person.behaviour for person in people),
     }

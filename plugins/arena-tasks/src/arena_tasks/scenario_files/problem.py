@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from arena_core import Obstacle, PedestrianSpec, Pose
+from arena_core import Furniture, Obstacle, PedestrianSpec, Pose, World
 
 MOST_REPEATS = 1_000_000
 
@@ -30,7 +30,7 @@ class Keys:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Problem:
-    """Start, goal, people and obstacles in ``map``; ``goal_radius`` (m) or ``time_limit`` (s) is None where the task decides.
+    """Start, goal, people, obstacles and furniture in ``map``; ``goal_radius`` (m) or ``time_limit`` (s) is None where the task decides.
 
     It comes ``repeats`` times before the next problem of its file. ``notes`` say in words what of the file was not taken as written.
     """
@@ -45,6 +45,11 @@ class Problem:
     keys: Keys
     repeats: int = 1
     notes: tuple[str, ...] = ()
+    furniture: tuple[Furniture, ...] = ()
+
+    def placed_in(self, world: World) -> World:
+        """Return the world with the problem's own furniture beside that of the world."""
+        return replace(world, furniture=world.furniture + self.furniture) if self.furniture else world
 
 
 def noted(problems: Iterable[Problem]) -> str:

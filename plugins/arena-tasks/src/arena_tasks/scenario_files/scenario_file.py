@@ -16,6 +16,7 @@ from arena_core import LIMITS, InputFileError, Obstacle, PedestrianSpec, Scenari
 from arena_tasks.scenario_files.arena_rosnav import is_arena_rosnav, read_arena_rosnav
 from arena_tasks.scenario_files.arena_tools import is_arena_tools, read_arena_tools
 from arena_tasks.scenario_files.flatland import is_flatland, read_flatland
+from arena_tasks.scenario_files.furniture import read_piece, written_piece
 from arena_tasks.scenario_files.json_fields import Field, read_json
 from arena_tasks.scenario_files.problem import MOST_REPEATS, Keys, PersonDefaults, Problem
 
@@ -66,6 +67,7 @@ def _within_limits(path: Path, file: ScenarioFile) -> ScenarioFile:
         for what, found, most in (
             ("people", len(problem.pedestrians), LIMITS.people),
             ("obstacles", len(problem.obstacles), LIMITS.obstacles),
+            ("pieces of furniture", len(problem.furniture), LIMITS.furniture),
             ("m of a body", max(extents, default=0.0), LIMITS.body_extent),
         ):
             if found > most:
@@ -102,7 +104,7 @@ def _read_ours(root: Field, defaults: PersonDefaults) -> ScenarioFile:
 
 
 def _problem(field: Field, defaults: PersonDefaults) -> Problem:
-    field.only("name", "repeats", "start", "goal", "pedestrians", "obstacles", "goal_radius", "time_limit")
+    field.only("name", "repeats", "start", "goal", "pedestrians", "obstacles", "furniture", "goal_radius", "time_limit")
     people = field["pedestrians"].items() if field.has("pedestrians") else []
     obstacles = field["obstacles"].items() if field.has("obstacles") else []
     return Problem(
@@ -115,6 +117,7 @@ def _problem(field: Field, defaults: PersonDefaults) -> Problem:
         time_limit=field["time_limit"].number(above=0.0) if field.has("time_limit") else None,
         keys=Keys(field["start"].key, field["goal"].key, tuple(person.key for person in people)),
         repeats=field["repeats"].integer(1, MOST_REPEATS) if field.has("repeats") else 1,
+        furniture=tuple(map(read_piece, field["furniture"].items())) if field.has("furniture") else (),
     )
 
 
@@ -154,6 +157,7 @@ def _obstacle(field: Field) -> Obstacle:
 
 
 def _written(scenario: Scenario | Problem) -> dict[str, Any]:
+    furniture = scenario.furniture if isinstance(scenario, Problem) else scenario.world.furniture
     own = {
         "repeats": scenario.repeats if isinstance(scenario, Problem) and scenario.repeats > 1 else None,
         "goal_radius": scenario.goal_radius,
@@ -166,6 +170,7 @@ def _written(scenario: Scenario | Problem) -> dict[str, Any]:
         **{key: value for key, value in own.items() if value is not None},
         "pedestrians": [_written_person(person) for person in scenario.pedestrians],
         "obstacles": [_written_obstacle(obstacle) for obstacle in scenario.obstacles],
+        **({"furniture": list(map(written_piece, furniture))} if furniture else {}),
     }
 
 

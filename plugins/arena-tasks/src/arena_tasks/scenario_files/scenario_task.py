@@ -9,12 +9,13 @@ from pathlib import Path
 from arena_core import (
     ConfigurationError,
     ImpossibleScenario,
-    OccupancyGrid,
     Positive,
     Robot,
     Scenario,
     TaskMode,
+    World,
     WorldSource,
+    furnished,
     local_path,
     tell,
 )
@@ -51,8 +52,9 @@ class ScenarioTask(TaskMode):
             self._pack.check_lists(file)
         problems = _read(file, PersonDefaults(pedestrian_speed, pedestrian_radius))
         checks = [Feasibility(file, problem, robot, problem.goal_radius or goal_radius) for problem in problems]
-        if world.world(0, 0).grid is world.world(1, 1).grid:  # a fixed world: say what is impossible before anything runs
-            checks = possible_ones(checks, world.world(0, 0).grid)
+        first, other = world.world(0, 0), world.world(1, 1)
+        if first.grid is other.grid and first.furniture == other.furniture:  # a fixed world: say what is impossible before anything runs
+            checks = possible_ones(checks, first)
         self._checks = checks
         self._ends = list(accumulate(check.problem.repeats for check in checks))
         self._file_hash = hash_of(file)
@@ -64,7 +66,8 @@ class ScenarioTask(TaskMode):
         """Return problem ``index``; raise ImpossibleScenario when it does not fit the world."""
         number, repetition = self._place(index)
         problem, world = self._checks[number].problem, self._world.world(seed, index)
-        world.grid.derive(self._checks[number])
+        world = problem.placed_in(world)
+        furnished(world).derive(self._checks[number])
         return Scenario(
             name=f"{problem.name}/{repetition:04d}",
             seed=seed,
@@ -94,9 +97,9 @@ def _read(file: Path, defaults: PersonDefaults) -> tuple[Problem, ...]:
     return problems
 
 
-def possible_ones(checks: list[Feasibility], grid: OccupancyGrid) -> list[Feasibility]:
+def possible_ones(checks: list[Feasibility], world: World) -> list[Feasibility]:
     """Return those that hold in a world, in their order, and tell of each other; raise ImpossibleScenario where none holds."""
-    reasons = [reason_against(check, grid) for check in checks]
+    reasons = [reason_against(check, world) for check in checks]
     possible = [check for check, reason in zip(checks, reasons, strict=True) if reason is None]
     if not possible:
         raise next(reason for reason in reasons if reason is not None)
@@ -106,10 +109,10 @@ def possible_ones(checks: list[Feasibility], grid: OccupancyGrid) -> list[Feasib
     return possible
 
 
-def reason_against(check: Feasibility, grid: OccupancyGrid) -> ImpossibleScenario | None:
+def reason_against(check: Feasibility, world: World) -> ImpossibleScenario | None:
     """Return why a problem is impossible in a world, None where it is not."""
     try:
-        grid.derive(check)
+        furnished(check.problem.placed_in(world)).derive(check)
     except ImpossibleScenario as error:
         return error
     return None

@@ -12,6 +12,7 @@ from omegaconf import OmegaConf
 from arena_core import (
     Command,
     NonNegativeInt,
+    Positive,
     Words,
     WorldSource,
     compose,
@@ -25,11 +26,13 @@ from arena_worlds.commands.measure import ROBOT_RADIUS, table
 from arena_worlds.commands.measures import Measures, measures_of
 from arena_worlds.commands.portrait import write_portrait
 from arena_worlds.formats.map_writer import write_map
+from arena_worlds.formats.site_file import GAZEBO, MUJOCO, write_world
 from arena_worlds.generators.dynabarn import DynabarnWorlds
 from arena_worlds.generators.dynabarn_writer import write_set
 
-OWN = ("kind", "seed", "out")  # all other words are parameters of the world
-USAGE = "arena world generate kind=indoor out=DIR|FILE.yaml [seed=0] [difficulty=0.8] [width=...]"
+OWN = ("kind", "seed", "out", "wall_height")  # all other words are parameters of the world
+USAGE = "arena world generate kind=indoor out=DIR|FILE.yaml|FILE.sdf|FILE.xml [seed=0] [wall_height=2.0] [difficulty=0.8] [width=...]"
+WALL_HEIGHT = 2.0  # m; as high as doors
 KINDS = {"barn": "cellular"}  # BARN's own worlds are files; what is drawn after its recipe has another name
 
 
@@ -39,7 +42,10 @@ class GenerateCommand(Command):
     help: ClassVar[str] = f"draw a world: {USAGE}"
 
     def run(self, arguments: Sequence[str]) -> int:
-        """Write the first world of a seed as FILE.yaml, FILE.pgm, FILE.png and FILE_measures.json, and print its measures."""
+        """Write the first world of a seed as FILE.yaml, FILE.pgm, FILE.png and FILE_measures.json, and print its measures.
+
+        FILE.sdf, FILE.world and FILE.xml are a Gazebo world and a MuJoCo model of it, with its furniture, which no map holds.
+        """
         words = read_words(USAGE, arguments, keys=OWN, overrides=None)
         kind, out = words.required("kind"), words.required("out")
         if kind == "dynabarn":
@@ -47,7 +53,12 @@ class GenerateCommand(Command):
         path, seed = map_path(out), words.value("seed", NonNegativeInt, 0)
         node = parameters(KINDS.get(kind, kind), dict(map(key_value, words.overrides)))
         source: WorldSource = load_registry().build("world", node)
-        grid = source.world(seed, 0).grid
+        world = source.world(seed, 0)
+        if Path(out).suffix in (*GAZEBO, *MUJOCO):
+            write_world(Path(out), world, words.value("wall_height", Positive, WALL_HEIGHT))
+            print(f"written: {out}")
+            return 0
+        grid = world.grid
         measures = measures_of(grid, node.get("robot_radius", ROBOT_RADIUS))
         files = [*write_map(path, grid), path.with_suffix(".png"), path.with_name(f"{path.stem}_measures.json")]
         write_portrait(files[2], grid, _title(node, seed))
@@ -73,7 +84,7 @@ def _write_dynabarn(words: Words) -> int:
 
 def parameters(kind: str, values: Mapping[str, str]) -> dict[str, Any]:
     """Return what ``world=KIND`` is with these parameters; raise ConfigurationError for one that it has not."""
-    overrides = [f"world.{key}={value}" for key, value in values.items()]
+    overrides = [f"world@world.room={value}" if key == "room" else f"world.{key}={value}" for key, value in values.items()]
     return OmegaConf.to_container(compose(overrides, f"world/{kind}").world, resolve=True)  # type: ignore[return-value]
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from arena_core import ConfigurationError, InputFileError, OccupancyGrid, write_text_whole
+from arena_core import ConfigurationError, InputFileError, OccupancyGrid, World, scene_of, write_text_whole
 from arena_worlds.formats.map_writer import write_map
 from arena_worlds.formats.mjcf import read_mjcf
 from arena_worlds.formats.mjcf_writer import mjcf_text
@@ -44,6 +44,12 @@ def check_ending(path: Path) -> None:
     if path.suffix not in (".yaml", *PICTURE, *GAZEBO, *MUJOCO):
         endings = ", ".join((".yaml", *PICTURE, *GAZEBO, *MUJOCO))
         raise ConfigurationError(f"{path}: ends in {path.suffix!r}; allowed: a file that ends in {endings}")
+
+
+def write_world(path: Path, world: World, height: float) -> None:
+    """Write a world, its walls ``height`` m high and its furniture as it stands, as a Gazebo world or a MuJoCo model."""
+    text = sdf_text if path.suffix in GAZEBO else mjcf_text
+    write_text_whole(path, text(scene_of(world.grid, (), height, world.furniture), path.stem))
 
 
 def write_site(path: Path, site: OccupancyGrid | Solids, resolution: float, margin: float, height: float) -> list[Path]:
