@@ -25,6 +25,7 @@ from arena_navrep.navrep_command import STAGES
 from arena_ros.bags.roles import roles
 from arena_ros.commands import IMPORT_KEYS, USAGES
 from arena_ros.live.commands import DRIVE_KEYS, SIMULATE_KEYS
+from arena_viewer.command import read_request as read_replay
 
 TOP = Path(__file__).resolve().parents[1]
 DRAWN = TOP / "tests" / "data"
@@ -145,8 +146,8 @@ class Shell:
         known = {
             **{"arena run": self.composed, "arena train": self.train, "arena navrep": self.navrep, "arena choices": self.composed},
             **{"arena trainings": lambda words: None, "arena compare-real": lambda words: None},  # of what takes its time, or a robot
+            **{"arena ros": self.ros, "arena render": read_picture, "arena replay": read_replay},
             **dict.fromkeys(("arena verify", "arena leaderboard"), lambda words: None),  # of packs of whole benchmarks
-            **{"arena ros": self.ros, "arena render": read_picture},
             **{"arena crowd": self.crowd, "arena check": self.check, "make": self.make, "pip": self.pip, "python": self.python},
             **{"for": self.loop, ".": lambda words: None, "git": lambda words: None},
         }

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import os
-import shutil
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -16,56 +14,9 @@ import pytest
 pytestmark = pytest.mark.browser
 
 TOP = Path(__file__).resolve().parents[2]
-WIDTHS = {"desktop": 1280, "phone": 390}  # CSS pixels
-PATIENCE = 120_000  # ms, on a busy machine
 DRIVES = (
     "world=empty world.width=8 world.height=8 task.pedestrians=1 localizer=ground_truth episodes=3 executor=serial hydra.sweep.dir=runs"
 )
-
-
-@dataclass
-class Opened:
-    """What a page said and asked for since it was opened."""
-
-    page: Any
-    complaints: list[str] = field(default_factory=list)
-    requests: list[str] = field(default_factory=list)
-
-    @property
-    def overflow(self) -> int:
-        """Return by how many pixels the page is wider than its window."""
-        return int(self.page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth"))
-
-
-@pytest.fixture(scope="session")
-def chromium() -> Iterator[Any]:
-    """Start the browser: the system's chromium, else playwright's own."""
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
-        yield browser
-        browser.close()
-
-
-@pytest.fixture(params=WIDTHS)
-def show(chromium: Any, request: pytest.FixtureRequest) -> Iterator[Callable[[Path], Opened]]:
-    """Open a file in a window of one of the widths."""
-    page = chromium.new_page(viewport={"width": WIDTHS[request.param], "height": 900})
-    page.set_default_timeout(PATIENCE)
-    opened = Opened(page)
-    page.on("console", lambda message: opened.complaints.append(message.text) if message.type in ("error", "warning") else None)
-    page.on("pageerror", lambda error: opened.complaints.append(str(error)))
-    page.on("request", lambda asked: opened.requests.append(asked.url))
-
-    def open_file(path: Path) -> Opened:
-        opened.complaints.clear()
-        opened.requests.clear()
-        page.goto(path.as_uri())
-        return opened
-
-    yield open_file
-    page.close()
 
 
 @pytest.fixture(scope="session")
@@ -88,7 +39,7 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return page
 
 
-def test_every_page_of_the_documentation_opens_and_fits(site: Path, show: Callable[[Path], Opened]) -> None:
+def test_every_page_of_the_documentation_opens_and_fits(site: Path, show: Callable[[Path], Any]) -> None:
     pages = sorted(path for path in site.rglob("*.html") if path.name != "404.html")  # that one is for a server's root
     assert len(pages) > 80
     wrong = {}
@@ -100,7 +51,7 @@ def test_every_page_of_the_documentation_opens_and_fits(site: Path, show: Callab
     assert wrong == {}
 
 
-def test_documentation_is_searched_without_a_server(site: Path, show: Callable[[Path], Opened]) -> None:
+def test_documentation_is_searched_without_a_server(site: Path, show: Callable[[Path], Any]) -> None:
     page = show(site / "index.html").page
     button = page.locator("label.md-header__button[for=__search]")
     (button if button.is_visible() else page.locator(".md-search__input")).click()
@@ -109,15 +60,42 @@ def test_documentation_is_searched_without_a_server(site: Path, show: Callable[[
     assert "LaserScan" in page.inner_text(".md-search-result__list")
 
 
-def test_reference_shows_signature_types_and_docstring(site: Path, show: Callable[[Path], Opened]) -> None:
+def test_reference_shows_signature_types_and_docstring(site: Path, show: Callable[[Path], Any]) -> None:
     text = show(site / "reference" / "arena_core.values.sensing.html").page.inner_text("article")
     assert "ranges: NDArray[float32]" in text
     assert "+inf where nothing was hit within range_max" in text
 
 
-def test_report_opens_and_fits(report: Path, show: Callable[[Path], Opened]) -> None:
+def test_report_opens_and_fits(report: Path, show: Callable[[Path], Any]) -> None:
     opened = show(report)
     assert opened.complaints == []
     assert [url for url in opened.requests if not url.startswith(("file:", "data:"))] == []
     assert opened.overflow <= 0
     assert "pure_pursuit" in opened.page.inner_text("body")
+
+
+def test_rows_of_the_report_are_chosen_by_planner(report: Path, show: Callable[[Path], Any]) -> None:
+    page = show(report).page
+    page.select_option("select[name=planner]", "dwa")
+    page.locator("details:has(table.episodes) > summary").click()
+    shown = page.locator("table.episodes tbody tr:visible")
+    assert shown.count() == 3
+    assert page.inner_text("#filters output") == "3 of 6 episodes"
+    assert {name.split(",")[0] for name in shown.locator("td.name").all_inner_texts()} == {"dwa"}
+    assert page.locator("table.headline tbody tr:visible td.name").all_inner_texts() == ["dwa"]
+
+
+def test_episodes_of_the_report_are_sorted_by_a_column(report: Path, show: Callable[[Path], Any]) -> None:
+    page = show(report).page
+    page.locator("details:has(table.episodes) > summary").click()
+    head = page.locator("table.episodes th", has_text="path length").first
+    column = int(head.evaluate("head => head.cellIndex")) + 1
+
+    def lengths() -> list[float]:
+        texts = page.locator(f"table.episodes tbody tr td:nth-child({column})").all_inner_texts()
+        return [float(text) for text in texts if text != "–"]
+
+    head.click()
+    assert lengths() == sorted(lengths())
+    head.press("Enter")
+    assert lengths() == sorted(lengths(), reverse=True)

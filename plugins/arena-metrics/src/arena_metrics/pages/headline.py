@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 
@@ -55,9 +55,10 @@ class Segment:
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """One cell's row of the headline table."""
+    """One cell's row of the headline table; ``facts`` are its values of the factors that differ."""
 
     name: str
+    facts: Mapping[str, str]
     n: int
     problems: int
     outcomes: Sequence[Segment]
@@ -90,6 +91,11 @@ def outcome(row: Row) -> str:
     return ended if ended in OUTCOMES else "reached"
 
 
+def facts(cells: Cells, cell: Cell) -> dict[str, str]:
+    """Return a cell's values of the factors by which the page's rows can be chosen."""
+    return {factor: cell.factors[factor] for factor in cells.varying if cell.factors[factor]}
+
+
 def outcome_segments(cell: Cell) -> list[Segment]:
     """Return the parts of a cell's outcome bar."""
     ended = [outcome(episode.row) for episode in cell.episodes]
@@ -118,7 +124,16 @@ def groups(summary: Summary) -> list[Group]:
         for cell in cells:
             of = [summary.get(cell, column, over) for column, over in columns]
             figures = [_figure(e, cell, c, p, s, b) for e, (c, _), p, s, b in zip(of, columns, places, scales, best, strict=True)]
-            lines.append(Line(summary.cells.planner(cell), len(cell.episodes), count(cell), outcome_segments(cell), figures))
+            lines.append(
+                Line(
+                    summary.cells.planner(cell),
+                    facts(summary.cells, cell),
+                    len(cell.episodes),
+                    count(cell),
+                    outcome_segments(cell),
+                    figures,
+                )
+            )
         found.append(Group(condition, lines))
     return found
 

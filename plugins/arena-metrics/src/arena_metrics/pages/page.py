@@ -9,7 +9,8 @@ from importlib.resources import files
 from typing import Any
 
 from arena_metrics.pages.figures import Image
-from arena_metrics.pages.headline import OUTCOMES, Group, answers, groups, headings, outcome
+from arena_metrics.pages.headline import OUTCOMES, Group, answers, facts, groups, headings, outcome
+from arena_metrics.pages.profiles import PROFILES
 from arena_metrics.pooling.cells import VARIANT, Cell, Cells, differences
 from arena_metrics.pooling.codes import other_code
 from arena_metrics.pooling.drives import numbered
@@ -35,6 +36,7 @@ def render(
     summary: Summary,
     baseline: str | None,
     claims: Table | None,
+    ranking: Table | None,
     pairs: Sequence[Table],
     levels: Table | None,
     of_drives: Sequence[Table],
@@ -50,9 +52,10 @@ def render(
 
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     template = environment.from_string((files("arena_metrics") / "templates" / "report.html.j2").read_text(encoding="utf-8"))
-    first = {column.name for column, _ in headline_columns(summary)}
+    first = {PROFILES, *(column.name for column, _ in headline_columns(summary))}
     return template.render(
         **_head(summary, baseline, runs, repeats),
+        script=(files("arena_metrics") / "templates" / "report.js").read_text(encoding="utf-8"),
         style=(files("arena_metrics") / "templates" / "report.css").read_text(encoding="utf-8"),
         figures=[_embedded(image) for image in figures if image.name in first],
         more_figures=[_embedded(image) for image in figures if image.name not in first],
@@ -62,6 +65,7 @@ def render(
         pictures_first=len(summary.cells.cells) <= PICTURES_FIRST,
         pictures_left_out=len(summary.cells.cells) - len(pictures),
         claims=claims,
+        ranking=ranking,
         pairs=pairs,
         levels=levels,
         problems=problems,
@@ -166,7 +170,10 @@ def _episodes(summary: Summary) -> dict[str, Any]:
         for cell in summary.cells.cells
         for episode, label in numbered(summary.cells, cell)
     ]
-    return {"episode_columns": columns, "episode_rows": rows[:EPISODES], "episodes_left_out": max(0, len(rows) - EPISODES), "value": _value}
+    if len(rows) > EPISODES:  # those that were no success are looked for
+        rows.sort(key=lambda row: not row[2]["failed"])
+    shown = {"episode_columns": columns, "episode_rows": rows[:EPISODES], "episodes_left_out": max(0, len(rows) - EPISODES)}
+    return {**shown, "value": _value, "facts": lambda cell, episode: {**facts(summary.cells, cell), "outcome": outcome(episode.row)}}
 
 
 def _value(episode: Episode, name: str) -> str:

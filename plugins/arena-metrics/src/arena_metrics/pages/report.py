@@ -109,6 +109,7 @@ def write_report(
     from arena_metrics.tables.pairs import paired_tables
     from arena_metrics.tables.problem_table import problem_table
     from arena_metrics.tables.query import write_table
+    from arena_metrics.tables.ranking import ranking_table
 
     episodes, repeats = pooled(runs)
     if not episodes:
@@ -117,12 +118,15 @@ def write_report(
     _check_baseline(summary.cells, baseline)
     judged = _judge_claims(summary, claims, target) if claims else None
     pairs, levels, problems = paired_tables(summary, baseline), level_table(summary.cells), problem_table(summary.cells, summary.columns)
-    _write_tables(summary, pairs, levels, problems, target)
+    ranking = ranking_table(summary)
+    _write_tables(summary, ranking, pairs, levels, problems, target)
     write_table([run.folder for run in runs], target / "tables" / "episodes.parquet")
     drives = _drives(summary, pictures) if figures != "none" else {}
     tables = _tables_of_drives(summary, drives, target)
     drawn = _draw(summary, drives, target, figures, pdf) if figures != "none" else ([], [], [])
-    write_text_whole(target / "index.html", render(summary, baseline, judged, pairs, levels, tables, problems, runs, repeats, *drawn))
+    write_text_whole(
+        target / "index.html", render(summary, baseline, judged, ranking, pairs, levels, tables, problems, runs, repeats, *drawn)
+    )
     _print_headline(summary, baseline)
     if judged is not None:
         print("\n".join(f"{row[1]}: {row[0]}" for row in judged.rows))
@@ -159,13 +163,16 @@ def _judge_claims(summary: Summary, name: str, target: Path) -> Table:
     return table
 
 
-def _write_tables(summary: Summary, pairs: Sequence[Table], levels: Table | None, problems: Table | None, target: Path) -> None:
+def _write_tables(
+    summary: Summary, ranking: Table | None, pairs: Sequence[Table], levels: Table | None, problems: Table | None, target: Path
+) -> None:
     from arena_metrics.pooling.summary import summary_csv
     from arena_metrics.tables.tables import headline, metric_tables
 
     write_text_whole(target / "summary.csv", summary_csv(summary))
     tables: dict[str, Sequence[Table]] = {
         "headline": [headline(summary)],
+        "ranking": [ranking] if ranking else [],
         "all_episodes": metric_tables(summary, "all"),
         "successful_episodes": metric_tables(summary, "successful"),
         "paired_differences": pairs,
@@ -209,6 +216,7 @@ def _draw(
     from arena_metrics.pages.figures import metric_figures, style
     from arena_metrics.pages.levels import level_image
     from arena_metrics.pages.panels import layouts
+    from arena_metrics.pages.profiles import profile_image
     from arena_metrics.pages.trajectories import cell_image
     from arena_metrics.tables.tables import headline_columns
 
@@ -216,7 +224,8 @@ def _draw(
     columns = summary.columns if figures == "all" else [column for column, _ in headline_columns(summary)]
     panels = layouts(cells, drives)
     with style():
-        metrics = list(metric_figures(cells, columns, pdf))
+        profiles = profile_image(summary, pdf)
+        metrics = [*([profiles] if profiles else []), *metric_figures(cells, columns, pdf)]
         images = [
             cell_image(cells, cell, drives[cell.hash], panels[cells.condition(cell)], pdf) for cell in cells.cells if drives.get(cell.hash)
         ]

@@ -18,7 +18,7 @@ from arena_metrics.statistics.clusters import MOST_RESAMPLED, Clusters, clusters
 FloatArray = NDArray[np.float64]
 Labels = Sequence[Hashable]
 Kind = Literal["figure", "proportion", "count"]
-Method = Literal["studentised bootstrap", "Student's t", "Agresti-Coull", "Garwood", "Bonett-Price", "none"]
+Method = Literal["studentised bootstrap", "Student's t", "Agresti-Coull", "Garwood", "Bonett-Price", "stratified bootstrap", "none"]
 
 LEAST_PROBLEMS = 5  # with fewer, no interval and no test: their scatter says next to nothing
 TAIL = 0.025  # beyond each end of an interval

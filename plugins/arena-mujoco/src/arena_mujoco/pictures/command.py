@@ -28,9 +28,9 @@ from arena_core import (
     read_words,
     tell,
 )
+from arena_drawing.film import check_encoder, check_target, write_film, write_picture
 from arena_mujoco.body import UNKNOWN, Body, BodyFigures, body_of
 from arena_mujoco.pictures.drama import Drama
-from arena_mujoco.pictures.film import check_target, write_film, write_picture
 from arena_mujoco.pictures.looks import Looks, looks
 from arena_mujoco.pictures.painting import Camera
 from arena_mujoco.pictures.stage import Stage
@@ -95,6 +95,7 @@ class RenderCommand(Command):
             print(f"usage: {USAGE}")
             return 0
         request = read_request(arguments)
+        check_encoder(request.target)
         folder = _run_folder(request.folder)
         record = read_record(folder / "records" / f"{request.episode:04d}.npz")
         drama = Drama(record, looks().follow.calm)

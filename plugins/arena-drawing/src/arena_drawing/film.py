@@ -17,14 +17,18 @@ ENDINGS = (".mp4", ".gif", ".png")
 
 
 def check_target(target: Path) -> None:
-    """Raise ConfigurationError unless a film or a picture can be written there."""
+    """Raise ConfigurationError unless its name is that of a film or a picture."""
     if target.suffix not in ENDINGS:
         raise ConfigurationError(f"to is {target.name}; allowed: a name that ends in {', '.join(ENDINGS)}")
+
+
+def check_encoder(target: Path) -> None:
+    """Raise ConfigurationError where a film needs what is not installed."""
     if target.suffix == ".mp4":
         try:
             import imageio_ffmpeg  # noqa: F401 - only whether it is there
         except ImportError:
-            raise ConfigurationError(f"{target.name} needs imageio-ffmpeg; allowed: install arena-mujoco[film], or .gif") from None
+            raise ConfigurationError(f"{target.name} needs imageio-ffmpeg; allowed: pip install imageio-ffmpeg, or .gif") from None
 
 
 def write_picture(target: Path, frame: Frame) -> None:

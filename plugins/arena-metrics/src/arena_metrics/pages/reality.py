@@ -7,16 +7,20 @@ import csv
 import io
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from arena_core import ArenaError, Command, EpisodeRecord, InputFileError, aligned, find_runs, read_record, read_table, write_text_whole
+from arena_core import ArenaError, Command, EpisodeRecord, aligned, read_record, write_text_whole
 from arena_metrics.packs.motion import polyline_length
 from arena_metrics.statistics.comparisons import Comparison, after_holm, compare
 from arena_metrics.statistics.likeness import FloatArray, discrete_frechet
+
+if TYPE_CHECKING:
+    from arena_metrics.pooling.runs import Column, Episode, Run
+    from arena_metrics.tables.tables import Table
 
 SAME_PLACE = 0.5  # m that start and goal of one problem may differ between simulation and reality, where names do
 SPACING = 0.1  # m between the points of paths whose distance is taken
@@ -25,18 +29,27 @@ METRICS = {"path_length": "m", "time_to_goal": "s", "velocity": "m/s", "jerk": "
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Drive:
-    """One episode: its record and the metrics of its row; NaN where a metric is empty."""
+    """One episode: its record, the metrics of its row (NaN where one is empty), and the row itself."""
 
     record: EpisodeRecord
     metrics: Mapping[str, float]
+    episode: Episode | None = None
 
     @property
     def name(self) -> str:
         """Return the problem's name."""
         return str(self.record.meta["scenario"]["name"])
 
+    @property
+    def driver(self) -> tuple[str, str]:
+        """Return who drove which robot."""
+        row = {} if self.episode is None else self.episode.row
+        return str(row.get("planner", "")), str(row.get("robot", ""))
+
     def is_like(self, other: Drive) -> bool:
-        """Tell whether both began and were to end at the same places."""
+        """Tell whether the same planner drove the same robot, and both began and were to end at the same places."""
+        if self.driver != other.driver:
+            return False
         ends = ((self.record.meta["scenario"][key][:2], other.record.meta["scenario"][key][:2]) for key in ("start", "goal"))
         return all(math.dist(mine, theirs) <= SAME_PLACE for mine, theirs in ends)
 
@@ -56,30 +69,38 @@ class CompareRealCommand(Command):
     help: ClassVar[str] = "simulation beside reality: arena compare-real SIM_RUN REAL_RUN [--out DIR]"
 
     def run(self, arguments: Sequence[str]) -> int:
-        """Print a table of problems and one of differences; with --out write both and the paths, one above the other."""
+        """Print a table of problems, one of differences, and verdicts on claims; with --out write them and the paths."""
+        from arena_metrics.pooling.runs import metric_columns, read_runs
+
         parser = argparse.ArgumentParser("arena compare-real", description=self.__doc__)
         parser.add_argument("simulated", metavar="SIM_RUN")
         parser.add_argument("real", metavar="REAL_RUN")
         parser.add_argument("--out", metavar="DIR", help="where tables (CSV) and the picture of the paths are written")
+        parser.add_argument("--claims", metavar="NAME", help="say which claims of a source hold: reality, or a file of your own")
         given = parser.parse_args(list(arguments))
-        pairs = pairs_of(drives(Path(given.simulated)), drives(Path(given.real)))
-        problems, differences = problem_rows(pairs), difference_rows(pairs)
-        print("\n".join([*aligned(problems), "", *aligned(differences)]))
+        simulated, real = read_runs([Path(given.simulated)]), read_runs([Path(given.real)])
+        pairs = pairs_of(drives(simulated), drives(real))
+        tables = {"problems": problem_rows(pairs), "differences": difference_rows(pairs)}
+        for rows in tables.values():
+            print("\n".join([*aligned(rows), ""]))
+        if given.claims:
+            judged = judged_claims(pairs, metric_columns([*simulated, *real]), given.claims)
+            tables["claims"] = [list(judged.head), *map(list, judged.rows)]
+            print("\n".join(f"{row[1]}: {row[0]}\n  {row[2]}" for row in judged.rows))
         if given.out:
-            _write(Path(given.out), problems, differences, pairs)
+            _write(Path(given.out), tables, pairs)
         return 0
 
 
-def drives(folder: Path) -> list[Drive]:
-    """Return the episodes of the runs at or below a folder that have a record."""
-    found = []
-    for run in find_runs(folder):
-        _, rows = read_table(run / "episodes.csv", "a table that `arena run` wrote")
-        for row in rows:
-            path = run / "records" / f"{int(row['episode']):04d}.npz"
-            if path.exists():
-                found.append(Drive(read_record(path), {name: _number(row.get(name, "")) for name in METRICS}))
-    return found
+def drives(runs: Sequence[Run]) -> list[Drive]:
+    """Return the episodes of runs that have a record."""
+    from arena_metrics.pooling.runs import pooled
+
+    return [
+        Drive(read_record(episode.record_path), {name: float(episode.row.get(name, math.nan)) for name in METRICS}, episode)
+        for episode in pooled(runs)[0]
+        if episode.record_path.exists()
+    ]
 
 
 def pairs_of(simulated: Sequence[Drive], real: Sequence[Drive]) -> list[Pair]:
@@ -132,16 +153,33 @@ def _path(drive: Drive) -> FloatArray:
     return np.stack([np.interp(points, along, positions[:, axis]) for axis in (0, 1)], axis=1)
 
 
-def _number(text: str) -> float:
-    try:
-        return float(text) if text else math.nan
-    except ValueError:
-        raise InputFileError(f"episodes.csv: {text[:40]!r} is no number") from None
+def judged_claims(pairs: Sequence[Pair], columns: Sequence[Column], name: str) -> Table:
+    """Return what the pairs say of a source's claims, in which the factor ``simulator`` is ``simulation`` or ``reality``.
+
+    Of each pair the real episode counts as one of the simulated one's condition and scenario, so that claims find the pair.
+    """
+    from arena_metrics.claims.judging import claims_table, judge
+    from arena_metrics.claims.model import read_claims
+    from arena_metrics.pooling.cells import FACTORS, cells_of
+
+    episodes = []
+    for pair in pairs:
+        mine, real = pair.simulated.episode, pair.real.episode
+        assert mine is not None
+        assert real is not None
+        shared = {key: mine.row[key] for key in (*FACTORS, "scenario", "scenario_hash", "seed", "episode", "stage") if key in mine.row}
+        for one, side in ((mine, "simulation"), (real, "reality")):
+            named = {**shared, "simulator": side, "config_hash": f"{mine.row['config_hash']} {side}", "code": ""}
+            if side == "reality" and real.row.get("localizer"):
+                named["localizer"] = real.row["localizer"]
+            episodes.append(replace(one, row={**one.row, **named}))
+    claims = read_claims(name)
+    return claims_table(judge(cells_of(episodes), columns, claims), claims.source)
 
 
-def _write(folder: Path, problems: Sequence[Sequence[str]], differences: Sequence[Sequence[str]], pairs: Sequence[Pair]) -> None:
+def _write(folder: Path, tables: Mapping[str, Sequence[Sequence[str]]], pairs: Sequence[Pair]) -> None:
     folder.mkdir(parents=True, exist_ok=True)
-    for name, rows in (("problems", problems), ("differences", differences)):
+    for name, rows in tables.items():
         text = io.StringIO()
         csv.writer(text, lineterminator="\n").writerows(rows)
         write_text_whole(folder / f"{name}.csv", text.getvalue())

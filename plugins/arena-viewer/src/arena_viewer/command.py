@@ -1,0 +1,147 @@
+"""``arena replay``: recorded episodes as they moved, in a browser, as one page, as a film or a strip of pictures."""
+
+from __future__ import annotations
+
+import webbrowser
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+
+from arena_core import (
+    Command,
+    ConfigurationError,
+    NonNegative,
+    NonNegativeInt,
+    Positive,
+    PositiveInt,
+    find_runs,
+    read_settings,
+    read_words,
+    tell,
+    write_bytes_whole,
+    write_text_whole,
+)
+from arena_viewer.document import Recorded, document, read_recorded
+from arena_viewer.page import page
+from arena_viewer.serving import PageServer
+
+USAGE = (
+    "arena replay RUN [EPISODE...] [--to FILE.html|.mp4|.gif|.png|.replay] [with=RUN,...] [port=0] [open=true] "
+    "[side=640] [rate=20] [speed=1] [from=0] [until=END] [moments=4]"
+)
+KEYS = ("to", "with", "port", "open", "side", "rate", "speed", "from", "until", "moments")
+ENDINGS = (".html", ".mp4", ".gif", ".png", ".replay")
+MOST = 12  # episodes on one page
+MOST_GIF_FRAMES = 600  # all of a GIF's frames are held until it is written
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """What is to be shown: ``episodes`` of the runs in ``folders``, where to, and how a film or a strip is made."""
+
+    folders: Sequence[Path]
+    episodes: Sequence[int]
+    target: Path | None
+    port: int
+    opens: bool
+    side: int
+    rate: float
+    speed: float
+    begin: float
+    until: float | None
+    moments: int
+
+
+def read_request(arguments: Sequence[str]) -> Request:
+    """Return what the words after ``arena replay`` ask for; raise ConfigurationError where they cannot be read."""
+    words = read_words(USAGE, arguments, names=None, keys=KEYS)
+    if not words.names:
+        raise ConfigurationError(f"arguments are none; allowed: {USAGE}")
+    to = words.value("to", str | None, None)
+    if to is not None and Path(to).suffix not in ENDINGS:
+        raise ConfigurationError(f"to is {to}; allowed: a name that ends in {', '.join(ENDINGS)}")
+    others = words.value("with", str | None, None)
+    numbers = [int(name) if name.isdecimal() else name for name in words.names[1:]]
+    return Request(
+        [Path(words.names[0]), *(Path(name) for name in (others or "").split(",") if name)],
+        [read_settings(number, NonNegativeInt, "EPISODE") for number in numbers] or [0],
+        None if to is None else Path(to),
+        words.value("port", NonNegativeInt, 0),
+        words.value("open", bool, True),
+        words.value("side", PositiveInt, 640),
+        words.value("rate", Positive, 20.0),
+        words.value("speed", Positive, 1.0),
+        words.value("from", NonNegative, 0.0),
+        words.value("until", Positive | None, None),
+        words.value("moments", PositiveInt, 4),
+    )
+
+
+class ReplayCommand(Command):
+    """Show recorded episodes as they moved; several planners on one scenario beside each other."""
+
+    help: ClassVar[str] = "watch recorded episodes: arena replay RUN [EPISODE...] [--to FILE.html|.mp4|.gif|.png]"
+
+    def run(self, arguments: Sequence[str]) -> int:
+        """Open a browser on the episodes, or write a file."""
+        if not arguments or any(word in ("-h", "--help") for word in arguments):
+            print(f"usage: {USAGE}")
+            return 0
+        request = read_request(arguments)
+        shown = [read_recorded(folder, number) for folder in _run_folders(request.folders) for number in request.episodes]
+        if len(shown) > MOST:
+            raise ConfigurationError(f"{len(shown)} episodes are asked for; allowed: {MOST} at once")
+        title = " · ".join(dict.fromkeys(f"{one.name}, {one.record.meta['columns']['robot']}" for one in shown))
+        if request.target is None:
+            _serve(page(f"{title} - arena replay", None), document(shown), request)
+        else:
+            _write(request.target, shown, f"{title} - arena replay", request)
+            tell(f"{request.target}")
+        return 0
+
+
+def _run_folders(folders: Sequence[Path]) -> list[Path]:
+    """Return the runs at or below the folders; a sweep's are all of its jobs."""
+    found = [run for folder in folders for run in sorted(find_runs(folder), key=lambda run: (len(run.name), run.name))]
+    return list(dict.fromkeys(found))
+
+
+def _serve(text: str, content: bytes, request: Request) -> None:
+    server = PageServer(text, content, request.port)
+    tell(f"{server.address} (Ctrl-C ends it)")
+    if request.opens:
+        webbrowser.open(server.address)
+    server.serve()
+
+
+def _write(target: Path, shown: Sequence[Recorded], title: str, request: Request) -> None:
+    if target.suffix == ".html":
+        write_text_whole(target, page(title, document(shown)))
+    elif target.suffix == ".replay":
+        write_bytes_whole(target, document(shown))
+    elif len(shown) > 1:
+        raise ConfigurationError(f"to is {target.name} of {len(shown)} episodes; allowed: one, or .html")
+    else:
+        _draw(target, shown[0], request)
+
+
+def _draw(target: Path, one: Recorded, request: Request) -> None:
+    from arena_drawing.film import check_encoder, write_film, write_picture
+    from arena_viewer.stills import frames, strip
+
+    if target.suffix == ".png":
+        write_picture(target, strip(one, request.moments, request.side))
+        return
+    check_encoder(target)
+    last = float(one.record["stamp"][-1])
+    end = last if request.until is None else min(request.until, last)
+    if end <= request.begin:
+        raise ConfigurationError(f"from is {request.begin:g} and until {end:g}; allowed: times before the end of the episode, {last:g} s")
+    stamps = np.arange(request.begin, end, request.speed / request.rate)
+    if target.suffix == ".gif" and len(stamps) > MOST_GIF_FRAMES:
+        raise ConfigurationError(f"to is {target.name} of {len(stamps)} frames; allowed: {MOST_GIF_FRAMES} (a smaller rate), or .mp4")
+    size, pictures = frames(one, stamps.tolist(), request.side)
+    write_film(target, pictures, size, request.rate)

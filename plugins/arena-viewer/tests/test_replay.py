@@ -1,0 +1,177 @@
+"""The replay document says what the record says; the page, the server and the files made of it."""
+
+import gzip
+import http.client
+import json
+import threading
+from urllib.parse import urlsplit
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import arena_core as arena
+from arena_core import ConfigurationError, EpisodeRecord, InputFileError
+from arena_viewer.command import ReplayCommand, read_request
+from arena_viewer.document import document, read_document, read_recorded, time_to_collision
+from arena_viewer.page import MODULES, page
+from arena_viewer.serving import PageServer
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Drive one short episode among three people."""
+    where = tmp_path_factory.mktemp("replay") / "run"
+    words = ["planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=8", "world.height=8", "task.pedestrians=3", "episodes=2"]
+    arena.run([*words, "executor=serial", "localizer=ground_truth", "report=false"], where)
+    return where
+
+
+@pytest.fixture(scope="module")
+def recorded(folder):
+    return read_recorded(folder, 0)
+
+
+def test_document_holds_the_record_to_half_a_millimetre(recorded):
+    header, arrays = read_document(document([recorded]))
+    record = recorded.record
+    for name, of in (("pose", "pose"), ("people", "pedestrian_positions"), ("clearance", "clearance"), ("stamp", "stamp")):
+        assert arrays[0, name].shape == record[of].shape
+        assert arrays[0, name] == pytest.approx(record[of], abs=0.0006)
+    assert np.array_equal(arrays[0, "states"], record["pedestrian_states"])
+    (said,) = header["episodes"]
+    assert said["columns"]["planner"] == "pure_pursuit"
+    assert said["metrics"]["collisions"] == len(record["contact_stamp"])
+
+
+def test_document_is_the_same_twice_and_small(recorded):
+    content = document([recorded])
+    assert content == document([recorded])
+    assert len(content) < 60_000
+
+
+def test_episodes_of_one_world_share_its_map(recorded):
+    header, _ = read_document(document([recorded, recorded]))
+    assert len(header["maps"]) == 1
+    assert [episode["map"] for episode in header["episodes"]] == [0, 0]
+    assert header["maps"][0]["cells"]["shape"] == list(recorded.grid.data.shape)
+
+
+def test_header_has_no_figure_that_json_does_not_know(recorded):
+    raw = gzip.decompress(document([recorded]))
+    text = raw[8 : 8 + int.from_bytes(raw[4:8], "little")].decode()
+    json.loads(text, parse_constant=lambda name: pytest.fail(name))
+
+
+@pytest.mark.parametrize("content", [b"", b"no", gzip.compress(b"ARPL"), gzip.compress(b"ARPL\x02\x00\x00\x00{}")])
+def test_what_is_no_document_is_one_line(content):
+    with pytest.raises(InputFileError, match="replay document"):
+        read_document(content)
+
+
+def towards(recorded, ahead, speed):
+    """Return a record of two rows in which one person stands ``ahead`` m in front of a robot that drives at ``speed`` m/s."""
+    arrays = {"pose": np.zeros((2, 3)), "twist": np.tile((speed, 0.0, 0.0), (2, 1)), "pedestrian_radii": np.array([0.3])}
+    arrays |= {"pedestrian_positions": np.tile((ahead, 0.0), (2, 1, 1)), "pedestrian_velocities": np.zeros((2, 1, 2))}
+    return EpisodeRecord(arrays, recorded.record.meta)
+
+
+def test_time_to_collision_of_a_robot_that_drives_at_a_person(recorded):
+    assert time_to_collision(towards(recorded, 2.0, 1.0))[0] == pytest.approx((2.0 - 0.3 - 0.26707) / 1.0, abs=1e-3)
+
+
+def test_nobody_is_hit_by_a_robot_that_drives_off(recorded):
+    assert np.isinf(time_to_collision(towards(recorded, 2.0, -1.0))).all()
+
+
+def test_page_has_all_that_it_needs_inside(recorded):
+    text = page("a <title>", document([recorded]))
+    assert "a &lt;title&gt;" in text
+    assert all(f'"arena/{name}.js"' in text for name in MODULES)
+    assert "http://" not in text.replace("http://www.w3.org", "")
+    assert "https://" not in text
+    assert len(text) < 200_000
+
+
+def test_modules_of_the_page_are_all_there_are():
+    from importlib.resources import files
+
+    there = {path.name for path in (files("arena_viewer") / "web").iterdir() if path.name.endswith(".js")}
+    assert there == {f"{name}.js" for name in MODULES}
+
+
+@pytest.fixture
+def server(recorded):
+    server = PageServer(page("t", None), document([recorded]))
+    thread = threading.Thread(target=server.serve)
+    thread.start()
+    yield server
+    server.shutdown()
+    thread.join()
+
+
+def asked(server, path, host=None):
+    parts = urlsplit(server.address)
+    connection = http.client.HTTPConnection(parts.hostname, parts.port, timeout=10)
+    connection.request("GET", path, headers={"Host": host} if host else {})
+    answer = connection.getresponse()
+    content = answer.read()
+    connection.close()
+    return answer.status, content
+
+
+def test_server_gives_page_and_document_to_who_knows_the_token(server, recorded):
+    query = urlsplit(server.address).query
+    assert asked(server, f"/?{query}")[0] == 200
+    assert asked(server, f"/document?{query}") == (200, document([recorded]))
+
+
+@pytest.mark.parametrize(
+    ("path", "host", "status"),
+    [
+        ("/", None, 403),
+        ("/?token=wrong", None, 403),
+        ("/document", None, 403),
+        ("TOKEN", "evil.example:80", 403),
+        ("/../../etc/passwd?TOKEN", None, 404),
+        ("/%2e%2e/etc/passwd?TOKEN", None, 404),
+    ],
+)
+def test_server_gives_nothing_else(server, path, host, status):
+    query = urlsplit(server.address).query
+    asked_for = f"/?{query}" if path == "TOKEN" else path.replace("TOKEN", query)
+    assert asked(server, asked_for, host)[0] == status
+
+
+def test_command_writes_a_page_a_strip_and_a_film(folder, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("e.html", "e.png", "e.gif", "e.replay"):
+        assert ReplayCommand().run([str(folder), "0", "--to", name, "side=200", "until=1", "rate=5", "moments=3"]) == 0
+    with Image.open("e.png") as strip, Image.open("e.gif") as film:
+        assert strip.width == 3 * 200 + 2 * 6
+        assert film.n_frames == 5
+    assert read_document((tmp_path / "e.replay").read_bytes())[0]["format"] == "arena-replay"
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ((), r"arguments are none; allowed: arena replay RUN"),
+        (("run", "--to", "a.avi"), r"to is a\.avi; allowed: a name that ends in \.html, \.mp4"),
+        (("run", "x"), r"EPISODE is 'x'; allowed"),
+        (("run", "rate=0"), r"rate is 0"),
+    ],
+)
+def test_a_wrong_request_is_one_line(words, message):
+    with pytest.raises(ConfigurationError, match=message):
+        read_request(words)
+
+
+def test_an_episode_that_is_not_there_is_one_line(folder):
+    with pytest.raises(ConfigurationError, match=r"EPISODE is 7; allowed: 0, 1"):
+        read_recorded(folder, 7)
+
+
+def test_a_port_that_is_taken_is_one_line(server):
+    with pytest.raises(arena.ArenaError, match=r"port \d+: .*; allowed: a free port"):
+        PageServer("", b"", urlsplit(server.address).port)

@@ -1,0 +1,157 @@
+"""The replay page in chromium: it opens from a file and from its server, moves, and is quick."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import arena_core as arena
+from arena_viewer.command import ReplayCommand
+from arena_viewer.document import document, read_recorded
+from arena_viewer.page import page as page_of
+from arena_viewer.serving import PageServer
+
+pytestmark = pytest.mark.browser
+PEOPLE = 100
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    """Let two planners drive the same two scenarios."""
+    where = tmp_path_factory.mktemp("drives")
+    rest = ["robot=jackal", "world=warehouse", "task.pedestrians=4", "episodes=2", "task.time_limit=12", "localizer=ground_truth"]
+    found = []
+    for planner in ("pure_pursuit", "dwa"):
+        arena.run([f"planner={planner}", *rest, "executor=serial", "report=false"], where / planner)
+        found.append(where / planner)
+    return found
+
+
+@pytest.fixture
+def opened(folders: list[Path], tmp_path: Path, show: Callable[[Path], Any]) -> Any:
+    """Open both planners' first episode from one file."""
+    target = tmp_path / "both.html"
+    ReplayCommand().run([str(folders[0]), "0", f"with={folders[1]}", "--to", str(target)])
+    opened = show(target)
+    opened.page.wait_for_function("window.arena")
+    return opened
+
+
+def test_page_opens_from_a_file_and_asks_nobody(opened: Any) -> None:
+    assert opened.complaints == []
+    assert [url for url in opened.requests if not url.startswith(("file:", "data:"))] == []
+    assert opened.overflow <= 0
+    assert [text.split("\n")[0] for text in opened.page.locator("#facts b").all_inner_texts()] == [
+        "pure_pursuit on jackal",
+        "dwa on jackal",
+    ]
+
+
+def test_keys_play_stop_and_step(opened: Any) -> None:
+    page = opened.page
+    page.keyboard.press("Space")
+    page.wait_for_function("arena.player.time > 0.3")
+    page.keyboard.press("Space")
+    assert not page.evaluate("arena.player.playing")
+    page.evaluate("arena.player.seek(2)")
+    page.keyboard.press(".")
+    assert page.evaluate("arena.player.time") == pytest.approx(2.1)
+    page.keyboard.press("End")
+    assert page.evaluate("arena.player.time === arena.player.end")
+    page.keyboard.press("b")
+    assert page.evaluate("arena.view.panes.length") == 1
+
+
+def test_picture_shows_the_robot_where_the_record_says(opened: Any) -> None:
+    page = opened.page
+    page.evaluate("arena.player.seek(3)")
+    page.wait_for_timeout(300)
+    colour = page.evaluate(
+        """() => {
+          const [pane, camera] = [arena.view.panes[0], arena.view.camera];
+          const { pose } = arena.episodes[0].at(3);
+          const x = pane.x + pane.width / 2 + (pose[0] - camera.x) * camera.scale;
+          const y = pane.y + pane.height / 2 - (pose[1] - camera.y) * camera.scale;
+          const ratio = window.devicePixelRatio, canvas = document.getElementById("picture");
+          const data = canvas.getContext("2d").getImageData(Math.round(ratio * x) - 4, Math.round(ratio * y) - 4, 9, 9).data;
+          const near = [];
+          for (let i = 0; i < data.length; i += 4) near.push([data[i], data[i + 1], data[i + 2]].join());
+          return near;
+        }"""
+    )
+    assert "0,114,178" in colour or "179,71,11" in colour  # the robot's colour, or that of a contact
+
+
+def test_pages_own_sums_agree_with_the_record(opened: Any, folders: list[Path]) -> None:
+    record = read_recorded(folders[1], 0).record
+    row = len(record["stamp"]) // 2
+    pose = opened.page.evaluate(f"arena.episodes[1].at({float(record['stamp'][row])} + 1e-4).pose")
+    assert pose[:2] == pytest.approx(record["pose"][row][:2], abs=0.01)
+
+
+def test_beams_that_are_cast_anew_end_where_the_simulator_had_them(opened: Any, folders: list[Path]) -> None:
+    record = read_recorded(folders[0], 0).record
+    least = opened.page.evaluate(
+        """async () => {
+          const { cast } = await import("arena/lidar.js");
+          const episode = arena.episodes[0], moment = episode.at(1.0001);
+          return Math.min(...cast(episode.map, moment.pose, episode.said.robot.lidar, moment.people));
+        }"""
+    )
+    row = int((record["stamp"] <= 1.0001).sum()) - 1
+    assert least == pytest.approx(float(record["scan_min"][row]), abs=0.15)  # noise, and a scan of a tenth of a second before
+
+
+def test_frames_among_a_hundred_people_are_drawn_in_time(folders: list[Path], tmp_path: Path, show: Callable[[Path], Any]) -> None:
+    """The median is not held to a number: a busy machine's is no fact. That all of them are drawn is."""
+    words = [
+        "planner=pure_pursuit",
+        "robot=jackal",
+        "world=outdoor_as_released",
+        f"task.pedestrians={PEOPLE}",
+        "episodes=1",
+        "task.time_limit=4",
+    ]
+    arena.run([*words, "executor=serial", "report=false", "localizer=ground_truth"], tmp_path / "crowd")
+    ReplayCommand().run([str(tmp_path / "crowd"), "--to", str(tmp_path / "crowd.html")])
+    page = show(tmp_path / "crowd.html").page
+    page.wait_for_function("window.arena")
+    assert page.evaluate("arena.episodes[0].at(1).people.length") == PEOPLE
+    page.evaluate("arena.player.toggle()")
+    page.wait_for_function("!arena.player.playing")
+    spent = sorted(page.evaluate("arena.spent"))
+    print(f"script of a frame: median {spent[len(spent) // 2]:.1f} ms, p95 {spent[int(0.95 * len(spent))]:.1f} ms")
+    assert len(spent) > 20
+
+
+@pytest.fixture
+def server(folders: list[Path]) -> Iterator[PageServer]:
+    server = PageServer(page_of("replay", None), document([read_recorded(folders[0], 0)]))
+    thread = threading.Thread(target=server.serve)
+    thread.start()
+    yield server
+    server.shutdown()
+    thread.join()
+
+
+def test_page_of_the_server_fetches_its_document(server: PageServer, chromium: Any) -> None:
+    page = chromium.new_page()
+    complaints: list[str] = []
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+    page.on("console", lambda message: complaints.append(message.text) if message.type in ("error", "warning") else None)
+    page.goto(server.address)
+    page.wait_for_function("window.arena")
+    assert complaints == []
+    page.close()
+
+
+def test_damaged_document_is_said_in_the_page(folders: list[Path], tmp_path: Path, show: Callable[[Path], Any]) -> None:
+    target = tmp_path / "bad.html"
+    target.write_text(page_of("bad", b"no document"))
+    page = show(target).page
+    page.wait_for_selector("#trouble:not([hidden])")
+    assert "This cannot be shown" in page.inner_text("#trouble")
