@@ -5,7 +5,7 @@ import csv
 import pytest
 
 from arena_core import ConfigurationError, InputFileError
-from arena_metrics.tables.query import QueryCommand
+from arena_metrics.tables.query import QueryCommand, write_table
 
 FEW = ("success", "collisions", "path_length")
 
@@ -88,3 +88,18 @@ def test_a_wrong_query_is_refused_in_one_line(runs, question, words, message):
 def test_folders_without_runs_are_refused(tmp_path):
     with pytest.raises(InputFileError, match="no run below it"):
         ask("SELECT 1", tmp_path)
+
+
+def test_a_report_has_all_episodes_as_parquet_with_the_types_of_a_query(runs, tmp_path):
+    import duckdb
+
+    assert write_table(sorted(runs.iterdir()), tmp_path / "tables" / "episodes.parquet")
+    found = duckdb.sql(f"SELECT count(*), sum(success), any_value(typeof(episode)) FROM '{tmp_path / 'tables' / 'episodes.parquet'}'")
+    assert found.fetchall() == [(10, 7.0, "BIGINT")]
+    assert [path.name for path in (tmp_path / "tables").iterdir()] == ["episodes.parquet"]
+
+
+def test_without_duckdb_there_is_no_parquet(runs, tmp_path, monkeypatch):
+    monkeypatch.setattr("arena_metrics.tables.query.find_spec", lambda name: None)
+    assert not write_table(sorted(runs.iterdir()), tmp_path / "tables" / "episodes.parquet")
+    assert not (tmp_path / "tables").exists()

@@ -52,7 +52,7 @@ def test_a_part_of_the_benchmark_is_not_ranked(faced):
     ("key", "value", "fault"),
     [
         ("localizer.name", "ground_truth", 'has localizer.name "ground_truth", not "amcl"'),
-        ("pedestrians.reaction", "ignore", 'has pedestrians.reaction "ignore", not "yield"'),
+        ("pedestrians.reaction", "yield", 'has pedestrians.reaction "yield", not "ignore"'),
         ("task.time_limit", 20, "has task.time_limit 20, not "),
         ("world.path", "own.yaml", 'has world.path "own.yaml", not "pkg://arena_scenarios'),
         ("seed", 1, "has seed 1 and 5 episodes, not 0 and 5"),

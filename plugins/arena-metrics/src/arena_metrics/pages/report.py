@@ -108,6 +108,7 @@ def write_report(
     from arena_metrics.pooling.summary import summarise
     from arena_metrics.tables.pairs import paired_tables
     from arena_metrics.tables.problem_table import problem_table
+    from arena_metrics.tables.query import write_table
     from arena_metrics.tables.ranking import ranking_table
 
     episodes, repeats = pooled(runs)
@@ -119,6 +120,7 @@ def write_report(
     pairs, levels, problems = paired_tables(summary, baseline), level_table(summary.cells), problem_table(summary.cells, summary.columns)
     ranking = ranking_table(summary)
     _write_tables(summary, ranking, pairs, levels, problems, target)
+    write_table([run.folder for run in runs], target / "tables" / "episodes.parquet")
     drives = _drives(summary, pictures) if figures != "none" else {}
     tables = _tables_of_drives(summary, drives, target)
     drawn = _draw(summary, drives, target, figures, pdf) if figures != "none" else ([], [], [])

@@ -131,6 +131,11 @@ def _comma_separated(head: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
 
 
 def _write_parquet(database: DuckDBPyConnection, question: str, beside: Path, out: Path) -> None:
+    print(f"{_copy(database, question, beside, out)} rows: {out}")
+
+
+def _copy(database: DuckDBPyConnection, question: str, beside: Path, out: Path) -> int:
+    """Write an answer to a Parquet file by way of the one that the database can reach; return its number of rows."""
     import duckdb
 
     try:
@@ -143,7 +148,18 @@ def _write_parquet(database: DuckDBPyConnection, question: str, beside: Path, ou
         raise ConfigurationError(f"the query cannot be answered: {_reason(error)}") from None
     finally:
         beside.unlink(missing_ok=True)
-    print(f"{count[0] if count else 0} rows: {out}")
+    return int(count[0]) if count else 0
+
+
+def write_table(runs: Sequence[Path], out: Path) -> bool:
+    """Write all episodes of these runs to a Parquet file, whole or not at all; return whether DuckDB is installed to do so."""
+    if find_spec("duckdb") is None:
+        return False
+    out.parent.mkdir(parents=True, exist_ok=True)
+    beside = out.with_name(f".{out.name}.new")
+    with _connected(runs, beside) as database:
+        _copy(database, "SELECT * FROM episodes", beside, out)
+    return True
 
 
 def _text(value: Any) -> str:
