@@ -63,7 +63,7 @@ def test_composing_leaves_nothing_behind_outside_one_and_after_an_error():
 @pytest.mark.parametrize(
     ("override", "message"),
     [
-        ("executor=serail", r"unknown executor 'serail'; did you mean serial\? \(possible: processes, serial\)"),
+        ("executor=serail", r"unknown executor 'serail'; did you mean serial\? \(possible: processes, ray, serial, slurm\)"),
         ("experiment=smoek", r"unknown experiment 'smoek'; did you mean smoke\? \(possible: .*smoke"),
         ("metrics=[sii]", r"unknown metrics 'sii'; did you mean si\?"),
         ("episode=3", r"the configuration has no key episode; did you mean episodes\? \(possible: episodes, "),

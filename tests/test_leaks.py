@@ -91,7 +91,7 @@ def test_the_planner_cannot_reach_the_reference_pose(tmp_path):
     run.run(0, tmp_path)
     names = {name for observation in seen for name in dir(observation) if not name.startswith("__")}
     assert names == {
-        *("stamp", "pose", "covariance", "twist", "scan", "goal", "waypoint", "path", "map", "local_map", "tracks"),
+        *("stamp", "pose", "covariance", "twist", "scan", "goal", "waypoint", "path", "map", "local_map", "tracks", "depth"),
         *("_local_map", "_tracks"),
     }
     assert all(isinstance(observation.twist, Twist) for observation in seen)

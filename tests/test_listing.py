@@ -124,7 +124,7 @@ def test_listing_reads_all_options_in_a_fraction_of_a_second(arena):
 
 
 def test_names_alone_come_one_a_line(steady, arena):
-    assert arena("list", "executor", "--names").out == "processes\nserial\n"
+    assert arena("list", "executor", "--names").out == "processes\nray\nserial\nslurm\n"
     assert "steady" in arena("list", "planner", "--names").out.split()
 
 
