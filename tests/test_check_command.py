@@ -35,6 +35,7 @@ def test_everything_installed_holds_its_contract_or_needs_a_file(arena):
     lines = answer.out.splitlines()
     assert answer.status == 0, [line for line in lines if line.startswith("BROKEN")]
     assert {line.split()[1] for line in lines if line.startswith("--")} == {
+        "executor=slurm",
         "world=barn",
         "world=file",
         "world=ros_map",
