@@ -73,9 +73,9 @@ def _verdict_text(one: Judged) -> str:
 
 
 def _rounded(number: float) -> int:
-    """Return a number with two digits that count: it is an estimate."""
+    """Return a number with two digits that count, at least 1: it is an estimate."""
     step: int = 10 ** max(0, math.floor(math.log10(max(number, 1.0))) - 1)
-    return math.ceil(number / step) * step
+    return max(math.ceil(number / step), 1) * step
 
 
 def _evidence(one: Judged) -> str:
