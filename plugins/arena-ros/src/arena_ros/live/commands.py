@@ -29,7 +29,7 @@ from arena_ros.live.settings import Settings, settings
 from arena_ros.transport import open_transport
 
 FIGURES = tuple(field.name for field in fields(Settings))
-DRIVE_KEYS = ("transport", "map", "goal", "start", "pose", "scan", "odometry", "cmd_vel", "dry_run", "out", *FIGURES)
+DRIVE_KEYS = ("transport", "map", "goal", "start", "pose", "scan", "odometry", "cmd_vel", "alone", "dry_run", "out", *FIGURES)
 SIMULATE_KEYS = ("transport", "episode", "rate", "lock_step", *FIGURES)
 
 
@@ -56,7 +56,8 @@ def drive(usage: str, arguments: Sequence[str]) -> int:
         closing(open_transport(words.value("transport", str, None), "arena_drive")) as transport,
         OutsideRun(folder, benchmark.config, registry, benchmark.code) as run,
     ):
-        driver = Driver(transport, Senses(transport, topics, benchmark.robot, figures), benchmark, world, run, figures, target)
+        senses, alone = Senses(transport, topics, benchmark.robot, figures), words.value("alone", bool, True)
+        driver = Driver(transport, senses, benchmark, world, run, figures, target, alone)
         driver.drive(start, goal, why)
         _tell_latency(driver.latencies, driver.wakes, benchmark.navigator.control_period)
     print(f"records: {folder}" if run.rows else "no records: there was no goal")
@@ -97,6 +98,8 @@ def _stopped() -> Iterator[Callable[[], str]]:
 
     def note(number: int, frame: FrameType | None) -> None:
         came.append(number)
+        if len(came) > 1:  # a planner that hangs: the second signal takes it out of there
+            raise KeyboardInterrupt
 
     numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
     before = [signal.signal(number, note) for number in numbers]
