@@ -94,6 +94,7 @@ class Driver:
         self._shown = float("-inf")
         self._estimate: Pose | None = None  # where it believed to be when it was last driven
         self.latencies: list[float] = []
+        self.beyond: list[float] = []  # s of each step that were not the navigator's: taking in sensors, limits, sending
         self.wakes: list[float] = []
 
     def drive(self, start: Pose | None, goal: Pose | None, is_over: Callable[[], str]) -> int:
@@ -231,9 +232,11 @@ class Driver:
         else:
             sent = self._governor.limited(decision.command)
         if not decision.arrived:
+            begin = time.monotonic()
             self._publish(sent)
             self._guard.sent()
-            self.latencies.append(took)
+            self.latencies.append(took + time.monotonic() - begin)
+            self.beyond.append(self.latencies[-1] - decision.spent.navigator)
         return replace(decision, command=sent)
 
     def _rival(self) -> str | None:
