@@ -98,7 +98,7 @@ def test_a_robot_with_two_masters_stands(site: Path, domain: None) -> None:
 
 
 def test_a_planner_that_hangs_leaves_a_robot_that_stands(site: Path, domain: None, monkeypatch: pytest.MonkeyPatch) -> None:
-    from arena_pure_pursuit.planner import PurePursuit
+    from arena_pure_pursuit import PurePursuit
 
     usual, hung = PurePursuit.compute_velocity, []
     puppet = Puppet()

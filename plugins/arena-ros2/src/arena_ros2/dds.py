@@ -46,6 +46,7 @@ class Dds(Transport):
         except DDSException as error:
             raise ArenaError(f"DDS domain {number} cannot be joined ({one_line(str(error), 80)})") from None
         self._kept: list[Any] = []
+        self._out: list[Any] = []
         self._closed = False
 
     def publisher(self, topic: str, type: str, latched: bool = False) -> Publish:
@@ -58,12 +59,14 @@ class Dds(Transport):
 
         kind = sample_type(type)
         writer = DataWriter(self._publisher, Topic(self._participant, f"rt{topic}", kind), qos=_quality(True, latched))
-        self._kept.append(writer)
+        number = len(self._out)
+        self._out.append(writer)
+        del writer  # only this object keeps it, so that it leaves the domain when this is closed
 
         def publish(content: bytes) -> None:
             if not self._closed:
-                with suppress(DDSException):  # a reader that does not keep up holds a reliable writer for 100 ms at most
-                    writer.write(sample(kind, content))
+                with suppress(DDSException, IndexError):  # a reader that does not keep up holds a reliable writer for 100 ms at most
+                    self._out[number].write(sample(kind, content))
 
         return publish
 
@@ -108,6 +111,7 @@ class Dds(Transport):
             return
         self._closed = True
         self._kept.clear()
+        self._out.clear()
         for name in ("_publisher", "_subscriber", "_alive", "_writers", "_participant"):
             delattr(self, name)
 
