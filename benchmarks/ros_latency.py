@@ -1,4 +1,4 @@
-"""Measure a drive over ROS 2 (DDS, two processes and a third that sends goals): jitter of the control loop, and what lies beyond the planner.
+"""Measure a drive over ROS 2 (DDS, three processes): jitter of the control loop, and what lies beyond the planner.
 
 The wire is measured apart: half of the way there and back of a scan that another process sends on as it came.
 """
@@ -95,20 +95,27 @@ def drive(seconds: float, planner: str, folder: Path) -> str:
     site(folder)
     world = ["world=ros_map", f"world.path={folder}/map.yaml", "task=scenario", f"task.path={folder}/hall.json"]
     robot = [ARENA, "ros", "simulate", "transport=ros2-dds", f"robot={ROBOT}", *world]
-    words = [f"planner={planner}", f"robot={ROBOT}", f"robot.control_period={STEP}", f"map={folder}/map.yaml", "start=2,3,0", f"out={folder}/run"]
+    words = [
+        f"planner={planner}",
+        f"robot={ROBOT}",
+        f"robot.control_period={STEP}",
+        f"map={folder}/map.yaml",
+        "start=2,3,0",
+        f"out={folder}/run",
+    ]
     own, node = codec(2), Dds("goals")
     send = node.publisher("/goal_pose", to.POSE_STAMPED)
     said: list[str] = []
     node.subscribe("/arena/status", to.TEXT, lambda content: said.append(json.loads(own.decode(content, to.TEXT).data)["status"]))
-    with running(*robot, log=folder / "robot.txt"):
-        with running(ARENA, "ros", "drive", "transport=ros2-dds", *words, log=folder / "drive.txt") as driver:
-            end, count = time.monotonic() + seconds, 0
-            while time.monotonic() < end and driver.poll() is None:
-                if said and said[-1] == "waits for a goal":
-                    send(own.encode(to.pose_stamped(own, GOALS[count % 2], time.time_ns(), "map"), to.POSE_STAMPED))
-                    said.clear()
-                    count += 1
-                time.sleep(0.2)
+    words = [ARENA, "ros", "drive", "transport=ros2-dds", *words]
+    with running(*robot, log=folder / "robot.txt"), running(*words, log=folder / "drive.txt") as driver:
+        end, count = time.monotonic() + seconds, 0
+        while time.monotonic() < end and driver.poll() is None:
+            if said and said[-1] == "waits for a goal":
+                send(own.encode(to.pose_stamped(own, GOALS[count % 2], time.time_ns(), "map"), to.POSE_STAMPED))
+                said.clear()
+                count += 1
+            time.sleep(0.2)
     node.close()
     return (folder / "drive.txt").read_text()
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,14 +11,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parent))
-from puppet import Puppet  # noqa: E402
-
-from arena_core import read_record  # noqa: E402
-from arena_core.cli.main import main  # noqa: E402
-from arena_ros import conversions as to  # noqa: E402
-from arena_ros.live.guard import Guard  # noqa: E402
-from arena_ros2.dds import Dds  # noqa: E402
+from arena_core import read_record
+from arena_core.cli.main import main
+from arena_ros import conversions as to
+from arena_ros.live.guard import Guard
+from arena_ros2.dds import Dds
 
 pytestmark = pytest.mark.slow
 SCAN, ODOMETRY, POSE = "stopped: no scan of use on /scan", "stopped: no odometry of use on /odom", "stopped: no pose on /tf"
@@ -56,11 +52,10 @@ def reasons(site: Path) -> str:
     return str([event for event in record.meta["events"] if event["kind"] == "safety_stop"])
 
 
-def test_each_fault_of_a_sensor_is_a_stop_with_its_reason(site: Path, domain: None) -> None:
+def test_each_fault_of_a_sensor_is_a_stop_with_its_reason(site: Path, domain: None, puppet: Any) -> None:
     faults = [("scans of NaN", SCAN), ("a scan that stays the same", SCAN), ("rubbish on /scan", SCAN), ("nothing on /scan", SCAN)]
     faults += [("odometry of NaN", ODOMETRY), ("rubbish on /odom", ODOMETRY)]
     faults += [("nothing on /tf", POSE), ("tf of NaN", POSE), ("tf of another frame", POSE)]
-    puppet = Puppet()
     puppet.face(faults)
     with puppet:
         assert drive(site, "pose=/tf") == 0
@@ -72,14 +67,13 @@ def test_each_fault_of_a_sensor_is_a_stop_with_its_reason(site: Path, domain: No
     assert "no pose" in kept
 
 
-def test_stamps_that_jump_by_an_hour_change_nothing(site: Path, domain: None) -> None:
-    puppet = Puppet()
+def test_stamps_that_jump_by_an_hour_change_nothing(site: Path, domain: None, puppet: Any) -> None:
     puppet.fault = "the clock jumps"
     with puppet:
         assert drive(site, "pose=/tf") == 0
 
 
-def test_a_robot_with_two_masters_stands(site: Path, domain: None) -> None:
+def test_a_robot_with_two_masters_stands(site: Path, domain: None, puppet: Any) -> None:
     others: list[Dds] = []
 
     def join(fault: str) -> None:
@@ -89,7 +83,6 @@ def test_a_robot_with_two_masters_stands(site: Path, domain: None) -> None:
         else:
             others.pop().close()
 
-    puppet = Puppet()
     puppet.face([("another master", "publishes /cmd_vel, too")], join)
     with puppet:
         assert drive(site, "pose=/tf") == 0
@@ -97,11 +90,10 @@ def test_a_robot_with_two_masters_stands(site: Path, domain: None) -> None:
     assert "publishes /cmd_vel, too" in reasons(site)
 
 
-def test_a_planner_that_hangs_leaves_a_robot_that_stands(site: Path, domain: None, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_planner_that_hangs_leaves_a_robot_that_stands(site: Path, domain: None, puppet: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     from arena_pure_pursuit import PurePursuit
 
     usual, hung = PurePursuit.compute_velocity, []
-    puppet = Puppet()
 
     def hang(self: Any, observation: Any) -> Any:
         if not hung and puppet.command.vx > 0.1:
@@ -118,13 +110,13 @@ def test_a_planner_that_hangs_leaves_a_robot_that_stands(site: Path, domain: Non
     assert "a control step took" in reasons(site)
 
 
-def test_a_pose_in_a_foreign_frame_is_one_line(site: Path, domain: None, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_pose_in_a_foreign_frame_is_one_line(site: Path, domain: None, puppet: Any, capsys: pytest.CaptureFixture[str]) -> None:
     from arena_ros.codec import codec
 
     own, node = codec(2), Dds("camera")
     send = node.publisher("/mocap/pose", to.POSE_STAMPED, latched=True)
     send(own.encode(to.pose_stamped(own, to.Pose(1.0, 1.0), 1, "camera"), to.POSE_STAMPED))
-    with Puppet():
+    with puppet:
         assert drive(site, "pose=/mocap/pose", "patience=5") == 2
     assert "no pose on /mocap/pose within 5 s" in capsys.readouterr().err.splitlines()[-1]
     node.close()

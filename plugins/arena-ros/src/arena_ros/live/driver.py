@@ -70,7 +70,15 @@ class Driver:
     """
 
     def __init__(
-        self, transport: Transport, senses: Senses, benchmark: Benchmark, world: World, run: OutsideRun, settings: Settings, target: str, alone: bool
+        self,
+        transport: Transport,
+        senses: Senses,
+        benchmark: Benchmark,
+        world: World,
+        run: OutsideRun,
+        settings: Settings,
+        target: str,
+        alone: bool,
     ) -> None:
         self._benchmark, self._world, self._run, self._settings, self._senses = benchmark, world, run, settings, senses
         self._navigator = benchmark.navigator

@@ -134,7 +134,9 @@ class Senses:
                 return own
             self._mounts[frame] = found
             if np.abs(found.array() - own.array()).max() > MOVED:
-                tell(f"/tf_static has {frame} at {found.x:.3f}, {found.y:.3f}, {found.theta:.3f}: this counts, not lidar.mount of the robot")
+                tell(
+                    f"/tf_static has {frame} at {found.x:.3f}, {found.y:.3f}, {found.theta:.3f}: this counts, not lidar.mount of the robot"
+                )
         return self._mounts[frame]
 
     @property

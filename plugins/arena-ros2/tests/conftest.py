@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable
 
 import numpy as np
+import pytest
 
 from arena_core import LaserScan, Pose, Twist
 from arena_ros import conversions as to
@@ -102,3 +103,9 @@ class Puppet:
         with np.errstate(divide="ignore"):
             walls = np.where(ways > 0, (ROOM_XY - self.pose.array()[:2])[:, None] / ways, -self.pose.array()[:2][:, None] / ways)
         return walls.min(axis=0).astype(np.float32)
+
+
+@pytest.fixture
+def puppet() -> Puppet:
+    """A robot that drives as soon as its block is entered."""
+    return Puppet()
