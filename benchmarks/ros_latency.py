@@ -101,6 +101,7 @@ def drive(seconds: float, planner: str, folder: Path) -> str:
         f"robot.control_period={STEP}",
         f"map={folder}/map.yaml",
         "start=2,3,0",
+        "patience=120",
         f"out={folder}/run",
     ]
     own, node = codec(2), Dds("goals")
