@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from arena_core import read_record
+from arena_core import Pose, read_record
 from arena_core.cli.main import main
 from arena_ros import conversions as to
 from arena_ros.live.guard import Guard
@@ -42,8 +43,8 @@ def site(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def drive(site: Path, *words: str) -> int:
-    where = [f"map={site}/map.yaml", "goal=8.5,3", f"out={site}/run", "speed=0.25", "patience=60", "overrun=5"]
+def drive(site: Path, *words: str, patience: str = "60") -> int:
+    where = [f"map={site}/map.yaml", "goal=8.5,3", f"out={site}/run", "speed=0.25", f"patience={patience}", "overrun=5"]
     return main(["ros", "drive", "transport=ros2-dds", "planner=pure_pursuit", "robot=jackal", *where, *words])
 
 
@@ -113,13 +114,24 @@ def test_a_planner_that_hangs_leaves_a_robot_that_stands(site: Path, domain: Non
 def test_a_pose_in_a_foreign_frame_is_one_line(site: Path, domain: None, puppet: Any, capsys: pytest.CaptureFixture[str]) -> None:
     from arena_ros.codec import codec
 
-    own, node = codec(2), Dds("camera")
-    send = node.publisher("/mocap/pose", to.POSE_STAMPED, latched=True)
-    send(own.encode(to.pose_stamped(own, to.Pose(1.0, 1.0), 1, "camera"), to.POSE_STAMPED))
+    own, node, over = codec(2), Dds("camera"), threading.Event()
+    send = node.publisher("/mocap/pose", to.POSE_STAMPED)
+    message = own.encode(to.pose_stamped(own, Pose(1.0, 1.0), 1, "camera"), to.POSE_STAMPED)
+
+    def see() -> None:
+        while not over.wait(0.1):
+            send(message)
+
+    camera = threading.Thread(target=see, daemon=True)
+    camera.start()
     with puppet:
-        assert drive(site, "pose=/mocap/pose", "patience=5") == 2
-    assert "no pose on /mocap/pose within 5 s" in capsys.readouterr().err.splitlines()[-1]
+        assert drive(site, "pose=/mocap/pose", patience="10") == 2
+    over.set()
+    camera.join()
     node.close()
+    said = capsys.readouterr().err
+    assert "/mocap/pose is in the frame camera and does not count; allowed: map" in said
+    assert "no pose on /mocap/pose within 10 s" in said.splitlines()[-1]
 
 
 def test_guard_is_quiet_before_the_first_command_and_after_the_last() -> None:
