@@ -53,6 +53,7 @@ def run_episode(
         pulse.beat()
         try:
             decision = navigator.decide(sensors)
+            considered = navigator.considered(decision) if recorder.keeps_considered else None
         except BaseException as error:  # whatever a planner raises, sys.exit() too
             if interrupts.raised(error):
                 raise
@@ -60,7 +61,7 @@ def run_episode(
         outcome = worlds.judge(np.array((decision.arrived,))).outcome(0)
         if outcome is not None:
             return recorder.finish(state, outcome, "", decision)
-        recorder.add(decision)
+        recorder.add(decision, considered)
         late = math.ceil(timing.delay(decision) / simulator.inner_step - 1e-9)
         snapshot = worlds.drive(decision.command.array()[None], np.array((late,)))
         state, sensors = snapshot.state(0), snapshot.sensors(0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from copy import deepcopy
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 from difflib import get_close_matches
 from hashlib import blake2b
 from pathlib import Path
@@ -77,9 +77,14 @@ class RunSettings:
 
 @dataclass(frozen=True, slots=True)
 class RecordingSettings:
-    """What a record keeps beyond the usual: ``scans`` keeps every scan."""
+    """What a record keeps beyond the usual: every scan, the tracks that the planner asked for, what it considered.
+
+    Configurations from before there were tracks and considered ways lack them.
+    """
 
     scans: bool
+    tracks: bool = False
+    considered: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -118,7 +123,7 @@ class Benchmark:
         world = {"name": scenario.world.name, "known": scenario.world.known, "grid": write_grid(folder, grid)}
         world["free_area"] = grid.derive(free_area)
         meta = {"columns": columns, "world": world, "config": cell_config(self.config)}
-        recorder = Recorder(scenario, self.robot, meta, self.recording.scans)
+        recorder = Recorder(scenario, self.robot, meta, *astuple(self.recording))
         record = run_episode(scenario, self.simulator, self.navigator, self.timing, recorder, self.settings.stop_on_collision)
         there = np.isfinite(record["pedestrian_positions"]).all(axis=2).any(axis=0)  # the pedestrian model decides who is
         return replace(record, meta={**record.meta, "columns": {**columns, "n_pedestrians": int(there.sum())}})

@@ -8,7 +8,23 @@ from html import escape
 from importlib.resources import files
 from string import Template
 
-MODULES = ("camera", "decode", "episode", "facts", "hands", "lidar", "looks", "main", "panes", "player", "plots", "scene")
+MODULES = (
+    "camera",
+    "decode",
+    "episode",
+    "facts",
+    "hands",
+    "lidar",
+    "looks",
+    "main",
+    "panes",
+    "people",
+    "player",
+    "plots",
+    "scene",
+    "thoughts",
+    "walk",
+)
 
 
 def page(title: str, document: bytes | None) -> str:
