@@ -123,7 +123,7 @@ def document(episodes: Sequence[Recorded]) -> bytes:
             maps.append(_map(one.grid, buffers))
         said.append({**_episode(one, buffers), "map": None if key is None else places[key]})
     header = {"format": "arena-replay", "version": VERSION, "maps": maps, "episodes": said}
-    text = json.dumps(_finite(header), separators=(",", ":"), ensure_ascii=False, allow_nan=False).encode()
+    text = json.dumps(finite(header), separators=(",", ":"), ensure_ascii=False, allow_nan=False).encode()
     head = MAGIC + len(text).to_bytes(4, "little") + text
     return gzip.compress(b"".join([head, bytes(-len(head) % 8), *buffers.parts]), compresslevel=9, mtime=0)
 
@@ -222,12 +222,12 @@ def _radius(footprint: Mapping[str, Any]) -> float:
     return max(math.hypot(x, y) for x, y in vertices) if vertices else float(footprint["radius"])
 
 
-def _finite(node: Any) -> Any:
+def finite(node: Any) -> Any:
     """Return a header without figures that JSON does not know: they become null."""
     if isinstance(node, Mapping):
-        return {key: _finite(value) for key, value in node.items()}
+        return {key: finite(value) for key, value in node.items()}
     if isinstance(node, (list, tuple)):
-        return [_finite(value) for value in node]
+        return [finite(value) for value in node]
     return None if isinstance(node, float) and not math.isfinite(node) else node
 
 
