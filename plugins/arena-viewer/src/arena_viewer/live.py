@@ -9,7 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from arena_core import ArenaError, InputFileError, find_runs, read_grid, read_table
+from arena_core import ArenaError, InputFileError, find_runs, read_grid, read_table, record_path
 from arena_viewer.document import FREE, OCCUPIED, UNKNOWN, document, finite, read_recorded
 
 LOOK_EVERY, RUNS_EVERY = 0.2, 5.0  # s between two looks at the folder, and for new runs
@@ -77,7 +77,7 @@ class Watched:
             "name": str(folder.relative_to(self._folder)) if folder != self._folder else folder.name,
             "total": max(total, len(rows)),
             "done": len(rows),
-            "new": sum(_is_newer(folder / "records" / f"{int(row['episode']):04d}.npz", began) for row in rows[-SHOWN:]),
+            "new": sum(_is_newer(record_path(folder, int(row["episode"])), began) for row in rows[-SHOWN:]),
             "seconds": time.time() - began if began else None,
             "succeeded": sum(row.get("success") in ("1", "1.0") for row in rows),
             "rows": [{name: row.get(name, "") for name in ROW} for row in rows[-SHOWN:]],
