@@ -100,7 +100,7 @@ def _window(grid: OccupancyGrid) -> Window:
 def _legend(problems: Sequence[Problem]) -> list[Line2D | Patch]:
     """Return what explains the marks that are there."""
     people: list[PedestrianSpec] = [person for problem in problems for person in problem.pedestrians]
-    marks = [
+    marks: list[tuple[bool, Line2D | Patch]] = [
         (True, Line2D([], [], marker="o", color=ROBOT, linestyle="none", label="robot's start")),
         (True, Line2D([], [], marker="*", color=GOAL, markeredgecolor=INK, markersize=10, linestyle="none", label="goal")),
         (bool(people), Line2D([], [], marker="o", color=PERSON, linestyle="--", linewidth=1.0, label="person and round")),
