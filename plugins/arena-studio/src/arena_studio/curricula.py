@@ -9,8 +9,8 @@ from pydantic import BaseModel, Field
 
 from arena_core import ArenaError
 from arena_studio.project import Project
-from arena_studio.scenarios import LONG, SOON, MapPath, Name, Path
-from arena_studio.side_process import SideProcess
+from arena_studio.scenarios import LONG, SOON, MapPath, Name, Path, Version, known
+from arena_studio.side_process import beside
 
 SUFFIXES = (".yaml", ".yml")
 Row = dict[str, float | int | None]
@@ -43,7 +43,7 @@ class Packing(BaseModel):
 def router(project: Project) -> APIRouter:
     """Return the routes below /api/curricula."""
     routes = APIRouter(prefix="/api/curricula")
-    quick, slow = SideProcess(project.root), SideProcess(project.root)
+    quick, slow = beside(project.root)
 
     @routes.get("")
     def listed() -> Any:
@@ -58,14 +58,14 @@ def router(project: Project) -> APIRouter:
         return {"path": path, "version": version, "levels": quick.ask("levels", SOON, name=path)}
 
     @routes.put("/file")
-    def saved(path: Path, levels: list[Row], version: str | None = None) -> dict[str, str]:
+    def saved(path: Path, levels: list[Row], version: Version) -> dict[str, str]:
         project.path(path)
         if not path.endswith(SUFFIXES):
             raise ArenaError(f"path is {path}; allowed: a name that ends in .yaml or .yml")
         made = quick.ask("check levels", SOON, rows=levels)
         if made["findings"]:
             raise ArenaError(f"{path}: {made['findings'][0]['line']}")
-        return {"version": project.write(path, made["text"].encode(), version or None)}
+        return {"version": project.write(path, made["text"].encode(), known(version))}
 
     @routes.post("/check")
     def checked(levels: list[Row]) -> Any:
@@ -75,8 +75,8 @@ def router(project: Project) -> APIRouter:
     def draws(asked: Drawing) -> Any:
         if asked.map:
             project.path(asked.map)
-        given = asked.model_dump()
-        return slow.ask("draws", LONG, **{key: given[key] for key in ("rules", "world", "difficulty", "robot", "seed", "count")}, map_file=asked.map)
+        given = {key: getattr(asked, key) for key in ("rules", "world", "difficulty", "robot", "seed", "count")}
+        return slow.ask("draws", LONG, **given, map_file=asked.map)
 
     @routes.get("/packs")
     def packs() -> Any:

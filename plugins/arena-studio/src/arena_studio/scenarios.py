@@ -5,16 +5,17 @@ from __future__ import annotations
 import posixpath
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Header, Query
 from pydantic import BaseModel, Field
 
 from arena_core import ArenaError
 from arena_studio.project import Project
-from arena_studio.side_process import SideProcess
+from arena_studio.side_process import beside
 
-SOON, LONG = 20.0, 120.0  # s that a request may take; a preview compiles its planner the first time
+SOON, LONG = 60.0, 300.0  # s that a request may take; what is used for the first time is compiled
 LONGEST_PREVIEW = 60.0  # s of simulated time
 Path = Annotated[str, Query(max_length=400)]
+Version = Annotated[str, Header(alias="If-Match", max_length=100)]  # of the file as it was read, "none" where it must not be there yet
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_.\-/]{1,80}$")]
 MapPath = Annotated[str, Field(max_length=400)]
 
@@ -54,7 +55,7 @@ class Exporting(Content):
 def router(project: Project) -> APIRouter:
     """Return the routes below /api/scenarios."""
     routes = APIRouter(prefix="/api/scenarios")
-    quick, slow = SideProcess(project.root), SideProcess(project.root)
+    quick, slow = beside(project.root)
 
     @routes.get("")
     def listed() -> Any:
@@ -70,12 +71,12 @@ def router(project: Project) -> APIRouter:
         return {"path": path, "version": version, **quick.ask("open", SOON, name=path)}
 
     @routes.put("/file")
-    def saved(path: Path, content: dict[str, Any], version: str | None = None) -> dict[str, str]:
+    def saved(path: Path, content: dict[str, Any], version: Version) -> dict[str, str]:
         project.path(path)
         if not path.endswith(".json"):
             raise ArenaError(f"path is {path}; allowed: a name that ends in .json")
         text = quick.ask("text", SOON, name=path, content=content)
-        return {"version": project.write(path, text.encode(), version or None)}
+        return {"version": project.write(path, text.encode(), known(version))}
 
     @routes.get("/map")
     def map_cells(path: Path) -> Any:
@@ -100,6 +101,11 @@ def router(project: Project) -> APIRouter:
         return {"written": sorted(made["texts"]), "left_out": made["left_out"]}
 
     return routes
+
+
+def known(version: str) -> str | None:
+    """Return a version as the project has it."""
+    return None if version == "none" else version
 
 
 def _of(project: Project, asked: Content) -> dict[str, Any]:

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 import time
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -29,8 +30,8 @@ class SideProcess:
         self._lock = threading.Lock()
         self._process: subprocess.Popen[bytes] | None = None
 
-    def ask(self, what: str, seconds: float, **given: Any) -> Any:
-        """Return an answer; raise ArenaError with its line where the work fails or takes longer than ``seconds``."""
+    def ask(self, what: str, within: float, **given: Any) -> Any:
+        """Return an answer; raise ArenaError with its line where the work fails or takes longer than ``within`` s."""
         request = json.dumps({"what": what, "given": given}).encode() + b"\n"
         with self._lock:
             process = self._running()
@@ -38,10 +39,10 @@ class SideProcess:
                 assert process.stdin is not None
                 process.stdin.write(request)
                 process.stdin.flush()
-                line = _line(process, time.monotonic() + seconds)
+                line = _line(process, time.monotonic() + within)
             except TimeoutError:
                 self._end()
-                raise ArenaError(f"{what} took longer than {seconds:g} s and was ended; allowed: something smaller") from None
+                raise ArenaError(f"{what} took longer than {within:g} s and was ended; allowed: something smaller") from None
             except OSError:
                 self._end()
                 raise ArenaError(f"{what}: the process that does this ended; the next try starts it anew") from None
@@ -76,6 +77,12 @@ class SideProcess:
                 except OSError:
                     pass  # what could not be written to a dead process is lost anyway
         self._process = None
+
+
+@lru_cache(maxsize=16)
+def beside(root: Path) -> tuple[SideProcess, SideProcess]:
+    """Return a project's two processes: one for what is answered at once, one for what takes its time."""
+    return SideProcess(root), SideProcess(root)
 
 
 def _line(process: subprocess.Popen[bytes], until: float) -> bytes:

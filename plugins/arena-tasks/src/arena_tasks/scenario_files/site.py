@@ -48,10 +48,14 @@ class Site:
     def findings(self, problem: Problem) -> Iterator[Finding]:
         """Yield all that keeps a problem from being run here: first what lies wrong, then what the model of people refuses."""
         check = Feasibility(self._path, problem, self.robot, problem.goal_radius or self.goal_radius)
-        yield from check.findings(furnished(problem.placed_in(self.world)))
-        alone = [(key, self._refusal(problem, (person,))) for key, person in zip(problem.keys.people, problem.pedestrians, strict=True)]
+        misplaced = set[str]()
+        for finding in check.findings(furnished(problem.placed_in(self.world))):
+            misplaced.add(finding.key)
+            yield finding
+        people = [pair for pair in zip(problem.keys.people, problem.pedestrians, strict=True) if pair[0] not in misplaced]
+        alone = [(key, self._refusal(problem, (person,))) for key, person in people]
         yield from (Finding(key, math.nan, math.nan, why) for key, why in alone if why)
-        together = "" if any(why for _, why in alone) else self._refusal(problem, problem.pedestrians)
+        together = "" if misplaced or any(why for _, why in alone) else self._refusal(problem, problem.pedestrians)
         if together:
             yield Finding("", math.nan, math.nan, together)
 
