@@ -1,4 +1,4 @@
-"""A training that was cut goes on bit for bit; what it cannot go on with is one line."""
+"""A training that was cut goes on bit for bit, one begins with a policy's weights; what it cannot go on with is one line."""
 
 from __future__ import annotations
 
@@ -57,14 +57,15 @@ def trained(folder, *overrides):
     from arena_gym.training.evaluation import unseen_worlds
     from arena_gym.training.levels import make_levels
     from arena_gym.training.session import training_settings
-    from arena_gym.training.trainer import train
+    from arena_gym.training.trainer import prepare, train
     from arena_gym.vector_environment import NavigationVectorEnv
 
     config = composed(*overrides)
     settings, parts = training_settings(config), build_parts(config)
     levels = make_levels(settings.levels, parts.pool.staging, settings.mixture)
     validation = unseen_worlds(config, settings.validation.episodes, settings.validation.seed, "seed")
-    found = train(settings, NavigationVectorEnv(settings.optimization.environments, parts=parts), validation, levels, folder)
+    learner, worlds = prepare(settings, NavigationVectorEnv(settings.optimization.environments, parts=parts), folder)
+    found = train(settings, learner, worlds, validation, levels, folder)
     return found, torch.load(folder / "checkpoint.pt", weights_only=True)
 
 
@@ -210,6 +211,8 @@ def test_folder_of_another_configuration_names_the_key(here):
         ("training.levels=mixture", "training.levels"),
         ("training.levels=random", "training.levels"),
         ("training.critic=all", "training.critic"),
+        ("training.start.policy=nowhere.onnx", "nowhere.onnx"),
+        ("training.start.policy=pkg://arena_rosnav/policies/jackal.onnx", "jackal.json: the observation of jackal differs"),
         ("training.mixture.floor=2", "mixture.floor"),
         ("training.test.seed=7", "training.test.seed"),
         ("training.test.seed=0", "training.test.seed"),
@@ -224,3 +227,38 @@ def test_impossible_training_is_one_line_and_leaves_nothing_behind(here, capsys,
     line = refused([*(w for w in words if not w.startswith(word.split("=")[0])), word], capsys)
     assert said in line, line
     assert not list(here.glob("none*"))
+
+
+def weights(policy):
+    import onnx
+    from onnx import numpy_helper
+
+    found = onnx.load(policy).graph.initializer
+    return {one.name: numpy_helper.to_array(one) for one in found if one.name.endswith(("weight", "bias"))}
+
+
+def command(out, *overrides):
+    assert main(["train", "planner=tiny", "robot=jackal", f"out={out}", *RANDOM, *overrides]) == 0
+
+
+def test_policy_drives_as_it_is_while_only_its_value_is_learned_and_learns_then(here, capsys):
+    command("first")
+    from_first = ("training.start.policy=first/policy.onnx", "seed=3")
+    command("held", *from_first, "training.start.value_steps=100000")
+    command("freed", *from_first, "training.start.value_steps=512")
+    first, held, freed = (weights(here / name / "last" / "policy.onnx") for name in ("first", "held", "freed"))
+    chosen = weights(here / "first" / "policy.onnx")
+    assert first.keys() == held.keys() == freed.keys()
+    assert all(np.array_equal(chosen[name], held[name]) for name in chosen)
+    assert not any(np.array_equal(chosen[name], freed[name]) for name in chosen)
+    card, begun = (json.loads((here / name / "policy.json").read_text()) for name in ("freed", "first"))
+    assert card["training"]["start"] == begun["sha256"]
+
+
+def test_network_of_another_structure_is_one_line(here, capsys):
+    command("first")
+    other = ("training.start.policy=first/policy.onnx", "training.network.heads=[9]")
+    line = refused(["train", "planner=tiny", "robot=jackal", "out=second", *RANDOM, *other], capsys)
+    assert "body.0.weight is (8, " in line
+    assert "allowed: (9, " in line
+    assert not (here / "second").exists()

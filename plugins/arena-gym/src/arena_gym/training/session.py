@@ -32,7 +32,7 @@ from arena_gym.training.levels import make_levels
 from arena_gym.training.selection import rule
 from arena_gym.training.settings import TrainingSettings
 from arena_gym.training.statistics import wilson
-from arena_gym.training.trainer import Trained, train
+from arena_gym.training.trainer import Trained, prepare, train
 from arena_gym.vector_environment import NavigationVectorEnv
 from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.card import PolicyCard, part_path, sha256, write_card
@@ -58,9 +58,10 @@ def run_training(config: Mapping[str, Any], folder: Path, resume: bool, force: b
     for pool in (parts.pool, validation.batch.parts.pool):
         (pool.at_stage(pool.staging.start) if pool.staging else pool).problem(0)  # a world in which none can be drawn is told now
     env = NavigationVectorEnv(settings.optimization.environments, parts=parts)
+    learner, worlds = prepare(settings, env, folder)
     code = code_of(config, registry, apart=NO_PART, besides=("gym",))
     open_folder(folder, config, resume, code, force)  # once all is built: a request that is refused leaves nothing behind
-    trained = train(settings, env, validation, levels, folder)
+    trained = train(settings, learner, worlds, validation, levels, folder)
     _export(config, parts, trained, code, folder)
     return 0
 
@@ -69,6 +70,8 @@ def _export(config: Mapping[str, Any], parts: Parts, trained: Trained, code: Cod
     """Write the last weights, then those that were chosen, with what a test says of them."""
     told = {"seed": config["seed"], "steps": trained.steps, "curve": trained.curve, "config": dict(config), "code": code.digest}
     told |= {"versions": {name: version(name) for name in PACKAGES}}
+    if (begun := training_settings(config).start.policy) is not None:
+        told["start"] = sha256(network_content(local_path(begun)))
     _write_policy(config, parts, trained.learner, folder / "last" / "policy.onnx", {**told, "weights": "last", "score": None})
     trained.learner.policy.load_state_dict(trained.best)
     score = _tested(config, trained, folder / TESTED)

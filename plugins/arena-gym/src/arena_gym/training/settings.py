@@ -101,6 +101,17 @@ class Mixture:
 
 
 @dataclass(frozen=True, slots=True)
+class Start:
+    """What a training begins with: the weights of ``policy``, a file with its card beside it or pkg://; drawn ones where it is null.
+
+    A policy's file has no value: for ``value_steps`` control steps the value alone is learned, and the policy drives as it did.
+    """
+
+    policy: str | None
+    value_steps: NonNegativeInt
+
+
+@dataclass(frozen=True, slots=True)
 class TrainingSettings:
     """What a training is beside its environment; ``checkpoint`` is the time in s after which one is written."""
 
@@ -110,6 +121,7 @@ class TrainingSettings:
     device: str
     threads: PositiveInt
     network: Network
+    start: Start
     critic: Literal["observed", "truth"]
     truth: TruthSettings
     levels: Literal["promote", "mixture"]

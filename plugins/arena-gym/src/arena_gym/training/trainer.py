@@ -22,6 +22,7 @@ from arena_gym.training.levels import Levels
 from arena_gym.training.report import LateEpisodes, TrainingReport
 from arena_gym.training.selection import Choice, candidate, is_better
 from arena_gym.training.settings import TrainingSettings
+from arena_gym.training.starting import hold_policy, take_weights
 from arena_gym.training.truth import Truth
 from arena_gym.training.worlds_in_step import WorldsInStep
 from arena_gym.vector_environment import NavigationVectorEnv
@@ -86,6 +87,8 @@ class Trainer(BaseCallback):
 
     def _on_rollout_start(self) -> None:
         self._after_update()
+        if self._settings.start.policy is not None:
+            hold_policy(self._learner, self._learner.num_timesteps < self._settings.start.value_steps)
         initial, final = self._settings.network.log_std_init, self._settings.network.log_std_final
         if final is not None:
             limit_spread(self._learner, initial + min(self._learner.num_timesteps / self._settings.total_steps, 1.0) * (final - initial))
@@ -185,19 +188,32 @@ class Trainer(BaseCallback):
             raise TrainingStopped(self._said(NO_NUMBER)) from error
 
 
-def train(settings: TrainingSettings, env: NavigationVectorEnv, validation: NavigationVectorEnv, levels: Levels, folder: Path) -> Trained:
+def prepare(settings: TrainingSettings, env: NavigationVectorEnv, folder: Path) -> tuple[PPO, WorldsInStep]:
+    """Return a learner as it begins, with the worlds that it drives in; ``folder`` will have its logs.
+
+    Raises InputFileError or ConfigurationError for weights that it cannot begin with.
+    """
+    worlds = WorldsInStep(env, settings.seed, Truth(settings.truth) if settings.critic == "truth" else None)
+    parts = env.batch.parts
+    learner = make_learner(worlds, parts.encoder.layout(), settings, folder / "tensorboard")
+    if settings.start.policy is not None:
+        take_weights(learner, settings.start.policy, parts.encoder.layout())
+    return learner, worlds
+
+
+def train(
+    settings: TrainingSettings, learner: PPO, worlds: WorldsInStep, validation: NavigationVectorEnv, levels: Levels, folder: Path
+) -> Trained:
     """Train until the steps are spent or the target is reached.
 
     ``folder`` keeps checkpoint, curve and logs; where there is a checkpoint, its training goes on as if it had never stopped. Raises
     ConfigurationError for one of another training, TrainingStopped where it cannot go on.
     """
-    worlds = WorldsInStep(env, settings.seed, Truth(settings.truth) if settings.critic == "truth" else None)
-    learner = make_learner(worlds, env.batch.parts.encoder.layout(), settings, folder / "tensorboard")
     with TrainingReport(settings.total_steps) as report:
         trainer = Trainer(learner, settings, levels, worlds, validation, folder, report)
         with trainer.stopping_in_one_line():
             _go_on(trainer, learner, settings, worlds, folder)
-            levels.apply(env.batch)
+            levels.apply(worlds.env.batch)
             report.begin(learner.num_timesteps)
             left = settings.total_steps - learner.num_timesteps
             if left > 0 and not trainer.good_enough:
