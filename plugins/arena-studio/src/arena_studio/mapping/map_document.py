@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import LIMITS, InputFileError, OccupancyGrid, Pose, one_line, read_settings
+from arena_core import LIMITS, ArenaError, InputFileError, OccupancyGrid, Pose, one_line, read_bytes, read_settings
 from arena_studio.errors import Conflict
 from arena_studio.mapping.picture import Picture
 from arena_studio.mapping.pnm import Pnm
@@ -23,7 +23,9 @@ from arena_worlds.commands.convert import DEFAULTS
 from arena_worlds.formats.flatland_world import ENDING
 from arena_worlds.formats.map_writer import FREE_THRESH, OCCUPIED_THRESH, map_text, pixels_of
 from arena_worlds.formats.map_yaml import MapFile, read_map_yaml
-from arena_worlds.formats.site_file import ROS, site_grid
+from arena_worlds.formats.site_file import GAZEBO, ROS, site_grid
+
+NAMES_IMAGE = (b"image:", b'"image":', b"{image:", b'{"image":')
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,7 +62,26 @@ def open_map(project: Project, path: str) -> OpenMap | None:
 
 def is_map_text(content: bytes) -> bool:
     """Tell whether a YAML file may be a map's: it names an image."""
-    return len(content) <= LIMITS.yaml_bytes and any(line.lstrip().startswith(b"image:") for line in content.splitlines())
+    return any(line.strip().startswith(NAMES_IMAGE) for line in content.splitlines())
+
+
+def map_files(project: Project) -> list[str]:
+    """Return the worlds of the project that the editor opens: maps, Flatland worlds, and those of Gazebo."""
+    found = project.files({*ROS, *GAZEBO})
+    return [path for path in found if Path(path).suffix in GAZEBO or path.endswith(ENDING) or _is_map(project, path)]
+
+
+def _is_map(project: Project, path: str) -> bool:
+    try:
+        return is_map_text(read_bytes(project.path(path), LIMITS.yaml_bytes, "a map's YAML file"))
+    except ArenaError:
+        return False
+
+
+def map_version(project: Project, path: str) -> str | None:
+    """Return the version of a map; None for a world that cannot be changed as it is."""
+    opened = open_map(project, path)
+    return None if opened is None else opened.version
 
 
 def header_of(path: str | None, cells: Cells, keys: Mapping[str, Any], version: str | None, mode: str) -> dict[str, Any]:
@@ -116,15 +137,15 @@ def save_map(project: Project, path: str, header: Mapping[str, Any], sent: bytes
     image = _changed_image(opened.image, header, sent)
     text = with_values(_text(opened), _changed_keys(opened.file, header), path).encode()
     versions = [opened.text.version, opened.image_text.version]
-    if image is not None and image != opened.image_text.content:
+    if image is not None:
         versions[1] = project.write(opened.image_path, image, opened.image_text.version)
     if text != opened.text.content:
         versions[0] = project.write(path, text, opened.text.version)
     return ".".join(versions)
 
 
-def copy_map(project: Project, path: str, header: Mapping[str, Any], sent: bytes) -> str:
-    """Write all cells as a map of a new name and return its version; raise Conflict where there is one already.
+def copy_map(project: Project, path: str, header: Mapping[str, Any], sent: bytes) -> dict[str, str]:
+    """Write all cells as a map of a new name and return its path and version; raise Conflict where there is one already.
 
     It is a map like that of ``like`` in the header, with its mode, comments and kind of image, or, without one, as map_saver writes it.
     """
@@ -143,7 +164,8 @@ def copy_map(project: Project, path: str, header: Mapping[str, Any], sent: bytes
             raise Conflict(f"{name} is there already")
     project.path(path).parent.mkdir(parents=True, exist_ok=True)
     image_version = project.write(image_path, content, None)
-    return f"{project.write(path, with_values(text, values, path).encode(), None)}.{image_version}"
+    version = project.write(path, with_values(text, values, path).encode(), None)
+    return {"path": path, "version": f"{version}.{image_version}"}
 
 
 def _text(opened: OpenMap) -> str:
@@ -197,7 +219,7 @@ def _count(header: Mapping[str, Any], key: str) -> int:
 
 
 def _changed_image(image: Pnm | Picture, header: Mapping[str, Any], sent: bytes) -> bytes | None:
-    """Return the image's new content; None where no cell was sent. Cells that were not sent keep their pixels, sample for sample."""
+    """Return the image's new content; None where no pixel is another one. Cells that were not sent keep their pixels, sample for sample."""
     if not header.get("rectangles"):
         return None
     samples = checked_samples(header.get("samples", ()), image)
@@ -207,7 +229,7 @@ def _changed_image(image: Pnm | Picture, header: Mapping[str, Any], sent: bytes)
         codes = _taken(sent, begin, width * height, len(samples)).reshape(height, width)
         pixels[top : top + height, left : left + width] = samples[codes]
         begin += width * height
-    return image.encoded(pixels)
+    return None if (pixels == image.samples).all() else image.encoded(pixels)
 
 
 def _codes(header: Mapping[str, Any], sent: bytes, codes: NDArray[np.uint8]) -> NDArray[np.uint8]:

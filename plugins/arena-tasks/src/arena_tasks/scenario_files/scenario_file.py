@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -79,7 +79,12 @@ def save_scenarios(path: Path, scenarios: Sequence[Scenario | Problem], title: s
     """Write scenarios in our format, whole or not at all; ``map_file`` is their map's YAML file, relative to ``path``."""
     said = {key: text for key, text in (("title", title), ("map", map_file)) if text}
     content = {"format": FORMAT, "version": VERSION, **said, "scenarios": [_written(scenario) for scenario in scenarios]}
-    write_text_whole(path, _with_short_lists(json.dumps(content, indent=2, allow_nan=False)) + "\n")
+    write_text_whole(path, scenario_text(content))
+
+
+def scenario_text(content: Mapping[str, Any]) -> str:
+    """Return a scenario file's content as text, each list of numbers on one line."""
+    return _with_short_lists(json.dumps(content, indent=2, allow_nan=False)) + "\n"
 
 
 def _with_short_lists(text: str) -> str:
