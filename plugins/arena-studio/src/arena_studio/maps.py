@@ -8,21 +8,13 @@ from fastapi import APIRouter, Request, Response
 from pydantic import BaseModel
 from starlette.concurrency import run_in_threadpool
 
-from arena_studio.mapping.drawn_worlds import drawn_world, kinds, measured_file
+from arena_studio.mapping.drawn_worlds import drawn_world, kinds, measured_file, read_parameters
 from arena_studio.mapping.furnishing import furniture_kinds, new_scenario, save_furniture, scenario_files
 from arena_studio.mapping.map_document import copy_map, grid_document, map_document, map_files, map_version, save_map
 from arena_studio.mapping.transfer import packed, unpacked
 from arena_studio.project import Project
 
 BINARY = "application/octet-stream"
-
-
-class Drawing(BaseModel):
-    """Which world is to be drawn."""
-
-    kind: str
-    seed: int = 0
-    parameters: dict[str, float | bool | None] = {}
 
 
 class Furnished(BaseModel):
@@ -80,10 +72,9 @@ def _worlds(routes: APIRouter, project: Project) -> None:
     def possible() -> dict[str, Any]:
         return {"kinds": kinds()}
 
-    @routes.post("/draw")
-    def drawn(drawing: Drawing) -> Response:
-        world = drawn_world(drawing.kind, drawing.seed, drawing.parameters)
-        header, codes = grid_document(world.grid, None)
+    @routes.get("/draw")
+    def drawn(kind: str, seed: int = 0, parameters: str = "{}") -> Response:
+        header, codes = grid_document(drawn_world(kind, seed, read_parameters(parameters)).grid, None)
         return Response(packed(header, codes.tobytes()), media_type=BINARY)
 
     @routes.get("/measures")

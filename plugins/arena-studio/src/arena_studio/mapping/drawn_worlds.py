@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from typing import Any
 
@@ -18,7 +19,7 @@ from arena_worlds.formats.site_file import site_grid
 READ, MOVING = "path", "dynabarn"  # a parameter of worlds that are read from files; fields whose obstacles no map can hold
 DECIDED = "by_difficulty"
 OWN = ("name", "known", "regenerate")  # parameters that a drawn map does not have
-MOST_PARAMETERS = 100
+MOST_PARAMETERS, LONGEST_NAME = 100, 60
 
 
 def kinds() -> list[dict[str, Any]]:
@@ -40,6 +41,17 @@ def _plain(node: Mapping[Any, Any]) -> dict[str, float | bool | None]:
     return {**shown, **dict.fromkeys(key for key in decided if node.get(key) is None)}
 
 
+def read_parameters(text: str) -> dict[str, Any]:
+    """Return parameters that the page has sent as JSON; raise ConfigurationError."""
+    try:
+        values = json.loads(text)
+    except (ValueError, RecursionError):
+        values = None
+    if not isinstance(values, dict) or len(values) > MOST_PARAMETERS:
+        raise ConfigurationError(f"parameters is {one_line(text, 60)}; allowed: numbers by name, in JSON")
+    return values
+
+
 def drawn_world(kind: str, seed: Any, values: Mapping[str, Any]) -> World:
     """Return the first world of a seed; raise ConfigurationError for a parameter that the kind has not or a value that it cannot have."""
     if kind not in option_files("world", load_registry().manager):
@@ -55,7 +67,7 @@ def drawn_world(kind: str, seed: Any, values: Mapping[str, Any]) -> World:
 
 def _written(key: str, value: Any) -> str:
     """Return a value as a word of the command line has it: a number or a truth, so that no word can smuggle in another override."""
-    if not key.isidentifier() or len(key) > MOST_PARAMETERS or not isinstance(value, int | float):
+    if not key.isidentifier() or len(key) > LONGEST_NAME or not isinstance(value, int | float):
         raise ConfigurationError(f"{one_line(key, 40)} is {one_line(str(value), 40)}; allowed: numbers")
     return str(value).lower() if isinstance(value, bool) else repr(value)
 

@@ -165,7 +165,7 @@ def copy_map(project: Project, path: str, header: Mapping[str, Any], sent: bytes
     project.path(path).parent.mkdir(parents=True, exist_ok=True)
     image_version = project.write(image_path, content, None)
     version = project.write(path, with_values(text, values, path).encode(), None)
-    return {"path": path, "version": f"{version}.{image_version}"}
+    return {"path": path, "image": image_path, "version": f"{version}.{image_version}"}
 
 
 def _text(opened: OpenMap) -> str:
