@@ -31,6 +31,7 @@ class NewScenario(BaseModel):
 
     path: str
     map: str
+    furniture: list[Any] = []
 
 
 def router(project: Project) -> APIRouter:
@@ -74,7 +75,9 @@ def _worlds(routes: APIRouter, project: Project) -> None:
 
     @routes.get("/draw")
     def drawn(kind: str, seed: int = 0, parameters: str = "{}") -> Response:
-        header, codes = grid_document(drawn_world(kind, seed, read_parameters(parameters)).grid, None)
+        world = drawn_world(kind, seed, read_parameters(parameters))
+        header, codes = grid_document(world.grid, None)
+        header["furniture"] = [{"kind": piece.kind, "pose": piece.pose.array().tolist()} for piece in world.furniture]
         return Response(packed(header, codes.tobytes()), media_type=BINARY)
 
     @routes.get("/measures")
@@ -97,4 +100,4 @@ def _furniture(routes: APIRouter, project: Project) -> None:
 
     @routes.post("/scenarios")
     def new(sent: NewScenario) -> dict[str, Any]:
-        return {"version": new_scenario(project, sent.path, sent.map)}
+        return {"version": new_scenario(project, sent.path, sent.map, sent.furniture)}

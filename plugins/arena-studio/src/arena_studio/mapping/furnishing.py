@@ -93,15 +93,15 @@ def _checked(pieces: list[Any]) -> list[dict[str, Any]]:
     return [{"kind": piece["kind"], "pose": [float(one) for one in piece["pose"]]} for piece in pieces]
 
 
-def new_scenario(project: Project, path: str, map_path: str) -> str:
-    """Write a scenario file with one problem across a map and return its version; raise Conflict where there is a file already.
+def new_scenario(project: Project, path: str, map_path: str, pieces: list[Any]) -> str:
+    """Write a scenario file with one problem across a furnished map and return its version; raise Conflict where there is a file already.
 
     Start and goal are the ends of the map's largest region where a robot can be.
     """
     grid = site_grid(project.path(map_path), DEFAULTS["resolution"], DEFAULTS["margin"])
     start, goal = _ends(grid)
     relative = posixpath.relpath(map_path, posixpath.dirname(path) or ".")
-    problem = {"name": "furnished", "start": start, "goal": goal, "pedestrians": [], "obstacles": []}
+    problem = {"name": "furnished", "start": start, "goal": goal, "pedestrians": [], "obstacles": [], "furniture": _checked(pieces)}
     content = {"format": FORMAT, "version": VERSION, "title": "A robot crosses a furnished hall", "map": relative, "scenarios": [problem]}
     return project.write(path, scenario_text(content).encode(), None)
 

@@ -118,7 +118,7 @@ def grid_document(grid: OccupancyGrid, path: str | None) -> tuple[dict[str, Any]
     pixels = (pixels_of(grid.data) if mode == "trinary" else grid.data.view(np.uint8))[::-1]
     file = MapFile(Path("map.pgm"), grid.resolution, (grid.origin.x, grid.origin.y, grid.origin.theta), False, OCCUPIED_THRESH, FREE_THRESH, mode)
     template = plain_pgm((1, 1))
-    cells = cells_of(Pnm(template.content, template.kind, 255, template.begin, pixels[:, :, None].astype(np.uint16)), file)
+    cells = cells_of(Pnm(template.content, template.kind, 255, template.begin, pixels[:, :, None]), file)
     keys = {"resolution": file.resolution, "origin": list(file.origin)}
     return header_of(path, cells, keys, None, mode), cells.codes
 
@@ -227,7 +227,7 @@ def _changed_image(image: Pnm | Picture, header: Mapping[str, Any], sent: bytes)
     pixels, begin = image.samples.copy(), 0
     for left, top, width, height in _rectangles(header, columns, rows):
         codes = _taken(sent, begin, width * height, len(samples)).reshape(height, width)
-        pixels[top : top + height, left : left + width] = samples[codes]
+        pixels[top : top + height, left : left + width] = samples[codes].astype(pixels.dtype, copy=False)
         begin += width * height
     return None if (pixels == image.samples).all() else image.encoded(pixels)
 

@@ -7,11 +7,11 @@ import warnings
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
 from arena_core import LIMITS, InputFileError, one_line
+from arena_studio.mapping.pnm import Samples
 
 FORMATS = ("PNG", "BMP")  # what loses nothing when it is written again
 MODES = ("1", "L", "P", "LA", "RGB", "RGBA", "I;16")
@@ -24,9 +24,9 @@ class Picture:
 
     image: Image.Image
     form: str
-    samples: NDArray[np.uint16]
+    samples: Samples
 
-    def encoded(self, samples: NDArray[np.uint16]) -> bytes:
+    def encoded(self, samples: Samples) -> bytes:
         """Return a file of the same kind with these samples, which may be of another size."""
         rows, columns = samples.shape[:2]
         image = self.image.copy() if (columns, rows) == self.image.size else self.image.resize((columns, rows))
@@ -67,12 +67,12 @@ def read_picture(content: bytes, name: str) -> Picture | None:
         raise InputFileError(f"{name}: is no image that can be read ({one_line(str(error), 120)}); allowed: {ALLOWED}") from None
 
 
-def _samples(image: Image.Image) -> NDArray[np.uint16]:
-    found = np.asarray(image).astype(np.uint16)
+def _samples(image: Image.Image) -> Samples:
+    found = np.asarray(image).astype(np.uint16 if image.mode == "I;16" else np.uint8, copy=False)
     return found[:, :, None] if found.ndim == 2 else found
 
 
-def _raw(samples: NDArray[np.uint16], mode: str) -> bytes:
+def _raw(samples: Samples, mode: str) -> bytes:
     if mode == "1":
         return np.packbits(samples[:, :, 0] > 0, axis=1).tobytes()
     return samples.astype("<u2" if mode == "I;16" else np.uint8).tobytes()

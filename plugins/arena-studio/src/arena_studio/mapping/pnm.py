@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ HEADER = re.compile(rb"(P[2356])" + GAP + rb"(\d{1,9})" + GAP + rb"(\d{1,9})" + 
 TOKEN = re.compile(rb"#[^\n]*|\d+")
 PLAIN, COLOUR = (b"P2", b"P3"), (b"P3", b"P6")
 ALLOWED = "PGM or PPM, plain or binary"
+Samples: TypeAlias = NDArray[np.uint8] | NDArray[np.uint16]  # of up to 255, and of more
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -25,9 +27,9 @@ class Pnm:
     kind: bytes
     highest: int
     begin: int
-    samples: NDArray[np.uint16]
+    samples: Samples
 
-    def encoded(self, samples: NDArray[np.uint16]) -> bytes:
+    def encoded(self, samples: Samples) -> bytes:
         """Return the file with these samples; of the same size it differs from the old one where the samples do, and nowhere else."""
         if samples.shape != self.samples.shape:
             rows, columns = samples.shape[:2]
@@ -41,12 +43,12 @@ class Pnm:
     def _width(self) -> int:
         return 2 if self.highest > 255 else 1
 
-    def _body(self, samples: NDArray[np.uint16]) -> bytes:
+    def _body(self, samples: Samples) -> bytes:
         if self.kind in PLAIN:
             return b"\n".join(b" ".join(b"%d" % value for value in row) for row in samples.reshape(len(samples), -1).tolist()) + b"\n"
-        return samples.astype(">u2" if self._width == 2 else np.uint8).tobytes()
+        return samples.astype(">u2" if self._width == 2 else np.uint8, copy=False).tobytes()
 
-    def _plain(self, samples: NDArray[np.uint16]) -> bytes:
+    def _plain(self, samples: Samples) -> bytes:
         """Replace the numbers of a plain file that are others now."""
         tokens = _numbers(self.content, self.begin)
         parts, last = [], 0
@@ -78,7 +80,7 @@ def read_pnm(content: bytes, name: str) -> Pnm:
     return Pnm(content, kind, highest, found.end(), samples.reshape(shape))
 
 
-def _samples(content: bytes, kind: bytes, highest: int, begin: int, count: int) -> NDArray[np.uint16] | None:
+def _samples(content: bytes, kind: bytes, highest: int, begin: int, count: int) -> Samples | None:
     if kind in PLAIN:
         tokens = _numbers(content, begin)
         values = [int(token[0][:6]) for token in tokens[:count]]
@@ -86,7 +88,8 @@ def _samples(content: bytes, kind: bytes, highest: int, begin: int, count: int) 
     layout = np.dtype(">u2" if highest > 255 else np.uint8)
     if len(content) - begin < count * layout.itemsize:
         return None
-    return np.frombuffer(content, layout, count, begin).astype(np.uint16)
+    found = np.frombuffer(content, layout, count, begin)
+    return found.astype(np.uint16) if highest > 255 else found
 
 
 def _numbers(content: bytes, begin: int) -> list[re.Match[bytes]]:

@@ -72,15 +72,14 @@ export class Editor {
     const { header, cells } = await drawMap(this.context, drawing);
     await this.#leave();
     this.#take(header, cells, `maps/${drawing.kind}_${drawing.seed}.yaml`);
-    await this.furniture.load(null);
+    await this.furniture.loose(header.furniture ?? []);
   }
 
-  /** Make a scenario file for the map, and open it. @param {string} path */
-  async newScenario(path) {
+  /** Make a scenario file for the map, and open it. */
+  async newScenario() {
     const map = this.map?.header.path ?? "";
     await this.map?.autosave.flush();
-    await this.context.api.post("/api/maps/scenarios", { path, map });
-    await this.furniture.load(map, path);
+    await this.furniture.create(map, scenarioName(map));
     this.toolbox.choose("furniture");
   }
 
@@ -156,8 +155,8 @@ export class Editor {
   /** @param {string} path */
   #kept(path) {
     this.context.navigate("map", { path }, true);
-    this.furniture.mapPath = path;
-    void this.trying(() => this.furniture.load(path));
+    const loose = this.furniture.file === null && this.furniture.pieces.length > 0;
+    void this.trying(() => (loose ? this.furniture.create(path, scenarioName(path)) : this.furniture.load(path)));
     this.show();
   }
 
@@ -225,6 +224,11 @@ export class Editor {
     const kind = code < 0 ? "outside" : kindOf(map.header.values[code]);
     this.pointAt(`x ${point[0].toFixed(2)} m, y ${point[1].toFixed(2)} m · column ${column}, row ${row} · ${kind}`);
   }
+}
+
+/** The scenario file beside a map that has its furniture. @param {string} map */
+export function scenarioName(map) {
+  return map.replace(/\.ya?ml$/, "_furnished.json");
 }
 
 /** @param {HTMLElement} element @returns {Colours} */

@@ -25,6 +25,7 @@ export class Furniture {
     /** @type {Piece[]} */ this.pieces = [];
     this.chosen = -1;
     this.kind = "";
+    /** @type {string | null} */ this.mapPath = null;
     /** @type {Autosave | null} */ this.autosave = null;
   }
 
@@ -36,7 +37,21 @@ export class Furniture {
     this.kind ||= Object.keys(this.kinds)[0] ?? "";
     this.files = map ? (await this.context.api.get(`/api/maps/scenarios?path=${encodeURIComponent(map)}`)).files : [];
     const file = this.files.find((one) => one.path === path) ?? this.files[0] ?? null;
+    this.mapPath = map;
     this.open(file, file?.problems[0]?.name ?? "");
+  }
+
+  /** Show pieces that no file has yet. @param {Piece[]} pieces */
+  async loose(pieces) {
+    await this.load(null);
+    this.pieces = pieces;
+    this.changed();
+  }
+
+  /** Make a scenario file for a map with the pieces that there are, and open it. @param {string} map @param {string} path */
+  async create(map, path) {
+    await this.context.api.post("/api/maps/scenarios", { path, map, furniture: this.file ? [] : this.pieces });
+    await this.load(map, path);
   }
 
   /** @param {File | null} file @param {string} problem */
@@ -62,17 +77,17 @@ export class Furniture {
 
   /** @param {Point} point */
   add([x, y]) {
-    this.set(`place a ${this.kind}`, [...this.pieces, { kind: this.kind, pose: [x, y, this.pieces[this.chosen]?.pose[2] ?? 0] }], this.pieces.length);
+    this.set(`place a ${this.kind}`, [...this.pieces, { kind: this.kind, pose: [rounded(x), rounded(y), this.pieces[this.chosen]?.pose[2] ?? 0] }], this.pieces.length);
   }
 
   /** @param {Point} point */
   move([x, y]) {
-    this.set("move furniture", this.#with(([, , theta]) => [x, y, theta]), this.chosen);
+    this.set("move furniture", this.#with(([, , theta]) => [rounded(x), rounded(y), theta]), this.chosen);
   }
 
   /** @param {number} way 1: to the left, -1: to the right */
   turn(way) {
-    if (this.chosen >= 0) this.set("turn furniture", this.#with(([x, y, theta]) => [x, y, Number((theta + way * TURN).toFixed(6))]), this.chosen);
+    if (this.chosen >= 0) this.set("turn furniture", this.#with(([x, y, theta]) => [x, y, rounded(theta + way * TURN)]), this.chosen);
   }
 
   remove() {
@@ -107,8 +122,11 @@ export class Furniture {
     this.autosave = null;
     await this.load(map, file);
   }
+}
 
-  mapPath = "";
+/** To a micrometre. @param {number} value */
+function rounded(value) {
+  return Number(value.toFixed(6));
 }
 
 /** Draw pieces: tops lightly, legs darkly. @param {CanvasRenderingContext2D} context @param {Furniture} furniture @param {{wall: string, accent: string}} colours @param {number} pixel m */

@@ -4,6 +4,7 @@ import { Autosave } from "studio/edit/autosave.js";
 import { History } from "studio/edit/undo.js";
 import { Grid } from "studio/map/grid.js";
 import { kindsOf } from "studio/map/kinds.js";
+import { copyName } from "studio/map/names.js";
 import { packed, unpacked, zipped } from "studio/map/transfer.js";
 
 /**
@@ -22,6 +23,7 @@ import { packed, unpacked, zipped } from "studio/map/transfer.js";
  * @property {number[][]} samples
  * @property {number[]} values
  * @property {Record<Kind, number | null>} drawn
+ * @property {import("./furniture.js").Piece[]} [furniture] of a world that was drawn with some
  *
  * @typedef {object} Hooks what the page wants to know
  * @property {(box: import("./grid.js").Box) => void} cells
@@ -41,6 +43,7 @@ export class OpenMap {
     this.kinds = kindsOf(header.values);
     this.grid = new Grid(header.width, header.height, cells, (box) => hooks.cells(box));
     this.keysChanged = false;
+    this.edits = 0; // steps that changed the map
     this.history = new History(() => this.#stepped());
     this.autosave = new Autosave(
       {
@@ -101,8 +104,11 @@ export class OpenMap {
   }
 
   #stepped() {
+    if (this.grid.unsaved.size || this.keysChanged) {
+      this.edits += 1;
+      this.autosave.change();
+    }
     this.hooks.steps();
-    if (this.grid.unsaved.size || this.keysChanged) this.autosave.change();
   }
 
   /** @param {string} version */
@@ -151,12 +157,6 @@ export class OpenMap {
       return this.#copied(path, null); // the first map was removed: it cannot be a model any more
     });
   }
-}
-
-/** The next name after a map's: hall.yaml, hall_2.yaml, hall_3.yaml. @param {string} path */
-export function copyName(path) {
-  const [, stem, number] = /^(.*?)(?:_(\d+))?(?:\.ya?ml)?$/.exec(path) ?? [path, path, "1"];
-  return `${stem}_${Number(number ?? 1) + 1}.yaml`;
 }
 
 /** @param {import("../shell/pages.js").Context} context @param {string} path @returns {Promise<{header: Header, cells: Uint8Array}>} */

@@ -123,6 +123,7 @@ export function measuresPanel(editor) {
   const radius = number(0.35, { min: 0, max: 10 }, () => {});
   const rows = make("tbody");
   const told = make("p", { className: "hint" }, "Of the map as it is saved, as `arena world measure` says them.");
+  /** @type {{map: Editor["map"], edits: number | undefined}} */ let of = { map: null, edits: 0 };
   const measure = button("Measure", () => editor.trying(measured));
   async function measured() {
     const path = editor.map?.header.path;
@@ -132,14 +133,16 @@ export function measuresPanel(editor) {
     try {
       const { measures } = await editor.context.api.get(`/api/maps/measures?path=${encodeURIComponent(path)}&robot_radius=${radius.valueAsNumber}`);
       rows.replaceChildren(...measures.map(row));
-      element.classList.remove("old");
+      of = { map: editor.map, edits: editor.map?.edits };
+      show();
     } finally {
       measure.disabled = false;
     }
   }
+  const show = () => element.classList.toggle("old", of.map !== editor.map || of.edits !== editor.map?.edits);
   const table = make("table", { className: "measures" }, rows);
   const element = section("Measures", false, make("div", { className: "pair end" }, field("robot radius, m", radius), measure), table, told);
-  return { element, show: () => element.classList.toggle("old", rows.childElementCount > 0) };
+  return { element, show };
 }
 
 /** @param {{name: string, value: number, unit: string, text: string}} measure */
@@ -156,8 +159,7 @@ export function furniturePanel(editor) {
   const show = () => {
     const { files, file, problem, kinds, chosen } = furniture;
     if (!editor.map?.header.path) return place.replaceChildren(make("p", { className: "soft" }, "Furniture stands in scenario files of a map that is saved."));
-    const stem = editor.map.header.path.replace(/\.ya?ml$/, "");
-    const fresh = button("New scenario file", () => editor.trying(() => editor.newScenario(`${stem}_furnished.json`)));
+    const fresh = button("New scenario file", () => editor.trying(() => editor.newScenario()));
     if (!file) return place.replaceChildren(make("p", { className: "hint" }, "No map holds furniture: it stands in the problems of a scenario file."), fresh);
     const open = (/** @type {string} */ path) => furniture.open(files.find((one) => one.path === path) ?? null, files.find((one) => one.path === path)?.problems[0]?.name ?? "");
     const names = file.problems.map((one) => one.name);

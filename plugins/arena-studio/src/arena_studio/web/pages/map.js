@@ -85,7 +85,7 @@ function mark(select, path) {
 
 /** @param {HTMLElement} element @param {import("../edit/autosave.js").State} state @param {string} said */
 function tell(element, state, said) {
-  element.textContent = said && state !== "conflict" && state !== "away" ? `${SAID[state]}: ${said}` : SAID[state];
+  element.textContent = state === "refused" ? `${SAID[state]}: ${said}` : state === "saved" ? said || SAID[state] : SAID[state];
   element.className = `state ${state === "saved" || state === "saving" || state === "changed" ? "soft" : "bad"}`;
   const settle = element.parentElement?.querySelector(".settle");
   if (settle instanceof HTMLElement) settle.hidden = state !== "conflict";
