@@ -21,7 +21,7 @@ class ResultsPage {
     this.before = "";
     /** @type {any} */ this.shown = null;
     this.filters = make("aside", { className: "filters", "aria-label": "filters" });
-    this.facts = make("p", { id: "facts", role: "status" });
+    this.facts = make("p", { id: "facts", role: "status" }, "the runs are read …");
     this.troubles = make("div", { className: "troubles" });
     this.table = make("div", { className: "scroll episodes", tabIndex: 0, role: "region", "aria-label": "table of episodes" });
     this.pager = make("div", { className: "row pager" });
@@ -44,7 +44,7 @@ class ResultsPage {
     ];
     const searched = field("look for", search);
     searched.classList.add("grow");
-    const bar = make("div", { className: "row end" }, searched, make("label", { className: "row" }, all, "all columns"), ...acts);
+    const bar = make("div", { className: "row end" }, searched, make("label", { className: "row tick" }, all, "all columns"), ...acts);
     const right = make("div", { className: "found" }, bar, this.troubles, make("div", { className: "row" }, this.facts, this.beside), this.compared, this.table, this.pager);
     this.root.append(make("h1", {}, "Results"), make("div", { className: "browse" }, this.filters, right));
   }
@@ -72,6 +72,7 @@ class ResultsPage {
   }
 
   draw() {
+    if (!this.shown) return;
     const { total, rows, columns, counts, troubles, gone, summary } = this.shown;
     const focused = focusOf(this.root);
     const open = new Map([...this.filters.querySelectorAll("details")].map((one) => [one.dataset.column, one.open]));
@@ -125,7 +126,7 @@ class ResultsPage {
     every.addEventListener("change", () => this.showCompared(rows, baseline, every.checked));
     const note = "Whole runs are compared: filters of planner, robot, world and run count, those of outcome choose runs that have such an episode. * : chance does not explain it.";
     const close = button("close", () => (this.compared.hidden = true), { className: "quiet" });
-    const head = make("div", { className: "row end" }, make("h2", { className: "grow" }, "Planners on the same scenarios"), field("against", against), make("label", {}, every, " all metrics"), close);
+    const head = make("div", { className: "row end" }, make("h2", { className: "grow" }, "Planners on the same scenarios"), field("against", against), make("label", { className: "row tick" }, every, "all metrics"), close);
     this.compared.replaceChildren(head, comparison(rows, all), make("p", { className: "hint" }, note));
   }
 

@@ -90,7 +90,7 @@ class RunPage {
       if (!details.open || place.children.length) return;
       try {
         const form = await this.context.api.get(`/api/run/form?${new URLSearchParams({ group: group.name, option })}`);
-        this.fields(place, form.fields);
+        this.fields(place, form.fields, group.name);
       } catch (error) {
         this.wrong(error);
       }
@@ -102,14 +102,14 @@ class RunPage {
   /** @param {string} title @param {Parameter[]} fields @param {boolean} open */
   folded(title, fields, open) {
     const place = make("div", { className: "grid" });
-    this.fields(place, fields.filter(({ key }) => key !== "resume"));
+    this.fields(place, fields.filter(({ key }) => key !== "resume"), "");
     return make("details", { open }, make("summary", {}, title), place);
   }
 
-  /** @param {HTMLElement} place @param {Parameter[]} fields */
-  fields(place, fields) {
+  /** @param {HTMLElement} place @param {Parameter[]} fields @param {string} inside */
+  fields(place, fields, inside) {
     const given = (/** @type {string} */ key) => this.wanted.values[key] ?? "";
-    const shown = parameterFields(fields, given, (key, text) => this.set(change(this.wanted, key, text)));
+    const shown = parameterFields(inside, fields, given, (key, text) => this.set(change(this.wanted, key, text)));
     place.replaceChildren(...(shown.length ? shown : [make("p", { className: "soft" }, "It has none.")]));
     showHeld(place, this.held);
   }

@@ -27,9 +27,10 @@ export function complaint({ kind, allowed, optional }, text) {
 
 /**
  * A field for each parameter; an empty one leaves the value as it is.
+ * @param {string} inside the group whose parameters they are
  * @param {Parameter[]} parameters @param {(key: string) => string} given @param {(key: string, text: string) => void} changed
  */
-export function parameterFields(parameters, given, changed) {
+export function parameterFields(inside, parameters, given, changed) {
   return parameters.map((parameter) => {
     const input = parameter.kind === "truth" || parameter.kind === "choice" ? selected(parameter) : typed(parameter);
     input.value = given(parameter.key);
@@ -37,8 +38,8 @@ export function parameterFields(parameters, given, changed) {
     input.addEventListener("change", () => changed(parameter.key, input.value));
     const unit = parameter.unit && parameter.unit !== "-" ? ` [${parameter.unit}]` : "";
     const hint = [parameter.text, parameter.allowed && `allowed: ${parameter.allowed}`].filter(Boolean).join("; ");
-    const [, ...path] = parameter.key.split(".");
-    return field((path.join(".") || parameter.key) + unit, input, hint);
+    const name = parameter.key.startsWith(`${inside}.`) ? parameter.key.slice(inside.length + 1) : parameter.key;
+    return field(name + unit, input, hint);
   });
 }
 
