@@ -99,7 +99,7 @@ export class Scene {
   /** @param {any} obstacle */
   #obstacle(obstacle) {
     const { context } = this;
-    const points = obstacle.vertices_xy;
+    const points = /** @type {number[][]} */ (obstacle.vertices_xy);
     context.beginPath();
     if (points.length < 3) context.arc(points[0][0], points[0][1], obstacle.radius, 0, 2 * Math.PI);
     else points.forEach(([x, y]) => context.lineTo(x, y));

@@ -13,6 +13,7 @@
 
 export const WITHIN = 700; // ms from the first change to the request: with the request itself less than a second
 export const AGAIN = [1000, 2000, 4000]; // ms until the next try while the server is away; the last one from then on
+const TOKEN = 403; // the server was started anew: it knows this page again once its new address was opened
 export const THEIRS = "Load the other version";
 export const COPY = "Keep mine as a copy";
 
@@ -87,7 +88,7 @@ export class Autosave {
     if (error.status === 409) {
       this.#tell("conflict", error.message);
       await this.settle();
-    } else if (error.status && error.status < 500) this.#tell("refused", error.message);
+    } else if (error.status && error.status < 500 && error.status !== TOKEN) this.#tell("refused", error.message);
     else this.#tell("away", error.message);
   }
 

@@ -26,7 +26,7 @@ export class Toolbox {
   constructor(view, tools, changed = () => {}) {
     this.view = view;
     this.tools = tools;
-    this.changed = changed;
+    /** @type {(tool: Tool) => void} */ this.changed = changed;
     this.current = tools[0];
     view.tool = this.current;
   }
@@ -57,7 +57,7 @@ export class Toolbox {
     bar.setAttribute("role", "radiogroup");
     bar.replaceChildren(...this.tools.map((tool) => this.#button(tool)));
     const changed = this.changed;
-    this.changed = (tool) => {
+    this.changed = (/** @type {Tool} */ tool) => {
       for (const button of bar.querySelectorAll("button")) mark(button, button.dataset.tool === tool.name);
       changed(tool);
     };
@@ -73,6 +73,8 @@ export class Toolbox {
     button.setAttribute("role", "radio");
     button.title = `${tool.title} (${tool.key})`;
     button.textContent = tool.name;
+    button.dataset.key = tool.key;
+    button.setAttribute("aria-keyshortcuts", tool.key);
     button.addEventListener("click", () => this.choose(tool.name));
     return button;
   }
