@@ -233,7 +233,9 @@ def test_what_no_page_would_send_is_refused_and_nothing_is_written(change: dict[
     assert contents(project.root) == before
 
 
-@pytest.mark.parametrize("content", [b"", b"P5", b"P5 9999999 9999999 255\n", b"P5 4 4 255\nabc", b"P5 0 4 255\n", b"\x89PNG\r\n\x1a\nnothing", b"GIF89a"])
+@pytest.mark.parametrize(
+    "content", [b"", b"P5", b"P5 9999999 9999999 255\n", b"P5 4 4 255\nabc", b"P5 0 4 255\n", b"\x89PNG\r\n\x1a\nnothing", b"GIF89a"]
+)
 def test_damaged_images_are_told_in_one_line(content: bytes, project: Project) -> None:
     path = written(project, content, "hall.pgm")
     with pytest.raises(ArenaError) as told:

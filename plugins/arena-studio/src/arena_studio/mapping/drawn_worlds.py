@@ -8,7 +8,18 @@ from typing import Any
 
 from omegaconf import OmegaConf
 
-from arena_core import ArenaError, ConfigurationError, NonNegativeInt, OccupancyGrid, World, compose, load_registry, one_line, option_files, read_settings
+from arena_core import (
+    ArenaError,
+    ConfigurationError,
+    NonNegativeInt,
+    OccupancyGrid,
+    World,
+    compose,
+    load_registry,
+    one_line,
+    option_files,
+    read_settings,
+)
 from arena_studio.project import Project
 from arena_worlds.commands.convert import DEFAULTS
 from arena_worlds.commands.generate import parameters

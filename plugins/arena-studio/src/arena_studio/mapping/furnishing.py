@@ -87,9 +87,15 @@ def _checked(pieces: list[Any]) -> list[dict[str, Any]]:
     kinds = option_files("furniture", load_registry().manager)
     for number, piece in enumerate(pieces):
         pose = piece.get("pose") if isinstance(piece, dict) else None
-        placed = isinstance(pose, list) and len(pose) == 3 and all(isinstance(one, int | float) and abs(one) <= LIMITS.number_largest for one in pose)
+        placed = (
+            isinstance(pose, list)
+            and len(pose) == 3
+            and all(isinstance(one, int | float) and abs(one) <= LIMITS.number_largest for one in pose)
+        )
         if not placed or piece.get("kind") not in kinds:
-            raise InputFileError(f"furniture[{number}] is {one_line(str(piece), 80)}; allowed: a kind ({', '.join(kinds)}) and a pose [x, y, theta]")
+            raise InputFileError(
+                f"furniture[{number}] is {one_line(str(piece), 80)}; allowed: a kind ({', '.join(kinds)}) and a pose [x, y, theta]"
+            )
     return [{"kind": piece["kind"], "pose": [float(one) for one in piece["pose"]]} for piece in pieces]
 
 

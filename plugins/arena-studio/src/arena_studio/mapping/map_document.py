@@ -116,7 +116,9 @@ def grid_document(grid: OccupancyGrid, path: str | None) -> tuple[dict[str, Any]
     """Return a grid that is no map file yet, in the shades that a new map has: what is said of it, and its codes."""
     mode, _ = map_text(grid, "map.pgm")
     pixels = (pixels_of(grid.data) if mode == "trinary" else grid.data.view(np.uint8))[::-1]
-    file = MapFile(Path("map.pgm"), grid.resolution, (grid.origin.x, grid.origin.y, grid.origin.theta), False, OCCUPIED_THRESH, FREE_THRESH, mode)
+    file = MapFile(
+        Path("map.pgm"), grid.resolution, (grid.origin.x, grid.origin.y, grid.origin.theta), False, OCCUPIED_THRESH, FREE_THRESH, mode
+    )
     template = plain_pgm((1, 1))
     cells = cells_of(Pnm(template.content, template.kind, 255, template.begin, pixels[:, :, None]), file)
     keys = {"resolution": file.resolution, "origin": list(file.origin)}
@@ -250,4 +252,3 @@ def _rectangles(header: Mapping[str, Any], columns: int, rows: int) -> list[tupl
         if len(one) != 4 or min(one) < 0 or one[0] + one[2] > columns or one[1] + one[3] > rows or not one[2] * one[3]:
             raise InputFileError(f"rectangles has {one}; allowed: left, top, width, height inside {columns} x {rows} cells")
     return [tuple(one) for one in found]  # type: ignore[misc]
-
