@@ -13,10 +13,10 @@ from arena_core import ConfigurationError, check_settings, compose, load_registr
 
 MOST_JOBS = 1000  # of one sweep
 MOST_COMPOSED = 32  # of its jobs; each takes half a second
-PLAIN = re.compile(r"[\w.+-][\w./+-]*")  # what Hydra reads without quotes
+PLAIN = re.compile(r"[\w.+-][\w./+-]*", re.ASCII)  # what Hydra reads without quotes
 STRUCTURED = re.compile(r"[\[{'\"].*|\w+\(.*\)", re.DOTALL)
 LISTED = ("metrics",)  # groups of which several options are one choice
-KEY = re.compile(r"[+~]{0,2}[\w./@-]+")
+KEY = re.compile(r"[+~]{0,2}[A-Za-z_][\w./@-]*", re.ASCII)
 Alternatives = tuple[str, list[str]]  # a key and its values; none for a key that is deleted
 _composing = Lock()  # Hydra keeps what it composes in a global
 

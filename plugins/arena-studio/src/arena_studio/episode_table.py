@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import csv
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import reduce
+from operator import and_
 from pathlib import Path
 from threading import Lock
 from typing import TYPE_CHECKING, Any
@@ -67,47 +69,44 @@ class EpisodeTable:
 
     def select(self, query: Query) -> DataFrame:
         """Return the episodes that a query asks for, in its order; raise ArenaError for a column that no table has."""
-        whole, sought = self._all()
-        mask = None
-        for column, values in query.allowed.items():
-            self._check(column, whole)
-            one = whole[column].isin([str(value) for value in values])
-            mask = one if mask is None else mask & one
-        for word in query.text.lower().split():
-            one = sought.str.contains(word, regex=False)
-            mask = one if mask is None else mask & one
-        chosen = whole if mask is None else whole[mask]
+        whole, masks = self._masked(query)
+        chosen = whole[_all_of(masks.values())] if masks else whole
         if not query.order:
             return chosen
-        self._check(query.order, whole)
+        _check(query.order, whole)
         return chosen.sort_values(query.order, ascending=not query.falling, kind="stable", na_position="last")
 
     def counts(self, query: Query) -> dict[str, dict[str, int]]:
         """Return for each column to filter by how many episodes each value has among those that all other conditions leave."""
+        whole, masks = self._masked(query)
         found = {}
         for column in FILTERS:
-            others = {name: values for name, values in query.allowed.items() if name != column}
-            chosen = self.select(Query(others, query.text))
-            counted = {str(value): int(count) for value, count in chosen[column].value_counts(sort=False).items()}
+            others = [mask for name, mask in masks.items() if name != column]
+            counted = (whole[column][_all_of(others)] if others else whole[column]).value_counts(sort=False)
             kept = query.allowed.get(column, ())  # ticked ones stay, so that they can be unticked
-            found[column] = {value: count for value, count in sorted(counted.items()) if count or value in kept}
+            found[column] = {str(value): int(count) for value, count in sorted(counted.items()) if count or str(value) in kept}
         return found
 
     def folders(self, query: Query) -> list[Path]:
         """Return the folders of the runs that have an episode which a query asks for."""
         return [self._root / name for name in sorted(self.select(query)[RUN].astype(str).unique())]
 
-    def _all(self) -> tuple[DataFrame, Series[str]]:
+    def _masked(self, query: Query) -> tuple[DataFrame, dict[str, Series[bool]]]:
+        """Return all episodes, and which of them fulfil each condition of a query, by column; the text's stands under an empty name."""
         with self._lock:
             if self._whole is None or self._sought is None:
                 self._join()
-            assert self._whole is not None
-            assert self._sought is not None
-            return self._whole, self._sought
-
-    def _check(self, column: str, whole: DataFrame) -> None:
-        if column not in whole.columns:
-            raise ArenaError(f"there is no column {one_line(column, 60)}; allowed: {', '.join(map(str, whole.columns))}")
+            whole, sought = self._whole, self._sought
+        assert whole is not None
+        assert sought is not None
+        masks = {}
+        for column, values in query.allowed.items():
+            _check(column, whole)
+            masks[column] = whole[column].isin([str(value) for value in values])
+        words = query.text.lower().split()
+        if words:
+            masks[""] = _all_of([sought.str.contains(word, regex=False) for word in words])
+        return whole, masks
 
     def _read(self, name: str) -> DataFrame | None:
         path = self._root / name / TABLE
@@ -131,6 +130,15 @@ class EpisodeTable:
         texts = [str(name) for name in whole.columns if not pandas.api.types.is_numeric_dtype(whole[name])]
         whole = whole.assign(**{name: whole[name].fillna("").astype("category").cat.as_ordered() for name in texts})
         self._whole, self._sought = whole, _joined(whole)
+
+
+def _check(column: str, whole: DataFrame) -> None:
+    if column not in whole.columns:
+        raise ArenaError(f"there is no column {one_line(column, 60)}; allowed: {', '.join(map(str, whole.columns))}")
+
+
+def _all_of(masks: Iterable[Series[bool]]) -> Series[bool]:
+    return reduce(and_, masks)
 
 
 def read_episodes(path: Path) -> DataFrame:
