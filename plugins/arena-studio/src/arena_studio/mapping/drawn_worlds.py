@@ -27,7 +27,8 @@ from arena_worlds.commands.measure import ROBOT_RADIUS
 from arena_worlds.commands.measures import measures_of
 from arena_worlds.formats.site_file import site_grid
 
-READ, MOVING = "path", "dynabarn"  # a parameter of worlds that are read from files; fields whose obstacles no map can hold
+READ = {"path", "maps"}  # parameters of worlds that are read from files
+MOVING = "dynabarn"  # fields whose obstacles no map can hold
 DECIDED = "by_difficulty"
 OWN = ("name", "known", "regenerate")  # parameters that a drawn map does not have
 MOST_PARAMETERS, LONGEST_NAME = 100, 60
@@ -41,7 +42,7 @@ def kinds() -> list[dict[str, Any]]:
             node = OmegaConf.to_container(compose([], f"world/{name}").world, resolve=True)
         except ArenaError:
             continue  # one that cannot be composed alone cannot be drawn alone
-        if isinstance(node, Mapping) and READ not in node and name != MOVING:
+        if isinstance(node, Mapping) and not READ & node.keys() and name != MOVING:
             found.append({"name": name, "parameters": _plain(node)})
     return found
 
@@ -69,9 +70,9 @@ def drawn_world(kind: str, seed: Any, values: Mapping[str, Any]) -> World:
         raise ConfigurationError(f"kind is {one_line(kind, 40)!r}; allowed: {', '.join(one['name'] for one in kinds())}")
     given = {key: _written(key, value) for key, value in values.items() if value is not None}
     node = parameters(kind, given)
-    if READ in node:
+    if READ & node.keys():
         raise ConfigurationError(f"kind {kind} reads files; allowed: {', '.join(one['name'] for one in kinds())}")
-    number: int = read_settings(seed, NonNegativeInt, "seed")  # type: ignore[arg-type]
+    number: int = read_settings(seed, NonNegativeInt, "seed")
     world: World = load_registry().build("world", node).world(number, 0)
     return world
 

@@ -16,7 +16,7 @@ from arena_core import LIMITS, ArenaError, InputFileError, OccupancyGrid, Pose, 
 from arena_studio.errors import Conflict
 from arena_studio.mapping.picture import Picture
 from arena_studio.mapping.pnm import Pnm
-from arena_studio.mapping.shades import Cells, cells_of, checked_samples, plain_pgm, read_image, samples_of
+from arena_studio.mapping.shades import Cells, cells_of, checked_samples, plain_pgm, read_image
 from arena_studio.mapping.yaml_text import Value, with_values
 from arena_studio.project import Document, Project
 from arena_worlds.commands.convert import DEFAULTS
@@ -159,8 +159,9 @@ def copy_map(project: Project, path: str, header: Mapping[str, Any], sent: bytes
     text = _text(opened) if opened else _new_text(header)
     values: dict[str, Value] = {**_keys(header), "image": posixpath.basename(image_path)}
     shape = _count(header, "height"), _count(header, "width")
-    codes = _codes(header, sent, np.zeros(shape, np.uint8))
-    content = template.encoded(samples_of(codes, checked_samples(header.get("samples", ()), template)))
+    samples = checked_samples(header.get("samples"), template)
+    codes = _taken(sent, 0, shape[0] * shape[1], len(samples)).reshape(shape)
+    content = template.encoded(samples[codes])
     for name in (path, image_path):
         if project.path(name).exists():
             raise Conflict(f"{name} is there already")
@@ -224,7 +225,7 @@ def _changed_image(image: Pnm | Picture, header: Mapping[str, Any], sent: bytes)
     """Return the image's new content; None where no pixel is another one. Cells that were not sent keep their pixels, sample for sample."""
     if not header.get("rectangles"):
         return None
-    samples = checked_samples(header.get("samples", ()), image)
+    samples = checked_samples(header.get("samples"), image)
     rows, columns = image.samples.shape[:2]
     pixels, begin = image.samples.copy(), 0
     for left, top, width, height in _rectangles(header, columns, rows):
@@ -232,11 +233,6 @@ def _changed_image(image: Pnm | Picture, header: Mapping[str, Any], sent: bytes)
         pixels[top : top + height, left : left + width] = samples[codes].astype(pixels.dtype, copy=False)
         begin += width * height
     return None if (pixels == image.samples).all() else image.encoded(pixels)
-
-
-def _codes(header: Mapping[str, Any], sent: bytes, codes: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Return all codes (H, W) of a map that was sent whole."""
-    return _taken(sent, 0, codes.size, len(header.get("samples", ()))).reshape(codes.shape)
 
 
 def _taken(sent: bytes, begin: int, count: int, most: int) -> NDArray[np.uint8]:

@@ -68,7 +68,8 @@ def read_picture(content: bytes, name: str) -> Picture | None:
 
 
 def _samples(image: Image.Image) -> Samples:
-    found = np.asarray(image).astype(np.uint16 if image.mode == "I;16" else np.uint8, copy=False)
+    pixels = np.asarray(image)
+    found: Samples = pixels.astype(np.uint16) if image.mode == "I;16" else pixels.astype(np.uint8, copy=False)
     return found[:, :, None] if found.ndim == 2 else found
 
 

@@ -89,7 +89,7 @@ def _samples(content: bytes, kind: bytes, highest: int, begin: int, count: int) 
     if len(content) - begin < count * layout.itemsize:
         return None
     found = np.frombuffer(content, layout, count, begin)
-    return found.astype(np.uint16) if highest > 255 else found
+    return found.astype(np.uint16) if highest > 255 else found.view(np.uint8)
 
 
 def _numbers(content: bytes, begin: int) -> list[re.Match[bytes]]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,14 +46,9 @@ def cells_of(image: Pnm | Picture, file: MapFile) -> Cells:
     return _with_shades(cells, image, file)
 
 
-def samples_of(cells: NDArray[np.uint8], samples: NDArray[np.uint16]) -> NDArray[np.uint16]:
-    """Return the pixels (H, W, C) of codes (H, W)."""
-    return np.asarray(samples[cells])
-
-
 def occupancies(image: Pnm | Picture, samples: NDArray[np.uint16], file: MapFile) -> NDArray[np.int8]:
     """Return what occupancy pixels (K, C) stand for, (K,): they are written as an image of one row and read as any map."""
-    return image_occupancy(image.encoded(samples[None]), file)[0]
+    return np.asarray(image_occupancy(image.encoded(samples[None]), file)[0])
 
 
 def _coded(image: Pnm | Picture, file: MapFile) -> tuple[NDArray[np.uint8], NDArray[np.uint16]]:
@@ -117,11 +113,14 @@ def plain_pgm(shape: tuple[int, int]) -> Pnm:
     return read_pnm(f"P5\n{shape[1]} {shape[0]}\n255\n".encode() + bytes(shape[0] * shape[1]), "map.pgm")
 
 
-def checked_samples(given: Sequence[Sequence[int]], image: Pnm | Picture) -> NDArray[np.uint16]:
+def checked_samples(given: Any, image: Pnm | Picture) -> NDArray[np.uint16]:
     """Return pixels (K, C) that somebody sent; raise InputFileError where this image cannot have them."""
     channels = image.samples.shape[2]
     highest = 255 if isinstance(image, Pnm) and image.highest <= 255 else image.highest
-    fits = 0 < len(given) <= CODES and all(len(one) == channels and min(one) >= 0 and max(one) <= highest for one in given)
-    if not fits:
+    if not isinstance(given, list) or not 0 < len(given) <= CODES or not all(_is_pixel(one, channels, highest) for one in given):
         raise InputFileError(f"samples are not pixels of this image; allowed: up to {CODES}, each of {channels} numbers 0 .. {highest}")
     return np.array(given, np.uint16)
+
+
+def _is_pixel(given: Any, channels: int, highest: int) -> bool:
+    return isinstance(given, list) and len(given) == channels and all(type(one) is int and 0 <= one <= highest for one in given)

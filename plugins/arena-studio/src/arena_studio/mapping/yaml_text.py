@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, TypeAlias
 
 import yaml
 
 from arena_core import InputFileError, one_line
 
-Value = str | float | Sequence[float]
+Value: TypeAlias = str | float | list[float]
 SHORT = 15  # digits: as many as a float always keeps
 
 
@@ -49,7 +49,7 @@ def _nodes(node: Any) -> dict[str, Any]:
 
 def _places(node: Any, value: Value, name: str) -> list[tuple[int, int, str]]:
     """Return where in the text a value begins and ends, and what it will be; of a list, for each item."""
-    if isinstance(value, str) or not isinstance(value, Sequence):
+    if not isinstance(value, list):
         written = json.dumps(value, ensure_ascii=False) if isinstance(value, str) else _number(value)
         return [(node.start_mark.index, node.end_mark.index, written)]
     if not isinstance(node, yaml.SequenceNode) or len(node.value) != len(value):
