@@ -50,7 +50,7 @@ async function mount(root, context) {
   await editor.trying(() => bar.load());
   editor.show();
   const path = context.query.get("path");
-  if (path) await editor.trying(() => editor.open(path, []));
+  if (path) await editor.trying(() => editor.open(path));
   /** @type {any} */ (root).editor = editor; // for whoever tests the page
   /** @type {any} */ (root).view = view;
   return () => {

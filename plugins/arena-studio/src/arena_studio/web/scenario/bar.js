@@ -12,7 +12,7 @@ export function fileBar(editor, state) {
   const files = make("select", { "aria-label": "scenario file" });
   const maps = make("select", { "aria-label": "map" });
   const [undo, redo] = [button("↶", () => editor.history.undo(), { "aria-label": "undo", title: "undo (Ctrl+Z)" }), button("↷", () => editor.history.redo(), { "aria-label": "redo", title: "redo (Ctrl+Y)" })];
-  files.addEventListener("change", () => void editor.trying(() => editor.open(files.value, names())));
+  files.addEventListener("change", () => void editor.trying(() => editor.open(files.value)));
   maps.addEventListener("change", () => void editor.trying(() => editor.setMap(maps.value)));
   const names = () => [...files.options].map((option) => option.value).filter(Boolean);
   const fresh = button("New", () => void editor.trying(() => editor.begin(newName(nextTo(maps.value), names()), maps.value)), { title: "a new file on the map that is chosen" });

@@ -5,7 +5,7 @@ import { faded, groupColours, ROBOT, TRIGGER } from "studio/scenario/looks.js";
 import { RADIUS, same, thingOf } from "studio/scenario/model.js";
 import { zonesOf } from "studio/scenario/zones.js";
 
-/** @typedef {import("./editor.js").Editor} Editor */
+/** @typedef {Pick<import("./editor.js").Editor, "scene" | "chosen" | "findings" | "at">} Editor  what of an editor is drawn */
 /** @typedef {CanvasRenderingContext2D} Context */
 /** @typedef {import("./looks.js").Colours} Colours */
 /** @typedef {{colours: Colours, pixel: number, furniture: Record<string, any[]>, robot: any, goalRadius: number}} Look */

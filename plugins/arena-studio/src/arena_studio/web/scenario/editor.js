@@ -65,12 +65,12 @@ export class Editor {
     }
   }
 
-  /** Open a file of any format; one of another program goes on as a new file of ours. @param {string} path @param {string[]} [taken] names of files */
-  async open(path, taken = []) {
+  /** Open a file of any format; one of another program goes on as a new file of ours. @param {string} path */
+  async open(path) {
     const found = await this.context.api.get(`/api/scenarios/file?path=${encodeURIComponent(path)}`);
     await this.#leave();
     const ours = found.format === OURS;
-    const own = ours ? path : newName(path.replace(/\.\w+$/, ""), taken);
+    const own = ours ? path : newName(path.replace(/\.\w+$/, ""), await this.names());
     if (!ours) this.context.say(`${path} is in the format of ${found.format}; what you change is kept as ${own}${found.notes ? `. Read otherwise: ${found.notes}` : ""}`);
     const content = ours || !found.map ? found.content : { ...found.content, map: relativePath(own, found.map) };
     await this.#take(own, content, found.map ?? "", ours ? found.version : null);

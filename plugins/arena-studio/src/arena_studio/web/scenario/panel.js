@@ -189,5 +189,5 @@ function findingRow(editor, { scene, key, place, line }, look) {
     if (thing && there && valueOf(there, thing) !== undefined) editor.choose(thing);
     if (place) look(place);
   };
-  return make("li", {}, button(`${where}${what} ${line}`, act));
+  return make("li", {}, button(`${where}${thing ? `${what}: ` : ""}${line}`, act));
 }
