@@ -81,6 +81,7 @@ from arena_core.loop.guide import Guide, Mission, ReplanRules, View, pose_at_sca
 from arena_core.loop.navigator import NAVIGATOR_KEYS, Decision, Navigator
 from arena_core.loop.navigator import Spent as NavigatorSpent
 from arena_core.loop.record_digest import record_digest
+from arena_core.loop.record_places import record_path, record_paths, timing_paths
 from arena_core.loop.recording import (
     Recorder,
     check_inside,
@@ -350,6 +351,8 @@ __all__ = [
     "read_words",
     "read_yaml",
     "record_digest",
+    "record_path",
+    "record_paths",
     "rectangles",
     "repeat",
     "robot_meta",
@@ -361,6 +364,7 @@ __all__ = [
     "succeeded",
     "take_in",
     "tell",
+    "timing_paths",
     "versions",
     "wall_boxes",
     "with_obstacles",
