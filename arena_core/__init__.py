@@ -81,6 +81,7 @@ from arena_core.loop.guide import Guide, Mission, ReplanRules, View, pose_at_sca
 from arena_core.loop.navigator import NAVIGATOR_KEYS, Decision, Navigator
 from arena_core.loop.navigator import Spent as NavigatorSpent
 from arena_core.loop.record_digest import record_digest
+from arena_core.loop.record_places import record_path, record_paths, timing_paths
 from arena_core.loop.recording import (
     Recorder,
     check_inside,
@@ -97,6 +98,7 @@ from arena_core.runs.benchmark import Benchmark, build_benchmark, build_guide, b
 from arena_core.runs.budgets import Budgets
 from arena_core.runs.code_digest import Code, code_of
 from arena_core.runs.executors import ProcessExecutor
+from arena_core.runs.forms import Field, Form, check_settings, default_options, form_of, option_names, settings_form
 from arena_core.runs.nodes import Delivery, Node, OtherCode, take_in
 from arena_core.runs.outside import OutsideRun
 from arena_core.runs.provenance import cpu_kind, read_provenance, versions
@@ -199,8 +201,10 @@ __all__ = [
     "EpisodeStart",
     "Event",
     "Executor",
+    "Field",
     "Finished",
     "Footprint",
+    "Form",
     "Fraction",
     "Furniture",
     "FurnitureKind",
@@ -299,13 +303,16 @@ __all__ = [
     "build_metrics",
     "camera_rays",
     "check_inside",
+    "check_settings",
     "code_of",
     "complete_overrides",
     "compose",
     "cpu_kind",
+    "default_options",
     "described",
     "evaluate",
     "find_runs",
+    "form_of",
     "free_area",
     "furnished",
     "furniture_kind",
@@ -326,6 +333,7 @@ __all__ = [
     "mission_of",
     "one_line",
     "option_files",
+    "option_names",
     "outlines",
     "plain",
     "pose_at_scan",
@@ -343,16 +351,20 @@ __all__ = [
     "read_words",
     "read_yaml",
     "record_digest",
+    "record_path",
+    "record_paths",
     "rectangles",
     "repeat",
     "robot_meta",
     "run",
     "run_episode",
     "scene_of",
+    "settings_form",
     "stream_key",
     "succeeded",
     "take_in",
     "tell",
+    "timing_paths",
     "versions",
     "wall_boxes",
     "with_obstacles",

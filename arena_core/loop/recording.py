@@ -24,6 +24,7 @@ from arena_core.base.frozen import frozen
 from arena_core.base.limits import LIMITS
 from arena_core.loop.navigator import Decision, Spent
 from arena_core.loop.record_layout import fault_of
+from arena_core.loop.record_places import NUMBERED, PARTS, record_path, run_folder_of, timing_of, timing_path
 from arena_core.values.episode import Contact, EpisodeRecord, Event, Outcome, Scenario, WorldState
 from arena_core.values.furniture import furniture_meta
 from arena_core.values.geometry import Pose
@@ -94,9 +95,9 @@ class Recorder:
 
 
 def write_record(folder: Path, episode: int, record: EpisodeRecord) -> None:
-    """Write ``records/NNNN.npz`` and ``timing/NNNN.npz``, each whole or not at all."""
+    """Write ``records/NNNN.npz`` and ``timing/NNNN.npz`` (record_places.py), each whole or not at all."""
     meta = json.dumps(record.meta, sort_keys=True)
-    timing, arrays = folder / "timing" / f"{episode:04d}.npz", folder / "records" / f"{episode:04d}.npz"
+    timing, arrays = timing_path(folder, episode), record_path(folder, episode)
     check_inside(folder, timing.parent)
     check_inside(folder, arrays.parent)
     write_whole(timing, lambda file: _write_npz(file, record.timing))
@@ -105,7 +106,7 @@ def write_record(folder: Path, episode: int, record: EpisodeRecord) -> None:
 
 def read_record(path: Path) -> EpisodeRecord:
     """Read a record with its timing; raise InputFileError when it is missing, damaged, of another format, or a link out of the run."""
-    check_inside(path.parent.parent, path)
+    check_inside(run_folder_of(path), path)
     arrays = _read_npz(path)
     try:
         meta = json.loads(str(arrays.pop("meta")))
@@ -115,7 +116,7 @@ def read_record(path: Path) -> EpisodeRecord:
         raise InputFileError(f"{path}: format is {one_line(repr(meta.get('format')), 40)}; allowed: {FORMAT}")
     if fault := fault_of(arrays, meta):
         raise InputFileError(f"{path}: no record ({one_line(fault)}); allowed: a file that `arena run` wrote")
-    timing = path.parent.parent / "timing" / path.name
+    timing = timing_of(path)
     rows_first = {name: np.ascontiguousarray(array) for name, array in arrays.items()}  # as they were before they were written
     return EpisodeRecord(rows_first, meta, _read_npz(timing) if timing.exists() else {})
 
@@ -211,7 +212,9 @@ def keep_room(folder: Path, size: int) -> None:
 
 def remove_half_written(folder: Path) -> None:
     """Remove what killed writers left in a run's folder, and the room that was kept; nobody may be writing there."""
-    for place in (folder, *(folder / name for name in ("records", "timing", "worlds"))):
+    parts = [folder / name for name in PARTS]
+    shards = [place for part in parts if part.is_dir() for place in sorted(part.iterdir()) if NUMBERED.fullmatch(place.name)]
+    for place in (folder, folder / "worlds", *parts, *shards):
         for path in place.glob(".*") if place.is_dir() else ():
             if HALF_WRITTEN.fullmatch(path.name) and path.is_file():
                 with suppress(OSError):  # where nothing can be removed, it stays and harms nobody

@@ -84,7 +84,9 @@ def test_every_file_opens_is_saved_in_our_format_and_reads_back_equal(client: Te
 
 def test_what_a_file_of_ours_leaves_open_stays_open(client: TestClient, folder: Path) -> None:
     person = {"position": [3.0, 6.0], "max_speed": 0.5}
-    (folder / "old.json").write_text(json.dumps({"format": "arena-scenario", "version": 1, "scenarios": [{**SCENE, "pedestrians": [person]}]}))
+    (folder / "old.json").write_text(
+        json.dumps({"format": "arena-scenario", "version": 1, "scenarios": [{**SCENE, "pedestrians": [person]}]})
+    )
     opened = client.get("/api/scenarios/file?path=old.json").json()["content"]
     assert opened["version"] == 2
     assert opened["scenarios"][0]["pedestrians"] == [{"position": [3.0, 6.0], "desired_speed": 0.5}]
@@ -117,7 +119,10 @@ def test_what_could_not_be_read_again_is_not_saved(client: TestClient, path: str
 
 
 def test_nothing_is_found_in_a_scene_that_can_be_run(client: TestClient) -> None:
-    assert check(client, {**SCENE, "pedestrians": [{"position": [2.0, 2.0], "waypoints": [[10.0, 2.0]], "behaviour": {"type": "child"}}]}) == []
+    assert (
+        check(client, {**SCENE, "pedestrians": [{"position": [2.0, 2.0], "waypoints": [[10.0, 2.0]], "behaviour": {"type": "child"}}]})
+        == []
+    )
 
 
 def test_every_fault_is_told_with_scene_key_and_place(client: TestClient) -> None:

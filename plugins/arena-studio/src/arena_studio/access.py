@@ -145,12 +145,13 @@ def _name(host: str) -> str:
 
 
 def _query_token(scope: Scope) -> str:
-    return parse_qs(scope["query_string"].decode("latin-1")).get("token", [""])[0]
+    words: str = scope["query_string"].decode("latin-1")
+    return parse_qs(words).get("token", [""])[0]
 
 
 def _cookie(headers: Headers, name: str) -> str:
     try:
-        found = SimpleCookie(headers.get("cookie", "")).get(name)
+        found = SimpleCookie(headers.get("cookie", ""))
     except CookieError:
         return ""
-    return "" if found is None else found.value
+    return str(found[name].value) if name in found else ""

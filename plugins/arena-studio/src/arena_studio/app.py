@@ -15,8 +15,10 @@ from fastapi.staticfiles import StaticFiles
 from starlette.exceptions import HTTPException
 
 from arena_core import ArenaError, one_line
+from arena_studio import live, replays, results, runs
 from arena_studio.access import LOOPBACK, Access, Guard
 from arena_studio.errors import status_of
+from arena_studio.experiments import Experiments
 from arena_studio.project import Project
 
 POLICY = (
@@ -35,6 +37,9 @@ def make_app(project: Project, token: str, hosts: frozenset[str] | None = LOOPBA
     for name in PARTS:
         if find_spec(f"arena_studio.{name}") is not None:
             app.include_router(import_module(f"arena_studio.{name}").router(project))
+    experiments = Experiments(project)
+    for routes in (runs.router(experiments), live.router(experiments), results.router(project), replays.router(project)):
+        app.include_router(routes)
 
     @app.get("/", response_class=HTMLResponse)
     def page() -> HTMLResponse:

@@ -15,18 +15,26 @@ from arena_studio.side_process import beside
 SUFFIXES = (".yaml", ".yml")
 Row = dict[str, float | int | None]
 Text = Annotated[str, Field(max_length=300)]
+Rules = dict[Annotated[str, Field(pattern=r"^[a-z_]+(\.[a-z_]+)?$")], bool | int | float | Name]  # parameters of task=random
 
 
 class Drawing(BaseModel):
     """Which rules draw, where: in a map of the project or in a world by its name, for which robot."""
 
-    rules: dict[Annotated[str, Field(pattern=r"^[a-z_]+(\.[a-z_]+)?$")], bool | int | float | Name]
+    rules: Rules
     world: Name = "indoor"
     map: MapPath = ""
     difficulty: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
     robot: Name = "turtlebot3"
     seed: Annotated[int, Field(ge=0, lt=2**63)] = 0
     count: Annotated[int, Field(ge=1, le=20)] = 10
+
+
+class Keeping(BaseModel):
+    """Under which name of task=NAME rules are kept."""
+
+    name: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,60}$")]
+    rules: Rules
 
 
 class Packing(BaseModel):
@@ -77,6 +85,12 @@ def router(project: Project) -> APIRouter:
             project.path(asked.map)
         given = {key: getattr(asked, key) for key in ("rules", "world", "difficulty", "robot", "seed", "count")}
         return slow.ask("draws", LONG, **given, map_file=asked.map)
+
+    @routes.post("/rules")
+    def kept(asked: Keeping) -> dict[str, str]:
+        text = quick.ask("rules", SOON, name=asked.name, rules=asked.rules)
+        path = f"conf/task/{asked.name}.yaml"
+        return {"path": path, "version": project.write(path, text.encode(), None)}
 
     @routes.get("/packs")
     def packs() -> Any:

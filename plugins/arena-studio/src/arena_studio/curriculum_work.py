@@ -135,5 +135,3 @@ def _put(path: Path, content: bytes) -> None:
         raise InputFileError(f"{path}: is there already, with other content; allowed: another folder, or a file of another name")
     path.parent.mkdir(parents=True, exist_ok=True)
     write_bytes_whole(path, content)
-
-

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from arena_core import ArenaError, OccupancyGrid, TaskMode, compose, load_registry, plain
+import yaml
+
+from arena_core import ArenaError, ConfigurationError, OccupancyGrid, TaskMode, compose, load_registry, option_files, plain
 from arena_studio.scene_work import cells_of, quoted, world_of
 from arena_tasks.scenario_files.scenario_file import content_of
 
@@ -43,6 +45,20 @@ def _drawn(task: TaskMode, seed: int, index: int, grids: list[OccupancyGrid]) ->
         grids.append(grid)
     number = next(k for k, other in enumerate(grids) if other is grid)
     return {"map": number, "scene": content_of([scenario])["scenarios"][0]}
+
+
+def rules_text(name: str, rules: Mapping[str, Any]) -> str:
+    """Return the option task=NAME with these rules; raise ConfigurationError for a name that is taken, or a rule that is none."""
+    options = option_files("task", load_registry().manager)
+    if name in options:
+        raise ConfigurationError(f"name is {name}; allowed: another one than {', '.join(options)}")
+    compose(["task=random", *(f"task.{key}={_written(value)}" for key, value in rules.items())], "component")
+    tree: dict[str, Any] = {}
+    for key, value in rules.items():
+        group, _, last = key.rpartition(".")
+        (tree.setdefault(group, {}) if group else tree)[last] = value
+    head = f"# Random problems with rules of your own: {name}.\ndefaults:\n  - random\n  - _self_\n"
+    return head + (yaml.safe_dump(tree, sort_keys=False) if tree else "")
 
 
 def _written(value: Any) -> str:

@@ -9,7 +9,7 @@ from hashlib import sha256
 from pathlib import Path, PurePosixPath
 from threading import Lock
 
-from arena_core import ArenaError, InputFileError, one_line, read_bytes, write_bytes_whole
+from arena_core import LIMITS, ArenaError, InputFileError, one_line, read_bytes, write_bytes_whole
 from arena_studio.errors import Conflict, Missing, TooLarge
 
 LARGEST = 100_000_000  # bytes of a file that is read or written; the image of a map of 10,000 by 10,000 cells
@@ -42,6 +42,8 @@ class Project:
         shown = one_line(relative, 80)
         if not parts or len(relative) > LONGEST_NAME or any(c < " " or c == "\\" for c in relative):
             raise ArenaError(f"path is {shown!r}; allowed: a relative path of up to {LONGEST_NAME} characters, with slashes")
+        if len(parts) > LIMITS.folder_parts:
+            raise ArenaError(f"path is {shown!r}; allowed: up to {LIMITS.folder_parts} folders inside each other")
         if parts[0] == "/" or any(part.startswith(".") for part in parts):
             raise ArenaError(f"path is {shown!r}; allowed: a path inside the project folder, without hidden parts")
         try:

@@ -17,7 +17,17 @@ from typing import Any
 import numpy as np
 import yaml
 
-from arena_core import ArenaError, InputFileError, OccupancyGrid, Pose, furniture_kind, furniture_shapes, load_registry, option_files, robot_meta
+from arena_core import (
+    ArenaError,
+    InputFileError,
+    OccupancyGrid,
+    Pose,
+    furniture_kind,
+    furniture_shapes,
+    load_registry,
+    option_files,
+    robot_meta,
+)
 from arena_tasks.commands.packing import ANYBODY
 from arena_tasks.scenario_files.arena_rosnav_writer import arena_rosnav_text, world_name
 from arena_tasks.scenario_files.arena_rosnav_writer import left_out as left_out_by_arena_rosnav
@@ -164,7 +174,10 @@ def exported(name: str, content: Any, scene: int, written: str, target: str, map
         raise InputFileError(f"scene is {scene}; allowed: 0 .. {len(problems) - 1}")
     problem, base = problems[scene], posixpath.splitext(target)[0]
     stems = [f"{posixpath.basename(base)}.obstacle_{number}" for number in range(len(problem.obstacles))]
-    models = {posixpath.join(posixpath.dirname(target), f"{stem}.model.yaml"): obstacle for stem, obstacle in zip(stems, problem.obstacles, strict=True)}
+    models = {
+        posixpath.join(posixpath.dirname(target), f"{stem}.model.yaml"): obstacle
+        for stem, obstacle in zip(stems, problem.obstacles, strict=True)
+    }
     texts = {path: flatland_model_text(obstacle) for path, obstacle in models.items()}
     if written == "arena-tools":
         said = os.path.relpath(map_file, posixpath.dirname(target) or ".") if map_file else ""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+import logging
 import socket
 from typing import Any
 
@@ -40,9 +42,16 @@ def serve(app: Any, server: socket.socket) -> None:
         timeout_graceful_shutdown=PATIENCE,
         access_log=False,
     )
+    logging.getLogger("uvicorn.error").addFilter(_is_fault)
     try:
         uvicorn.Server(settings).run(sockets=[server])
     except KeyboardInterrupt:
         pass  # uvicorn has ended in order, and raises it again
     finally:
         server.close()
+
+
+def _is_fault(record: logging.LogRecord) -> bool:
+    """Tell whether a line is worth saying: that open answers were cut off at the end is not."""
+    error = record.exc_info[1] if record.exc_info else None
+    return not isinstance(error, asyncio.CancelledError) and not record.getMessage().startswith("Cancel ")

@@ -25,6 +25,7 @@ def work() -> Mapping[str, Callable[..., Any]]:
         "export": scene_work.exported,
         "preview": preview_work.preview,
         "draws": draw_work.draws,
+        "rules": draw_work.rules_text,
         "levels": curriculum_work.levels,
         "check levels": curriculum_work.checked,
         "curricula": curriculum_work.listed,

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from arena_core import ConfigurationError, EpisodeRecord, InputFileError, OccupancyGrid, read_grid, read_record, read_table
+from arena_core import ConfigurationError, EpisodeRecord, InputFileError, OccupancyGrid, read_grid, read_record, read_table, record_path
 
 MAGIC, VERSION = b"ARPL", 1
 DIGITS = 10  # of lengths, m and rad: multiples of 2^-10, a millimetre
@@ -87,7 +87,7 @@ def read_recorded(folder: Path, number: int) -> Recorded:
     if number not in known:
         there = ", ".join(map(str, sorted(known)))
         raise ConfigurationError(f"EPISODE is {number}; allowed: {there or 'none: the run has no episode'}")
-    path = folder / "records" / f"{number:04d}.npz"
+    path = record_path(folder, number)
     if not path.exists():
         raise InputFileError(
             f"{path}: no record; allowed: episodes that began (this one: {known[number].get('error') or 'no reason known'})"

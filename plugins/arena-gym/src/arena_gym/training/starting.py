@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import Any
+
 import onnx
 import torch
+from numpy.typing import NDArray
 from onnx import numpy_helper
 from stable_baselines3 import PPO
 
@@ -30,11 +34,15 @@ def take_weights(learner: PPO, address: str, layout: tuple[ObservationField, ...
         raise InputFileError(f"{path}: is no ONNX model ({one_line(str(error))}); allowed: one that `arena train` wrote") from None
     with torch.no_grad():
         for name, weights in Actor(learner.policy).named_parameters():
-            there = tuple(found[name].shape) if name in found else "missing"
-            if there != tuple(weights.shape):
-                asked = tuple(weights.shape)
-                raise InputFileError(f"{path}: {name} is {there}; allowed: {asked}, as training.network says")
-            weights.copy_(torch.from_numpy(found[name].copy()))
+            weights.copy_(torch.from_numpy(_of_shape(path, name, found.get(name), tuple(weights.shape))))
+
+
+def _of_shape(path: Path, name: str, found: NDArray[Any] | None, shape: tuple[int, ...]) -> NDArray[Any]:
+    """Return a file's weights in a network's shape; axes of one do not count (a convolution in one dimension or in two)."""
+    if found is None or [size for size in found.shape if size != 1] != [size for size in shape if size != 1]:
+        there = "missing" if found is None else found.shape
+        raise InputFileError(f"{path}: {name} is {there}; allowed: {shape}, as training.network says")
+    return found.reshape(shape).copy()
 
 
 def hold_policy(learner: PPO, held: bool) -> None:

@@ -50,6 +50,9 @@ export const api = {
   /** @param {string} path @param {unknown} body @returns {Promise<any>} */
   post: async (path, body) => (await asked(path, sent("POST", body))).json(),
 
+  /** @param {string} path @param {unknown} body @returns {Promise<Blob>} */
+  file: async (path, body) => (await asked(path, sent("POST", body))).blob(),
+
   /**
    * Writes a file: `version` is that of the file as it was read, null where it must not exist yet.
    * @param {string} path @param {unknown} body @param {{version: string | null}} options @returns {Promise<any>}
