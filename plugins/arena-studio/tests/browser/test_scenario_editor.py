@@ -134,7 +134,8 @@ def test_the_keyboard_alone_places_a_person_and_its_zone_and_changes_its_fields(
     page = shown.page
     page.locator("canvas").focus()
     page.keyboard.press("p")
-    for key in ("ArrowRight", "ArrowUp", "Enter", *["ArrowUp"] * 3, "Enter", "Escape", "z", "Enter", *["ArrowRight"] * 6, "Enter"):
+    click = ("Enter", "Enter")  # presses, and lets go
+    for key in ("ArrowRight", "ArrowUp", *click, *["ArrowUp"] * 3, *click, "Escape", "z", "Enter", *["ArrowRight"] * 6, "Enter"):
         page.keyboard.press(key)
     page.select_option("select[data-entry=type]", "child")
     page.fill("input[data-entry=speed]", "0.7")
