@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import base64
 from hashlib import sha256
-from importlib import import_module
 from importlib.resources import files
-from importlib.util import find_spec
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
@@ -15,7 +13,7 @@ from fastapi.staticfiles import StaticFiles
 from starlette.exceptions import HTTPException
 
 from arena_core import ArenaError, one_line
-from arena_studio import live, replays, results, runs
+from arena_studio import curricula, live, maps, replays, results, runs, scenarios
 from arena_studio.access import LOOPBACK, Access, Guard
 from arena_studio.errors import status_of
 from arena_studio.experiments import Experiments
@@ -25,7 +23,6 @@ POLICY = (
     "default-src 'none'; script-src 'self' '{}'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; "
     "frame-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
-PARTS = ("maps", "scenarios", "curricula")
 
 
 def make_app(project: Project, token: str, hosts: frozenset[str] | None = LOOPBACK) -> FastAPI:
@@ -34,12 +31,11 @@ def make_app(project: Project, token: str, hosts: frozenset[str] | None = LOOPBA
     app = FastAPI(title="arena studio", docs_url=None, redoc_url=None, openapi_url=None)
     app.state.project = project
     _tell_errors(app)
-    for name in PARTS:
-        if find_spec(f"arena_studio.{name}") is not None:
-            app.include_router(import_module(f"arena_studio.{name}").router(project))
     experiments = Experiments(project)
-    for routes in (runs.router(experiments), live.router(experiments), results.router(project), replays.router(project)):
+    for routes in (runs.router(experiments), live.router(experiments)):
         app.include_router(routes)
+    for part in (results, replays, maps, scenarios, curricula):
+        app.include_router(part.router(project))
 
     @app.get("/", response_class=HTMLResponse)
     def page() -> HTMLResponse:
