@@ -2,8 +2,8 @@
 .DEFAULT_GOAL := help
 ROBOTS := turtlebot3 jackal robotino
 # What needs more than Python: a marker in pyproject.toml, a case in scripts/setup and scripts/NAME.txt, a name here. make test-NAME runs it.
-APART := browser ros1 pictures
-.PHONY: help demo test test-slow long lint bench clean setup wheels dist policies fuzz coverage docs results-check $(APART:%=test-%)
+APART := browser ros1 ros2 pictures
+.PHONY: help demo test test-slow test-js long lint lint-js bench clean setup wheels dist policies fuzz coverage docs results-check $(APART:%=test-%)
 PYTHON ?= python3
 PLUGIN ?=
 FIRST ?= 40
@@ -20,10 +20,13 @@ help:
 	@echo "make test-slow  run those that take more than a few seconds each: kills, faults, trainings, whole runs"
 	@echo "make test-browser  open the report's page and the documentation in chromium (installs it)"
 	@echo "make test-ros1  drive a simulated robot over a ROS 1 master (installs rosmaster and rospy with apt)"
+	@echo "make test-ros2  drive a simulated robot between nodes of rclpy and of DDS (installs wheels of ROS 2 Jazzy)"
 	@echo "make test-pictures  drive every robot in 3-D and draw it (installs a driver that draws without a display)"
 	@echo "make coverage  run all tests and tell which lines none of them reaches"
 	@echo "make long   the long studies: every fault at every moment, a sweep killed again and again, 10,000 episodes in one worker, how often intervals hold the truth"
 	@echo "make lint   ruff, mypy, import-linter"
+	@echo "make lint-js  ESLint, and TypeScript on the pages' JavaScript (installs both beside it; needs node)"
+	@echo "make test-js  the unit tests of the pages' JavaScript, by node's own runner"
 	@echo "make docs   build the documentation into site/"
 	@echo "make fuzz   a hundred thousand spoilt files for all readers (half an hour); FUZZ_EXAMPLES=N: N for each"
 	@echo "make results-check  drive 40 episodes of experiment=paper anew and say which are not those of docs/results/check.json; FIRST=N: N of them"
@@ -46,10 +49,12 @@ demo: setup
 	$(BIN)/arena run experiment=demo
 
 test: setup
-	$(PYTEST) $(if $(PLUGIN),$(PLUGIN:%=plugins/%),-m "not slow and not long and not browser and not ros1 and not pictures")
+	$(PYTEST) $(if $(PLUGIN),$(PLUGIN:%=plugins/%),-m "not slow and not long and not browser and not ros1 and not ros2 and not pictures")
 
 test-slow: setup
-	$(PYTEST) -m "slow and not long and not browser and not ros1 and not pictures"
+	$(PYTEST) -m "slow and not long and not browser and not ros1 and not ros2 and not pictures"
+
+test-browser: node_modules/.complete  # axe, which looks whether pages are accessible
 
 $(APART:%=test-%): test-%: .venv/.%
 	$(BIN)/pytest -m $* $(wildcard tests/$* plugins/*/tests/$*)
@@ -66,6 +71,18 @@ lint: setup
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/python scripts/contracts.py
+
+node_modules/.complete: package.json
+	@command -v npm >/dev/null || { echo "npm is missing: apt-get install nodejs npm, or Node.js 20 or newer from nodejs.org" >&2; exit 2; }
+	npm install --no-package-lock --no-audit --no-fund --loglevel=error
+	@touch $@
+
+lint-js: node_modules/.complete
+	node_modules/.bin/tsc
+	node_modules/.bin/eslint --max-warnings 0 eslint.config.js scripts plugins
+
+test-js: node_modules/.complete
+	node --import ./scripts/names.js --test --test-reporter=spec $(wildcard plugins/*/tests/js/*.test.js)
 
 docs: .venv/.docs
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
@@ -91,4 +108,4 @@ policies: setup
 	for planner in navrep_v_only aio; do printf "$$planner %s\n" $(ROBOTS); done | OMP_NUM_THREADS=1 xargs -P 2 -L 1 scripts/train_policy  # last: they use the world models and the policies of others
 
 clean:
-	rm -rf .venv dist build site
+	rm -rf .venv node_modules dist build site

@@ -12,6 +12,7 @@ from arena_core.base.errors import (
     DuplicateComponent,
     ImpossibleScenario,
     InputFileError,
+    InvalidCandidates,
     InvalidCommand,
     NoPath,
     NoValidCommand,
@@ -81,6 +82,7 @@ from arena_core.loop.guide import Guide, Mission, ReplanRules, View, pose_at_sca
 from arena_core.loop.navigator import NAVIGATOR_KEYS, Decision, Navigator
 from arena_core.loop.navigator import Spent as NavigatorSpent
 from arena_core.loop.record_digest import record_digest
+from arena_core.loop.record_places import record_path, record_paths, timing_paths
 from arena_core.loop.recording import (
     Recorder,
     check_inside,
@@ -97,6 +99,7 @@ from arena_core.runs.benchmark import Benchmark, build_benchmark, build_guide, b
 from arena_core.runs.budgets import Budgets
 from arena_core.runs.code_digest import Code, code_of
 from arena_core.runs.executors import ProcessExecutor
+from arena_core.runs.forms import Field, Form, check_settings, default_options, form_of, option_names, settings_form
 from arena_core.runs.nodes import Delivery, Node, OtherCode, take_in
 from arena_core.runs.outside import OutsideRun
 from arena_core.runs.provenance import cpu_kind, read_provenance, versions
@@ -104,6 +107,7 @@ from arena_core.runs.repeating import repeat
 from arena_core.runs.rows import COLUMNS as EPISODE_COLUMNS
 from arena_core.runs.rows import TEXT, evaluate, metric_column
 from arena_core.runs.text_columns import aligned
+from arena_core.values.candidate import Candidate
 from arena_core.values.episode import (
     Contact,
     EpisodeRecord,
@@ -180,6 +184,7 @@ __all__ = [
     "Bounds",
     "BrokenPlugin",
     "Budgets",
+    "Candidate",
     "Code",
     "Command",
     "CommandQueue",
@@ -199,8 +204,10 @@ __all__ = [
     "EpisodeStart",
     "Event",
     "Executor",
+    "Field",
     "Finished",
     "Footprint",
+    "Form",
     "Fraction",
     "Furniture",
     "FurnitureKind",
@@ -210,6 +217,7 @@ __all__ = [
     "Horizon",
     "ImpossibleScenario",
     "InputFileError",
+    "InvalidCandidates",
     "InvalidCommand",
     "Job",
     "LaserScan",
@@ -299,13 +307,16 @@ __all__ = [
     "build_metrics",
     "camera_rays",
     "check_inside",
+    "check_settings",
     "code_of",
     "complete_overrides",
     "compose",
     "cpu_kind",
+    "default_options",
     "described",
     "evaluate",
     "find_runs",
+    "form_of",
     "free_area",
     "furnished",
     "furniture_kind",
@@ -326,6 +337,7 @@ __all__ = [
     "mission_of",
     "one_line",
     "option_files",
+    "option_names",
     "outlines",
     "plain",
     "pose_at_scan",
@@ -343,16 +355,20 @@ __all__ = [
     "read_words",
     "read_yaml",
     "record_digest",
+    "record_path",
+    "record_paths",
     "rectangles",
     "repeat",
     "robot_meta",
     "run",
     "run_episode",
     "scene_of",
+    "settings_form",
     "stream_key",
     "succeeded",
     "take_in",
     "tell",
+    "timing_paths",
     "versions",
     "wall_boxes",
     "with_obstacles",

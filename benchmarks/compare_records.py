@@ -116,13 +116,13 @@ def compare_runs(before: Path, after: Path, ignored: Iterable[str] = ()) -> tupl
 
     ``ignored`` are parts of meta that may differ, as words joined by dots.
     """
-    names = [sorted(path.name for path in folder.glob("records/*.npz")) for folder in (before, after)]
+    names = [sorted(path.relative_to(folder).as_posix() for path in folder.glob("records/**/*.npz")) for folder in (before, after)]
     if names[0] != names[1]:
         return 0, f"records: {_shown(names[0])}, then {_shown(names[1])}"
     if not names[0]:
         return 0, "neither has a record"
     for name in names[0]:
-        if difference := compare_records(_read(before / "records" / name), _read(after / "records" / name), ignored):
+        if difference := compare_records(_read(before / name), _read(after / name), ignored):
             return len(names[0]), f"{name}: {difference}"
     return len(names[0]), ""
 

@@ -33,6 +33,7 @@ from arena_core import (
     read_json,
     read_record,
     record_digest,
+    record_path,
     repeat,
     succeeded,
     write_text_whole,
@@ -112,7 +113,7 @@ def _driven(experiment: str, asked: dict[str, Any], executor: dict[str, Any]) ->
     jobs = [Job(_config(experiment, one["overrides"]), place, one["episode"]) for place, one in asked.items()]
     for answer in repeat(jobs, executor, load_registry()):
         one = asked[answer.job.folder]
-        path = Path(answer.job.folder, "records", f"{answer.job.episode:04d}.npz")
+        path = record_path(Path(answer.job.folder), answer.job.episode)
         if not path.exists():
             yield answer.job.folder, False, False, getattr(answer, "reason", "") or str(answer.row.get("error"))  # type: ignore[union-attr]
             continue

@@ -65,5 +65,5 @@ def test_folders_without_records_or_with_others_differ(comparison, tmp_path):
     for path in ("one/records/0000.npz", "two/records/0001.npz"):
         np.savez(tmp_path / path, stamp=np.zeros(2))
     assert comparison.compare_runs(tmp_path / "empty", tmp_path / "empty") == (0, "neither has a record")
-    assert comparison.compare_runs(tmp_path / "one", tmp_path / "two") == (0, "records: ['0000.npz'], then ['0001.npz']")
+    assert comparison.compare_runs(tmp_path / "one", tmp_path / "two") == (0, "records: ['records/0000.npz'], then ['records/0001.npz']")
     assert comparison.compare_runs(tmp_path / "one", tmp_path / "one") == (1, "")

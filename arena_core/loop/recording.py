@@ -22,8 +22,11 @@ from arena_core.base.errors import InputFileError, RunFolderError, one_line
 from arena_core.base.files import reason_of
 from arena_core.base.frozen import frozen
 from arena_core.base.limits import LIMITS
+from arena_core.loop.extras import candidate_arrays, track_arrays
 from arena_core.loop.navigator import Decision, Spent
 from arena_core.loop.record_layout import fault_of
+from arena_core.loop.record_places import NUMBERED, PARTS, record_path, run_folder_of, timing_of, timing_path
+from arena_core.values.candidate import Candidate
 from arena_core.values.episode import Contact, EpisodeRecord, Event, Outcome, Scenario, WorldState
 from arena_core.values.furniture import furniture_meta
 from arena_core.values.geometry import Pose
@@ -54,26 +57,37 @@ ROOM = ".room.00000000"  # goes wherever half-written files go
 class Recorder:
     """Collects one episode step by step: what is true and measured, then what was decided; ``meta`` identifies it, plain JSON."""
 
-    def __init__(self, scenario: Scenario, robot: Robot, meta: Mapping[str, Any], keep_scans: bool) -> None:
+    def __init__(
+        self,
+        scenario: Scenario,
+        robot: Robot,
+        meta: Mapping[str, Any],
+        keep_scans: bool,
+        keep_tracks: bool = False,
+        keep_considered: bool = False,
+    ) -> None:
         self._meta = {"format": FORMAT, **meta, "scenario": _scenario_meta(scenario), "robot": robot_meta(robot)}
-        self._keep_scans = keep_scans
+        self._keep_scans, self._keep_tracks, self.keeps_considered = keep_scans, keep_tracks, keep_considered
         self._states: list[WorldState] = []
         self._decisions: list[Decision] = []
         self._scan_minima: list[float] = []
         self._scans: list[NDArray[np.float32]] = []
+        self._considered: list[list[Candidate]] = []
 
     def sense(self, state: WorldState, sensors: Sensors) -> None:
         """Take in what is true and what was measured at a control step, before anybody decides; it counts once a decision is added."""
         self._sensed = state, float(sensors.scan.ranges.min()), frozen(sensors.scan.ranges) if self._keep_scans else None
 
-    def add(self, decision: Decision) -> None:
-        """Take in what was decided on what was sensed last."""
+    def add(self, decision: Decision, considered: list[Candidate] | None = None) -> None:
+        """Take in what was decided on what was sensed last, and what is kept of what the planner considered."""
         state, scan_minimum, scan = self._sensed
         self._states.append(state)
         self._decisions.append(decision)
         self._scan_minima.append(scan_minimum)
         if scan is not None:
             self._scans.append(scan)
+        if self.keeps_considered:
+            self._considered.append(considered or [])
 
     def finish(self, state: WorldState, outcome: Outcome, error: str, decision: Decision | None = None) -> EpisodeRecord:
         """Close the record with the final state (and the decision that ended it, if one did)."""
@@ -88,15 +102,19 @@ class Recorder:
         }
         if self._keep_scans:
             arrays["scan_ranges"] = np.array(self._scans, dtype=np.float32)
+        if self._keep_tracks:
+            arrays |= track_arrays([d.tracks for d in self._decisions])
+        if self.keeps_considered:
+            arrays |= candidate_arrays(self._considered)
         events = [_event(e) for d in self._decisions for e in d.events]
         meta = {**self._meta, "outcome": outcome, "error": error, "events": events}
         return EpisodeRecord(rounded(arrays), meta, _timing_arrays(self._decisions))
 
 
 def write_record(folder: Path, episode: int, record: EpisodeRecord) -> None:
-    """Write ``records/NNNN.npz`` and ``timing/NNNN.npz``, each whole or not at all."""
+    """Write ``records/NNNN.npz`` and ``timing/NNNN.npz`` (record_places.py), each whole or not at all."""
     meta = json.dumps(record.meta, sort_keys=True)
-    timing, arrays = folder / "timing" / f"{episode:04d}.npz", folder / "records" / f"{episode:04d}.npz"
+    timing, arrays = timing_path(folder, episode), record_path(folder, episode)
     check_inside(folder, timing.parent)
     check_inside(folder, arrays.parent)
     write_whole(timing, lambda file: _write_npz(file, record.timing))
@@ -105,7 +123,7 @@ def write_record(folder: Path, episode: int, record: EpisodeRecord) -> None:
 
 def read_record(path: Path) -> EpisodeRecord:
     """Read a record with its timing; raise InputFileError when it is missing, damaged, of another format, or a link out of the run."""
-    check_inside(path.parent.parent, path)
+    check_inside(run_folder_of(path), path)
     arrays = _read_npz(path)
     try:
         meta = json.loads(str(arrays.pop("meta")))
@@ -115,7 +133,7 @@ def read_record(path: Path) -> EpisodeRecord:
         raise InputFileError(f"{path}: format is {one_line(repr(meta.get('format')), 40)}; allowed: {FORMAT}")
     if fault := fault_of(arrays, meta):
         raise InputFileError(f"{path}: no record ({one_line(fault)}); allowed: a file that `arena run` wrote")
-    timing = path.parent.parent / "timing" / path.name
+    timing = timing_of(path)
     rows_first = {name: np.ascontiguousarray(array) for name, array in arrays.items()}  # as they were before they were written
     return EpisodeRecord(rows_first, meta, _read_npz(timing) if timing.exists() else {})
 
@@ -211,7 +229,9 @@ def keep_room(folder: Path, size: int) -> None:
 
 def remove_half_written(folder: Path) -> None:
     """Remove what killed writers left in a run's folder, and the room that was kept; nobody may be writing there."""
-    for place in (folder, *(folder / name for name in ("records", "timing", "worlds"))):
+    parts = [folder / name for name in PARTS]
+    shards = [place for part in parts if part.is_dir() for place in sorted(part.iterdir()) if NUMBERED.fullmatch(place.name)]
+    for place in (folder, folder / "worlds", *parts, *shards):
         for path in place.glob(".*") if place.is_dir() else ():
             if HALF_WRITTEN.fullmatch(path.name) and path.is_file():
                 with suppress(OSError):  # where nothing can be removed, it stays and harms nobody

@@ -12,6 +12,7 @@ from arena_core.base.errors import ArenaError, ConfigurationError
 from arena_core.config.configuration import PRIMARY, compose, one_line_errors
 from arena_core.config.registry import load_registry
 from arena_core.contracts.interfaces import Reporter
+from arena_core.loop.record_places import record_path
 from arena_core.loop.recording import find_runs, read_record
 from arena_core.runs.provenance import read_provenance
 from arena_core.runs.running import RunRequest, run_all
@@ -45,7 +46,7 @@ class Run:
 
     def record(self, episode: int) -> EpisodeRecord:
         """Return the record of an episode; raise InputFileError where there is none."""
-        return read_record(self.folder / "records" / f"{episode:04d}.npz")
+        return read_record(record_path(self.folder, episode))
 
     def __repr__(self) -> str:
         config = self.config

@@ -14,13 +14,14 @@ from typing import Any
 from arena_core.base.errors import ArenaError, InputFileError, one_line
 from arena_core.config.registry import Registry, load_registry
 from arena_core.contracts.interfaces import Finished, Job, Lost
+from arena_core.loop.record_places import OF_EPISODE, PARTS, record_path, timing_path
 from arena_core.loop.recording import write_bytes_whole
 from arena_core.runs.budgets import Budgets
 from arena_core.runs.code_digest import code_of
 from arena_core.runs.supervising import Supervisor
 from arena_core.runs.workers import Work
 
-NAMES = re.compile(r"(records|timing)/\d{4,}\.npz|worlds/[0-9a-f]{16}\.npz")
+NAMES = re.compile(rf"({'|'.join(PARTS)})/{OF_EPISODE}|worlds/[0-9a-f]{{16}}\.npz")
 
 
 class OtherCode(ArenaError):
@@ -102,7 +103,7 @@ class Node:
     def _files(self, job: Job) -> dict[str, bytes]:
         """Return a job's files and the maps that are new, and keep only the maps."""
         folder = Path(job.folder)
-        own = [path for part in ("timing", "records") if (path := folder / part / f"{job.episode:04d}.npz").exists()]
+        own = [path for place in (timing_path, record_path) if (path := place(folder, job.episode)).exists()]
         maps = [path for path in sorted((folder / "worlds").glob("*.npz")) if path not in self._handed_over]
         content = {path.relative_to(folder).as_posix(): path.read_bytes() for path in (*maps, *own)}
         self._handed_over.update(maps)

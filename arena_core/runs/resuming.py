@@ -12,6 +12,7 @@ from arena_core.base.errors import ArenaError, ConfigurationError, InputFileErro
 from arena_core.base.files import read_table
 from arena_core.config.registry import Registry
 from arena_core.contracts.interfaces import Finished, Job, Lost
+from arena_core.loop.record_places import record_path, record_paths
 from arena_core.loop.recording import read_record, remove_half_written
 from arena_core.runs.benchmark import build_metrics, config_hash
 from arena_core.runs.kept_rows import KeptRow
@@ -52,14 +53,14 @@ def complete(runs: Iterable[OpenRun]) -> None:
 def row_of_lost(lost: Lost, run: OpenRun) -> Finished:
     """Return the row of a job that was lost: that of its record where it came so far, else one with the reason."""
     with suppress(InputFileError):
-        found = judged(lost.job, read_record(run.folder / "records" / f"{lost.job.episode:04d}.npz"), run.packs)
+        found = judged(lost.job, read_record(record_path(run.folder, lost.job.episode)), run.packs)
         if found.row.get("code") == run.code.digest:  # not what other code left there
             return found
     return failed(lost.job, lost.reason)
 
 
 def _records_without_row(run: OpenRun) -> list[Path]:
-    return [path for path in sorted((run.folder / "records").glob("[0-9]*.npz")) if int(path.stem) not in run.rows]
+    return [path for path in record_paths(run.folder) if int(path.stem) not in run.rows]
 
 
 def _take_record(run: OpenRun, path: Path) -> None:
@@ -89,7 +90,7 @@ def re_evaluate(folder: Path, registry: Registry, metrics: Mapping[str, Any] | N
     config = read_provenance(folder)["config"]
     packs = build_metrics({"metrics": metrics} if metrics else config, registry)
     rows = {int(row["episode"]): row for row in _failed_rows(folder)}
-    rows |= {int(record.stem): evaluate_file(record, packs) for record in sorted((folder / "records").glob("[0-9]*.npz"))}
+    rows |= {int(record.stem): evaluate_file(record, packs) for record in record_paths(folder)}
     if not rows:
         raise ArenaError(f"{folder}: no episode to evaluate")
     write_episodes(folder, rows.values(), packs)

@@ -15,6 +15,7 @@ from arena_core.base.cells import harmless
 from arena_core.base.errors import InputFileError, one_line
 from arena_core.base.files import reason_of
 from arena_core.contracts.interfaces import Metric
+from arena_core.loop.record_places import record_paths
 from arena_core.loop.recording import read_record, write_text_whole
 from arena_core.values.episode import EpisodeRecord
 
@@ -70,7 +71,7 @@ def _value(metric: Metric, record: EpisodeRecord) -> float | str:
 
 def evaluate_folder(folder: Path, packs: Mapping[str, Sequence[Metric]]) -> list[dict[str, Any]]:
     """Return the rows of all records of a run, in order of episode."""
-    return [evaluate_file(path, packs) for path in sorted((folder / "records").glob("[0-9]*.npz"))]
+    return [evaluate_file(path, packs) for path in record_paths(folder)]
 
 
 def evaluate_file(path: Path, packs: Mapping[str, Sequence[Metric]]) -> dict[str, Any]:

@@ -19,7 +19,7 @@ NAMES: Mapping[re.Pattern[str], int] = {  # what may be in an archive, and how m
     re.compile(re.escape(FACTS)): LIMITS.json_bytes,
     re.compile(r"runs/\d{1,6}/provenance\.json"): LIMITS.json_bytes,
     re.compile(r"runs/\d{1,6}/episodes\.csv"): LIMITS.table_bytes,
-    re.compile(r"runs/\d{1,6}/(records|timing)/\d{4,8}\.npz"): 50_000_000,  # an episode of an hour among a hundred people has 10 MB
+    re.compile(r"runs/\d{1,6}/(records|timing)/(\d{3,5}/)?\d{4,8}\.npz"): 50_000_000,  # an hour among a hundred people has 10 MB
     re.compile(r"runs/\d{1,6}/worlds/[0-9a-f]{16}\.npz"): 60_000_000,
 }
 MOST_FILES = 80_000  # of one archive: 40,000 episodes with their timing; pack.json has to name them all within its own limit

@@ -11,7 +11,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from arena_core import InputFileError, check_inside, find_runs, one_line, read_json, read_provenance, read_table
+from arena_core import InputFileError, check_inside, find_runs, one_line, read_json, read_provenance, read_table, record_paths, timing_paths
 from arena_submit.archive import ALLOWED, FACTS, Archive, opened, write_archive
 
 FORMAT, VERSION = "arena-submission", 1
@@ -83,7 +83,7 @@ def _files(run: Path) -> list[Path]:
     rows, wanted = read_table(run / "episodes.csv", "a table that `arena run` wrote")[1], facts["config"].get("episodes")
     if len(rows) != wanted:
         raise InputFileError(f"{run}: holds {len(rows)} of {wanted} episodes; allowed: finished runs, resume=true finishes one")
-    parts = [path for part in ("records", "timing", "worlds") for path in sorted((run / part).glob("[0-9a-f]*.npz"))]
+    parts = [*record_paths(run), *timing_paths(run), *sorted((run / "worlds").glob("[0-9a-f]*.npz"))]
     found = [run / "episodes.csv", run / "provenance.json", *parts]
     for path in found:
         check_inside(run, path)

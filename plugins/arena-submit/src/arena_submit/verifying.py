@@ -26,6 +26,7 @@ from arena_core import (
     one_line,
     read_record,
     record_digest,
+    record_path,
     repeat,
     succeeded,
     versions,
@@ -61,7 +62,7 @@ class Drawn:
     @property
     def record(self) -> str:
         """Return the name of its record within the pack."""
-        return f"{self.run.name}/records/{int(self.row['episode']):04d}.npz"
+        return record_path(Path(self.run.name), int(self.row["episode"])).as_posix()
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,7 +164,7 @@ def _repeated(pack: Pack, drawn: Sequence[Drawn], executor: Mapping[str, Any], r
         jobs = [Job(one.run.config, place, episode, _stage(one.row)) for (place, episode), one in asked.items()]
         for answer in repeat(jobs, executor, registry):
             one = asked[answer.job.folder, answer.job.episode]
-            path = Path(answer.job.folder, "records", f"{answer.job.episode:04d}.npz")
+            path = record_path(Path(answer.job.folder), answer.job.episode)
             yield _compared(one, _record(pack, one), answer, path)
 
 

@@ -9,7 +9,18 @@ from pathlib import Path
 
 import numpy as np
 
-from arena_core import ABSENT, Benchmark, EpisodeRecord, Scenario, build_benchmark, compose, load_registry, plain, write_bytes_whole
+from arena_core import (
+    ABSENT,
+    Benchmark,
+    EpisodeRecord,
+    Scenario,
+    build_benchmark,
+    compose,
+    load_registry,
+    plain,
+    record_path,
+    write_bytes_whole,
+)
 from arena_crowds.validation.phases import Phased
 from arena_crowds.validation.walked import Walked
 
@@ -70,4 +81,4 @@ def keep(walked: Sequence[Walked], folder: Path) -> None:
         content = io.BytesIO()
         arrays = {"stamp": each.stamps, "pose": each.poses, "pedestrian_positions": each.positions, "pedestrian_states": each.states}
         np.savez_compressed(content, **arrays)  # type: ignore[arg-type]
-        write_bytes_whole(folder / "records" / f"{number:04d}.npz", content.getvalue())
+        write_bytes_whole(record_path(folder, number), content.getvalue())

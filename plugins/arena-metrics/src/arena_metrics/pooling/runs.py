@@ -23,6 +23,7 @@ from arena_core import (
     option_files,
     read_json,
     read_table,
+    record_path,
 )
 
 if TYPE_CHECKING:
@@ -137,7 +138,7 @@ class Episode:
     @property
     def record_path(self) -> Path:
         """Return where the record is, if the episode got so far as to have one."""
-        return self.run.folder / "records" / f"{self.row['episode']:04d}.npz"
+        return record_path(self.run.folder, self.row["episode"])
 
 
 def pooled(runs: Iterable[Run]) -> tuple[list[Episode], int]:

@@ -27,6 +27,7 @@ from arena_core import (
     read_record,
     read_settings,
     read_words,
+    record_path,
     tell,
 )
 from arena_drawing.film import check_encoder, check_target, write_film, write_picture
@@ -98,7 +99,7 @@ class RenderCommand(Command):
         request = read_request(arguments)
         check_encoder(request.target)
         folder = _run_folder(request.folder)
-        record = read_record(folder / "records" / f"{request.episode:04d}.npz")
+        record = read_record(record_path(folder, request.episode))
         drama = Drama(record, looks().follow.calm)
         stamps = _stamps(request, drama.end)
         with _painting(folder, record, drama, request.camera, request.size, request.lidar) as paint:

@@ -11,7 +11,19 @@ from typing import Any
 
 import numpy as np
 
-from arena_core import ArenaError, ConfigurationError, EpisodeRecord, InputFileError, LaserScan, OccupancyGrid, Pose, Twist, read_grid
+from arena_core import (
+    ArenaError,
+    ConfigurationError,
+    EpisodeRecord,
+    InputFileError,
+    LaserScan,
+    OccupancyGrid,
+    Pose,
+    Twist,
+    read_grid,
+    record_path,
+    record_paths,
+)
 from arena_ros import conversions as to
 from arena_ros.codec import PEOPLE, Codec, Ros, codec
 
@@ -49,7 +61,7 @@ def export(folder: Path, target: Path, episodes: Sequence[int] | None = None) ->
 
 
 def _numbers(folder: Path) -> list[int]:
-    numbers = sorted(int(path.stem) for path in (folder / "records").glob("[0-9]*.npz"))
+    numbers = [int(path.stem) for path in record_paths(folder)]
     if not numbers:
         raise InputFileError(f"{folder}: has no records; allowed: a folder that `arena run` wrote")
     return numbers
@@ -132,7 +144,7 @@ def _write_episode(folder: Path, number: int, own: Codec, write: Write, begin: i
     """Write an episode from ``begin`` ns on; return when it ends."""
     from arena_core import read_record
 
-    record = read_record(folder / "records" / f"{number:04d}.npz")
+    record = read_record(record_path(folder, number))
     stamps = begin + np.rint((record["stamp"] - record["stamp"][0]) * 1e9).astype(np.int64)
     _write_begin(folder, record, own, write, begin)
     paths = _paths(record, own, begin)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ConfigurationError, EpisodeRecord, read_record, tell, write_text_whole
+from arena_core import ConfigurationError, EpisodeRecord, read_record, record_paths, tell, write_text_whole
 from arena_ros.bags.importing import Request, import_bags
 
 CORNER = 0.3  # m that a way of a person may be off the one that was recorded
@@ -25,7 +25,7 @@ def scenario_from(paths: Sequence[Path], target: Path, request: Request) -> int:
         raise ConfigurationError(f"{target} is there already; allowed: a name that is free")
     with tempfile.TemporaryDirectory() as folder:
         import_bags(paths, Path(folder) / "run", request)
-        records = [read_record(path) for path in sorted((Path(folder) / "run" / "records").glob("*.npz"))]
+        records = [read_record(path) for path in record_paths(Path(folder) / "run")]
     problems = [_problem(record) for record in records]
     content: dict[str, Any] = {"format": "arena-scenario", "version": 2, "title": f"Recorded: {paths[0].name}"[:80]}
     if request.map is not None:

@@ -28,7 +28,7 @@ export function hands(element, player, view, plots, act) {
   element("follow").addEventListener("change", follow);
   element("beside").addEventListener("change", beside);
   element("whole").addEventListener("click", act.fit);
-  layers(element, view, player);
+  layers(view, player);
   for (const plot of plots) plot.canvas.addEventListener("pointerdown", (event) => player.seek(plot.timeAt(event.offsetX)));
 
   const check = (/** @type {string} */ name, /** @type {() => void} */ then) => () => {
@@ -60,8 +60,8 @@ export function hands(element, player, view, plots, act) {
   pointers(element("picture"), view, player);
 }
 
-/** A box for each layer. @param {(name: string) => any} element @param {any} view @param {import("./player.js").Player} player */
-function layers(element, view, player) {
+/** A box for each layer. @param {any} view @param {import("./player.js").Player} player */
+function layers(view, player) {
   const group = document.querySelector(".layers");
   for (const name of Object.keys(view.layers)) {
     const label = /** @type {Element} */ (group).appendChild(document.createElement("label"));
