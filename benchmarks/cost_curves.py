@@ -62,7 +62,7 @@ def in_turn(runs: Mapping[float, Callable[[], float]]) -> Curve:
     """Return the median of each size; all are run once to warm up, then in turn."""
     for run in runs.values():
         run()
-    times = {size: [] for size in runs}
+    times: dict[float, list[float]] = {size: [] for size in runs}
     for _ in range(REPEATS):
         for size, run in runs.items():
             times[size].append(run())
@@ -100,7 +100,7 @@ def people() -> dict[str, Curve]:
 
 def maps() -> dict[str, Curve]:
     """Measure steps by the side of the map, and its first reset, which makes the tables of the map (ms)."""
-    first = {}
+    first: Curve = {}
     for side in SIDES:
         began = time.process_time()
         simulator(360, "social_force").reset([ten_people_on(side)])
