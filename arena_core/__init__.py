@@ -99,6 +99,7 @@ from arena_core.runs.benchmark import Benchmark, build_benchmark, build_guide, b
 from arena_core.runs.budgets import Budgets
 from arena_core.runs.code_digest import Code, code_of
 from arena_core.runs.executors import ProcessExecutor
+from arena_core.runs.forms import Field, Form, check_settings, default_options, form_of, option_names, settings_form
 from arena_core.runs.nodes import Delivery, Node, OtherCode, take_in
 from arena_core.runs.outside import OutsideRun
 from arena_core.runs.provenance import cpu_kind, read_provenance, versions
@@ -203,8 +204,10 @@ __all__ = [
     "EpisodeStart",
     "Event",
     "Executor",
+    "Field",
     "Finished",
     "Footprint",
+    "Form",
     "Fraction",
     "Furniture",
     "FurnitureKind",
@@ -304,13 +307,16 @@ __all__ = [
     "build_metrics",
     "camera_rays",
     "check_inside",
+    "check_settings",
     "code_of",
     "complete_overrides",
     "compose",
     "cpu_kind",
+    "default_options",
     "described",
     "evaluate",
     "find_runs",
+    "form_of",
     "free_area",
     "furnished",
     "furniture_kind",
@@ -331,6 +337,7 @@ __all__ = [
     "mission_of",
     "one_line",
     "option_files",
+    "option_names",
     "outlines",
     "plain",
     "pose_at_scan",
@@ -356,6 +363,7 @@ __all__ = [
     "run",
     "run_episode",
     "scene_of",
+    "settings_form",
     "stream_key",
     "succeeded",
     "take_in",

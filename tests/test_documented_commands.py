@@ -25,6 +25,7 @@ from arena_navrep.navrep_command import STAGES
 from arena_ros.bags.roles import roles
 from arena_ros.commands import IMPORT_KEYS, USAGES
 from arena_ros.live.commands import DRIVE_KEYS, SIMULATE_KEYS
+from arena_studio.command import read_request as read_studio
 from arena_viewer.command import read_request as read_replay
 
 TOP = Path(__file__).resolve().parents[1]
@@ -146,7 +147,7 @@ class Shell:
         known = {
             **{"arena run": self.composed, "arena train": self.train, "arena navrep": self.navrep, "arena choices": self.composed},
             **{"arena trainings": lambda words: None, "arena compare-real": lambda words: None},  # of what takes its time, or a robot
-            **{"arena ros": self.ros, "arena render": read_picture, "arena replay": read_replay},
+            **{"arena ros": self.ros, "arena render": read_picture, "arena replay": read_replay, "arena studio": read_studio},
             **dict.fromkeys(("arena verify", "arena leaderboard"), lambda words: None),  # of packs of whole benchmarks
             **{"arena crowd": self.crowd, "arena check": self.check, "make": self.make, "pip": self.pip, "python": self.python},
             **{"for": self.loop, ".": lambda words: None, "git": lambda words: None},
@@ -288,7 +289,7 @@ def named():
 
 
 def test_what_running_text_names_is_there():
-    targets = set(re.findall(r"^([\w-]+):", (TOP / "Makefile").read_text(), re.M)) | {"test-browser", "test-ros1"}
+    targets = set(re.findall(r"^([\w-]+):", (TOP / "Makefile").read_text(), re.M)) | {"test-browser", "test-ros1", "test-ros2"}
     for page, kind, name in set(named()):
         there = {
             "make": name in targets,

@@ -82,7 +82,8 @@ def _details(registry: Registry, kind: str) -> list[str]:
     if not registry.names(kind):
         return [f"{kind}: none installed"]
     files = presets(registry, kind)
-    read = {option: read_preset(option, files) for option in files}
+    every = option_files(kind, registry.manager)  # with those of subgroups, which others derive from
+    read = {option: read_preset(option, every) for option in files}
     lines = [kind]
     for name, line in zip(registry.names(kind), _components(registry, kind), strict=True):
         own = [option for option, preset in read.items() if preset.component == name]

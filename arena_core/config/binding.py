@@ -29,11 +29,17 @@ def build(factory: Callable[..., Any], node: Mapping[str, Any], key: str, contex
     What has a default in the signature may be left out: cards of policies are older than some parameters of their encoders.
     """
     expected = parameters(factory)
+    given = arguments(factory, node, key, context, nested)
+    return factory(**given, **{name: value for name, value in context.items() if name in expected})
+
+
+def arguments(factory: Callable[..., Any], node: Mapping[str, Any], key: str, context: Mapping[str, Any], nested: Nested) -> dict[str, Any]:
+    """Return what ``build`` would take from ``node``, converted; raise ConfigurationError as it does."""
+    expected = parameters(factory)
     given = {name: value for name, value in node.items() if name != "name" or "name" in expected}
     own = [name for name in expected if name not in context]
     _check_keys(given, own, _optional_ones(factory), key)
-    arguments = {name: convert(given[name], expected[name], f"{key}.{name}".lstrip("."), context, nested) for name in own if name in given}
-    return factory(**arguments, **{name: value for name, value in context.items() if name in expected})
+    return {name: convert(given[name], expected[name], f"{key}.{name}".lstrip("."), context, nested) for name in own if name in given}
 
 
 def read_settings(node: Any, record: type[Record], key: str) -> Record:

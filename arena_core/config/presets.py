@@ -21,6 +21,7 @@ COMMENT = re.compile(r"#\s*(\[(?P<unit>[^\]]*)\])?\s*(?P<text>.*)")
 PACKAGE = re.compile(r"^#\s*@package\s+(\S+)", re.MULTILINE)
 APART = ("defaults", "name")  # keys that are no parameters
 TUNING = "_tuning"  # what the groups of options for one robot each end in
+HERE = "@_here_"  # which has an option of a subgroup, base/dwa, put its keys where the file's own stand
 SELF = "_self_"  # where a file's own values stand among those that it inherits
 
 
@@ -100,7 +101,7 @@ def _compose(text: str, file: Traversable) -> yaml.MappingNode | None:
 
 def _bases(node: yaml.MappingNode | None) -> list[str]:
     """Return the options of its own group that a file inherits from, with ``_self_`` in its place, at the end unless it is there."""
-    named = [entry.value for entry in _defaults(node) if isinstance(entry.value, str)]
+    named = [entry.value.removesuffix(HERE) for entry in _defaults(node) if isinstance(entry.value, str)]
     return named if SELF in named else [*named, SELF]
 
 

@@ -13,7 +13,7 @@ import pluggy
 
 from arena_core.base.errors import ArenaError, BrokenPlugin, ConfigurationError, DuplicateComponent, UnknownComponent
 from arena_core.base.suite import whence
-from arena_core.config.binding import build
+from arena_core.config.binding import Nested, arguments, build, parameters
 from arena_core.config.plugins import broken, distributions, load_plugins
 from arena_core.contracts import interfaces, learning
 from arena_core.contracts.hookspecs import Factory
@@ -110,29 +110,44 @@ class Registry:
     def build(self, kind: str, node: Mapping[str, Any], **context: Any) -> Any:
         """Build the component that ``node["name"]`` names from the node's other keys and the context that it asks for.
 
-        What a planner's node says of its navigator is not the planner's. Raises ConfigurationError, naming the key and what is allowed,
-        before anything runs.
+        Raises ConfigurationError, naming the key and what is allowed, before anything runs.
         """
         if not isinstance(node, Mapping) or "name" not in node:
             raise ConfigurationError(f"{kind} has no key name; choose one with {kind}=..., installed: {', '.join(self.names(kind))}")
         return self._build(kind, node, kind, context)
 
+    def check(self, kind: str, node: Mapping[str, Any]) -> None:
+        """Raise ConfigurationError for a key or value of ``node`` that its component does not take; nothing is built."""
+        self._check(kind, node, kind, {})
+
+    def _check(self, kind: str, node: Mapping[str, Any], key: str, context: Mapping[str, Any]) -> Any:
+        component = self.component(kind, str(node.get("name")))
+        factory = component.resolve()
+        own = _own(kind, node)
+        elsewhere = dict.fromkeys(name for name in parameters(factory) if name not in own)
+        arguments(factory, own, key, elsewhere, self._nested(self._check))
+        return node
+
     def _build(self, kind: str, node: Mapping[str, Any], key: str, context: Mapping[str, Any]) -> Any:
         component = self.component(kind, str(node["name"]))
-        own = {name: value for name, value in node.items() if kind != "planner" or name not in NAVIGATOR_KEYS}
         try:
-            return build(component.resolve(), own, key, context, self._nested)
+            return build(component.resolve(), _own(kind, node), key, context, self._nested(self._build))
         except (ArenaError, MemoryError):
             raise
         except Exception as error:
             raise broken(component.plugin, error) from error
 
-    def _nested(self, annotation: Any, node: Any, key: str, context: Mapping[str, Any]) -> Any:
-        """Build a component inside another one's configuration; return NotImplemented where ``annotation`` is no interface."""
-        kind = INTERFACES.get(annotation) if isinstance(annotation, type) else None
-        if kind is None or not isinstance(node, Mapping) or "name" not in node:
-            return NotImplemented
-        return self._build(kind, node, key, context)
+    def _nested(self, make: Callable[[str, Mapping[str, Any], str, Mapping[str, Any]], Any]) -> Nested:
+        """Return what builds or checks components inside another one's configuration."""
+
+        def nested(annotation: Any, node: Any, key: str, context: Mapping[str, Any]) -> Any:
+            """Return NotImplemented where ``annotation`` is no interface."""
+            kind = INTERFACES.get(annotation) if isinstance(annotation, type) else None
+            if kind is None or not isinstance(node, Mapping) or "name" not in node:
+                return NotImplemented
+            return make(kind, node, key, context)
+
+        return nested
 
     def _collect(self, kind: str, implementation: pluggy.HookImpl) -> None:
         plugin = implementation.plugin_name
@@ -149,6 +164,11 @@ class Registry:
             raise
         except Exception as error:
             raise broken(plugin, error) from error
+
+
+def _own(kind: str, node: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the keys of a node that are its component's: what a planner's says of its navigator is not the planner's."""
+    return {name: value for name, value in node.items() if kind != "planner" or name not in NAVIGATOR_KEYS}
 
 
 def load_registry() -> Registry:

@@ -12,6 +12,7 @@ SUBCOMMANDS = {  # each a class of its own with ``help`` and ``run``, imported w
     "check": "arena_tasks.commands.checking:CheckCommand",
     "convert": "arena_tasks.commands.converting:ConvertCommand",
     "show": "arena_tasks.commands.showing:ShowCommand",
+    "draw": "arena_tasks.commands.drawing:DrawCommand",
     "pack": "arena_tasks.commands.packing:PackCommand",
 }
 

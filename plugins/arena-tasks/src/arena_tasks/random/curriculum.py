@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import blake2b
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 from arena_core import LIMITS, InputFileError, local_path
 from arena_tasks.scenario_files.json_fields import Field
@@ -55,10 +57,20 @@ def read_curriculum(path: str | None) -> Curriculum:
     """Read a curriculum file, or the built-in one of this name; raise InputFileError with file and key."""
     name = path or DEFAULT
     file = Path(str(BUILT_IN / f"{name}.yaml")) if name in built_in() else local_path(name)
-    root = read_yaml(file, f"a curriculum file, or one of {', '.join(built_in())}")
+    return curriculum_of(read_yaml(file, f"a curriculum file, or one of {', '.join(built_in())}"))
+
+
+def curriculum_of(root: Field) -> Curriculum:
+    """Return the curriculum that a file's content is; raise InputFileError with file and key."""
     root.only("levels")
     levels = _levels(root["levels"])
-    return Curriculum(file, blake2b(repr(levels).encode(), digest_size=6).hexdigest(), levels)
+    return Curriculum(root.file, blake2b(repr(levels).encode(), digest_size=6).hexdigest(), levels)
+
+
+def curriculum_text(levels: Sequence[Mapping[str, Any]]) -> str:
+    """Return the text of a curriculum file, a line for each level."""
+    lines = [f"  {number}: {json.dumps(dict(level)).replace(chr(34), '')}" for number, level in enumerate(levels)]
+    return "\n".join(["levels:", *lines]) + "\n"
 
 
 def _levels(field: Field) -> tuple[Level, ...]:
@@ -68,12 +80,13 @@ def _levels(field: Field) -> tuple[Level, ...]:
     if set(numbers) != set(range(len(numbers))):
         shown = ", ".join(json.dumps(number, default=str) for number in numbers[:MOST_SHOWN])
         raise InputFileError(f"{field.file}: levels are numbered {shown}; allowed: 0, 1, 2 and so on without a gap")
-    return tuple(_level(field[number]) for number in range(len(numbers)))
+    return tuple(read_level(field[number]) for number in range(len(numbers)))
 
 
-def _level(field: Field) -> Level:
+def read_level(field: Field) -> Level:
+    """Return one level; raise InputFileError with file and key."""
     field.only(*NEEDED, *OPTIONAL)
-    return Level(
+    level = Level(
         key=field.key,
         difficulty=None if field["difficulty"].value is None else field["difficulty"].number(low=0.0, high=1.0),
         obstacles=field["obstacles"].integer(0, LIMITS.people),
@@ -83,6 +96,9 @@ def _level(field: Field) -> Level:
         min_distance=_distance(field, "min_distance"),
         max_distance=_distance(field, "max_distance"),
     )
+    if level.min_distance is not None and level.max_distance is not None and level.min_distance > level.max_distance:
+        raise field["min_distance"].refused(f"up to max_distance, {level.max_distance:g} m")
+    return level
 
 
 def _distance(field: Field, name: str) -> float | None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,11 +12,26 @@ import shapely
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from arena_core import ImpossibleScenario, Obstacle, OccupancyGrid, Pose, Robot
+from arena_core import ImpossibleScenario, Obstacle, OccupancyGrid, PedestrianSpec, Pose, Robot
 from arena_kernels.distance import distance_field
 from arena_tasks.scenario_files.problem import Problem
 
 EIGHT_NEIGHBOURS = np.ones((3, 3), bool)
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """Why a problem is impossible: what is at ``key`` of its file, at (``x``, ``y``) m in ``map``, NaN where no place is at fault."""
+
+    key: str
+    x: float
+    y: float
+    why: str
+
+    @property
+    def line(self) -> str:
+        """Return it in one line, without its file."""
+        return f"{self.key} ({self.x:.2f}, {self.y:.2f}) {self.why}" if math.isfinite(self.x) else self.why
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,42 +49,51 @@ class Feasibility:
 
     def __call__(self, grid: OccupancyGrid) -> bool:
         """Return True, or raise."""
-        problem = self.problem
-        blocked = grid.occupied | _covered(problem.obstacles, grid)
-        away = distance_field(blocked, grid.resolution)
-        self._check_pose(grid, away, problem.start, problem.keys.start)
-        self._check_pose(grid, away, problem.goal, problem.keys.goal)
-        if problem.start.distance(problem.goal) <= self.goal_radius:
-            raise self._impossible(problem.keys.goal, problem.goal, f"lies within the goal radius, {self.goal_radius:g} m, of the start")
-        if not self._is_reachable(grid, away):
-            raise self._impossible(problem.keys.goal, problem.goal, "cannot be reached from the start")
-        for key, person in zip(problem.keys.people, problem.pedestrians, strict=True):
-            for role, position in (
-                ("its position", person.position_xy),
-                *((f"its waypoint {k}", w) for k, w in enumerate(person.waypoints_xy)),
-            ):
-                self._check_person(grid, blocked, position, key, role)
-            gap = np.hypot(*(person.position_xy - (problem.start.x, problem.start.y))) - person.radius
-            if gap < self.robot.footprint.inscribed_radius:
-                raise self._impossible(key, Pose(*person.position_xy.tolist()), "stands on the robot's start")
+        for finding in self.findings(grid):
+            raise ImpossibleScenario(f"{self.file}: {finding.line}")
         return True
 
-    def _check_pose(self, grid: OccupancyGrid, away: NDArray[np.float32], pose: Pose, key: str) -> None:
+    def findings(self, grid: OccupancyGrid) -> Iterator[Finding]:
+        """Yield all that is impossible, start and goal first."""
+        blocked = grid.occupied | _covered(self.problem.obstacles, grid)
+        ends = list(self._ends(grid, distance_field(blocked, grid.resolution)))
+        yield from ends
+        for key, person in zip(self.problem.keys.people, self.problem.pedestrians, strict=True):
+            yield from self._person(grid, blocked, key, person)
+
+    def _ends(self, grid: OccupancyGrid, away: NDArray[np.float32]) -> Iterator[Finding]:
+        """Yield what is wrong with start and goal."""
+        problem, keys = self.problem, self.problem.keys
+        wrong = [(key, pose, self._against(grid, away, pose)) for key, pose in ((keys.start, problem.start), (keys.goal, problem.goal))]
+        goal = problem.goal
+        yield from (Finding(key, pose.x, pose.y, why) for key, pose, why in wrong if why)
+        if problem.start.distance(goal) <= self.goal_radius:
+            yield Finding(keys.goal, goal.x, goal.y, f"lies within the goal radius, {self.goal_radius:g} m, of the start")
+        elif not any(why for *_, why in wrong) and not self._is_reachable(grid, away):
+            yield Finding(keys.goal, goal.x, goal.y, "cannot be reached from the start")
+
+    def _against(self, grid: OccupancyGrid, away: NDArray[np.float32], pose: Pose) -> str:
+        """Return why the robot cannot be at a pose; empty where it can."""
         row, column = grid.cells((pose.x, pose.y)).tolist()
         if not grid.contains(np.array((row, column))):
-            raise self._impossible(key, pose, "lies outside the map")
+            return "lies outside the map"
         if grid.data[row, column] < 0:
-            raise self._impossible(key, pose, "lies on an unknown cell")
-        if away[row, column] <= max(self.robot.footprint.inscribed_radius - grid.resolution, 0.0):
-            raise self._impossible(key, pose, "lies inside a wall or an obstacle")
+            return "lies on an unknown cell"
+        inside = away[row, column] <= max(self.robot.footprint.inscribed_radius - grid.resolution, 0.0)
+        return "lies inside a wall or an obstacle" if inside else ""
 
-    def _check_person(self, grid: OccupancyGrid, blocked: NDArray[np.bool_], position: NDArray[np.float64], key: str, role: str) -> None:
-        cell = grid.cells(position)
-        place = Pose(*position.tolist())
-        if not grid.contains(cell):
-            raise self._impossible(key, place, f"{role} lies outside the map")
-        if blocked[tuple(cell)]:
-            raise self._impossible(key, place, f"{role} lies inside a wall or an obstacle")
+    def _person(self, grid: OccupancyGrid, blocked: NDArray[np.bool_], key: str, person: PedestrianSpec) -> Iterator[Finding]:
+        """Yield what is wrong with where a person is and goes."""
+        roles = ["its position", *(f"its waypoint {number}" for number in range(len(person.waypoints_xy)))]
+        for role, (x, y) in zip(roles, [person.position_xy.tolist(), *person.waypoints_xy.tolist()], strict=True):
+            cell = grid.cells((x, y))
+            if not grid.contains(cell):
+                yield Finding(key, x, y, f"{role} lies outside the map")
+            elif blocked[tuple(cell)]:
+                yield Finding(key, x, y, f"{role} lies inside a wall or an obstacle")
+        x, y = person.position_xy.tolist()
+        if math.hypot(x - self.problem.start.x, y - self.problem.start.y) - person.radius < self.robot.footprint.inscribed_radius:
+            yield Finding(key, x, y, "stands on the robot's start")
 
     def _is_reachable(self, grid: OccupancyGrid, away: NDArray[np.float32]) -> bool:
         radius = self.robot.footprint.inscribed_radius
@@ -76,9 +102,6 @@ class Feasibility:
         near_start = _labels_near(grid, regions, self.problem.start, radius + 2.0 * grid.resolution)
         near_goal = _labels_near(grid, regions, self.problem.goal, self.goal_radius)
         return bool(near_start & near_goal)
-
-    def _impossible(self, key: str, place: Pose, why: str) -> ImpossibleScenario:
-        return ImpossibleScenario(f"{self.file}: {key} ({place.x:.2f}, {place.y:.2f}) {why}")
 
 
 def _labels_near(grid: OccupancyGrid, regions: NDArray[np.int32], pose: Pose, radius: float) -> set[int]:

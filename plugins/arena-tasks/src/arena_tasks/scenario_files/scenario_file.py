@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -22,10 +22,10 @@ from arena_tasks.scenario_files.problem import MOST_REPEATS, Keys, PersonDefault
 
 FORMAT, VERSION = "arena-scenario", 2
 READABLE = (1, VERSION)
-FOREIGN = (  # formats of other programs: whether a file has it, and what reads its problems
-    (is_arena_rosnav, read_arena_rosnav),  # ahead of arena-tools, whose name some of its files carry
-    (is_arena_tools, read_arena_tools),
-    (is_flatland, read_flatland),
+FOREIGN = (  # formats of other programs: their names, whether a file has it, and what reads its problems
+    ("arena-rosnav", is_arena_rosnav, read_arena_rosnav),  # ahead of arena-tools, whose name some of its files carry
+    ("arena-tools", is_arena_tools, read_arena_tools),
+    ("flatland", is_flatland, read_flatland),
 )
 
 
@@ -48,15 +48,27 @@ def read_scenarios(path: Path, defaults: PersonDefaults) -> tuple[Problem, ...]:
 
 def read_scenario_file(path: Path, defaults: PersonDefaults) -> ScenarioFile:
     """Read a file in one of the formats of docs/formats.md; raise InputFileError with file and key."""
-    root = read_json(path)
-    if root.has("format") and root["format"].value == FORMAT:
-        return _within_limits(path, _read_ours(root, defaults))
-    for is_it, read in FOREIGN:
-        if is_it(root):
-            return _within_limits(path, ScenarioFile(read(root, defaults)))
+    return read_content(read_json(path), defaults)
+
+
+def read_content(root: Field, defaults: PersonDefaults) -> ScenarioFile:
+    """Read what a file holds; raise InputFileError with file and key."""
+    written = format_of(root)
+    if written == FORMAT:
+        return _within_limits(root.file, _read_ours(root, defaults))
+    for name, _, read in FOREIGN:
+        if name == written:
+            return _within_limits(root.file, ScenarioFile(read(root, defaults)))
     raise InputFileError(
-        f"{path}: has neither format: {FORMAT} nor pedsim_agents, scenarios or robots; allowed: a file as in docs/formats.md"
+        f"{root.file}: has neither format: {FORMAT} nor pedsim_agents, scenarios or robots; allowed: a file as in docs/formats.md"
     )
+
+
+def format_of(root: Field) -> str:
+    """Return the name of a content's format, empty where it is no scenario's; raise InputFileError where it is no mapping."""
+    if root.has("format") and root["format"].value == FORMAT:
+        return FORMAT
+    return next((name for name, is_it, _ in FOREIGN if is_it(root)), "")
 
 
 def _within_limits(path: Path, file: ScenarioFile) -> ScenarioFile:
@@ -77,9 +89,18 @@ def _within_limits(path: Path, file: ScenarioFile) -> ScenarioFile:
 
 def save_scenarios(path: Path, scenarios: Sequence[Scenario | Problem], title: str = "", map_file: str = "") -> None:
     """Write scenarios in our format, whole or not at all; ``map_file`` is their map's YAML file, relative to ``path``."""
+    write_text_whole(path, scenario_text(content_of(scenarios, title, map_file)))
+
+
+def content_of(scenarios: Sequence[Scenario | Problem], title: str = "", map_file: str = "") -> dict[str, Any]:
+    """Return what a file of ours holds, as JSON has it."""
     said = {key: text for key, text in (("title", title), ("map", map_file)) if text}
-    content = {"format": FORMAT, "version": VERSION, **said, "scenarios": [_written(scenario) for scenario in scenarios]}
-    write_text_whole(path, _with_short_lists(json.dumps(content, indent=2, allow_nan=False)) + "\n")
+    return {"format": FORMAT, "version": VERSION, **said, "scenarios": [_written(scenario) for scenario in scenarios]}
+
+
+def scenario_text(content: Mapping[str, Any]) -> str:
+    """Return the text of a file of ours with this content."""
+    return _with_short_lists(json.dumps(content, indent=2, allow_nan=False)) + "\n"
 
 
 def _with_short_lists(text: str) -> str:

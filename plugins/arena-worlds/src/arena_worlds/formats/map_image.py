@@ -25,8 +25,12 @@ def occupancy(file: MapFile) -> NDArray[np.int8]:
     As navigation2's map server (map_io.cpp): ``trinary`` averages an alpha channel in with the colours, ``scale`` takes
     what is not opaque as unknown and spreads the values between the thresholds, ``raw`` takes the grey value itself.
     """
-    values = [_values(file, *_channels(band)) for band in _bands(file.image)]
-    return np.concatenate(values)[::-1]
+    return image_occupancy(read_bytes(file.image, LIMITS.image_bytes, ALLOWED), file)[::-1]
+
+
+def image_occupancy(content: bytes, file: MapFile) -> NDArray[np.int8]:
+    """Return what the pixels of an image stand for in a map that reads like ``file``, row 0 at the top, (H, W)."""
+    return np.concatenate([_values(file, *_channels(band)) for band in _bands(content, file.image)])
 
 
 def _values(file: MapFile, colours: NDArray[np.float64], alpha: NDArray[np.float64] | None) -> NDArray[np.int8]:
@@ -63,14 +67,13 @@ def _shade(colours: NDArray[np.float64], alpha: NDArray[np.float64] | None) -> N
     return np.asarray(channels.sum(axis=2) / channels.shape[2])
 
 
-def _bands(path: Path) -> Iterator[Image.Image]:
+def _bands(content: bytes, path: Path) -> Iterator[Image.Image]:
     """Yield an image in bands of whole rows, from the top: as numbers they take ten times the memory of the image."""
-    content = io.BytesIO(read_bytes(path, LIMITS.image_bytes, ALLOWED))
     # Pillow raises anything, and no common error of its own, for files that are cut off, made up or no images
     try:
         with (
             warnings.catch_warnings(action="error", category=Image.DecompressionBombWarning),
-            Image.open(content, formats=FORMATS) as image,
+            Image.open(io.BytesIO(content), formats=FORMATS) as image,
         ):
             if image.width * image.height > LIMITS.cells:
                 raise InputFileError(f"{path}: has {image.width} x {image.height} pixels; allowed: {LIMITS.cells} in all")

@@ -9,6 +9,7 @@ import yaml
 from numpy.typing import NDArray
 
 from arena_core import FREE, OCCUPIED, UNKNOWN, ConfigurationError, OccupancyGrid, write_bytes_whole, write_text_whole
+from arena_worlds.formats.map_yaml import Mode
 
 PIXELS = {OCCUPIED: 0, UNKNOWN: 205, FREE: 254}  # as map_saver writes them
 OCCUPIED_THRESH, FREE_THRESH = 0.65, 0.196  # as map_saver writes them: 205 lies between
@@ -22,11 +23,17 @@ def write_map(path: Path, grid: OccupancyGrid) -> list[Path]:
     """
     if path.suffix != ".yaml":
         raise ConfigurationError(f"{path}: allowed: a file that ends in .yaml")
-    trinary = bool(np.isin(grid.data, list(PIXELS)).all())
     image = path.with_suffix(".pgm")
-    write_bytes_whole(image, pgm(pixels_of(grid.data) if trinary else grid.data.view(np.uint8)))
-    write_text_whole(path, _yaml(grid, image.name, "trinary" if trinary else "raw"))
+    mode, text = map_text(grid, image.name)
+    write_bytes_whole(image, pgm(pixels_of(grid.data) if mode == "trinary" else grid.data.view(np.uint8)))
+    write_text_whole(path, text)
     return [path, image]
+
+
+def map_text(grid: OccupancyGrid, image: str) -> tuple[Mode, str]:
+    """Return the mode that keeps all values of a grid, and the YAML of its map, whose image is called ``image``."""
+    mode: Mode = "trinary" if np.isin(grid.data, list(PIXELS)).all() else "raw"
+    return mode, _yaml(grid, image, mode)
 
 
 def pgm(pixels: NDArray[np.uint8]) -> bytes:

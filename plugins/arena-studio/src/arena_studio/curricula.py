@@ -1,0 +1,106 @@
+"""The API of the task editor: curricula, what rules of random problems draw, and scenario packs."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from fastapi import APIRouter
+from pydantic import BaseModel, Field
+
+from arena_core import ArenaError
+from arena_studio.project import Project
+from arena_studio.scenarios import LONG, SOON, MapPath, Name, Path, Version, known
+from arena_studio.side_process import beside
+
+SUFFIXES = (".yaml", ".yml")
+Row = dict[str, float | int | None]
+Text = Annotated[str, Field(max_length=300)]
+Rules = dict[Annotated[str, Field(pattern=r"^[a-z_]+(\.[a-z_]+)?$")], bool | int | float | Name]  # parameters of task=random
+
+
+class Drawing(BaseModel):
+    """Which rules draw, where: in a map of the project or in a world by its name, for which robot."""
+
+    rules: Rules
+    world: Name = "indoor"
+    map: MapPath = ""
+    difficulty: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
+    robot: Name = "turtlebot3"
+    seed: Annotated[int, Field(ge=0, lt=2**63)] = 0
+    count: Annotated[int, Field(ge=1, le=20)] = 10
+
+
+class Keeping(BaseModel):
+    """Under which name of task=NAME rules are kept."""
+
+    name: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,60}$")]
+    rules: Rules
+
+
+class Packing(BaseModel):
+    """Which files make a pack in which folder, and how it is called."""
+
+    folder: Annotated[str, Field(max_length=400)]
+    files: Annotated[list[Annotated[str, Field(max_length=400)]], Field(max_length=1000)]
+    id: Text = ""
+    version: Text = ""
+    title: Text = ""
+    licence: Text = ""
+
+
+def router(project: Project) -> APIRouter:
+    """Return the routes below /api/curricula."""
+    routes = APIRouter(prefix="/api/curricula")
+    quick, slow = beside(project.root)
+
+    @routes.get("")
+    def listed() -> Any:
+        return quick.ask("curricula", SOON, names=project.files(SUFFIXES))
+
+    @routes.get("/file")
+    def opened(path: Path) -> dict[str, Any]:
+        if "/" in path or path.endswith(SUFFIXES):
+            version: str | None = project.read(path).version
+        else:
+            version = None  # one that comes with the suite
+        return {"path": path, "version": version, "levels": quick.ask("levels", SOON, name=path)}
+
+    @routes.put("/file")
+    def saved(path: Path, levels: list[Row], version: Version) -> dict[str, str]:
+        project.path(path)
+        if not path.endswith(SUFFIXES):
+            raise ArenaError(f"path is {path}; allowed: a name that ends in .yaml or .yml")
+        made = quick.ask("check levels", SOON, rows=levels)
+        if made["findings"]:
+            raise ArenaError(f"{path}: {made['findings'][0]['line']}")
+        return {"version": project.write(path, made["text"].encode(), known(version))}
+
+    @routes.post("/check")
+    def checked(levels: list[Row]) -> Any:
+        return quick.ask("check levels", SOON, rows=levels)
+
+    @routes.post("/draws")
+    def draws(asked: Drawing) -> Any:
+        if asked.map:
+            project.path(asked.map)
+        given = {key: getattr(asked, key) for key in ("rules", "world", "difficulty", "robot", "seed", "count")}
+        return slow.ask("draws", LONG, **given, map_file=asked.map)
+
+    @routes.post("/rules")
+    def kept(asked: Keeping) -> dict[str, str]:
+        text = quick.ask("rules", SOON, name=asked.name, rules=asked.rules)
+        path = f"conf/task/{asked.name}.yaml"
+        return {"path": path, "version": project.write(path, text.encode(), None)}
+
+    @routes.get("/packs")
+    def packs() -> Any:
+        return quick.ask("packs", SOON, names=project.files(SUFFIXES))
+
+    @routes.post("/packs")
+    def pack(asked: Packing) -> Any:
+        for path in (asked.folder, *asked.files):
+            project.path(path)
+        said = {key: getattr(asked, key) for key in ("id", "version", "title", "licence")}
+        return quick.ask("pack", SOON, folder=asked.folder, files=asked.files, said=said)
+
+    return routes

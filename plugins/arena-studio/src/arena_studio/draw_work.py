@@ -1,0 +1,66 @@
+"""What rules of random problems draw: some scenes, each on its map, or why there is none."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import yaml
+
+from arena_core import ArenaError, ConfigurationError, OccupancyGrid, TaskMode, compose, load_registry, option_files, plain
+from arena_studio.scene_work import cells_of, quoted, world_of
+from arena_tasks.scenario_files.scenario_file import content_of
+
+MOST = 20
+
+
+def draws(
+    rules: Mapping[str, Any], world: str, map_file: str, difficulty: float | None, robot: str, seed: int, count: int
+) -> dict[str, Any]:
+    """Return the first scenes of a seed under some rules, and the maps that they lie on; raise ArenaError where the rules are impossible.
+
+    ``rules`` are parameters of task=random by their dotted names. They are drawn in a map of the project, or else in a world by its name.
+    """
+    registry = load_registry()
+    place = world_of(map_file) if map_file else [f"world={world}"]
+    place += [] if difficulty is None else [f"world.difficulty={difficulty}"]
+    overrides = [f"task.{key}={_written(value)}" for key, value in rules.items()]
+    node = plain(compose([*place, f"robot={robot}", "task=random", *overrides], "component"))
+    source = registry.build("world", node["world"])
+    body = registry.build("robot", node["robot"])
+    task = registry.build("task", node["task"], robot=body, world=source)
+    grids: list[OccupancyGrid] = []
+    rows = [_drawn(task, seed, index, grids) for index in range(min(count, MOST))]
+    return {"maps": [cells_of(grid) for grid in grids], "draws": rows}
+
+
+def _drawn(task: TaskMode, seed: int, index: int, grids: list[OccupancyGrid]) -> dict[str, Any]:
+    """Return one scene with the number of its map, or its error; a map that is not there yet goes to the end of ``grids``."""
+    try:
+        scenario = task.scenario(seed, index)
+    except ArenaError as error:
+        return {"error": str(error)}
+    grid = scenario.world.grid
+    if not any(grid is other for other in grids):
+        grids.append(grid)
+    number = next(k for k, other in enumerate(grids) if other is grid)
+    return {"map": number, "scene": content_of([scenario])["scenarios"][0]}
+
+
+def rules_text(name: str, rules: Mapping[str, Any]) -> str:
+    """Return the option task=NAME with these rules; raise ConfigurationError for a name that is taken, or a rule that is none."""
+    options = option_files("task", load_registry().manager)
+    if name in options:
+        raise ConfigurationError(f"name is {name}; allowed: another one than {', '.join(options)}")
+    compose(["task=random", *(f"task.{key}={_written(value)}" for key, value in rules.items())], "component")
+    tree: dict[str, Any] = {}
+    for key, value in rules.items():
+        group, _, last = key.rpartition(".")
+        (tree.setdefault(group, {}) if group else tree)[last] = value
+    head = f"# Random problems with rules of your own: {name}.\ndefaults:\n  - random\n  - _self_\n"
+    return head + (yaml.safe_dump(tree, sort_keys=False) if tree else "")
+
+
+def _written(value: Any) -> str:
+    """Return a value as Hydra's grammar has it."""
+    return quoted(value) if isinstance(value, str) else str(value).lower() if isinstance(value, bool) else repr(value)

@@ -1,0 +1,169 @@
+"""Experiments of a project: composed, started, watched, stopped, resumed. What is known of them lies in ``.arena_studio``."""
+
+from __future__ import annotations
+
+import json
+import re
+import secrets
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import asdict, dataclass, replace
+from datetime import UTC, datetime
+from pathlib import Path
+from threading import RLock
+from typing import Any
+
+from arena_core import ArenaError, read_json, read_settings, write_text_whole
+from arena_studio.composing import MOST_JOBS, Composition, shown
+from arena_studio.errors import Conflict, Missing
+from arena_studio.processes import Process, log_tail, start
+from arena_studio.progress import Progress
+from arena_studio.project import Project
+
+PLACE = ".arena_studio/runs"
+NAME = re.compile(r"[0-9a-f]{8}")
+ALLOWED = "what the studio wrote"
+
+
+@dataclass(frozen=True, slots=True)
+class Experiment:
+    """One experiment that was started: the ``words`` behind ``arena``, its folder, and the process that runs or ran it.
+
+    ``status`` is the exit status, None while it runs or where nobody has seen its end.
+    """
+
+    name: str
+    words: list[str]
+    folder: str
+    jobs: int
+    episodes: int
+    began: str
+    pid: int
+    created: float
+    status: int | None
+    interrupted: bool
+
+    @property
+    def process(self) -> Process:
+        """Return the process."""
+        return Process(self.pid, self.created)
+
+
+class Experiments:
+    """All experiments that the studio has started in a project, also before it was itself started anew."""
+
+    def __init__(self, project: Project) -> None:
+        self._project = project
+        self._place = project.root / PLACE
+        self._lock = RLock()
+        self._known: dict[str, Experiment] = {}
+        self._progress: dict[str, Progress] = {}
+        for path in sorted(self._place.glob("*.json")):
+            with suppress(ArenaError):  # not the studio's own
+                one = read_settings(read_json(path, ALLOWED), Experiment, path.name)
+                project.path(one.folder)
+                if one.name == path.stem and NAME.fullmatch(one.name) and one.words[:1] == ["run"] and 0 < one.jobs <= MOST_JOBS:
+                    self._known[one.name] = one
+
+    def start(self, composition: Composition, folder: str) -> dict[str, Any]:
+        """Start an experiment into ``folder`` of the project (empty: a new one, by the time of day); return how it stands."""
+        folder = folder.strip() or f"{'multirun' if composition.sweeps else 'outputs'}/{datetime.now().strftime('%Y-%m-%d/%H-%M-%S-%f')}"
+        place = self._project.path(folder)
+        if place.exists() and (not place.is_dir() or any(place.iterdir())):
+            raise Conflict(f"{folder} is there already; allowed: a new folder")
+        name, words = secrets.token_hex(4), composition.command(folder)
+        with self._lock:
+            process = start(words, self._project.root, self._log(name))
+            began = datetime.now(UTC).isoformat(timespec="seconds")
+            facts = (name, words, folder, composition.jobs, composition.episodes, began, process.pid, process.created, None, False)
+            self._keep(Experiment(*facts))
+        return self.standing(name)
+
+    def stop(self, name: str) -> dict[str, Any]:
+        """Send Ctrl-C to an experiment that runs: the first lets episodes under way end at their next step, a second one does not wait."""
+        with self._lock:
+            one = self._one(name)
+            if not one.process.is_alive():
+                raise Conflict(f"{one.folder} does not run any more")
+            one.process.interrupt()
+            self._keep(replace(one, interrupted=True))
+        return self.standing(name)
+
+    def resume(self, name: str) -> dict[str, Any]:
+        """Go on with an experiment that was cut off; finished episodes are kept."""
+        with self._lock:
+            one = self._one(name)
+            if one.process.is_alive():
+                raise Conflict(f"{one.folder} runs already")
+            words = [*(word for word in one.words if not word.startswith("resume=")), "resume=true"]
+            process = start(words, self._project.root, self._log(name))
+            self._progress.pop(name, None)
+            self._keep(replace(one, words=words, pid=process.pid, created=process.created, status=None, interrupted=False))
+        return self.standing(name)
+
+    def forget(self, name: str) -> None:
+        """Take an experiment that has ended off the list; its folder stays."""
+        with self._lock:
+            one = self._one(name)
+            if one.process.is_alive():
+                raise Conflict(f"{one.folder} runs; allowed: experiments that have ended")
+            for path in (self._place / f"{name}.json", self._log(name)):
+                path.unlink(missing_ok=True)
+            self._known.pop(name)
+            self._progress.pop(name, None)
+
+    def standing(self, name: str) -> dict[str, Any]:
+        """Return how one experiment stands."""
+        with self._lock:
+            return self._standing(self._one(name))
+
+    def all(self) -> list[dict[str, Any]]:
+        """Return how all stand, the youngest first."""
+        with self._lock:
+            known = sorted(self._known.values(), key=lambda one: one.began, reverse=True)
+            return [self._standing(one) for one in known]
+
+    def _standing(self, one: Experiment) -> dict[str, Any]:
+        one = self._settled(one)
+        alive = one.process.is_alive()
+        found = self._progress.setdefault(one.name, Progress(self._folders(one), one.episodes)).look()
+        state = "stopping" if alive and one.interrupted else "running" if alive else _ending(one, found)
+        return {
+            **{"name": one.name, "state": state, "folder": one.folder, "command": shown(one.words), "began": one.began, "jobs": one.jobs},
+            **{"status": one.status, "workers": one.process.workers() if alive else 0, "said": log_tail(self._log(one.name))},
+            **found,
+            "left": found["left"] if alive else None,
+            "folders": [self._project.relative(folder) for folder in self._folders(one)],
+        }
+
+    def _settled(self, one: Experiment) -> Experiment:
+        """Note the exit status of a process that has ended."""
+        status = one.process.status()
+        if one.status is not None or status is None:
+            return one
+        ended = replace(one, status=status)
+        self._keep(ended)
+        return ended
+
+    def _folders(self, one: Experiment) -> Sequence[Path]:
+        place = self._project.root / one.folder
+        return [place / str(number) for number in range(one.jobs)] if one.jobs > 1 else [place]
+
+    def _one(self, name: str) -> Experiment:
+        if name not in self._known:
+            raise Missing("there is no such experiment")
+        return self._known[name]
+
+    def _keep(self, one: Experiment) -> None:
+        self._known[one.name] = one
+        write_text_whole(self._place / f"{one.name}.json", json.dumps(asdict(one), indent=1) + "\n")
+
+    def _log(self, name: str) -> Path:
+        return self._place / f"{name}.log"
+
+
+def _ending(one: Experiment, found: Mapping[str, Any]) -> str:
+    """Return how an experiment ended: refused ones have begun nothing, cut off ones can be resumed."""
+    if found["done"] >= one.episodes:
+        return "finished"
+    return "refused" if one.status == 2 and found["done"] == 0 else "cut off"

@@ -1,0 +1,1 @@
+"""The map editor's files: images cell by cell, YAML text, drawn worlds, furniture."""

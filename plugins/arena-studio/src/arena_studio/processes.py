@@ -1,0 +1,97 @@
+"""``arena`` as a process of its own: started without a shell, in a group of its own, found again after the studio was started anew."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+PROGRAM = (sys.executable, "-m", "arena_core.cli.main")
+LOG_TAIL = 8_000  # bytes of what a run printed that are shown
+_children: dict[int, subprocess.Popen[bytes]] = {}
+
+
+@dataclass(frozen=True, slots=True)
+class Process:
+    """A process by its number and when it was created: numbers are given again."""
+
+    pid: int
+    created: float
+
+    def is_alive(self) -> bool:
+        """Tell whether it runs."""
+        import psutil
+
+        child = _children.get(self.pid)
+        if child is not None and child.poll() is not None:
+            return False
+        try:
+            found = psutil.Process(self.pid)
+            is_same = bool(abs(found.create_time() - self.created) < 1.0)
+            return is_same and found.status() != psutil.STATUS_ZOMBIE and PROGRAM[2] in found.cmdline()
+        except psutil.Error:
+            return False
+
+    def status(self) -> int | None:
+        """Return the exit status of a process that this studio has started and that has ended."""
+        child = _children.get(self.pid)
+        return None if child is None else child.poll()
+
+    def workers(self) -> int:
+        """Return how many worker processes it has."""
+        import psutil
+
+        try:
+            return sum(_is_worker(child) for child in psutil.Process(self.pid).children())
+        except psutil.Error:
+            return 0
+
+    def interrupt(self) -> None:
+        """Send Ctrl-C, as a terminal would: what is finished is kept."""
+        if self.is_alive():
+            with suppress(OSError):
+                os.kill(self.pid, signal.SIGINT)
+
+
+def start(words: Sequence[str], folder: Path, log: Path) -> Process:
+    """Start ``arena WORDS`` in a folder; what it prints goes to ``log``."""
+    import psutil
+
+    log.parent.mkdir(parents=True, exist_ok=True)
+    with log.open("ab") as file:
+        child = subprocess.Popen(  # noqa: S603 - the words are the composer's, and no shell reads them
+            [*PROGRAM, *words],
+            cwd=folder,
+            stdin=subprocess.DEVNULL,
+            stdout=file,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+            env={**os.environ, "PYTHONUNBUFFERED": "1"},
+        )
+    _children[child.pid] = child
+    return Process(child.pid, psutil.Process(child.pid).create_time())
+
+
+def log_tail(log: Path) -> list[str]:
+    """Return the last lines of what a run printed."""
+    try:
+        with log.open("rb") as file:
+            size = file.seek(0, os.SEEK_END)
+            file.seek(max(0, size - LOG_TAIL))
+            return file.read(LOG_TAIL).decode(errors="replace").splitlines()[-40:]
+    except OSError:
+        return []
+
+
+def _is_worker(child: object) -> bool:
+    import psutil
+
+    try:
+        return "spawn_main" in " ".join(child.cmdline())  # type: ignore[attr-defined]
+    except psutil.Error:
+        return False

@@ -1,0 +1,96 @@
+"""``/api/run``: forms made of what is installed, composing, starting, stopping, resuming."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Annotated, Any
+
+from fastapi import APIRouter
+from pydantic import BaseModel, Field, StringConstraints
+
+from arena_core import ConfigurationError, default_options, form_of, load_registry, option_names, settings_form
+from arena_studio.composing import Composition, composition, shown
+from arena_studio.experiments import Experiments
+
+FIRST = ("planner", "robot", "world", "task", "people", "pedestrians", "scenario", "experiment")  # groups that an experiment begins with
+NONE = ("scenario", "experiment")  # groups of which none may be chosen
+Name = Annotated[str, StringConstraints(max_length=200)]
+Text = Annotated[str, StringConstraints(max_length=4000)]
+
+
+class Wanted(BaseModel):
+    """What a form holds: options by group, values by key, words as typed, and the folder (empty: a new one)."""
+
+    choices: dict[Name, Annotated[list[Name], Field(max_length=100)]] = Field(default_factory=dict, max_length=100)
+    values: dict[Name, Text] = Field(default_factory=dict, max_length=1000)
+    more: Text = ""
+    folder: Name = ""
+
+
+def router(experiments: Experiments) -> APIRouter:
+    """Return the routes of the page Run."""
+    routes = APIRouter(prefix="/api/run")
+
+    @routes.get("/groups")
+    def groups() -> list[dict[str, Any]]:
+        """Return the groups of the configuration, those that an experiment begins with first, with their options."""
+        registry = load_registry()
+        chosen = default_options(registry)
+        names = [*(name for name in FIRST if name in chosen), *(name for name in chosen if name not in FIRST)]
+        return [_group(name, chosen[name]) for name in names]
+
+    @routes.get("/form")
+    def form(group: Name, option: Name) -> dict[str, Any]:
+        """Return the parameters of one option."""
+        return asdict(form_of(group, option, load_registry()))
+
+    @routes.get("/settings")
+    def settings() -> dict[str, Any]:
+        """Return the run's own settings."""
+        return asdict(settings_form(load_registry()))
+
+    @routes.post("/compose")
+    def compose(wanted: Wanted) -> dict[str, Any]:
+        """Compose and check; return the command line and the values that hold."""
+        return _told(_composed(wanted), wanted)
+
+    @routes.post("/start")
+    def start(wanted: Wanted) -> dict[str, Any]:
+        return experiments.start(_composed(wanted), wanted.folder)
+
+    @routes.get("/experiments")
+    def all_experiments() -> list[dict[str, Any]]:
+        return experiments.all()
+
+    @routes.post("/experiments/{name}/stop")
+    def stop(name: Name) -> dict[str, Any]:
+        return experiments.stop(name)
+
+    @routes.post("/experiments/{name}/resume")
+    def resume(name: Name) -> dict[str, Any]:
+        return experiments.resume(name)
+
+    @routes.post("/experiments/{name}/forget")
+    def forget(name: Name) -> dict[str, Any]:
+        experiments.forget(name)
+        return {}
+
+    return routes
+
+
+def _group(name: str, chosen: str) -> dict[str, Any]:
+    try:
+        options = option_names(name, load_registry())
+    except ConfigurationError:  # nothing installed offers any
+        options = {}
+    listed = [{"name": option, "about": about} for option, about in options.items()]
+    return {"name": name, "chosen": chosen, "optional": name in NONE, "first": name in FIRST, "options": listed}
+
+
+def _composed(wanted: Wanted) -> Composition:
+    return composition(wanted.choices, wanted.values, wanted.more)
+
+
+def _told(composed: Composition, wanted: Wanted) -> dict[str, Any]:
+    words = composed.command(wanted.folder)[:-1] if not wanted.folder else composed.command(wanted.folder)
+    return {"command": shown(words), "jobs": composed.jobs, "episodes": composed.episodes, "values": composed.values}

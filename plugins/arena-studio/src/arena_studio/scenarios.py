@@ -1,0 +1,116 @@
+"""The API of the scenario editor: scenario files of the project, their maps, what is impossible in them, and how they move."""
+
+from __future__ import annotations
+
+import posixpath
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Header, Query
+from pydantic import BaseModel, Field
+
+from arena_core import ArenaError
+from arena_studio.project import Project
+from arena_studio.side_process import beside
+
+SOON, LONG = 60.0, 300.0  # s that a request may take; what is used for the first time is compiled
+LONGEST_PREVIEW = 60.0  # s of simulated time
+Path = Annotated[str, Query(max_length=400)]
+Version = Annotated[str, Header(alias="If-Match", max_length=100)]  # of the file as it was read, "none" where it must not be there yet
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_.\-/]{1,80}$")]
+MapPath = Annotated[str, Field(max_length=400)]
+
+
+class Content(BaseModel):
+    """A scenario file as the page holds it: in our format, under the name that it has or will have; ``map`` is relative to the project."""
+
+    path: Annotated[str, Field(max_length=400)]
+    content: dict[str, Any]
+    map: MapPath = ""
+
+
+class Checking(Content):
+    """What is to be checked, for whom."""
+
+    robot: Name = "turtlebot3"
+    pedestrians: Name = "social_force"
+
+
+class Previewing(Checking):
+    """What is to be simulated."""
+
+    scene: Annotated[int, Field(ge=0)]
+    planner: Name = "pure_pursuit"
+    seconds: Annotated[float, Field(gt=0.0, le=LONGEST_PREVIEW)] = 20.0
+    seed: Annotated[int, Field(ge=0, lt=2**63)] = 0
+
+
+class Exporting(Content):
+    """Which scene is to be written in which format, to which file that is not there yet."""
+
+    scene: Annotated[int, Field(ge=0)]
+    format: Name
+    target: Annotated[str, Field(max_length=400)]
+
+
+def router(project: Project) -> APIRouter:
+    """Return the routes below /api/scenarios."""
+    routes = APIRouter(prefix="/api/scenarios")
+    quick, slow = beside(project.root)
+
+    @routes.get("")
+    def listed() -> Any:
+        return quick.ask("list", SOON, names=project.files((".json",)))
+
+    @routes.get("/kinds")
+    def kinds() -> Any:
+        return quick.ask("kinds", SOON)
+
+    @routes.get("/file")
+    def opened(path: Path) -> Any:
+        version = project.read(path).version
+        return {"path": path, "version": version, **quick.ask("open", SOON, name=path)}
+
+    @routes.put("/file")
+    def saved(path: Path, content: dict[str, Any], version: Version) -> dict[str, str]:
+        project.path(path)
+        if not path.endswith(".json"):
+            raise ArenaError(f"path is {path}; allowed: a name that ends in .json")
+        text = quick.ask("text", SOON, name=path, content=content)
+        return {"version": project.write(path, text.encode(), known(version))}
+
+    @routes.get("/map")
+    def map_cells(path: Path) -> Any:
+        project.path(path)
+        return quick.ask("map", SOON, name=path)
+
+    @routes.post("/check")
+    def checked(asked: Checking) -> Any:
+        return quick.ask("check", SOON, **_of(project, asked), robot=asked.robot, pedestrians=asked.pedestrians)
+
+    @routes.post("/preview")
+    def preview(asked: Previewing) -> Any:
+        chosen = {key: getattr(asked, key) for key in ("scene", "robot", "planner", "pedestrians", "seconds", "seed")}
+        return slow.ask("preview", LONG, **_of(project, asked), **chosen)
+
+    @routes.post("/export")
+    def exported(asked: Exporting) -> dict[str, Any]:
+        project.path(asked.target)
+        made = quick.ask("export", SOON, **_of(project, asked), scene=asked.scene, written=asked.format, target=asked.target)
+        for path, text in sorted(made["texts"].items(), key=lambda row: row[0] == asked.target):  # what it names comes first
+            project.write(path, text.encode(), None)
+        return {"written": sorted(made["texts"]), "left_out": made["left_out"]}
+
+    return routes
+
+
+def known(version: str) -> str | None:
+    """Return a version as the project has it."""
+    return None if version == "none" else version
+
+
+def _of(project: Project, asked: Content) -> dict[str, Any]:
+    """Return what all requests about a content hand on; raise ArenaError for a path that leads out of the project."""
+    project.path(asked.path)
+    if asked.map:
+        project.path(asked.map)
+    return {"name": posixpath.normpath(asked.path), "content": asked.content, "map_file": asked.map}

@@ -1,0 +1,100 @@
+"""A process beside the server that composes, checks and simulates: one request after the other, each within a time."""
+
+from __future__ import annotations
+
+import json
+import os
+import select
+import subprocess
+import sys
+import threading
+import time
+from contextlib import suppress
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from arena_core import ArenaError
+
+LINE_BYTES = 1 << 20  # read at once
+MOST_BYTES = 256 << 20  # of an answer
+
+
+class SideProcess:
+    """Answers requests by the functions of `side_work`, in the folder ``root``; it is started when first asked, and anew after its end.
+
+    Composing a configuration is not safe among threads, and a planner may do anything: so neither happens in the server.
+    """
+
+    def __init__(self, root: Path) -> None:
+        self._root = root.resolve()
+        self._lock = threading.Lock()
+        self._process: subprocess.Popen[bytes] | None = None
+
+    def ask(self, what: str, within: float, **given: Any) -> Any:
+        """Return an answer; raise ArenaError with its line where the work fails or takes longer than ``within`` s."""
+        request = json.dumps({"what": what, "given": given}).encode() + b"\n"
+        with self._lock:
+            process = self._running()
+            try:
+                assert process.stdin is not None
+                process.stdin.write(request)
+                process.stdin.flush()
+                line = _line(process, time.monotonic() + within)
+            except TimeoutError:
+                self._end()
+                raise ArenaError(f"{what} took longer than {within:g} s and was ended; allowed: something smaller") from None
+            except OSError:
+                self._end()
+                raise ArenaError(f"{what}: the process that does this ended; the next try starts it anew") from None
+        answer = json.loads(line)
+        if "error" in answer:
+            raise ArenaError(str(answer["error"]).replace(f"{self._root}{os.sep}", ""))
+        return answer["answer"]
+
+    def close(self) -> None:
+        """End the process."""
+        with self._lock:
+            self._end()
+
+    def _running(self) -> subprocess.Popen[bytes]:
+        if self._process is None or self._process.poll() is not None:
+            self._end()
+            command = [sys.executable, "-m", "arena_studio.side_work"]
+            pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
+            options = {"cwd": self._root, "start_new_session": True, **pipes}
+            self._process = subprocess.Popen(command, **options)  # type: ignore[call-overload]  # noqa: S603 - this Python, a module of ours
+        assert self._process is not None
+        return self._process
+
+    def _end(self) -> None:
+        if self._process is None:
+            return
+        self._process.kill()
+        self._process.wait()
+        for pipe in (self._process.stdin, self._process.stdout):
+            if pipe is not None:
+                with suppress(OSError):  # what could not be written to a dead process is lost anyway
+                    pipe.close()
+        self._process = None
+
+
+@lru_cache(maxsize=16)
+def beside(root: Path) -> tuple[SideProcess, SideProcess]:
+    """Return a project's two processes: one for what is answered at once, one for what takes its time."""
+    return SideProcess(root), SideProcess(root)
+
+
+def _line(process: subprocess.Popen[bytes], until: float) -> bytes:
+    """Return the next line that a process writes; raise TimeoutError, or OSError where it ended."""
+    assert process.stdout is not None
+    found = bytearray()
+    while not found.endswith(b"\n"):
+        ready, _, _ = select.select([process.stdout], [], [], max(until - time.monotonic(), 0.0))
+        if not ready:
+            raise TimeoutError
+        part = os.read(process.stdout.fileno(), LINE_BYTES)
+        if not part or len(found) > MOST_BYTES:
+            raise OSError
+        found += part
+    return bytes(found)

@@ -1,0 +1,145 @@
+"""The pages Run and Results in chromium: an experiment is composed, started, watched, and its episodes are found again."""
+
+from __future__ import annotations
+
+import csv
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from arena_core import EPISODE_COLUMNS
+
+pytestmark = pytest.mark.browser
+QUICK = "world=empty pedestrians=none task.time_limit=10 report=false executor=serial"
+
+
+def write_run(folder: Path, preset: str, count: int) -> None:
+    """Write a run's table without its records."""
+    folder.mkdir(parents=True)
+    facts = {
+        "config_hash": preset,
+        "planner": preset,
+        "preset": preset,
+        "robot": "jackal",
+        "world": "empty",
+        "task": "random",
+        "success": 1,
+    }
+    with (folder / "episodes.csv").open("w", newline="") as file:
+        writer = csv.DictWriter(file, [*EPISODE_COLUMNS, "success", "time_to_goal"], restval="", lineterminator="\n")
+        writer.writeheader()
+        for number in range(count):
+            outcome = "timeout" if number % 3 == 2 else "goal_reached"
+            seconds = 10.0 + number + len(preset)
+            writer.writerow({**facts, "episode": number, "scenario_hash": number, "outcome": outcome, "time_to_goal": seconds})
+
+
+def test_experiment_is_composed_started_watched_and_its_episode_replayed(show: Callable[..., Any], studio: Any) -> None:
+    shown = show("run")
+    page = shown.page
+    page.get_by_label("planner", exact=True).select_option("pure_pursuit")
+    page.get_by_label("robot", exact=True).select_option("jackal")
+    page.get_by_label("episodes", exact=True).fill("2")
+    page.get_by_label("more words of the command line").fill(QUICK)
+    page.get_by_label("folder of the run").fill("outputs/first")
+    page.get_by_text("every value is allowed").wait_for()
+    command = "arena run planner=pure_pursuit robot=jackal episodes=2 world=empty"
+    assert page.locator("#command").inner_text().startswith(command)
+    page.reload()
+    page.get_by_text("every value is allowed").wait_for()
+    assert page.locator("#command").inner_text().startswith(command)
+    page.locator("button.main:enabled").click()
+    page.locator('.experiment[data-state="finished"]').wait_for()
+    assert page.locator(".experiment tbody tr").count() == 2
+    assert (studio.folder / "outputs/first/episodes.csv").exists()
+    with page.expect_popup() as opened:
+        page.get_by_role("link", name="replay").first.click()
+    replay = opened.value
+    replay.locator("#facts li").first.wait_for()
+    assert "pure_pursuit on jackal" in replay.locator("#facts").inner_text()
+    page.get_by_role("link", name="results", exact=True).click()
+    page.locator(".episodes tbody tr").nth(1).wait_for()
+    assert page.locator("#facts").inner_text().startswith("2 episodes")
+    assert shown.complaints == []
+
+
+def test_wrong_values_are_told_and_nothing_starts(show: Callable[..., Any], studio: Any) -> None:
+    page = show("run").page
+    page.get_by_label("episodes", exact=True).fill("many")
+    page.get_by_label("seed", exact=True).focus()
+    page.locator("#verdict.bad").wait_for()
+    assert "episodes is 'many'; allowed: a whole number" in page.locator("#verdict").inner_text()
+    assert page.get_by_label("episodes", exact=True).get_attribute("aria-invalid") == "true"
+    page.get_by_label("episodes", exact=True).fill("")
+    page.get_by_label("more words of the command line").fill("planer=dwa")
+    page.get_by_text("did you mean planner").wait_for()
+    assert page.get_by_role("button", name="Start").is_disabled()
+    assert not (studio.folder / ".arena_studio").exists()
+
+
+def test_parameters_of_an_option_are_fields_with_unit_and_bounds(show: Callable[..., Any]) -> None:
+    page = show("run").page
+    page.get_by_label("planner", exact=True).select_option("teb")
+    page.get_by_label("planner teb: parameters").click()
+    field = page.get_by_label("limits.max_vel_x [m/s]", exact=True)
+    field.wait_for()
+    assert "allowed: > 0" in page.locator(".group .hint").filter(has_text="fastest forwards").inner_text()
+    field.fill("0.7")
+    field.blur()
+    page.locator("#command").filter(has_text="planner.limits.max_vel_x=0.7").wait_for()
+
+
+def test_results_are_filtered_sorted_compared_and_kept_over_a_reload(show: Callable[..., Any], studio: Any) -> None:
+    write_run(studio.folder / "multirun/0", "dwa", 60)
+    write_run(studio.folder / "multirun/1", "teb", 60)
+    shown = show("results")
+    page, rows = shown.page, shown.page.locator(".episodes tbody tr")
+    page.locator("#facts", has_text="120 episodes").wait_for()
+    assert rows.count() == 50
+    page.locator('[data-column="preset"] [data-value="teb"]').check()
+    page.locator("#facts", has_text="60 episodes").wait_for()
+    page.get_by_label("look for").fill("timeout")
+    page.locator("#facts", has_text="20 episodes").wait_for()
+    page.locator('th [data-column="time_to_goal"]').click()
+    page.locator('th[aria-sort="ascending"]').wait_for()
+    page.locator('th [data-column="time_to_goal"]').click()
+    page.locator('th[aria-sort="descending"]').wait_for()
+    assert rows.first.inner_text().split()[2:4] == ["multirun/1", "teb"]
+    page.reload()
+    page.locator('th[aria-sort="descending"]').wait_for()
+    assert rows.count() == 20
+    page.locator('[data-column="preset"] [data-value="teb"]').uncheck()
+    page.get_by_label("look for").fill("")
+    page.locator("#facts", has_text="120 episodes").wait_for()
+    page.get_by_role("button", name="Compare planners").click()
+    page.locator(".compared tbody tr").first.wait_for()
+    assert "teb − dwa" in page.locator(".compared tbody").inner_text()
+    with page.expect_download() as saved:
+        page.get_by_role("button", name="Export CSV").click()
+    assert len(Path(saved.value.path()).read_text().splitlines()) == 121
+    assert shown.complaints == []
+
+
+def test_run_that_vanishes_is_told_in_the_page(show: Callable[..., Any], studio: Any) -> None:
+    write_run(studio.folder / "a", "dwa", 3)
+    write_run(studio.folder / "b", "teb", 3)
+    page = show("results").page
+    page.locator("#facts", has_text="6 episodes").wait_for()
+    shutil.rmtree(studio.folder / "b")
+    page.get_by_text("b: the run is gone, with 3 episodes").wait_for()
+    assert page.locator(".episodes tbody tr").count() == 3
+
+
+@pytest.mark.parametrize("place", ["run", "results"])
+@pytest.mark.parametrize("width", [1280, 820])
+def test_pages_fit_their_window_and_say_when_the_studio_is_gone(show: Callable[..., Any], studio: Any, place: str, width: int) -> None:
+    shown = show(place, width)
+    shown.page.locator("#verdict, #facts").first.wait_for()
+    assert shown.page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth") <= 0
+    studio.kill()
+    gone = "no connection to the studio" if place == "run" else "the studio does not answer"
+    shown.page.get_by_text(gone).wait_for()
+    studio.start()

@@ -1,0 +1,165 @@
+"""What the map editor's page asks for, as it asks for it."""
+
+from __future__ import annotations
+
+import gzip
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from fastapi.testclient import TestClient
+
+from arena_core import load_registry
+from arena_studio.app import make_app
+from arena_studio.mapping.transfer import packed, unpacked
+from arena_studio.project import Project
+from arena_tasks.commands.packing import ANYBODY
+from arena_tasks.scenario_files.scenario_file import read_scenarios
+from arena_worlds.commands.generate import parameters
+from arena_worlds.commands.measures import measures_of
+from arena_worlds.formats.ros_map import load_map
+
+HALL = Path(__file__).resolve().parents[3] / "tests" / "data" / "maps" / "hall"
+MAP = "maps/hall/map.yaml"
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    shutil.copytree(HALL, tmp_path / "maps" / "hall")
+    return tmp_path
+
+
+@pytest.fixture
+def client(folder: Path) -> TestClient:
+    app = make_app(Project(folder), "token")
+    return TestClient(app, base_url="http://127.0.0.1", cookies={"arena_studio": "token"}, raise_server_exceptions=False)
+
+
+def opened(client: TestClient, path: str) -> tuple[dict[str, Any], np.ndarray]:
+    answer = client.get("/api/maps/file", params={"path": path})
+    assert answer.status_code == 200, answer.text
+    header, cells = unpacked(answer.content)
+    return header, np.frombuffer(cells, np.uint8).reshape(header["height"], header["width"])
+
+
+def test_a_stroke_goes_to_the_file_and_the_next_save_knows_its_version(client: TestClient, folder: Path) -> None:
+    header, _ = opened(client, MAP)
+    for column in (20, 40):
+        body = packed({**header, "rectangles": [[column, 30, 2, 3]]}, bytes([header["drawn"]["occupied"]]) * 6)
+        answer = client.put("/api/maps/file", params={"path": MAP}, content=gzip.compress(body))
+        header["version"] = answer.json()["version"]
+    after = np.array(load_map(HALL / "map.yaml").data)[::-1]
+    after[30:33, 20:22] = after[30:33, 40:42] = 100
+    assert (load_map(folder / MAP).data == after[::-1]).all()
+    assert client.get("/api/maps/version", params={"path": MAP}).json() == {"version": header["version"]}
+
+
+def test_a_second_window_is_told_of_the_conflict(client: TestClient, folder: Path) -> None:
+    header, _ = opened(client, MAP)
+    body = packed({**header, "rectangles": [[20, 30, 1, 1]]}, bytes(1))
+    assert client.put("/api/maps/file", params={"path": MAP}, content=body).status_code == 200
+    kept = (folder / "maps" / "hall" / "map.pgm").read_bytes()
+    answer = client.put("/api/maps/file", params={"path": MAP}, content=packed({**header, "rectangles": [[0, 0, 1, 1]]}, bytes((254,))))
+    assert answer.status_code == 409
+    assert "changed by somebody else" in answer.json()["error"]
+    assert (folder / "maps" / "hall" / "map.pgm").read_bytes() == kept
+
+
+def test_every_kind_of_world_is_drawn_as_the_command_line_draws_it(client: TestClient) -> None:
+    kinds = {one["name"]: one["parameters"] for one in client.get("/api/maps/kinds").json()["kinds"]}
+    assert {"indoor", "outdoor", "rooms", "cellular", "warehouse", "empty", "lab", "furnished", "mixed"} <= set(kinds)
+    assert not {"ros_map", "file", "barn", "dynabarn", "scenario_map"} & set(kinds)
+    assert kinds["rooms"]["door_width"] is None
+    words = {"kind": "rooms", "seed": 3, "parameters": json.dumps({"difficulty": 0.8, "width": 10, "door_width": None})}
+    answer = client.get("/api/maps/draw", params=words)
+    header, cells = unpacked(answer.content)
+    world = load_registry().build("world", parameters("rooms", {"difficulty": "0.8", "width": "10"})).world(3, 0)
+    values = np.array(header["values"], np.int8)[np.frombuffer(cells, np.uint8)].reshape(header["height"], header["width"])
+    assert (values[::-1] == world.grid.data).all()
+    assert header["version"] is None
+
+
+def test_a_drawn_world_is_kept_as_a_map(client: TestClient, folder: Path) -> None:
+    header, cells = unpacked(client.get("/api/maps/draw", params={"kind": "indoor", "seed": 1}).content)
+    answer = client.post(
+        "/api/maps/copy", params={"path": "maps/mine.yaml"}, content=gzip.compress(packed({**header, "like": None}, cells))
+    )
+    assert answer.status_code == 200, answer.text
+    grid = load_registry().build("world", parameters("indoor", {})).world(1, 0).grid
+    kept = load_map(folder / "maps" / "mine.yaml")
+    assert (kept.data == grid.data).all()
+    assert (kept.resolution, kept.origin) == (grid.resolution, grid.origin)
+    again, _ = opened(client, "maps/mine.yaml")
+    assert again["version"] == answer.json()["version"]
+
+
+def test_measures_are_those_of_the_command_line(client: TestClient) -> None:
+    answer = client.get("/api/maps/measures", params={"path": MAP, "robot_radius": 0.3})
+    found = {one["name"]: one["value"] for one in answer.json()["measures"]}
+    assert found == {name: value for name, value, _, _ in measures_of(load_map(HALL / "map.yaml"), 0.3).rows()}
+
+
+def test_furniture_stands_in_a_scenario_file_that_the_task_reads(client: TestClient, folder: Path) -> None:
+    assert {"table", "chair", "shelf"} <= set(client.get("/api/maps/furniture").json()["kinds"])
+    assert client.get("/api/maps/scenarios", params={"path": MAP}).json() == {"files": []}
+    made = client.post("/api/maps/scenarios", json={"path": "maps/hall/furnished.json", "map": MAP})
+    assert made.status_code == 200, made.text
+    (file,) = client.get("/api/maps/scenarios", params={"path": MAP}).json()["files"]
+    pieces = [{"kind": "table", "pose": [3.0, 4.0, 0.5]}]
+    sent = {"path": file["path"], "version": file["version"], "problem": "furnished", "furniture": pieces}
+    assert client.put("/api/maps/furniture", json=sent).status_code == 200
+    (problem,) = read_scenarios(folder / "maps" / "hall" / "furnished.json", ANYBODY)
+    assert [(piece.kind, piece.pose.array().tolist()) for piece in problem.furniture] == [("table", [3.0, 4.0, 0.5])]
+    assert client.put("/api/maps/furniture", json=sent).status_code == 409
+
+
+def test_all_else_of_a_scenario_file_stays(client: TestClient, folder: Path) -> None:
+    text = {"format": "arena-scenario", "version": 2, "map": "hall/map.yaml"}
+    first = {
+        "name": "a",
+        "start": [1.0, 1.0, 0.0],
+        "goal": [5.0, 4.0],
+        "pedestrians": [{"position": [2.0, 2.0], "behaviour": {"type": "adult"}}],
+    }
+    (folder / "maps" / "scenes.json").write_text(json.dumps({**text, "scenarios": [first, {**first, "name": "b"}]}))
+    (file,) = client.get("/api/maps/scenarios", params={"path": MAP}).json()["files"]
+    pieces = [{"kind": "chair", "pose": [3.0, 4.0, 0.0]}]
+    sent = {"path": file["path"], "version": file["version"], "problem": "b", "furniture": pieces}
+    assert client.put("/api/maps/furniture", json=sent).status_code == 200
+    after = json.loads((folder / "maps" / "scenes.json").read_text())
+    assert after == {**text, "scenarios": [first, {**first, "name": "b", "furniture": pieces}]}
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "words"),
+    [
+        ("get", "/api/maps/file", {"params": {"path": "../../etc/passwd"}}),
+        ("get", "/api/maps/file", {"params": {"path": "maps"}}),
+        ("get", "/api/maps/file", {"params": {"path": "maps/hall/map.pgm\0"}}),
+        ("get", "/api/maps/draw", {"params": {"kind": "ros_map"}}),
+        ("get", "/api/maps/draw", {"params": {"kind": "no such"}}),
+        ("get", "/api/maps/draw", {"params": {"kind": "indoor", "seed": -1}}),
+        ("get", "/api/maps/draw", {"params": {"kind": "indoor", "parameters": "[1"}}),
+        ("get", "/api/maps/draw", {"params": {"kind": "indoor", "parameters": '{"width": "1 world=lab"}'}}),
+        ("get", "/api/maps/draw", {"params": {"kind": "indoor", "parameters": '{"width": NaN}'}}),
+        ("get", "/api/maps/draw", {"params": {"kind": "indoor", "parameters": '{"width": 1e5, "height": 1e5}'}}),
+        ("get", "/api/maps/draw", {"params": {"kind": "indoor", "parameters": '{"no_such": 1}'}}),
+        ("get", "/api/maps/measures", {"params": {"path": MAP, "robot_radius": "nan"}}),
+        ("get", "/api/maps/measures", {"params": {"path": MAP, "robot_radius": "99"}}),
+        ("put", "/api/maps/file", {"params": {"path": MAP}, "content": b"nothing"}),
+        ("post", "/api/maps/copy", {"params": {"path": "x.yaml"}, "content": packed({}, b"")}),
+        ("post", "/api/maps/copy", {"params": {"path": "x.yaml"}, "content": packed({"width": 10**9, "height": 10**9}, b"")}),
+        ("post", "/api/maps/copy", {"params": {"path": "x.yaml"}, "content": packed({"width": 1, "height": 1, "samples": "no"}, b"\0")}),
+        ("post", "/api/maps/copy", {"params": {"path": "x.yaml"}, "content": packed({"width": 1, "height": 1, "samples": [["a"]]}, b"\0")}),
+        ("put", "/api/maps/furniture", {"json": {"path": MAP, "version": "", "problem": "", "furniture": []}}),
+        ("post", "/api/maps/scenarios", {"json": {"path": "a.json", "map": MAP, "furniture": [{"kind": "sofa", "pose": [0, 0, 0]}]}}),
+        ("post", "/api/maps/scenarios", {"json": {"path": "a.json", "map": MAP, "furniture": [7]}}),
+    ],
+)
+def test_what_is_wrong_is_told_in_one_line(method: str, path: str, words: dict[str, Any], client: TestClient) -> None:
+    answer = client.request(method, path, **words)
+    assert 400 <= answer.status_code < 500, answer.text
+    assert "\n" not in answer.json()["error"]

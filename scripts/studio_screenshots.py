@@ -1,0 +1,92 @@
+#!/usr/bin/env python3
+"""Make the pictures of docs/studio.md: drive some episodes, open `arena studio` in chromium, and photograph its pages.
+
+usage: .venv/bin/python scripts/studio_screenshots.py [FOLDER]      after `scripts/setup browser`; pictures go to docs/images, or to FOLDER
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+TOP = Path(__file__).resolve().parents[1]
+ARENA = (sys.executable, "-m", "arena_core.cli.main")
+PATIENCE = 300_000  # ms
+WINDOW = {"width": 1280, "height": 860}
+
+
+def main() -> int:
+    """Write the pictures; return the exit status."""
+    target = Path(sys.argv[1]) if len(sys.argv) > 1 else TOP / "docs" / "images"
+    with tempfile.TemporaryDirectory() as folder:
+        project = Path(folder) / "lab"
+        for name in ("maps", "scenarios"):
+            shutil.copytree(TOP / "tests" / "data" / name, project / name)
+        with studio(project) as address, browser() as page:
+            page.goto(address)
+            photograph_runs(page, target)
+            photograph_results(page, target)
+    return 0
+
+
+@contextmanager
+def studio(project: Path) -> Iterator[str]:
+    """Start a studio on a folder; yield its address."""
+    process = subprocess.Popen([*ARENA, "studio", str(project), "open=false"], stderr=subprocess.PIPE, text=True)  # noqa: S603
+    assert process.stderr is not None
+    try:
+        found = re.search(r"http\S+", process.stderr.readline())
+        assert found, "arena studio printed no address"
+        yield found[0]
+    finally:
+        process.send_signal(signal.SIGINT)
+        process.wait()
+
+
+@contextmanager
+def browser() -> Iterator[Any]:
+    """Open a page of chromium."""
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
+        page = chromium.new_page(viewport=WINDOW)
+        page.set_default_timeout(PATIENCE)
+        yield page
+        chromium.close()
+
+
+def photograph_runs(page: Any, target: Path) -> None:
+    """Start a sweep in the page Run, and photograph it as it goes on and once it has ended."""
+    page.get_by_label("planner", exact=True).select_option("pure_pursuit")
+    page.get_by_label("planner: compare with another").click()
+    page.get_by_label("planner, another").select_option("dwa")
+    page.get_by_label("robot", exact=True).select_option("jackal")
+    page.get_by_label("episodes", exact=True).fill("6")
+    page.get_by_label("more words of the command line").fill("task.pedestrians=4 task.time_limit=30 report=false")
+    page.get_by_label("folder of the run").fill("multirun/first")
+    page.locator("button.main:enabled").click()
+    page.locator(".experiment tbody tr").nth(1).wait_for()
+    page.screenshot(path=target / "studio-run.png")
+    page.locator('.experiment[data-state="finished"]').wait_for()
+
+
+def photograph_results(page: Any, target: Path) -> None:
+    """Compare the planners in the page Results."""
+    page.get_by_role("link", name="Results", exact=True).click()
+    page.locator("table tbody tr").first.wait_for()
+    page.get_by_role("button", name="Compare planners").click()
+    page.locator(".compared tbody tr").first.wait_for()
+    page.screenshot(path=target / "studio-results.png")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
