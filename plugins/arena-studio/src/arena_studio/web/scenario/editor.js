@@ -90,7 +90,7 @@ export class Editor {
 
   /** @param {string} path @param {Content} content @param {string} map @param {string | null} version */
   async #take(path, content, map, version) {
-    Object.assign(this, { path, content, at: 0, chosen: null, findings: [], robot: null, map: "", ground: null });
+    Object.assign(this, { path, content, at: 0, chosen: null, findings: [], checking: "", robot: null, map: "", ground: null });
     this.history.done = [];
     this.history.undone = [];
     this.autosave = new Autosave(this.#owner(), version);
@@ -227,13 +227,15 @@ export class Editor {
     const turn = ++this.turn;
     this.checking = "checking";
     this.show();
+    let done = false;
     await this.trying(async () => {
       const { findings, robot } = await this.context.api.post("/api/scenarios/check", this.asked);
       if (turn !== this.turn) return;
       this.findings = findings;
       this.robot = robot ?? this.robot;
+      done = true;
     });
-    if (turn === this.turn) this.checking = "checked";
+    if (turn === this.turn) this.checking = done ? "checked" : "";
     this.show();
   }
 
