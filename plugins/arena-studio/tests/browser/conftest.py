@@ -44,7 +44,7 @@ class Studio:
     def start(self) -> None:
         """Start it, on the same port as before if there was one."""
         command = [sys.executable, "-m", "arena_core.cli.main", "studio", str(self.folder), f"port={self.port}", "open=false"]
-        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)  # noqa: S603
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         assert self.process.stdout is not None
         for line in self.process.stdout:
             if found := STARTED.search(line):
@@ -57,6 +57,8 @@ class Studio:
         if self.process is not None:
             os.kill(self.process.pid, signal.SIGKILL)
             self.process.wait()
+            assert self.process.stdout is not None
+            self.process.stdout.close()
             self.process = None
 
 
