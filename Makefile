@@ -53,6 +53,8 @@ test: setup
 test-slow: setup
 	$(PYTEST) -m "slow and not long and not browser and not ros1 and not pictures"
 
+test-browser: node_modules/.complete  # axe, which looks whether pages are accessible
+
 $(APART:%=test-%): test-%: .venv/.%
 	$(BIN)/pytest -m $* $(wildcard tests/$* plugins/*/tests/$*)
 

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 Figures = Literal["headline", "all", "none"]
 PICTURES = 12  # cells whose trajectories are drawn unless --pictures says otherwise
+REPLAYS = 6  # episodes that have a replay unless --replays says otherwise
+OPTIONS = ("--out", "--pictures", "--replays", "--baseline", "--pdf", "--all-figures", "--no-figures", "--claims")
 PRINTED = 40  # rows of the headline that go to the terminal
 
 
@@ -62,12 +64,12 @@ class ReportCommand(Command):
         if given.out is None:
             _write_summaries(runs)
         figures: Figures = "none" if given.no_figures else "all" if given.all_figures else "headline"
-        write_report(runs, target, given.pictures, figures, given.baseline, given.pdf, given.claims)
+        write_report(runs, target, given.pictures, figures, given.baseline, given.pdf, given.claims, given.replays)
         return 0
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
         """Return the options; folders are the shell's."""
-        return ["--out", "--pictures", "--baseline", "--pdf", "--all-figures", "--no-figures", "--claims"] if word.startswith("-") else ()
+        return OPTIONS if word.startswith("-") else ()
 
 
 def _parser(description: str | None) -> argparse.ArgumentParser:
@@ -78,6 +80,9 @@ def _parser(description: str | None) -> argparse.ArgumentParser:
     )
     parser.add_argument(
         "--pictures", type=int, default=PICTURES, metavar="N", help=f"most cells whose trajectories are drawn (default {PICTURES})"
+    )
+    parser.add_argument(
+        "--replays", type=int, default=REPLAYS, metavar="N", help=f"most episodes that have a replay, failures first (default {REPLAYS})"
     )
     parser.add_argument("--baseline", metavar="PLANNER", help="what the other planners are compared with in pairs (default: the first)")
     parser.add_argument("--pdf", action="store_true", help="write each figure as PDF too, for print")
@@ -95,14 +100,16 @@ def write_report(
     baseline: str | None = None,
     pdf: bool = False,
     claims: str | None = None,
+    replays: int = REPLAYS,
 ) -> None:
     """Write a report over these runs to the folder ``target``; raise InputFileError when they hold no episode, or not the baseline.
 
     ``claims`` names a file of claims to judge. ``figures`` says which metrics are drawn; with none, no record is read and no picture
-    drawn either.
+    drawn either, and there are no ``replays``.
     """
     from arena_metrics.pages.levels import level_table
     from arena_metrics.pages.page import render
+    from arena_metrics.pages.replays import write_replays
     from arena_metrics.pooling.cells import cells_of
     from arena_metrics.pooling.runs import metric_columns, pooled
     from arena_metrics.pooling.summary import summarise
@@ -124,9 +131,9 @@ def write_report(
     drives = _drives(summary, pictures) if figures != "none" else {}
     tables = _tables_of_drives(summary, drives, target)
     drawn = _draw(summary, drives, target, figures, pdf) if figures != "none" else ([], [], [])
-    write_text_whole(
-        target / "index.html", render(summary, baseline, judged, ranking, pairs, levels, tables, problems, runs, repeats, *drawn)
-    )
+    shown = write_replays(summary.cells, target, replays if figures != "none" else 0)
+    page = render(summary, baseline, judged, ranking, pairs, levels, tables, problems, runs, repeats, *drawn, shown)
+    write_text_whole(target / "index.html", page)
     _print_headline(summary, baseline)
     if judged is not None:
         print("\n".join(f"{row[1]}: {row[0]}" for row in judged.rows))
