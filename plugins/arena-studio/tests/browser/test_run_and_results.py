@@ -46,7 +46,7 @@ def test_experiment_is_composed_started_watched_and_its_episode_replayed(show: C
     page.get_by_label("more words of the command line").fill(QUICK)
     page.get_by_label("folder of the run").fill("outputs/first")
     page.get_by_text("every value is allowed").wait_for()
-    command = "arena run planner=pure_pursuit robot=jackal episodes=2 world=empty"
+    command = "arena run planner=pure_pursuit robot=jackal episodes=2 recording.live=true world=empty"
     assert page.locator("#command").inner_text().startswith(command)
     page.reload()
     page.get_by_text("every value is allowed").wait_for()

@@ -51,6 +51,7 @@ export class Experiments {
   /** @param {Experiment} one */
   head(one) {
     const running = one.state === "running" || one.state === "stopping";
+    const watch = make("a", { href: `/watch/${one.name}/`, target: "_blank", rel: "noopener" }, "watch");
     const results = make("a", { href: `#/results?${new URLSearchParams({ text: one.folder })}` }, "results");
     const acts = /** @type {["stop" | "resume" | "forget", string, boolean][]} */ ([
       ["stop", one.state === "stopping" ? "stop at once" : "stop", running],
@@ -59,7 +60,7 @@ export class Experiments {
     ]);
     const buttons = acts.filter(([, , offered]) => offered).map(([act, text]) => button(text, () => this.act(one.name, act), { "data-act": act }));
     const state = make("span", { className: `state ${one.state.replace(" ", "-")}` }, NAMES[one.state] ?? one.state);
-    return make("div", { className: "row" }, state, make("h3", { className: "grow" }, one.folder), ...(one.done ? [results] : []), ...buttons);
+    return make("div", { className: "row" }, state, make("h3", { className: "grow" }, one.folder), ...(running ? [watch] : []), ...(one.done ? [results] : []), ...buttons);
   }
 }
 
