@@ -15,7 +15,7 @@ from arena_tasks.scenario_files.scenario_file import read_scenarios
 from arena_worlds.formats.ros_map import load_map
 
 pytestmark = pytest.mark.browser
-EDITOR = "document.querySelector('.page.map').editor"
+EDITOR = "document.querySelector('.page.map')?.editor"
 OPEN = f"{EDITOR}?.map?.header.path"
 SAVED = f"{EDITOR}.map.autosave.state === 'saved' && !{EDITOR}.map.autosave.unsaved"
 HALL = "maps/hall/map.yaml"
@@ -24,7 +24,6 @@ HALL = "maps/hall/map.yaml"
 def opened(show: Callable[..., Any], path: str = HALL) -> Any:
     """Return a window in which a map is open."""
     shown = show(f"map?path={path}")
-    shown.wait("!!document.querySelector('.page.map')")
     shown.wait(f"{OPEN} === '{path}'")
     return shown
 
@@ -163,7 +162,7 @@ def test_a_generated_world_is_edited_measured_and_furnished(show: Callable[..., 
     page.locator("summary", has_text="Generate").click()
     page.get_by_label("kind").select_option("rooms")
     page.get_by_role("button", name="Draw", exact=True).click()
-    shown.wait(f"{EDITOR}.map !== null")
+    shown.wait(f"!!{EDITOR}?.map")
     drag(shown, (2.0, 12.0), (3.0, 12.0))
     shown.wait(f"{OPEN} === 'maps/rooms_0.yaml'")
     shown.wait(SAVED)
@@ -209,6 +208,5 @@ def test_a_damaged_map_is_told_in_one_line(show: Callable[..., Any], studio: Any
 @pytest.mark.parametrize("width", [1280, 820, 390])
 def test_the_page_fits_its_window(width: int, show: Callable[..., Any]) -> None:
     shown = show(f"map?path={HALL}", width)
-    shown.wait("!!document.querySelector('.page.map')")
     shown.wait(f"{OPEN} === '{HALL}'")
     assert shown.page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth") <= 0

@@ -1,6 +1,6 @@
 // The panels beside the map: what is drawn with, scale and origin, another name, the measures.
 
-import { button, choice, field, make } from "studio/shell/forms.js";
+import { button, field, make } from "studio/shell/forms.js";
 import { NAMES } from "studio/map/kinds.js";
 
 /**
@@ -42,8 +42,8 @@ export function drawingPanel(editor) {
       one.setAttribute("aria-pressed", String(pencil.kind === NAMES[i]));
       one.disabled = editor.map !== null && editor.map.code(NAMES[i]) === null;
     });
-    width.value = String(pencil.width);
-    step.value = String(pencil.step);
+    put(width, pencil.width);
+    put(step, pencil.step);
     filled.checked = pencil.filled;
   };
   const element = section(
@@ -59,43 +59,47 @@ export function drawingPanel(editor) {
 
 /** @param {Editor} editor @returns {Panel} */
 export function keysPanel(editor) {
-  const place = make("div", { className: "stack" });
-  const show = () => {
-    const { map } = editor;
-    if (!map) return place.replaceChildren(make("p", { className: "soft" }, "No map is open."));
-    const { header } = map;
-    const resolution = number(header.resolution, { min: 1e-6, max: 1000 }, (value) => map.setKeys("set the scale", { resolution: value }));
-    const parts = ["x, m", "y, m", "yaw, rad"].map((text, i) =>
-      field(
-        text,
-        number(header.origin[i], {}, (value) => {
-          const origin = /** @type {[number, number, number]} */ (header.origin.map((old, j) => (j === i ? value : old)));
-          map.setKeys("set the origin", { origin });
-        }),
-      ),
-    );
-    const size = `${header.width} × ${header.height} cells, ${metres(header.width * header.resolution)} × ${metres(header.height * header.resolution)} m`;
-    const facts = [size, `mode ${header.mode}`, header.image ?? "", header.negate ? "negate 1" : ""].filter(Boolean);
-    place.replaceChildren(
-      field("scale, m a cell", resolution),
-      make("fieldset", {}, make("legend", {}, "origin: the lower left corner"), make("div", { className: "triple" }, ...parts)),
-      rulerRow(editor),
-      make("p", { className: "hint" }, facts.join(" · ")),
-    );
-  };
-  return { element: section("Scale and origin", false, place), show };
-}
-
-/** The scale by a length that is known. @param {Editor} editor */
-function rulerRow(editor) {
-  const { measured, map } = editor;
-  if (!measured || !map) return make("p", { className: "hint" }, "The ruler (m) measures a length; what it really is gives the scale.");
-  const real = number(Number(measured.metres.toFixed(3)), { min: 0.001 }, (value) => {
-    map.setKeys("set the scale", { resolution: Number((value / measured.cells).toPrecision(9)) });
+  const resolution = number("", { min: 1e-6, max: 1000 }, (value) => editor.map?.setKeys("set the scale", { resolution: value }));
+  const corner = [0, 1, 2].map((axis) => number("", {}, (value) => editor.map?.setKeys("set the origin", { origin: replaced(editor.map.header.origin, axis, value) })));
+  const real = number("", { min: 0.001 }, (value) => {
+    const { map, measured } = editor;
+    if (map && measured) map.setKeys("set the scale", { resolution: Number((value / measured.cells).toPrecision(9)) });
     editor.measured = null;
     editor.show();
   });
-  return field(`measured ${metres(measured.metres)} m; really, m`, real);
+  const length = field("real length, m", real);
+  const told = make("p", { className: "hint" });
+  const facts = make("p", { className: "hint" });
+  const origin = ["x, m", "y, m", "yaw, rad"].map((text, axis) => field(text, corner[axis]));
+  const show = () => {
+    const { map, measured } = editor;
+    put(resolution, map?.header.resolution);
+    corner.forEach((input, axis) => put(input, map?.header.origin[axis]));
+    put(real, measured ? Number(measured.metres.toFixed(3)) : undefined);
+    length.hidden = !measured;
+    told.textContent = measured ? `Measured ${metres(measured.metres)} m. What it really is gives the scale.` : "The ruler (m) measures a length; what it really is gives the scale.";
+    facts.textContent = map ? factsOf(map.header) : "No map is open.";
+  };
+  const place = make("fieldset", {}, make("legend", {}, "origin: the lower left corner"), make("div", { className: "triple" }, ...origin));
+  return { element: section("Scale and origin", false, field("scale, m a cell", resolution), place, told, length, facts), show };
+}
+
+/** Show a value in a field, not in one that is being written in. @param {HTMLInputElement} input @param {number | undefined} value */
+function put(input, value) {
+  input.disabled = value === undefined;
+  if (document.activeElement !== input) input.value = value === undefined ? "" : String(value);
+}
+
+/** @param {[number, number, number]} origin @param {number} axis @param {number} value @returns {[number, number, number]} */
+function replaced(origin, axis, value) {
+  const [x, y, yaw] = origin.map((old, i) => (i === axis ? value : old));
+  return [x, y, yaw];
+}
+
+/** @param {import("./model.js").Header} header */
+function factsOf({ width, height, resolution, mode, image, negate }) {
+  const size = `${width} × ${height} cells, ${metres(width * resolution)} × ${metres(height * resolution)} m`;
+  return [size, `mode ${mode}`, image ?? "", negate ? "negate 1" : ""].filter(Boolean).join(" · ");
 }
 
 /** @param {number} value */
@@ -150,29 +154,4 @@ function row({ name, value, unit, text }) {
   const shown = value < 100 ? Number(value.toPrecision(3)).toString() : value.toFixed(0);
   const [cell, said] = [make("td", { className: "number" }, shown), make("td", { className: "soft" }, unit.replace("m2", "m²").replace("-", ""))];
   return make("tr", { title: text }, make("th", { scope: "row" }, name.replaceAll("_", " ")), cell, said);
-}
-
-/** @param {Editor} editor @returns {Panel} */
-export function furniturePanel(editor) {
-  const { furniture } = editor;
-  const place = make("div", { className: "stack" });
-  const show = () => {
-    const { files, file, problem, kinds, chosen } = furniture;
-    if (!editor.map?.header.path) return place.replaceChildren(make("p", { className: "soft" }, "Furniture stands in scenario files of a map that is saved."));
-    const fresh = button("New scenario file", () => editor.trying(() => editor.newScenario()));
-    if (!file) return place.replaceChildren(make("p", { className: "hint" }, "No map holds furniture: it stands in the problems of a scenario file."), fresh);
-    const open = (/** @type {string} */ path) => furniture.open(files.find((one) => one.path === path) ?? null, files.find((one) => one.path === path)?.problems[0]?.name ?? "");
-    const names = file.problems.map((one) => one.name);
-    const select = choice(Object.keys(kinds), furniture.kind, (kind) => void (furniture.kind = kind));
-    const acts = [button("⟲", () => furniture.turn(1), { title: "turn left ([)" }), button("⟳", () => furniture.turn(-1), { title: "turn right (])" }), button("Remove", () => furniture.remove())];
-    for (const one of acts) one.disabled = chosen < 0;
-    place.replaceChildren(
-      field("scenario file", choice(files.map((one) => one.path), file.path, open)),
-      field("problem", choice(names, problem, (name) => furniture.open(file, name))),
-      field("to place", select),
-      make("div", { className: "row" }, button("Place (t)", () => editor.toolbox.choose("furniture")), ...acts),
-      make("p", { className: "hint" }, `${furniture.pieces.length} pieces. No map holds furniture; the lidar sees its legs.`),
-    );
-  };
-  return { element: section("Furniture", false, place), show };
 }

@@ -4,7 +4,8 @@ import { guardPage } from "studio/edit/autosave.js";
 import { button, make } from "studio/shell/forms.js";
 import { Editor } from "studio/map/editor.js";
 import { generatePanel } from "studio/map/generate.js";
-import { drawingPanel, furniturePanel, keysPanel, measuresPanel, namePanel } from "studio/map/panels.js";
+import { furniturePanel } from "studio/map/furniture_panel.js";
+import { drawingPanel, keysPanel, measuresPanel, namePanel } from "studio/map/panels.js";
 
 const SAID = { saved: "saved", changed: "…", saving: "saving …", away: "not saved: the studio does not answer; trying again", refused: "not saved", conflict: "conflict: not saved" };
 
