@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from arena_core import Command, InputFileError, Reporter, aligned, write_bytes_whole, write_text_whole
+from arena_metrics.statistics.one_thread import on_one_thread
 
 if TYPE_CHECKING:
     from arena_metrics.pages.figures import Image
@@ -27,6 +28,7 @@ PRINTED = 40  # rows of the headline that go to the terminal
 class Report(Reporter):
     """Tables, figures and one page over runs, and how their planners differ."""
 
+    @on_one_thread
     def report(self, folders: Sequence[Path], target: Path, baseline: str | None = None) -> None:
         """Write the report and print its headline and place; a report inside the runs' own folder renews their summaries too."""
         from arena_metrics.pooling.runs import read_runs
@@ -36,6 +38,7 @@ class Report(Reporter):
             _write_summaries(runs)
         write_report(runs, target, baseline=baseline)
 
+    @on_one_thread
     def compare(self, folders: Sequence[Path], baseline: str | None = None) -> list[dict[str, Any]]:
         """Return a row for each planner, condition and metric: the mean difference to the baseline, its interval, p and effect."""
         from arena_metrics.pooling.cells import cells_of
@@ -53,6 +56,7 @@ class ReportCommand(Command):
 
     help: ClassVar[str] = "tables, figures and one HTML page: arena report DIR..."
 
+    @on_one_thread
     def run(self, arguments: Sequence[str]) -> int:
         """Write the report and print its headline and place."""
         from arena_metrics.pooling.runs import read_runs
