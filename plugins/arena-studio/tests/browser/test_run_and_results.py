@@ -13,6 +13,7 @@ import pytest
 from arena_core import EPISODE_COLUMNS
 
 pytestmark = pytest.mark.browser
+TOP = Path(__file__).resolve().parents[4]
 QUICK = "world=empty pedestrians=none task.time_limit=10 report=false executor=serial"
 
 
@@ -143,3 +144,15 @@ def test_pages_fit_their_window_and_say_when_the_studio_is_gone(show: Callable[.
     gone = "no connection to the studio" if place == "run" else "the studio does not answer"
     shown.page.get_by_text(gone).wait_for()
     studio.start()
+
+
+@pytest.mark.parametrize("place", ["run", "results"])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_pages_are_accessible(show: Callable[..., Any], studio: Any, place: str, scheme: str) -> None:
+    write_run(studio.folder / "a", "dwa", 3)
+    page = show(place).page
+    page.emulate_media(color_scheme=scheme, reduced_motion="reduce")
+    page.locator("#command:not(:empty), .episodes tbody tr").first.wait_for()
+    page.evaluate((TOP / "node_modules" / "axe-core" / "axe.min.js").read_text())
+    found = page.evaluate("axe.run().then((said) => said.violations.map((one) => `${one.id}: ${one.nodes.map((node) => node.html)}`))")
+    assert found == []
