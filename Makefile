@@ -2,7 +2,7 @@
 .DEFAULT_GOAL := help
 ROBOTS := turtlebot3 jackal robotino
 # What needs more than Python: a marker in pyproject.toml, a case in scripts/setup and scripts/NAME.txt, a name here. make test-NAME runs it.
-APART := browser ros1 pictures
+APART := browser ros1 ros2 pictures
 .PHONY: help demo test test-slow test-js long lint lint-js bench clean setup wheels dist policies fuzz coverage docs results-check $(APART:%=test-%)
 PYTHON ?= python3
 PLUGIN ?=
@@ -20,6 +20,7 @@ help:
 	@echo "make test-slow  run those that take more than a few seconds each: kills, faults, trainings, whole runs"
 	@echo "make test-browser  open the report's page and the documentation in chromium (installs it)"
 	@echo "make test-ros1  drive a simulated robot over a ROS 1 master (installs rosmaster and rospy with apt)"
+	@echo "make test-ros2  drive a simulated robot between nodes of rclpy and of DDS (installs wheels of ROS 2 Jazzy)"
 	@echo "make test-pictures  drive every robot in 3-D and draw it (installs a driver that draws without a display)"
 	@echo "make coverage  run all tests and tell which lines none of them reaches"
 	@echo "make long   the long studies: every fault at every moment, a sweep killed again and again, 10,000 episodes in one worker, how often intervals hold the truth"
@@ -48,10 +49,12 @@ demo: setup
 	$(BIN)/arena run experiment=demo
 
 test: setup
-	$(PYTEST) $(if $(PLUGIN),$(PLUGIN:%=plugins/%),-m "not slow and not long and not browser and not ros1 and not pictures")
+	$(PYTEST) $(if $(PLUGIN),$(PLUGIN:%=plugins/%),-m "not slow and not long and not browser and not ros1 and not ros2 and not pictures")
 
 test-slow: setup
-	$(PYTEST) -m "slow and not long and not browser and not ros1 and not pictures"
+	$(PYTEST) -m "slow and not long and not browser and not ros1 and not ros2 and not pictures"
+
+test-browser: node_modules/.complete  # axe, which looks whether pages are accessible
 
 $(APART:%=test-%): test-%: .venv/.%
 	$(BIN)/pytest -m $* $(wildcard tests/$* plugins/*/tests/$*)

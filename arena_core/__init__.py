@@ -12,6 +12,7 @@ from arena_core.base.errors import (
     DuplicateComponent,
     ImpossibleScenario,
     InputFileError,
+    InvalidCandidates,
     InvalidCommand,
     NoPath,
     NoValidCommand,
@@ -106,6 +107,7 @@ from arena_core.runs.repeating import repeat
 from arena_core.runs.rows import COLUMNS as EPISODE_COLUMNS
 from arena_core.runs.rows import TEXT, evaluate, metric_column
 from arena_core.runs.text_columns import aligned
+from arena_core.values.candidate import Candidate
 from arena_core.values.episode import (
     Contact,
     EpisodeRecord,
@@ -182,6 +184,7 @@ __all__ = [
     "Bounds",
     "BrokenPlugin",
     "Budgets",
+    "Candidate",
     "Code",
     "Command",
     "CommandQueue",
@@ -214,6 +217,7 @@ __all__ = [
     "Horizon",
     "ImpossibleScenario",
     "InputFileError",
+    "InvalidCandidates",
     "InvalidCommand",
     "Job",
     "LaserScan",

@@ -30,11 +30,35 @@ def main() -> int:
         project = Path(folder) / "lab"
         for name in ("maps", "scenarios"):
             shutil.copytree(TOP / "tests" / "data" / name, project / name)
+        shutil.copytree(TOP / "plugins" / "arena-scenarios" / "src" / "arena_scenarios" / "packs" / "arena", project / "arena")
         with studio(project) as address, browser() as page:
             page.goto(address)
             photograph_runs(page, target)
             photograph_results(page, target)
+            photograph_scenarios(page, address, target)
+            photograph_tasks(page, address, target)
     return 0
+
+
+def photograph_scenarios(page: Any, address: str, target: Path) -> None:
+    """Open a scene with groups of people, and photograph it as one of them is chosen."""
+    page.goto(f"{address}#/scenario?path=arena/scenarios/moving_group_high.json")
+    page.locator("summary", has_text="can be run").wait_for()
+    page.locator(".things button", has_text="Person 3").click()
+    page.screenshot(path=target / "studio-scenario.png")
+
+
+def photograph_tasks(page: Any, address: str, target: Path) -> None:
+    """Photograph a curriculum, and what rules draw."""
+    page.goto(f"{address}#/task?part=curriculum&path=growing")
+    page.locator(".plots svg").first.wait_for()
+    page.screenshot(path=target / "studio-curriculum.png")
+    page.get_by_role("tab", name="Random problems").click()
+    page.locator(".rule").first.wait_for()
+    page.get_by_label("world or map").select_option("outdoor")
+    page.get_by_role("button", name="Draw ten").click()
+    page.locator(".draws figure").nth(9).wait_for()
+    page.screenshot(path=target / "studio-draws.png")
 
 
 @contextmanager

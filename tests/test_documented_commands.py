@@ -289,7 +289,7 @@ def named():
 
 
 def test_what_running_text_names_is_there():
-    targets = set(re.findall(r"^([\w-]+):", (TOP / "Makefile").read_text(), re.M)) | {"test-browser", "test-ros1"}
+    targets = set(re.findall(r"^([\w-]+):", (TOP / "Makefile").read_text(), re.M)) | {"test-browser", "test-ros1", "test-ros2"}
     for page, kind, name in set(named()):
         there = {
             "make": name in targets,

@@ -58,6 +58,10 @@ class RunStopped(ArenaError):
     exit_status = 1
 
 
+class InvalidCandidates(ArenaError):
+    """A planner said that it considered what is no way; the episode ends with an error."""
+
+
 class ContractViolation(ArenaError):
     """A component breaks its contract; raised by the checks of ``arena_core.testing``."""
 

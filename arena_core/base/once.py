@@ -16,6 +16,11 @@ class Once(Generic[T]):
     def __init__(self, compute: Callable[[], T]) -> None:
         self._compute: Callable[[], T] | None = compute
 
+    @property
+    def known(self) -> bool:
+        """Tell whether the value has been asked for."""
+        return self._compute is None
+
     def __call__(self) -> T:
         """Return the value."""
         if self._compute is not None:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from arena_core.base.errors import ArenaError, ConfigurationError
 from arena_core.base.once import Once
+from arena_core.values.candidate import Candidate
 from arena_core.values.episode import Contact, EpisodeRecord, EpisodeStart, Scenario, WorldState
 from arena_core.values.geometry import FloatArray, Pose, Twist
 from arena_core.values.sensing import DepthImage, LaserScan, Observation, Odometry, PoseEstimate, Sensors, Tracks
@@ -41,6 +42,13 @@ class Planner(ABC):
     @abstractmethod
     def compute_velocity(self, observation: Observation) -> Twist:
         """Return the command for the coming control period; raise NoValidCommand when there is none (the robot brakes)."""
+
+    def considered(self) -> Sequence[Candidate] | None:
+        """Return what the last ``compute_velocity`` weighed, None where that is not told; asked only where a run records it.
+
+        It is asked after the command, outside of its time, and changes no later one.
+        """
+        return None
 
 
 class Localizer(ABC):

@@ -14,6 +14,7 @@ from arena_core.base.pulse import pulse
 from arena_core.contracts.interfaces import Simulator
 from arena_core.loop.episode_loop import EpisodeLoop
 from arena_core.loop.guide import Mission
+from arena_core.loop.live import LiveFile
 from arena_core.loop.navigator import Decision, Navigator
 from arena_core.loop.recording import Recorder
 from arena_core.values.episode import EpisodeRecord, Scenario
@@ -37,11 +38,33 @@ class Timing:
 
 
 def run_episode(
-    scenario: Scenario, simulator: Simulator, navigator: Navigator, timing: Timing, recorder: Recorder, stop_on_collision: bool
+    scenario: Scenario,
+    simulator: Simulator,
+    navigator: Navigator,
+    timing: Timing,
+    recorder: Recorder,
+    stop_on_collision: bool,
+    live: LiveFile | None = None,
 ) -> EpisodeRecord:
     """Run one scenario to its end and return its record; what the navigator raises, and what the simulator
-    cannot go on from, ends it with the outcome ``error``.
+    cannot go on from, ends it with the outcome ``error``. Where it is meanwhile is told in the ``live`` file.
     """
+    try:
+        return _run(scenario, simulator, navigator, timing, recorder, stop_on_collision, live)
+    finally:
+        if live is not None:
+            live.remove()
+
+
+def _run(
+    scenario: Scenario,
+    simulator: Simulator,
+    navigator: Navigator,
+    timing: Timing,
+    recorder: Recorder,
+    stop_on_collision: bool,
+    live: LiveFile | None,
+) -> EpisodeRecord:
     worlds = EpisodeLoop(simulator, navigator.control_period, 1, 1 if stop_on_collision else None)
     snapshot = worlds.begin([scenario])
     state, sensors = snapshot.state(0), snapshot.sensors(0)
@@ -50,9 +73,12 @@ def run_episode(
     while True:
         interrupts.check()
         recorder.sense(state, sensors)  # before anything decides
+        if live is not None:
+            live.show(state)
         pulse.beat()
         try:
             decision = navigator.decide(sensors)
+            considered = navigator.considered(decision) if recorder.keeps_considered else None
         except BaseException as error:  # whatever a planner raises, sys.exit() too
             if interrupts.raised(error):
                 raise
@@ -60,7 +86,7 @@ def run_episode(
         outcome = worlds.judge(np.array((decision.arrived,))).outcome(0)
         if outcome is not None:
             return recorder.finish(state, outcome, "", decision)
-        recorder.add(decision)
+        recorder.add(decision, considered)
         late = math.ceil(timing.delay(decision) / simulator.inner_step - 1e-9)
         snapshot = worlds.drive(decision.command.array()[None], np.array((late,)))
         state, sensors = snapshot.state(0), snapshot.sensors(0)

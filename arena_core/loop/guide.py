@@ -33,7 +33,7 @@ from arena_core.values.geometry import Pose, Twist
 from arena_core.values.obstacles import with_obstacles
 from arena_core.values.parameters import Fraction, NonNegative, Positive
 from arena_core.values.robot import Robot
-from arena_core.values.sensing import Observation, PoseEstimate, Sensors
+from arena_core.values.sensing import Observation, PoseEstimate, Sensors, Tracks
 from arena_core.values.world import Costmap, Obstacle, OccupancyGrid, Path
 
 T = TypeVar("T")
@@ -74,7 +74,7 @@ class View:
     """What a robot knows at one control step, before anything decides.
 
     ``arrived`` is judged on the estimate; the rest of a view is then empty: ``waypoint`` is the goal, ``observation`` None. ``planned`` is
-    the path if it is new, else None. ``local_map`` is computed when first asked for.
+    the path if it is new, else None. ``local_map`` and ``tracks`` are computed when first asked for.
     """
 
     estimate: PoseEstimate
@@ -84,6 +84,7 @@ class View:
     events: tuple[Event, ...]
     observation: Observation | None
     local_map: Callable[[], Costmap]
+    tracks: Once[Tracks] | None = None
 
 
 def _untimed(part: str, compute: Callable[[], T]) -> T:
@@ -148,6 +149,7 @@ class Guide:
         begun = self._begin_recovery(estimate.pose, sensors.stamp)
         before = self._way
         way, waypoint, events = self._plan(estimate.pose, sensors.stamp, window, begun)
+        tracks = Once(lambda: timed("tracker", lambda: self.tracker.update(sensors.scan, scan_pose, sensors.stamp)))
         observation = shown(
             sensors,
             estimate,
@@ -156,9 +158,9 @@ class Guide:
             way.shown,
             self._shown_map,
             local_map,
-            lambda: timed("tracker", lambda: self.tracker.update(sensors.scan, scan_pose, sensors.stamp)),
+            tracks,
         )
-        return View(estimate, waypoint, way.path if way is not before else None, False, events, observation, local_map)
+        return View(estimate, waypoint, way.path if way is not before else None, False, events, observation, local_map, tracks)
 
     def may_replan(self, stamp: float) -> bool:
         """Tell whether the last plan is so long ago that another may be made."""

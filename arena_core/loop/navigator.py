@@ -10,15 +10,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from arena_core.base.errors import InvalidCommand, NoValidCommand
+from arena_core.base.once import Once
 from arena_core.base.stopwatch import NOTHING, Duration, Stopwatch, Timed
 from arena_core.contracts.interfaces import GlobalPlanner, Localizer, LocalMap, Planner, Tracker, WaypointGenerator
+from arena_core.loop.extras import kept_candidates
 from arena_core.loop.guide import Guide, Mission, ReplanRules
 from arena_core.loop.recovery import RecoveryRules
 from arena_core.loop.shown import shown_pose
+from arena_core.values.candidate import Candidate
 from arena_core.values.episode import EpisodeStart, Event
 from arena_core.values.geometry import Pose, Twist
 from arena_core.values.robot import Robot
-from arena_core.values.sensing import Observation, PoseEstimate, Sensors
+from arena_core.values.sensing import Observation, PoseEstimate, Sensors, Tracks
 from arena_core.values.world import Path
 
 BRAKE = Twist(0.0, 0.0, 0.0)
@@ -56,7 +59,8 @@ NO_TIME = Spent(0.0, 0.0, 0.0)
 class Decision:
     """One control step of the navigator.
 
-    ``command`` is what to send; ``arrived`` is judged on the estimate. ``planned`` is the path if it is new, else None.
+    ``command`` is what to send; ``arrived`` is judged on the estimate. ``planned`` is the path if it is new, else None, ``tracks`` what
+    the tracker believed where somebody asked for it.
     """
 
     command: Twist
@@ -66,9 +70,10 @@ class Decision:
     arrived: bool
     events: tuple[Event, ...]
     spent: Spent
+    tracks: Tracks | None = None
 
 
-Decided = tuple[Twist, PoseEstimate, Pose, Path | None, bool, tuple[Event, ...]]  # the fields of a decision but the time it took
+Decided = tuple[Twist, PoseEstimate, Pose, Path | None, bool, tuple[Event, ...]]  # a decision but for its time and tracks
 
 
 class Navigator(Guide):
@@ -115,17 +120,23 @@ class Navigator(Guide):
         Raises NoPath when there is no first path, InvalidCommand when the planner returns no finite Twist.
         """
         watch = Stopwatch()
-        decided = watch.timed("rest", lambda: self._decide(sensors, watch.timed))
-        return Decision(*decided, Spent.of(watch.spent))
+        decided, tracks = watch.timed("rest", lambda: self._decide(sensors, watch.timed))
+        return Decision(*decided, Spent.of(watch.spent), tracks() if tracks is not None and tracks.known else None)
 
-    def _decide(self, sensors: Sensors, timed: Timed) -> Decided:
+    def considered(self, decision: Decision) -> list[Candidate]:
+        """Return what a record keeps of what the planner weighed for this decision, the last one; nothing where it was not asked."""
+        if decision.spent.planner == 0.0:  # a recovery drives, or the robot has arrived
+            return []
+        return kept_candidates(self.planner.considered(), type(self.planner).__name__)
+
+    def _decide(self, sensors: Sensors, timed: Timed) -> tuple[Decided, Once[Tracks] | None]:
         view = self.look(sensors, timed)
         observation = view.observation
         if observation is None:
-            return BRAKE, view.estimate, view.waypoint, None, True, ()
+            return (BRAKE, view.estimate, view.waypoint, None, True, ()), None
         recovering = self.recoveries.command(view.estimate.pose, sensors.stamp, view.local_map, view.waypoint)
         command, refusals = (recovering, ()) if recovering is not None else timed("planner", lambda: self._ask_planner(observation))
-        return command, view.estimate, view.waypoint, view.planned, False, view.events + refusals
+        return (command, view.estimate, view.waypoint, view.planned, False, view.events + refusals), view.tracks
 
     def _ask_planner(self, observation: Observation) -> tuple[Twist, tuple[Event, ...]]:
         """Return the planner's command, the brake if it has none, and the event of a refusal."""

@@ -37,12 +37,30 @@ LAYOUT: Mapping[str, tuple[Extents, str]] = {
     "path_stamps": (("K",), REAL),
 }
 
+# only where a run kept them (arena_core.loop.extras); each with what its offsets count
+EXTRAS: Mapping[str, tuple[Extents, str]] = {
+    "considered_rows": (("R",), WHOLE),
+    "considered_offsets": (("O",), WHOLE),
+    "considered_points": (("M", 2), REAL),
+    "considered_costs": (("N",), REAL),
+    "considered_chosen": (("N",), TRUTH),
+    "track_rows": (("R",), WHOLE),
+    "track_ids": (("K",), WHOLE),
+    "track_positions": (("K", 2), REAL),
+    "track_velocities": (("K", 2), REAL),
+    "track_radii": (("K",), REAL),
+}
+OFFSETS = {
+    "considered": (("considered_rows", "considered_costs"), ("considered_offsets", "considered_points")),
+    "track": (("track_rows", "track_ids"),),
+}
+
 
 def fault_of(arrays: Mapping[str, NDArray[Any]], meta: Any) -> str:
     """Return what is wrong with a record, in a few words; empty where nothing is."""
     if not isinstance(meta, Mapping):
         return "meta is no mapping"
-    return _fault_of_arrays(arrays) or _fault_of_paths(arrays) or _fault_of_meta(meta)
+    return _fault_of_arrays(arrays) or _fault_of_paths(arrays) or _fault_of_extras(arrays) or _fault_of_meta(meta)
 
 
 def is_inside(name: object) -> bool:
@@ -53,14 +71,19 @@ def is_inside(name: object) -> bool:
 
 def _fault_of_arrays(arrays: Mapping[str, NDArray[Any]]) -> str:
     extents: dict[str | int, int] = {}
-    for name, (letters, kinds) in LAYOUT.items():
+    return _misfit(arrays, LAYOUT, extents) or ("" if extents["T"] > 0 else "it has no rows")
+
+
+def _misfit(arrays: Mapping[str, NDArray[Any]], layout: Mapping[str, tuple[Extents, str]], extents: dict[str | int, int]) -> str:
+    """Return which array is missing or has not the extents of its layout; ``extents`` are known ones, and take in what is found."""
+    for name, (letters, kinds) in layout.items():
         if name not in arrays:
             return f"it lacks {name}"
         array = arrays[name]
         fits = array.ndim == len(letters) and array.dtype.kind in kinds
         if not fits or any(extents.setdefault(x, x if isinstance(x, int) else n) != n for x, n in zip(letters, array.shape, strict=True)):
             return f"{name} is {array.dtype} {array.shape}"
-    return "" if extents["T"] > 0 else "it has no rows"
+    return ""
 
 
 def _fault_of_paths(arrays: Mapping[str, NDArray[Any]]) -> str:
@@ -69,6 +92,23 @@ def _fault_of_paths(arrays: Mapping[str, NDArray[Any]]) -> str:
     if not whole or (np.diff(offsets.astype(np.int64)) < 0).any():
         return "path_offsets are not those of path_poses"
     return "" if np.isin(arrays["contact_kind"], (0, 1, 2)).all() else "contact_kind is unknown"
+
+
+def _fault_of_extras(arrays: Mapping[str, NDArray[Any]]) -> str:
+    """Return what is wrong with arrays that a record need not have."""
+    for prefix, offsets in OFFSETS.items():
+        layout = {name: said for name, said in EXTRAS.items() if name.startswith(f"{prefix}_")}
+        if not any(name in arrays for name in layout):
+            continue
+        if fault := _misfit(arrays, layout, {"R": len(arrays["stamp"])}):
+            return fault
+        for name, of in offsets:
+            steps = arrays[name].astype(np.int64)
+            if len(steps) == 0 or steps[0] != 0 or steps[-1] != len(arrays[of]) or (np.diff(steps) < 0).any():
+                return f"{name} are no offsets of {of}"
+    if "considered_costs" in arrays and len(arrays["considered_offsets"]) != len(arrays["considered_costs"]) + 1:
+        return "considered_offsets are not those of considered_costs"
+    return ""
 
 
 def _fault_of_meta(meta: Mapping[str, Any]) -> str:

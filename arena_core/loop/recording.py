@@ -22,9 +22,11 @@ from arena_core.base.errors import InputFileError, RunFolderError, one_line
 from arena_core.base.files import reason_of
 from arena_core.base.frozen import frozen
 from arena_core.base.limits import LIMITS
+from arena_core.loop.extras import candidate_arrays, track_arrays
 from arena_core.loop.navigator import Decision, Spent
 from arena_core.loop.record_layout import fault_of
 from arena_core.loop.record_places import NUMBERED, PARTS, record_path, run_folder_of, timing_of, timing_path
+from arena_core.values.candidate import Candidate
 from arena_core.values.episode import Contact, EpisodeRecord, Event, Outcome, Scenario, WorldState
 from arena_core.values.furniture import furniture_meta
 from arena_core.values.geometry import Pose
@@ -55,26 +57,37 @@ ROOM = ".room.00000000"  # goes wherever half-written files go
 class Recorder:
     """Collects one episode step by step: what is true and measured, then what was decided; ``meta`` identifies it, plain JSON."""
 
-    def __init__(self, scenario: Scenario, robot: Robot, meta: Mapping[str, Any], keep_scans: bool) -> None:
+    def __init__(
+        self,
+        scenario: Scenario,
+        robot: Robot,
+        meta: Mapping[str, Any],
+        keep_scans: bool,
+        keep_tracks: bool = False,
+        keep_considered: bool = False,
+    ) -> None:
         self._meta = {"format": FORMAT, **meta, "scenario": _scenario_meta(scenario), "robot": robot_meta(robot)}
-        self._keep_scans = keep_scans
+        self._keep_scans, self._keep_tracks, self.keeps_considered = keep_scans, keep_tracks, keep_considered
         self._states: list[WorldState] = []
         self._decisions: list[Decision] = []
         self._scan_minima: list[float] = []
         self._scans: list[NDArray[np.float32]] = []
+        self._considered: list[list[Candidate]] = []
 
     def sense(self, state: WorldState, sensors: Sensors) -> None:
         """Take in what is true and what was measured at a control step, before anybody decides; it counts once a decision is added."""
         self._sensed = state, float(sensors.scan.ranges.min()), frozen(sensors.scan.ranges) if self._keep_scans else None
 
-    def add(self, decision: Decision) -> None:
-        """Take in what was decided on what was sensed last."""
+    def add(self, decision: Decision, considered: list[Candidate] | None = None) -> None:
+        """Take in what was decided on what was sensed last, and what is kept of what the planner considered."""
         state, scan_minimum, scan = self._sensed
         self._states.append(state)
         self._decisions.append(decision)
         self._scan_minima.append(scan_minimum)
         if scan is not None:
             self._scans.append(scan)
+        if self.keeps_considered:
+            self._considered.append(considered or [])
 
     def finish(self, state: WorldState, outcome: Outcome, error: str, decision: Decision | None = None) -> EpisodeRecord:
         """Close the record with the final state (and the decision that ended it, if one did)."""
@@ -89,6 +102,10 @@ class Recorder:
         }
         if self._keep_scans:
             arrays["scan_ranges"] = np.array(self._scans, dtype=np.float32)
+        if self._keep_tracks:
+            arrays |= track_arrays([d.tracks for d in self._decisions])
+        if self.keeps_considered:
+            arrays |= candidate_arrays(self._considered)
         events = [_event(e) for d in self._decisions for e in d.events]
         meta = {**self._meta, "outcome": outcome, "error": error, "events": events}
         return EpisodeRecord(rounded(arrays), meta, _timing_arrays(self._decisions))

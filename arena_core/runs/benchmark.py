@@ -20,6 +20,7 @@ from arena_core.config.registry import Registry
 from arena_core.contracts.interfaces import Localizer, Metric, MetricPack, Simulator, TaskMode
 from arena_core.loop.execution import Timing, run_episode
 from arena_core.loop.guide import Guide, ReplanRules
+from arena_core.loop.live import LiveFile
 from arena_core.loop.navigator import Navigator
 from arena_core.loop.recording import Recorder, write_grid
 from arena_core.loop.recovery import RecoveryRules
@@ -77,9 +78,15 @@ class RunSettings:
 
 @dataclass(frozen=True, slots=True)
 class RecordingSettings:
-    """What a record keeps beyond the usual: ``scans`` keeps every scan."""
+    """What a record keeps beyond the usual: every scan, the tracks that the planner asked for, what it considered.
+
+    ``live`` tells beside the records where running episodes are. Older configurations have ``scans`` alone.
+    """
 
     scans: bool
+    tracks: bool = False
+    considered: bool = False
+    live: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -118,8 +125,10 @@ class Benchmark:
         world = {"name": scenario.world.name, "known": scenario.world.known, "grid": write_grid(folder, grid)}
         world["free_area"] = grid.derive(free_area)
         meta = {"columns": columns, "world": world, "config": cell_config(self.config)}
-        recorder = Recorder(scenario, self.robot, meta, self.recording.scans)
-        record = run_episode(scenario, self.simulator, self.navigator, self.timing, recorder, self.settings.stop_on_collision)
+        keeps = self.recording
+        recorder = Recorder(scenario, self.robot, meta, keeps.scans, keeps.tracks, keeps.considered)
+        live = LiveFile(folder, episode, scenario, self.robot, str(world["grid"])) if keeps.live else None
+        record = run_episode(scenario, self.simulator, self.navigator, self.timing, recorder, self.settings.stop_on_collision, live)
         there = np.isfinite(record["pedestrian_positions"]).all(axis=2).any(axis=0)  # the pedestrian model decides who is
         return replace(record, meta={**record.meta, "columns": {**columns, "n_pedestrians": int(there.sum())}})
 

@@ -33,6 +33,7 @@ from arena_core.contracts.interfaces import (
     WorldSource,
 )
 from arena_core.contracts.learning import ObservationBatch, ObservationEncoder, ObservationField, Reward, ScanMemory
+from arena_core.loop.extras import kept_candidates
 from arena_core.loop.navigator import checked
 from arena_core.runs.rows import TEXT
 from arena_core.testing import samples
@@ -68,6 +69,7 @@ def check_planner(planner: Planner, body: Robot) -> Facts:
     yield "nothing of one episode survives into the next", _drive(planner, body, views) == first
     seen = [v.scan.ranges.copy() for v in views]
     _drive(planner, body, views)
+    yield "telling what it considered changes no command", _drive(planner, body, views, tells=True) == first
     yield "observations are left as they are", all((a == v.scan.ranges).all() for a, v in zip(seen, views, strict=True))
     planner.reset(samples.episode_start(body, known=False))
     _ask(planner, samples.observation(body=body, known=False))
@@ -340,16 +342,20 @@ def _well_described(fields: Sequence[ObservationField]) -> bool:
     return named and all(field.size > 0 and field.low < field.high and field.unit and field.meaning for field in fields)
 
 
-def _drive(planner: Planner, body: Robot, views: Sequence[Observation]) -> list[Twist | None]:
+def _drive(planner: Planner, body: Robot, views: Sequence[Observation], tells: bool = False) -> list[Twist | None]:
     planner.reset(samples.episode_start(body))
-    return [_ask(planner, view) for view in views]
+    return [_ask(planner, view, tells) for view in views]
 
 
-def _ask(planner: Planner, view: Observation) -> Twist | None:
+def _ask(planner: Planner, view: Observation, tells: bool = False) -> Twist | None:
     try:
-        return checked(planner.compute_velocity(view), planner)
-    except NoValidCommand:
-        return None
+        try:
+            return checked(planner.compute_velocity(view), planner)
+        except NoValidCommand:
+            return None
+        finally:
+            if tells:
+                kept_candidates(planner.considered(), type(planner).__name__)
     except ArenaError as error:
         raise ContractViolation(str(error)) from error
 

@@ -12,8 +12,10 @@ import pytest
 import arena_core as arena
 from arena_viewer.command import ReplayCommand
 from arena_viewer.document import document, read_recorded
+from arena_viewer.live import Watched
+from arena_viewer.page import live_page
 from arena_viewer.page import page as page_of
-from arena_viewer.serving import PageServer
+from arena_viewer.serving import PageServer, page_answer
 
 pytestmark = pytest.mark.browser
 PEOPLE = 100
@@ -126,6 +128,72 @@ def test_frames_among_a_hundred_people_are_drawn_in_time(folders: list[Path], tm
     spent = sorted(page.evaluate("arena.spent"))
     print(f"script of a frame: median {spent[len(spent) // 2]:.1f} ms, p95 {spent[int(0.95 * len(spent))]:.1f} ms")
     assert len(spent) > 20
+
+
+def test_what_was_recorded_of_thoughts_and_legs_is_drawn(tmp_path: Path, show: Callable[[Path], Any]) -> None:
+    words = [
+        "planner=dwa",
+        "robot=jackal",
+        "world=warehouse",
+        "task.pedestrians=4",
+        "episodes=1",
+        "task.time_limit=4",
+        "tracker=kalman_legs",
+    ]
+    kept = ["recording.considered=true", "recording.tracks=true", "pedestrians.body=legs", "executor=serial", "report=false"]
+    arena.run([*words, *kept], tmp_path / "run")
+    ReplayCommand().run([str(tmp_path / "run"), "--to", str(tmp_path / "one.html")])
+    opened = show(tmp_path / "one.html")
+    page = opened.page
+    page.wait_for_function("window.arena")
+    page.evaluate("arena.player.seek(2)")
+    page.wait_for_timeout(300)
+    assert opened.complaints == []
+    assert page.locator("#layer-considered").is_checked()
+    record = read_recorded(tmp_path / "run", 0).record
+    row = page.evaluate("arena.episodes[0].rowAt(2)")
+    shown = page.evaluate("arena.episodes[0].considered(arena.episodes[0].rowAt(2)).length")
+    assert shown == record["considered_rows"][row + 1] - record["considered_rows"][row]
+    person = page.evaluate("arena.episodes[0].at(2).people[0]")
+    left, right = person["legs"][:2], person["legs"][2:4]
+    assert [(a + b) / 2 for a, b in zip(left, right, strict=True)] == pytest.approx([person["x"], person["y"]], abs=1e-3)
+
+
+def test_runs_under_way_are_shown_and_lead_to_replays(folders: list[Path], chromium: Any) -> None:
+    watched = Watched(folders[0])
+    replay = page_answer(page_of("replay", None))
+    more = {"/replay": replay, "/document": watched.document, "/state": watched.state, "/map": watched.map}
+    server = PageServer(live_page("live"), b"", more=more)
+    thread = threading.Thread(target=server.serve)
+    thread.start()
+    try:
+        page = chromium.new_page()
+        complaints: list[str] = []
+        page.on("pageerror", lambda error: complaints.append(str(error)))
+        page.goto(server.address)
+        page.locator("#finished tr").nth(1).wait_for()
+        assert page.inner_text("#standing").startswith("2 of 2 episodes")
+        with page.context.expect_page() as opened:
+            page.click("#finished a")
+        opened.value.wait_for_function("window.arena")
+        assert complaints == []
+        page.close()
+        opened.value.close()
+    finally:
+        server.shutdown()
+        thread.join()
+
+
+@pytest.mark.parametrize("name", ["replay", "live"])
+def test_pages_are_accessible(name: str, folders: list[Path], tmp_path: Path, show: Callable[[Path], Any]) -> None:
+    axe = Path(__file__).parents[2] / "node_modules" / "axe-core" / "axe.min.js"
+    text = page_of("replay", document([read_recorded(folders[0], 0)])) if name == "replay" else live_page("live")
+    (tmp_path / "page.html").write_text(text)
+    page = show(tmp_path / "page.html").page
+    page.wait_for_timeout(300)
+    page.evaluate(axe.read_text())
+    found = page.evaluate("axe.run().then((said) => said.violations.map((one) => `${one.id}: ${one.nodes.map((node) => node.html)}`))")
+    assert found == []
 
 
 @pytest.fixture

@@ -157,7 +157,8 @@ def test_report_writes_tables_figures_and_a_page_without_external_requests(run_f
     page = (tmp_path / "report" / "index.html").read_text()
     assert "2 planners × 2 crowd sizes · jackal · hall" in page
     assert "NoPath: &lt;none&gt;" in page
-    assert not re.search(r"""(src|href)\s*=\s*["'](?!data:|#)""", page)
+    assert not re.search(r"""(src|href)\s*=\s*["'](?!data:|#|replays/)""", page)
+    assert all((tmp_path / "report" / name).exists() for name in re.findall(r'href="(replays/[^"]+)"', page))
     assert "url(" not in page
     made = {path.name for path in (tmp_path / "report" / "figures").iterdir()}
     assert {"success.png", "success.pdf", "jerk.png", "jerk.pdf", "cell_dwa-jackal-0-1.5.png", "cell_dwa-jackal-0-1.5.pdf"} <= made

@@ -18,7 +18,7 @@ import pytest
 from arena_core import read_record
 from arena_ros import conversions as to
 from arena_ros.codec import codec
-from arena_ros2.transport import Ros2
+from arena_ros2.dds import Dds
 
 pytestmark = pytest.mark.slow
 ARENA = [str(Path(sys.executable).with_name("arena"))]
@@ -52,7 +52,7 @@ class Probe:
     """What a bystander hears."""
 
     def __init__(self) -> None:
-        self.node = Ros2("probe")
+        self.node = Dds("probe")
         self.speeds: list[tuple[float, float]] = []
         self.xs: list[float] = []
         self.commands: list[tuple[float, float]] = []
@@ -105,14 +105,14 @@ def until(condition, seconds: float) -> None:  # type: ignore[no-untyped-def]
 @contextmanager
 def robot(site: Path, log: Path) -> Iterator[subprocess.Popen[str]]:
     world = ["world=ros_map", f"world.path={site}/map.yaml", "task=scenario", f"task.path={site}/straight.json"]
-    with running(*ARENA, "ros", "simulate", "transport=ros2", "robot=jackal", *world, log=log) as process:
+    with running(*ARENA, "ros", "simulate", "transport=ros2-dds", "robot=jackal", *world, log=log) as process:
         until(lambda: "on the air" in log.read_text() or process.poll() is not None, 60.0)
         yield process
 
 
 def drive(site: Path, out: Path, *words: str) -> list[str]:
     where = [f"map={site}/map.yaml", "start=1.5,3,0", "goal=8.5,3", f"out={out}"]
-    return [*ARENA, "ros", "drive", "transport=ros2", "planner=pure_pursuit", "robot=jackal", *where, *words]
+    return [*ARENA, "ros", "drive", "transport=ros2-dds", "planner=pure_pursuit", "robot=jackal", *where, *words]
 
 
 def test_a_robot_in_another_process_is_driven_to_its_goal(site: Path, probe: Probe, tmp_path: Path) -> None:
@@ -139,7 +139,7 @@ def test_a_pose_from_elsewhere_counts_as_true(site: Path, probe: Probe, tmp_path
 
 
 def test_killed_driver_leaves_a_robot_that_stands_within_half_a_second(site: Path, probe: Probe, tmp_path: Path) -> None:
-    watch = [*ARENA, "ros", "watchdog", "transport=ros2"]
+    watch = [*ARENA, "ros", "watchdog", "transport=ros2-dds"]
     with robot(site, tmp_path / "robot.txt"), running(*watch, log=tmp_path / "watch.txt"):
         until(lambda: "watching" in (tmp_path / "watch.txt").read_text(), 30.0)
         with running(*drive(site, tmp_path / "run", "cmd_vel=/arena/cmd_vel")) as driver:
@@ -210,7 +210,7 @@ def follower(steps: str = "-") -> list[str]:
 
 def benchmark(site: Path, out: Path, *words: str) -> list[str]:
     world = ["world=ros_map", f"world.path={site}/map.yaml", "task=scenario", f"task.path={site}/straight.json"]
-    rest = ["episodes=1", "executor=serial", "report=false", f"hydra.run.dir={out}", "planner.transport=ros2"]
+    rest = ["episodes=1", "executor=serial", "report=false", f"hydra.run.dir={out}", "planner.transport=ros2-dds"]
     return [*ARENA, "run", "planner=ros_external", "robot=jackal", *world, *rest, *words]
 
 

@@ -17,6 +17,7 @@ from arena_studio.side_process import beside
 from arena_tasks.random.curriculum import read_curriculum
 
 DATA = Path(__file__).parents[3] / "tests" / "data"
+HALL = "maps/hall/map.yaml"
 LEVEL = {"difficulty": None, "obstacles": 1, "pedestrians": 4, "pedestrian_speed": 0.3, "speed_share": 1.0}
 SCENE = {"name": "a", "start": [1.0, 4.0, 0.0], "goal": [11.0, 4.0]}
 OURS = {"format": "arena-scenario", "version": 2, "title": "Straight through the hall", "map": "maps/hall/map.yaml", "scenarios": [SCENE]}
@@ -70,7 +71,12 @@ def test_a_curriculum_that_was_changed_elsewhere_is_not_overwritten(client: Test
 
 
 def test_rules_draw_the_same_scenes_again_on_a_map(client: TestClient) -> None:
-    asked = {"rules": {"pedestrians": 3, "obstacles.count": 2, "trip.min_distance": 4.0}, "map": "maps/hall/map.yaml", "count": 4, "seed": 7}
+    asked = {
+        "rules": {"pedestrians": 3, "obstacles.count": 2, "trip.min_distance": 4.0},
+        "map": "maps/hall/map.yaml",
+        "count": 4,
+        "seed": 7,
+    }
     first, again = (client.post("/api/curricula/draws", json=asked).json() for _ in range(2))
     assert first == again
     assert len(first["maps"]) == 1
@@ -79,10 +85,12 @@ def test_rules_draw_the_same_scenes_again_on_a_map(client: TestClient) -> None:
 
 
 def test_impossible_rules_are_one_line(client: TestClient) -> None:
-    answer = client.post("/api/curricula/draws", json={"rules": {"people.children": 0.7, "people.elders": 0.7}, "map": "maps/hall/map.yaml"})
+    answer = client.post(
+        "/api/curricula/draws", json={"rules": {"people.children": 0.7, "people.elders": 0.7}, "map": "maps/hall/map.yaml"}
+    )
     assert answer.status_code == 400
     assert answer.json()["error"].startswith("task.people.elders is 0.7; allowed: up to 0.3")
-    assert client.post("/api/curricula/draws", json={"rules": {"peopel": 1}, "map": "maps/hall/map.yaml"}).status_code == 400
+    assert client.post("/api/curricula/draws", json={"rules": {"peopel": 1}, "map": HALL}).status_code == 400
     assert client.post("/api/curricula/draws", json={"rules": {"pedestrians": "1 world=x"}}).status_code == 400
 
 

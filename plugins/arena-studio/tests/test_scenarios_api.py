@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 
+from arena_core import ArenaError
 from arena_studio.app import make_app
 from arena_studio.project import Project
 from arena_studio.side_process import SideProcess, beside
@@ -194,7 +195,7 @@ def test_kinds_name_what_a_scene_can_be_made_of(client: TestClient) -> None:
 
 def test_what_takes_too_long_is_ended_and_the_next_request_is_answered(folder: Path) -> None:
     process = SideProcess(folder)
-    with pytest.raises(Exception, match="took longer than 0.01 s"):
+    with pytest.raises(ArenaError, match=r"took longer than 0\.01 s"):
         process.ask("list", 0.01, names=[])
     assert process.ask("list", 20.0, names=[]) == []
     process.close()

@@ -14,7 +14,7 @@ import arena_core as arena
 from arena_core import ConfigurationError, EpisodeRecord, InputFileError
 from arena_viewer.command import ReplayCommand, read_request
 from arena_viewer.document import document, read_document, read_recorded, time_to_collision
-from arena_viewer.page import MODULES, page
+from arena_viewer.page import LIVE_MODULES, MODULES, page
 from arena_viewer.serving import PageServer
 
 
@@ -97,7 +97,7 @@ def test_modules_of_the_page_are_all_there_are():
     from importlib.resources import files
 
     there = {path.name for path in (files("arena_viewer") / "web").iterdir() if path.name.endswith(".js")}
-    assert there == {f"{name}.js" for name in MODULES}
+    assert there == {f"{name}.js" for name in (*MODULES, *LIVE_MODULES)}
 
 
 @pytest.fixture
@@ -160,6 +160,7 @@ def test_command_writes_a_page_a_strip_and_a_film(folder, tmp_path, monkeypatch)
         (("run", "--to", "a.avi"), r"to is a\.avi; allowed: a name that ends in \.html, \.mp4"),
         (("run", "x"), r"EPISODE is 'x'; allowed"),
         (("run", "rate=0"), r"rate is 0"),
+        (("run", "live=maybe"), r"live is 'maybe'; allowed"),
     ],
 )
 def test_a_wrong_request_is_one_line(words, message):

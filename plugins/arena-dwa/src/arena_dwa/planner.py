@@ -7,9 +7,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from arena_core import EpisodeStart, NoValidCommand, Observation, Planner, Robot, Twist
+from arena_core import Candidate, EpisodeStart, NoValidCommand, Observation, Planner, Robot, Twist
 from arena_dwa.approach import ClosingSpeeds
 from arena_dwa.arrival import Arrival
+from arena_dwa.fan import Searched, fan
 from arena_dwa.map_grid import map_grids
 from arena_dwa.obstacles import REJECTED, obstacle_cost
 from arena_dwa.oscillation import OscillationFlags
@@ -65,6 +66,9 @@ class DwaPlanner(Planner):
         self._period = robot.control_period
         self._sim_period = roll_out.sim_period
         self._map_grids, self._cheapest_sample = Entered(map_grids), Entered(cheapest_sample)
+        self._state: FloatArray | None = None
+        self._searched: Searched | None = None
+        self._driven_at: FloatArray | None = None
 
     def reset(self, episode: EpisodeStart) -> None:
         """Forget the directions driven before."""
@@ -75,10 +79,16 @@ class DwaPlanner(Planner):
         self._arrival.clear()
         self._standing.clear()
         self._way_out.clear()
+        self._state = None
+
+    def considered(self) -> list[Candidate]:
+        """Return arcs of the window that was searched last, with what they cost; those that collide are refused."""
+        return [] if self._state is None else fan(self._state, self._searched, self._driven_at, self._period, self._settings)
 
     def compute_velocity(self, observation: Observation) -> Twist:
         """Return the cheapest admissible velocity of the window; raise NoValidCommand when every one is rejected."""
         window, state = window_of(observation.local_map), _state(observation)
+        self._state, self._searched, self._driven_at = state, None, None
         path = np.ascontiguousarray(observation.path.poses, np.float64)
         if len(path) == 0:
             raise NoValidCommand("dwa: the path is empty")
@@ -87,6 +97,7 @@ class DwaPlanner(Planner):
         if at_goal is not None:
             if not self._is_free(window, state, at_goal):
                 raise NoValidCommand("dwa: stopping or turning at the goal would collide")
+            self._driven_at = np.append(at_goal, math.nan)
             return Twist(*at_goal.tolist())
         settings = self._settings
         grids = self._map_grids(window, settings.body, path, state[0], state[1], settings.scales.forward_point_distance)
@@ -105,14 +116,16 @@ class DwaPlanner(Planner):
         self._way_out.clear()
         turn = None if approached else self._turn.narrowed(reachable, observation.pose, observation.twist.wz, path)
         for velocities in (reachable,) if turn is None else (turn, reachable):
-            best = self._cheapest_sample(window, grids, speeds, path, state, velocities, self._period, settings, self._oscillation.only)
+            only = self._oscillation.only
+            self._searched = Searched(window, grids, speeds, path, velocities, only.copy())
+            best = self._cheapest_sample(window, grids, speeds, path, state, velocities, self._period, settings, only)
             if math.isfinite(best[3]):
-                return self._driven(observation, best[:3])
+                return self._driven(observation, best[:3], float(best[3]))
         raise NoValidCommand("dwa: every velocity of the window collides, oscillates or is too slow")
 
-    def _driven(self, observation: Observation, velocity: FloatArray) -> Twist:
+    def _driven(self, observation: Observation, velocity: FloatArray, cost: float = math.nan) -> Twist:
         """Return a velocity (3,) as a command, and remember its direction."""
-        command = Twist(*velocity.tolist())
+        command, self._driven_at = Twist(*velocity.tolist()), np.append(velocity, cost)
         self._oscillation.note(observation.stamp, observation.pose, command)
         return command
 

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_kernels.compiled import compiled
+from arena_kernels.compiled import borrowing, compiled
 from arena_kernels.grids import GridStack
 
 
@@ -63,27 +63,27 @@ def ground_of(distance: NDArray[np.float32], layout: Any) -> Ground:
     return Ground(field, layout.x, layout.y, layout.cosine, layout.sine, layout.cell)
 
 
-@compiled
+@borrowing
 def in_cells(ground: Ground, x: float, y: float) -> tuple[float, float]:
     """Return a position of ``map`` in cells (row, column) of the grid."""
     dx, dy = x - ground.x, y - ground.y
     return (ground.cosine * dy - ground.sine * dx) / ground.cell, (ground.cosine * dx + ground.sine * dy) / ground.cell
 
 
-@compiled
+@borrowing
 def in_map(ground: Ground, row: float, column: float) -> tuple[float, float]:
     """Return a position given in cells in ``map``."""
     u, v = column * ground.cell, row * ground.cell
     return ground.x + ground.cosine * u - ground.sine * v, ground.y + ground.sine * u + ground.cosine * v
 
 
-@compiled
+@borrowing
 def clearance(ground: Ground, x: float, y: float) -> float:
     """Return the distance to the nearest wall's surface, m."""
     return clearance_and_gradient(ground, x, y)[0]
 
 
-@compiled
+@borrowing
 def clearance_and_gradient(ground: Ground, x: float, y: float) -> tuple[float, float, float]:
     """Return the distance to the nearest wall's surface, m, and its gradient in ``map``, interpolated between cell centres.
 

@@ -10,7 +10,7 @@ from math import isnan
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_kernels.compiled import compiled
+from arena_kernels.compiled import borrowing, compiled
 
 CELLS_FROM = 48  # people; below, testing every pair is faster
 _CELLS_A_SIDE = 512  # bounds the memory of the cell table when people are scattered widely
@@ -88,7 +88,7 @@ def _box(positions: NDArray[np.float64]) -> tuple[float, float, float]:
     return low_x, low_y, max(high_x - low_x, high_y - low_y)
 
 
-@compiled
+@borrowing
 def _insert(pairs: NDArray[np.int32], first: int, found: int, earlier: int, later: int) -> int:
     """Put a pair in its place among those of the same later person."""
     place = found

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_kernels.compiled import compiled
+from arena_kernels.compiled import borrowing, compiled
 from arena_kernels.ground import Ground, clearance, in_cells, in_map
 from arena_kernels.route_grid import Rooms, RoomStack
 from arena_kernels.sliding import SIGHT, is_visible
@@ -24,7 +24,7 @@ def nodes_for(rooms: RoomStack) -> NDArray[np.int32]:
     return np.zeros((int(rooms.shapes.prod(axis=1).max()) + 1, 5), np.int32)
 
 
-@compiled
+@borrowing
 def nearest_room(ground: Ground, rooms: Rooms, x: float, y: float, radius: float) -> tuple[float, float, int]:
     """Return the nearest place where a body has room and its coarse cell, -1 when there is none near; never one behind a wall.
 
@@ -47,7 +47,7 @@ def nearest_room(ground: Ground, rooms: Rooms, x: float, y: float, radius: float
     return best_x, best_y, best
 
 
-@compiled
+@borrowing
 def place_of(ground: Ground, rooms: Rooms, cell: int) -> tuple[float, float]:
     """Return the roomiest position of a coarse cell, in ``map``."""
     coarse_columns, columns = rooms.room.shape[1], ground.field.shape[1]
@@ -92,7 +92,7 @@ def find_corners(
     return found
 
 
-@compiled
+@borrowing
 def _search(room: NDArray[np.float32], start: int, goal: int, radius: float, nodes: NDArray[np.int32], heads: NDArray[np.int32]) -> bool:
     """Find the cheapest way over cells with room for a body (8 neighbours, no cut corners); parents then lead from goal to start.
 
@@ -136,14 +136,14 @@ def _search(room: NDArray[np.float32], start: int, goal: int, radius: float, nod
     return False
 
 
-@compiled
+@borrowing
 def _estimate(rows: int, columns: int) -> int:
     """Return the cost of an unhindered way over this many rows and columns."""
     rows, columns = abs(rows), abs(columns)
     return STRAIGHT * max(rows, columns) + (DIAGONAL - STRAIGHT) * min(rows, columns)
 
 
-@compiled
+@borrowing
 def _push(nodes: NDArray[np.int32], heads: NDArray[np.int32], cell: int, level: int) -> None:
     first = heads[level % _BUCKETS]
     nodes[cell, PREVIOUS], nodes[cell, NEXT] = -1, first
@@ -152,7 +152,7 @@ def _push(nodes: NDArray[np.int32], heads: NDArray[np.int32], cell: int, level: 
     heads[level % _BUCKETS] = cell
 
 
-@compiled
+@borrowing
 def _remove(nodes: NDArray[np.int32], heads: NDArray[np.int32], cell: int, level: int) -> None:
     before, after = nodes[cell, PREVIOUS], nodes[cell, NEXT]
     if before >= 0:

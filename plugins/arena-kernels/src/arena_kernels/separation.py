@@ -7,10 +7,10 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_kernels.compiled import compiled
+from arena_kernels.compiled import borrowing
 
 
-@compiled
+@borrowing
 def push_apart(
     positions: NDArray[np.float64], radii: NDArray[np.float64], pairs: NDArray[np.int32], found: int, pushes: NDArray[np.float64]
 ) -> bool:
@@ -36,7 +36,7 @@ def push_apart(
     return touching
 
 
-@compiled
+@borrowing
 def overlap(positions: NDArray[np.float64], radii: NDArray[np.float64], i: int, j: int) -> tuple[float, float, float]:
     """Return by how much two bodies overlap (0 if they do not), and the unit vector from the first to the second."""
     dx, dy = positions[j, 0] - positions[i, 0], positions[j, 1] - positions[i, 1]

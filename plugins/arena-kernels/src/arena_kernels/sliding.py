@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import sqrt
 
-from arena_kernels.compiled import compiled
+from arena_kernels.compiled import borrowing
 from arena_kernels.ground import Ground, clearance, clearance_and_gradient
 
 STRIDE = 0.5  # longest single move, in radii: a centre cannot cross a wall that the body does not fit through
@@ -12,7 +12,7 @@ SIGHT = 0.9  # share of the radius that must be free on both sides of a straight
 LOSING_SIGHT = 0.5  # and for it to be kept: a body slides round an edge that its centre passes by
 
 
-@compiled
+@borrowing
 def slide(ground: Ground, x: float, y: float, dx: float, dy: float, radius: float) -> tuple[float, float]:
     """Return where a body at (x, y) gets to when it moves by (dx, dy) and slides along what is in its way.
 
@@ -25,7 +25,7 @@ def slide(ground: Ground, x: float, y: float, dx: float, dy: float, radius: floa
     return x, y
 
 
-@compiled
+@borrowing
 def _move(ground: Ground, x: float, y: float, dx: float, dy: float, radius: float) -> tuple[float, float]:
     new_x, new_y = x + dx, y + dy
     distance, gx, gy = clearance_and_gradient(ground, new_x, new_y)
@@ -44,7 +44,7 @@ def _move(ground: Ground, x: float, y: float, dx: float, dy: float, radius: floa
     return (new_x, new_y) if distance >= before else (x, y)
 
 
-@compiled
+@borrowing
 def is_visible(ground: Ground, x: float, y: float, to_x: float, to_y: float, room: float) -> bool:
     """Tell whether a straight way has this room (m) on both sides, or as much as there is at its ends where that is less.
 

@@ -9,7 +9,7 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from arena_core import EpisodeStart, NonNegativeInt, NoValidCommand, Observation, Planner, Positive, Robot, Twist
+from arena_core import Candidate, EpisodeStart, NonNegativeInt, NoValidCommand, Observation, Planner, Positive, Robot, Twist
 from arena_kernels.window import clearance, footprint_outline
 from arena_mpc.arrays import FloatArray
 from arena_mpc.detours import detours
@@ -90,15 +90,21 @@ class MpcPlanner(Planner):
         self._period = episode.control_period
         self._forget()
 
+    def considered(self) -> list[Candidate]:
+        """Return the plans that were optimised, with what they cost; those that are not safe are refused."""
+        return [Candidate(plan.states[:, :2], cost, plan is self._plan) for plan, cost in self._weighed]
+
     def _forget(self) -> None:
         self._progress.clear()
         self._plan: Plan | None = None
         self._planned_at = 0.0
         self._steering = 0.0
+        self._weighed: list[tuple[Plan, float]] = []
         self.counts = Counts()
 
     def compute_velocity(self, observation: Observation) -> Twist:
         """Return the beginning of the optimal plan, or of the last one while that is safe; raise NoValidCommand when neither is."""
+        self._weighed = []
         self._check(observation)
         scene = scene_of(observation, self._obstacles.moving > 0, self._obstacles.moving_margin)
         reference = self._reference(observation, scene)
@@ -110,6 +116,7 @@ class MpcPlanner(Planner):
             self.counts.optimised += 1
             return self._driven(plan, observation.stamp)
         if last is not None and self._safe(last, scene):
+            self._weighed.append((last, math.nan))
             self.counts.shifted += 1
             return self._driven(last, observation.stamp)
         self.counts.refused += 1
@@ -197,6 +204,8 @@ class MpcPlanner(Planner):
             found = self._optimiser.optimise(scene, aim, state, guess, left)
             left -= found.iterations
             rated = self._rated(found, scene)
+            if found.plan is not None:
+                self._weighed.append((found.plan, math.inf if rated is None else found.cost))
             if rated is None:
                 continue
             if rated.better(best):

@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from arena_core import (
+    Candidate,
     EpisodeStart,
     Fraction,
     NonNegative,
@@ -15,6 +16,7 @@ from arena_core import (
     NoValidCommand,
     Observation,
     Planner,
+    Pose,
     Positive,
     PositiveInt,
     Robot,
@@ -22,6 +24,7 @@ from arena_core import (
 )
 from arena_kernels.window import clearance
 from arena_mppi.chassis import MotionModel, chassis_of, motion_model_of
+from arena_mppi.considered import considered
 from arena_mppi.guide import guide
 from arena_mppi.optimizer import control_step
 from arena_mppi.parameters import Critics, Floats, Scene
@@ -78,6 +81,8 @@ class MppiPlanner(Planner):
         self._progress, self._motion = progress, motion
         self._period = robot.control_period
         self._key, self._steps = 0, 0
+        self._began: tuple[Pose, Floats] | None = None
+        self._drives = False
 
     def reset(self, episode: EpisodeStart) -> None:
         """Forget the sequence and draw the episode's table of normal numbers."""
@@ -88,20 +93,28 @@ class MppiPlanner(Planner):
         self._key, self._steps = int(episode.random.integers(1 << 62)), 0
         self._sequence.clear()
         self._patience.clear()
+        self._began = None
+
+    def considered(self) -> list[Candidate]:
+        """Return some roll-outs of the last batch with what they cost, and the sequence that is driven."""
+        return [] if self._began is None else considered(self._work, self._sampling, *self._began, self._drives)
 
     def compute_velocity(self, observation: Observation) -> Twist:
         """Return the velocity that the sequence has at the end of the coming period; raise NoValidCommand when all collide within it."""
+        self._began = None
         self._check(observation)
         scene = self._scene(observation)
         twist = observation.twist
         sideways = twist.vy if self._chassis.vy_max > 0.0 else 0.0
         now = self._sequence.velocity(np.array((twist.vx, sideways, twist.wz), np.float32), observation.stamp)
+        self._began, self._drives = (observation.pose, now), False
         work = self._work
         work.history[:] = self._sequence.past(now, observation.stamp)
         work.mean[:] = self._sequence.ahead(now, observation.stamp)
         if self._free_steps(observation, scene, now) <= self._sampling.tied:
             self._sequence.clear()
             raise NoValidCommand("mppi: every roll-out collides before the next command")
+        self._drives = True
         return self._command(self._sequence.keep(work.mean, now, observation.stamp, self._period))
 
     def _command(self, velocity: Floats) -> Twist:

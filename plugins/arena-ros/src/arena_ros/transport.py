@@ -28,12 +28,16 @@ class Transport(ABC):
         """Return what publishes messages of a type; who comes later gets the last one of a latched topic."""
 
     @abstractmethod
-    def subscribe(self, topic: str, type: str, heard: Heard) -> None:
-        """Have ``heard`` called with each message."""
+    def subscribe(self, topic: str, type: str, heard: Heard, latched: bool = False) -> None:
+        """Have ``heard`` called with each message, of a latched topic also with what was sent before."""
 
     @abstractmethod
     def topics(self) -> Mapping[str, str]:
         """Return the topics that somebody publishes, with their types as far as they are known."""
+
+    @abstractmethod
+    def rivals(self, topic: str) -> list[str]:
+        """Return who else publishes a topic; raise ArenaError where that cannot be said."""
 
     def serve(self, name: str, act: Callable[[], None]) -> bool:
         """Offer a service std_srvs/Empty; return whether this transport can."""
@@ -48,9 +52,10 @@ def open_transport(name: str | None, node: str) -> Transport:
     """Return a node on the transport of a name, on the only one that is installed where there is no name."""
     found = {point.name: point for point in entry_points(group=GROUP)}
     allowed = ", ".join(sorted(found)) or "none is installed; pip install arena-ros1 or arena-ros2"
-    if name is None and len(found) == 1:
-        name = next(iter(found))
+    usual = [each for each in found if "-" not in each]  # a name with a hyphen is a variant, taken only where it is said
+    if name is None and len(usual) == 1:
+        name = usual[0]
     if name not in found:
         raise ConfigurationError(f"transport is {name or 'not said'}; allowed: {allowed}")
-    transport: type[Transport] = found[name].load()
+    transport: Callable[[str], Transport] = found[name].load()
     return transport(node)

@@ -52,7 +52,7 @@ class Ros1(Transport):
 
         return publish
 
-    def subscribe(self, topic: str, type: str, heard: Heard) -> None:
+    def subscribe(self, topic: str, type: str, heard: Heard, latched: bool = False) -> None:
         """Hear a topic, in rospy's thread."""
         self._rospy.Subscriber(topic, self._type(type), lambda message: heard(message._buff), queue_size=10, tcp_nodelay=True)
 
@@ -62,6 +62,14 @@ class Ros1(Transport):
             return {topic: "/msg/".join(kind.split("/")) for topic, kind in self._master.getPublishedTopics("")}
         except Exception as error:
             raise ArenaError(f"the ROS master does not answer any more ({one_line(str(error), 60)})") from None
+
+    def rivals(self, topic: str) -> list[str]:
+        """Return who else publishes, as the master knows."""
+        try:
+            publishers = dict(self._master.getSystemState()[0]).get(topic, [])
+        except Exception as error:
+            raise ArenaError(f"the ROS master does not answer any more ({one_line(str(error), 60)})") from None
+        return sorted(name for name in publishers if name != self._rospy.get_name())
 
     def serve(self, name: str, act: Callable[[], None]) -> bool:
         """Offer a service, where std_srvs is installed."""

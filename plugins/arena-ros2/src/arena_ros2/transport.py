@@ -1,129 +1,18 @@
-"""Topics of ROS 2 over DDS (Cyclone DDS); messages go through as the bytes that a node of ROS 2 sends."""
+"""The usual transport of ROS 2: rclpy where a ROS 2 install or its wheels bring it, else DDS."""
 
 from __future__ import annotations
 
-import os
-from collections.abc import Mapping
-from contextlib import suppress
-from functools import lru_cache
-from typing import Any, ClassVar
+from importlib.util import find_spec
 
-from arena_core import ArenaError, one_line
-from arena_ros.codec import Ros
-from arena_ros.transport import Heard, Publish, Transport
-
-LOOPBACK = (
-    "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name='lo' multicast='true'/></Interfaces></General></Domain></CycloneDDS>"
-)
-SENSORS = frozenset({"sensor_msgs/msg/LaserScan", "nav_msgs/msg/Odometry", "tf2_msgs/msg/TFMessage", "rosgraph_msgs/msg/Clock"})
-DEPTH = 10  # messages that wait for a slow reader, as of rmw's default
-LAST_DOMAIN = 232
+from arena_ros.transport import Transport
 
 
-class Ros2(Transport):
-    """A participant of the domain that ROS_DOMAIN_ID names; ROS_LOCALHOST_ONLY=1 keeps to this machine."""
+def ros2(node: str) -> Transport:
+    """Return a node by rclpy where it can be imported, else one that speaks DDS itself."""
+    if find_spec("rclpy") is not None:
+        from arena_ros2.rclpy_node import Rclpy
 
-    ros: ClassVar[Ros] = 2
+        return Rclpy(node)
+    from arena_ros2.dds import Dds
 
-    def __init__(self, node: str) -> None:
-        from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication
-        from cyclonedds.core import DDSException
-        from cyclonedds.domain import DomainParticipant
-        from cyclonedds.pub import Publisher
-        from cyclonedds.sub import Subscriber
-
-        number = _domain()
-        local = os.environ.get("ROS_LOCALHOST_ONLY") == "1" or os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE") == "LOCALHOST"
-        try:
-            if local:
-                _on_loopback(number)
-            self._participant = DomainParticipant(number)
-            self._writers = BuiltinDataReader(self._participant, BuiltinTopicDcpsPublication)
-            self._publisher, self._subscriber = Publisher(self._participant), Subscriber(self._participant)
-        except DDSException as error:
-            raise ArenaError(f"DDS domain {number} cannot be joined ({one_line(str(error), 80)})") from None
-        self._kept: list[Any] = []
-        self._types: dict[str, str] = {}
-        self._closed = False
-
-    def publisher(self, topic: str, type: str, latched: bool = False) -> Publish:
-        """Return what publishes, reliably."""
-        from cyclonedds.core import DDSException
-        from cyclonedds.pub import DataWriter
-        from cyclonedds.topic import Topic
-
-        from arena_ros2.types import sample, sample_type
-
-        kind = sample_type(type)
-        writer = DataWriter(self._publisher, Topic(self._participant, f"rt{topic}", kind), qos=_quality(True, latched))
-        self._kept.append(writer)
-
-        def publish(content: bytes) -> None:
-            if not self._closed:
-                with suppress(DDSException):  # a reader that does not keep up holds a reliable writer for 100 ms at most
-                    writer.write(sample(kind, content))
-
-        return publish
-
-    def subscribe(self, topic: str, type: str, heard: Heard) -> None:
-        """Hear a topic, in a thread of DDS; sensors also from writers that are not reliable, as drivers are."""
-        from cyclonedds.core import Listener
-        from cyclonedds.sub import DataReader
-        from cyclonedds.topic import Topic
-
-        from arena_ros2.types import sample_type
-
-        class Ear(Listener):
-            def on_data_available(self, reader: Any) -> None:
-                for one in reader.take(N=DEPTH):
-                    if hasattr(one, "content"):  # else somebody has left
-                        heard(one.content)
-
-        kind = sample_type(type)
-        ear: Any = Ear()  # type: ignore[no-untyped-call]
-        about = Topic(self._participant, f"rt{topic}", kind)
-        self._kept += [ear, DataReader(self._subscriber, about, qos=_quality(type not in SENSORS, False), listener=ear)]
-
-    def topics(self) -> Mapping[str, str]:
-        """Return what is published in the domain, as far as it was discovered."""
-        from arena_ros2.types import ros_name
-
-        own = str(self._participant.guid)
-        for found in self._writers.take(N=1000):
-            name = getattr(found, "topic_name", "")
-            if name.startswith("rt/") and str(found.participant_key) != own:
-                self._types[name[2:]] = ros_name(found.type_name)
-        return dict(self._types)
-
-    def close(self) -> None:
-        """Leave the domain."""
-        if self._closed:
-            return
-        self._closed = True
-        self._kept.clear()
-        for name in ("_publisher", "_subscriber", "_writers", "_participant"):
-            delattr(self, name)
-
-
-@lru_cache
-def _on_loopback(number: int) -> Any:
-    """Keep a domain to this machine, once in a process: DDS takes no second configuration."""
-    from cyclonedds.domain import Domain
-
-    return Domain(number, LOOPBACK)
-
-
-def _domain() -> int:
-    text = os.environ.get("ROS_DOMAIN_ID") or "0"
-    if not text.isdecimal() or int(text) > LAST_DOMAIN:
-        raise ArenaError(f"ROS_DOMAIN_ID is {one_line(text, 40)}; allowed: 0 .. {LAST_DOMAIN}")
-    return int(text)
-
-
-def _quality(reliable: bool, latched: bool) -> Any:
-    from cyclonedds.core import Policy, Qos
-    from cyclonedds.util import duration
-
-    reliability = Policy.Reliability.Reliable(duration(milliseconds=100)) if reliable else Policy.Reliability.BestEffort
-    durability = Policy.Durability.TransientLocal if latched else Policy.Durability.Volatile
-    return Qos(reliability, durability, Policy.History.KeepLast(1 if latched else DEPTH))
+    return Dds(node)

@@ -24,6 +24,9 @@ def move_people(world: World, tick: int, dt: float) -> None:
         if person.dx == 0.0 and person.dy == 0.0:
             continue
         x, y, free = person.x + person.dx, person.y + person.dy, True
+        if person.alone:
+            person.x, person.y = x, y
+            continue
         if not is_clear(world, x, y, person.radius):
             x, y, free = _out_of_things(world, person)
         near = world.body.radius + person.radius
@@ -81,16 +84,21 @@ def _stop_into(person: Row, nx: float, ny: float) -> None:
 
 
 @inner
-def move_robot(world: World, chassis: Chassis, tick: int, command: Floats, dt: float) -> None:
-    """Drive the robot for a tick; a motion that would end in another body is cut short; all but cars may still turn on the spot."""
+def move_robot(world: World, chassis: Chassis, tick: int, command: Floats, dt: float, free: bool) -> None:
+    """Drive the robot for a tick; a motion that would end in another body is cut short; all but cars may still turn on the spot.
+
+    ``free`` says that the robot surely meets nothing.
+    """
     robot = world.robots[world.k]
     pose = (robot.x, robot.y, robot.theta)
     velocity = next_velocity(chassis, robot.speed_share, (robot.vx, robot.vy, robot.wz), command, dt)
     turn = (0.0, 0.0, 0.0 if chassis.kinematics == ACKERMANN else velocity[2])
     if velocity[0] == 0.0 and velocity[1] == 0.0 and velocity[2] == 0.0:
         _settle(robot, pose, velocity)
-    elif _is_free(world, drive(pose, velocity, dt)):
-        _settle(robot, drive(pose, velocity, dt), velocity)
+        return
+    there = drive(pose, velocity, dt)
+    if free or _is_free(world, there):
+        _settle(robot, there, velocity)
     else:
         known = robot.contacts
         note_overlaps(world, tick, in_map(pose[2], velocity))

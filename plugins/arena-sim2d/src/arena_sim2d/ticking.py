@@ -13,6 +13,7 @@ from arena_kernels.walls import gap_to_walls, walls_of
 from arena_sim2d.bodies import ROBOTS, Floats, World, Worlds
 from arena_sim2d.contact import release_contacts
 from arena_sim2d.crossing import move_people, move_robot
+from arena_sim2d.foresight import foresee
 from arena_sim2d.gaps import gap_to_obstacles, gap_to_people
 from arena_sim2d.motion import Chassis
 from arena_sim2d.odometry import Wheels, measure_motion
@@ -36,10 +37,11 @@ def run_ticks(
         world = world_of(worlds, k)
         robot = world.robots[world.k]
         scan_tick = robot.tick + scan_within - (robot.tick + scan_within) % device.period
+        free = foresee(world, chassis, ticks, dt)
         for _ in range(ticks):
             tick = robot.tick + 1
             move_people(world, tick, dt)
-            move_robot(world, chassis, tick, commands[k], dt)
+            move_robot(world, chassis, tick, commands[k], dt, free)
             robot.contact_ticks += release_contacts(world)
             if tick % wheels.period == 0:
                 measure_motion(wheels, robot, tick, dt)

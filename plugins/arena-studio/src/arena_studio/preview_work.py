@@ -15,7 +15,7 @@ from arena_viewer.document import Recorded, document
 def preview(
     name: str, content: dict[str, Any], scene: int, map_file: str, robot: str, planner: str, pedestrians: str, seconds: float, seed: int
 ) -> dict[str, Any]:
-    """Return the first ``seconds`` of a scene as a replay document, in base64, and how it ended; raise ArenaError where it cannot be run."""
+    """Return the first ``seconds`` of a scene as a replay document in base64, and how it ended; raise ArenaError where it cannot run."""
     alone = one_scene(content, scene)
     alone["scenarios"] = [{**alone["scenarios"][0], "time_limit": seconds, "repeats": 1}]
     with TemporaryDirectory() as folder:

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 import time
+from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -20,7 +21,7 @@ MOST_BYTES = 256 << 20  # of an answer
 
 
 class SideProcess:
-    """Answers requests by the functions of `side_work`, in the folder ``root``; it is started when first asked, and anew after it was ended.
+    """Answers requests by the functions of `side_work`, in the folder ``root``; it is started when first asked, and anew after its end.
 
     Composing a configuration is not safe among threads, and a planner may do anything: so neither happens in the server.
     """
@@ -61,7 +62,8 @@ class SideProcess:
             self._end()
             command = [sys.executable, "-m", "arena_studio.side_work"]
             pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
-            self._process = subprocess.Popen(command, cwd=self._root, start_new_session=True, **pipes)  # type: ignore[call-overload]
+            options = {"cwd": self._root, "start_new_session": True, **pipes}
+            self._process = subprocess.Popen(command, **options)  # type: ignore[call-overload]  # noqa: S603 - this Python, a module of ours
         assert self._process is not None
         return self._process
 
@@ -72,10 +74,8 @@ class SideProcess:
         self._process.wait()
         for pipe in (self._process.stdin, self._process.stdout):
             if pipe is not None:
-                try:
+                with suppress(OSError):  # what could not be written to a dead process is lost anyway
                     pipe.close()
-                except OSError:
-                    pass  # what could not be written to a dead process is lost anyway
         self._process = None
 
 

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from arena_core import EpisodeStart, NoValidCommand, Observation, Planner, Pose, Robot, Tracks, Twist
+from arena_core import Candidate, EpisodeStart, NoValidCommand, Observation, Planner, Pose, Robot, Tracks, Twist
 from arena_kernels.window import Window, footprint_outline, window_of, without_discs
 from arena_teb.classes import Topologies, Topology
 from arena_teb.escape import escape_command
@@ -55,6 +55,7 @@ class TebPlanner(Planner):
         self._period = robot.control_period
         self._infeasible_since: float | None = None
         self._shrunk_until = -math.inf
+        self._weighed: tuple[list[Topology], FloatArray | None] = [], None
 
     def reset(self, episode: EpisodeStart) -> None:
         """Forget all bands and troubles."""
@@ -62,10 +63,17 @@ class TebPlanner(Planner):
         self._topologies.begin(episode.random)
         self._oscillation.clear(episode.control_period)
         self._infeasible_since, self._shrunk_until = None, -math.inf
+        self._weighed = [], None
+
+    def considered(self) -> list[Candidate]:
+        """Return the bands that were optimised, with what they cost; those that run into something are refused."""
+        topologies, driven = self._weighed
+        costs = [math.inf if topology.blocked else topology.cost for topology in topologies]
+        return [Candidate(one.band[:, :2], cost, one.band is driven) for one, cost in zip(topologies, costs, strict=True)]
 
     def compute_velocity(self, observation: Observation) -> Twist:
         """Return the first velocity of the best feasible band; raise NoValidCommand when there is none and no way to back out."""
-        pose, stamp = observation.pose, observation.stamp
+        pose, stamp, self._weighed = observation.pose, observation.stamp, ([], None)
         tracks = nearest_tracks(observation.tracks, pose, self._obstacles)
         window = without_discs(window_of(observation.local_map), tracks.positions, tracks.radii, self._obstacles.track_margin)
         plan, complete = local_plan(observation.path.poses, pose, window, self._lookahead(stamp), self._outline.inscribed_radius)
@@ -73,6 +81,7 @@ class TebPlanner(Planner):
         scene = self._scene(window, tracks, plan)
         topologies = self._topologies.plan(plan, pose.array(), goal, scene, self._ends(observation.twist, complete, stamp), stamp)
         band = self._feasible(topologies, window)
+        self._weighed = topologies, band
         command = self._escape(pose, scene, stamp) if band is None else self._drive(band)
         self._oscillation.note(command)
         return command

@@ -25,14 +25,15 @@ from arena_core import (
     write_text_whole,
 )
 from arena_viewer.document import Recorded, document, read_recorded
-from arena_viewer.page import page
-from arena_viewer.serving import PageServer
+from arena_viewer.live import Watched
+from arena_viewer.page import live_page, page
+from arena_viewer.serving import PageServer, page_answer
 
 USAGE = (
     "arena replay RUN [EPISODE...] [--to FILE.html|.mp4|.gif|.png|.replay] [with=RUN,...] [port=0] [open=true] "
-    "[side=640] [rate=20] [speed=1] [from=0] [until=END] [moments=4]"
+    "[live=false] [side=640] [rate=20] [speed=1] [from=0] [until=END] [moments=4]"
 )
-KEYS = ("to", "with", "port", "open", "side", "rate", "speed", "from", "until", "moments")
+KEYS = ("to", "with", "port", "open", "live", "side", "rate", "speed", "from", "until", "moments")
 ENDINGS = (".html", ".mp4", ".gif", ".png", ".replay")
 MOST = 12  # episodes on one page
 MOST_GIF_FRAMES = 600  # all of a GIF's frames are held until it is written
@@ -47,6 +48,7 @@ class Request:
     target: Path | None
     port: int
     opens: bool
+    live: bool
     side: int
     rate: float
     speed: float
@@ -71,6 +73,7 @@ def read_request(arguments: Sequence[str]) -> Request:
         None if to is None else Path(to),
         words.value("port", NonNegativeInt, 0),
         words.value("open", bool, True),
+        words.value("live", bool, False),
         words.value("side", PositiveInt, 640),
         words.value("rate", Positive, 20.0),
         words.value("speed", Positive, 1.0),
@@ -91,6 +94,9 @@ class ReplayCommand(Command):
             print(f"usage: {USAGE}")
             return 0
         request = read_request(arguments)
+        if request.live:
+            _watch(request)
+            return 0
         shown = [read_recorded(folder, number) for folder in _run_folders(request.folders) for number in request.episodes]
         if len(shown) > MOST:
             raise ConfigurationError(f"{len(shown)} episodes are asked for; allowed: {MOST} at once")
@@ -109,8 +115,21 @@ def _run_folders(folders: Sequence[Path]) -> list[Path]:
     return list(dict.fromkeys(found))
 
 
+def _watch(request: Request) -> None:
+    """Serve the page of runs under way, until interrupted."""
+    if len(request.folders) > 1 or request.target is not None:
+        raise ConfigurationError("live shows one folder in a browser; allowed: arena replay DIR live=true, without with and to")
+    watched = Watched(request.folders[0].absolute())
+    replay = page_answer(page("arena replay", None))
+    more = {"/replay": replay, "/document": watched.document, "/state": watched.state, "/map": watched.map}
+    _open(PageServer(live_page(f"{request.folders[0].name} - arena, live"), b"", request.port, more), request)
+
+
 def _serve(text: str, content: bytes, request: Request) -> None:
-    server = PageServer(text, content, request.port)
+    _open(PageServer(text, content, request.port), request)
+
+
+def _open(server: PageServer, request: Request) -> None:
     tell(f"{server.address} (Ctrl-C ends it)")
     if request.opens:
         webbrowser.open(server.address)

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from arena_core import ConfigurationError, EpisodeRecord, InputFileError, OccupancyGrid, read_grid, read_record, read_table, record_path
+from arena_viewer.gait import gait_begin, gait_of
 
 MAGIC, VERSION = b"ARPL", 1
 DIGITS = 10  # of lengths, m and rad: multiples of 2^-10, a millimetre
@@ -45,6 +46,18 @@ SHOWN = (
     "path_length",
     "clearance_min",
 )  # metrics of the row
+EXTRAS = {  # what a record holds only where its run asked for it, rounded already
+    "considered_rows": "int32",
+    "considered_offsets": "int32",
+    "considered_points": "float32",
+    "considered_costs": "float32",
+    "considered_chosen": "uint8",
+    "track_rows": "int32",
+    "track_ids": "int32",
+    "track_positions": "float32",
+    "track_velocities": "float32",
+    "track_radii": "float32",
+}
 HORIZON = 10.0  # s, from where on a collision to come is none
 
 
@@ -110,7 +123,7 @@ def document(episodes: Sequence[Recorded]) -> bytes:
             maps.append(_map(one.grid, buffers))
         said.append({**_episode(one, buffers), "map": None if key is None else places[key]})
     header = {"format": "arena-replay", "version": VERSION, "maps": maps, "episodes": said}
-    text = json.dumps(_finite(header), separators=(",", ":"), ensure_ascii=False, allow_nan=False).encode()
+    text = json.dumps(finite(header), separators=(",", ":"), ensure_ascii=False, allow_nan=False).encode()
     head = MAGIC + len(text).to_bytes(4, "little") + text
     return gzip.compress(b"".join([head, bytes(-len(head) % 8), *buffers.parts]), compresslevel=9, mtime=0)
 
@@ -144,6 +157,7 @@ def _episode(one: Recorded, buffers: Buffers) -> dict[str, Any]:
         "goal": scenario["goal"],
         "goal_radius": scenario["goal_radius"],
         "obstacles": scenario["obstacles"],
+        "gait": gait_of(meta),
         "events": [event for event in meta["events"] if event["kind"] != "no_valid_command"],
         "arrays": _arrays(record, buffers),
     }
@@ -168,11 +182,15 @@ def _arrays(record: EpisodeRecord, buffers: Buffers) -> dict[str, Any]:
         "contact_stamp": buffers.lengths(record["contact_stamp"]),
         "contact_position": buffers.lengths(np.asarray(record["contact_position"]).reshape(-1, 2)),
         "contact_kind": buffers.add(record["contact_kind"], "int8"),
+        "contact_speed": buffers.lengths(record["contact_speed"]),
+        "contact_caused": buffers.add(record["contact_caused"], "uint8"),
         "path": buffers.lengths(paths),
         "path_offsets": buffers.add(record["path_offsets"], "int32"),
         "path_stamps": buffers.lengths(record["path_stamps"]),
         "planner_ms": buffers.lengths(1e3 * np.asarray(record.timing.get("planner_seconds", np.empty(0)))),
         **({"scan": buffers.lengths(record["scan_ranges"])} if "scan_ranges" in record.arrays else {}),
+        **{name: buffers.add(record[name], kind) for name, kind in EXTRAS.items() if name in record.arrays},
+        **({} if gait_of(record.meta) is None else {"gait_begin": buffers.lengths(gait_begin(record))}),
     }
 
 
@@ -204,12 +222,12 @@ def _radius(footprint: Mapping[str, Any]) -> float:
     return max(math.hypot(x, y) for x, y in vertices) if vertices else float(footprint["radius"])
 
 
-def _finite(node: Any) -> Any:
+def finite(node: Any) -> Any:
     """Return a header without figures that JSON does not know: they become null."""
     if isinstance(node, Mapping):
-        return {key: _finite(value) for key, value in node.items()}
+        return {key: finite(value) for key, value in node.items()}
     if isinstance(node, (list, tuple)):
-        return [_finite(value) for value in node]
+        return [finite(value) for value in node]
     return None if isinstance(node, float) and not math.isfinite(node) else node
 
 

@@ -4,22 +4,48 @@ from __future__ import annotations
 
 import base64
 import json
+from collections.abc import Sequence
 from html import escape
 from importlib.resources import files
 from string import Template
 
-MODULES = ("camera", "decode", "episode", "facts", "hands", "lidar", "looks", "main", "panes", "player", "plots", "scene")
+MODULES = (
+    "camera",
+    "decode",
+    "episode",
+    "facts",
+    "hands",
+    "lidar",
+    "looks",
+    "main",
+    "panes",
+    "people",
+    "player",
+    "plots",
+    "scene",
+    "thoughts",
+    "walk",
+)
+LIVE_MODULES = ("camera", "live", "live_view", "live_words", "looks")
 
 
 def page(title: str, document: bytes | None) -> str:
     """Return the page; without a ``document`` it fetches one from where it came from."""
+    return _filled("viewer.html", title, MODULES, "" if document is None else base64.b64encode(document).decode())
+
+
+def live_page(title: str) -> str:
+    """Return the page that shows runs under way; it asks its server what is new."""
+    return _filled("live.html", title, LIVE_MODULES, "")
+
+
+def _filled(name: str, title: str, modules: Sequence[str], document: str) -> str:
     web = files("arena_viewer") / "web"
-    template = Template((web / "viewer.html").read_text(encoding="utf-8"))
-    return template.substitute(
+    return Template((web / name).read_text(encoding="utf-8")).substitute(
         title=escape(title),
         style=(web / "viewer.css").read_text(encoding="utf-8"),
-        document="" if document is None else base64.b64encode(document).decode(),
-        modules=json.dumps({"imports": {f"arena/{name}.js": _module(name) for name in MODULES}}),
+        document=document,
+        modules=json.dumps({"imports": {f"arena/{module}.js": _module(module) for module in modules}}),
     )
 
 

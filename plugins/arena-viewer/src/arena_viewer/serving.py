@@ -4,23 +4,30 @@ from __future__ import annotations
 
 import hmac
 import secrets
+from collections.abc import Callable, Mapping
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any, ClassVar
-from urllib.parse import parse_qs, urlsplit
+from urllib.parse import parse_qsl, urlsplit
 
 from arena_core import ArenaError
 
 HOST = "127.0.0.1"
+Answer = Callable[[Mapping[str, str]], tuple[str, bytes]]  # from what the address asks to a type and a content
 POLICY = "default-src 'none'; script-src data: 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; connect-src 'self'"
 
 
-class PageServer:
-    """Serves a page and its document; ``address`` is what a browser opens."""
+def page_answer(page: str) -> Answer:
+    """Return what gives a page to whoever asks."""
+    return lambda asked: ("text/html; charset=utf-8", page.encode())
 
-    def __init__(self, page: str, document: bytes, port: int = 0) -> None:
+
+class PageServer:
+    """Serves a page and its document, and ``more`` by path; ``address`` is what a browser opens."""
+
+    def __init__(self, page: str, document: bytes, port: int = 0, more: Mapping[str, Answer] | None = None) -> None:
         token = secrets.token_urlsafe(16)
-        contents = {"/": ("text/html; charset=utf-8", page.encode()), "/document": ("application/octet-stream", document)}
-        handler = type("Handler", (_Handler,), {"token": token, "contents": contents})
+        answers = {"/": page_answer(page), "/document": lambda asked: ("application/octet-stream", document), **(more or {})}
+        handler = type("Handler", (_Handler,), {"token": token, "answers": answers})
         try:
             self._server = ThreadingHTTPServer((HOST, port), handler)
         except OSError as error:
@@ -47,23 +54,27 @@ class PageServer:
 
 class _Handler(BaseHTTPRequestHandler):
     token: ClassVar[str]
-    contents: ClassVar[dict[str, tuple[str, bytes]]]
+    answers: ClassVar[dict[str, Answer]]
     server_version, sys_version = "arena", ""
     timeout = 30
 
     def do_GET(self) -> None:
-        """Answer with the page or its document."""
+        """Answer with a page, a document or what else is there."""
         parts = urlsplit(self.path)
         host = (self.headers.get("Host") or "").rpartition(":")[0]
-        given = parse_qs(parts.query).get("token", [""])[0]
+        asked = dict(parse_qsl(parts.query))
+        given = asked.get("token", "")
         if host not in (HOST, "localhost"):
             self._answer(403, "text/plain", b"this server knows no such host")
         elif not hmac.compare_digest(given.encode(), self.token.encode()):
             self._answer(403, "text/plain", b"the token is missing or wrong: open the address that `arena replay` printed")
-        elif parts.path not in self.contents:
+        elif parts.path not in self.answers:
             self._answer(404, "text/plain", b"no such page")
         else:
-            self._answer(200, *self.contents[parts.path])
+            try:
+                self._answer(200, *self.answers[parts.path](asked))
+            except ArenaError as error:  # what is asked for is not there, or cannot be read
+                self._answer(404, "text/plain; charset=utf-8", str(error).encode())
 
     def _answer(self, status: int, kind: str, content: bytes) -> None:
         self.send_response(status)

@@ -44,6 +44,28 @@ test("the path is the last that was planned", () => {
   ]);
 });
 
+test("what the planner weighed and believed is that of the row", () => {
+  assert.deepEqual(made().considered(0), []);
+  const [chosen, refused] = made().considered(1);
+  assert.deepEqual(chosen, { points: [[0, 0], [1, 0]], cost: 3, chosen: true });
+  assert.deepEqual([refused.cost, refused.chosen], [Infinity, false]);
+  assert.deepEqual(made().considered(2), []); // the last row, in which nothing is decided
+  assert.deepEqual(made().tracks(0), [{ id: 7, x: 5, y: 1, vx: 1, vy: 0, radius: 0.25 }]);
+  assert.deepEqual(made().tracks(1), []);
+});
+
+test("people whose lidars see legs have two", () => {
+  const [person] = made().at(1).people;
+  const [leftX, , rightX, , radius] = /** @type {number[]} */ (person.legs);
+  assert.ok(Math.abs((leftX + rightX) / 2 - person.x) < 1e-6);
+  assert.ok(Math.abs(radius - 0.06) < 1e-6);
+});
+
+test("contacts say what was touched", () => {
+  const [contact] = made().contacts;
+  assert.deepEqual(contact, { stamp: 1, x: 2, y: 0, kind: "person", speed: 0.5, caused: false });
+});
+
 test("contacts are those of the record", () => {
   assert.deepEqual(made().collisions, [1]);
   assert.equal(made().at(1).touching, true);

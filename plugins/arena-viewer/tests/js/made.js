@@ -13,6 +13,21 @@ export function document(version = 1) {
     ["states", "int8", [1, 3], [0, 1, 1]],
     ["radii", "float32", [1], [0.3]],
     ["contact_stamp", "float32", [1], [1]],
+    ["contact_position", "float32", [2, 1], [2, 0]],
+    ["contact_kind", "int8", [1], [2]],
+    ["contact_speed", "float32", [1], [0.5]],
+    ["contact_caused", "uint8", [1], [0]],
+    ["gait_begin", "float32", [2, 1], [0.5, 0]],
+    ["considered_rows", "int32", [3], [0, 0, 2]],
+    ["considered_offsets", "int32", [3], [0, 2, 4]],
+    ["considered_points", "float32", [2, 4], [0, 1, 0, 2, 0, 0, 0, 1]],
+    ["considered_costs", "float32", [2], [3, Infinity]],
+    ["considered_chosen", "uint8", [2], [1, 0]],
+    ["track_rows", "int32", [3], [0, 1, 1]],
+    ["track_ids", "int32", [1], [7]],
+    ["track_positions", "float32", [2, 1], [5, 1]],
+    ["track_velocities", "float32", [2, 1], [1, 0]],
+    ["track_radii", "float32", [1], [0.25]],
     ["path", "float32", [2, 4], [0, 1, 0, 9, 0, 0, 5, 5]],
     ["path_offsets", "int32", [3], [0, 2, 4]],
     ["path_stamps", "float32", [2], [0, 1.5]],
@@ -24,7 +39,8 @@ export function document(version = 1) {
     length += Math.ceil((values.length * (type.endsWith("32") ? 4 : 1)) / 8) * 8;
   }
   const maps = [{ resolution: 0.5, origin: [-1, -2, 0], cells: { type: "uint8", shape: [2, 3], offset: 0 } }];
-  const episodes = [{ name: "made", map: 0, goal: [0, 0], arrays }];
+  const gait = { leg_radius: 0.06, stance_width: 0.2, step_width: 0.1, step_width_from: 1, walk_ratio: 0.006, apart: 1, settling: 0.3 };
+  const episodes = [{ name: "made", map: 0, goal: [0, 0], gait, arrays }];
   const header = new TextEncoder().encode(JSON.stringify({ format: "arena-replay", version, maps, episodes }));
   const begin = Math.ceil((8 + header.length) / 8) * 8;
   const raw = new ArrayBuffer(begin + length);

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_crowds.orca.parameters import Rules
-from arena_kernels.compiled import compiled
+from arena_kernels.compiled import borrowing
 from arena_kernels.crowds import Bodies, Robot
 from arena_kernels.ground import Ground, clearance_and_gradient
 from arena_kernels.half_planes import put_bound, put_person
@@ -20,9 +20,11 @@ LOOKS = 8  # directions in which walls beside the nearest one are looked for
 WALLS = LOOKS + 1
 WITHIN = 0.95  # share of the free disc's radius at which that is done: beyond it a position may lie inside a wall
 BEHIND = 1e-6  # m
+COSINES = np.array([cos(2.0 * pi * look / LOOKS) for look in range(LOOKS)])
+SINES = np.array([sin(2.0 * pi * look / LOOKS) for look in range(LOOKS)])
 
 
-@compiled
+@borrowing
 def choose_velocity(
     i: int,
     bodies: Bodies,
@@ -61,7 +63,7 @@ def choose_velocity(
     return vx, vy
 
 
-@compiled
+@borrowing
 def _put_walls(lines: Floats, ground: Ground, x: float, y: float, radius: float, speed: float, rules: Rules, points: Floats) -> int:
     """Write a half-plane for the nearest point of the walls, drop what lies behind it, and so on; return how many there are.
 
@@ -88,7 +90,7 @@ def _put_walls(lines: Floats, ground: Ground, x: float, y: float, radius: float,
     return row
 
 
-@compiled
+@borrowing
 def _near_walls(ground: Ground, x: float, y: float, reach: float, points: Floats) -> int:
     """Write points of the walls within ``reach`` m as rows (unit vector towards it, distance): the nearest one, and those nearest to
     places at the rim of the free disc.
@@ -100,7 +102,7 @@ def _near_walls(ground: Ground, x: float, y: float, reach: float, points: Floats
     points[0, 0], points[0, 1], points[0, 2] = -gx / steepness, -gy / steepness, room
     found = 1
     for look in range(LOOKS if room > 0.0 else 0):
-        ux, uy = WITHIN * room * cos(2.0 * pi * look / LOOKS), WITHIN * room * sin(2.0 * pi * look / LOOKS)
+        ux, uy = WITHIN * room * COSINES[look], WITHIN * room * SINES[look]
         further, gx, gy = clearance_and_gradient(ground, x + ux, y + uy)
         steepness = sqrt(gx * gx + gy * gy)
         if steepness < BEHIND:

@@ -14,6 +14,7 @@ from arena_crowds.orca.parameters import RobotRules, Rules, Wayfinding, WayRules
 from arena_crowds.orca.walkers import Walkers
 from arena_crowds.orca.ways import grant_wishes
 from arena_kernels.crowds import Crowds, Robots
+from arena_kernels.entry import Entered
 from arena_kernels.terrain import Terrain
 
 
@@ -50,6 +51,7 @@ class OrcaCrowd(PedestrianModel):
         self._cell = wayfinding.cell
         self._walkers = Walkers(0)
         self._terrain = Terrain(self._cell)
+        self._step_crowds, self._grant_wishes = Entered(step_crowds), Entered(grant_wishes)
 
     def reset(self, slots: NDArray[np.int64], scenarios: Sequence[Scenario], total: int) -> Crowd:
         """Begin ``scenarios`` in these slots; worlds in other slots are returned as ``step`` left them.
@@ -61,14 +63,15 @@ class OrcaCrowd(PedestrianModel):
         grids = [with_obstacles(furnished(scenario.world), scenario.obstacles) for scenario in scenarios]
         self._terrain.replace(slots, grids, total)
         self._walkers.settle(dict(zip(slots.tolist(), scenarios, strict=True)), grids)
-        self._grant_wishes()
+        self._grant()
         return self._walkers.crowd
 
     def step(self, crowd: Crowd, robots: RobotBatch, ticks: NDArray[np.int64], dt: float) -> Crowd:
         """Return the crowd ``dt`` seconds later; with ``reaction: ignore`` nothing of ``robots`` is used."""
         walkers = self._walkers
-        positions, velocities, states = crowd.positions.copy(), crowd.velocities.copy(), crowd.states.copy()
-        wishes = step_crowds(
+        positions, velocities = (np.array(each, np.float64, order="C") for each in (crowd.positions, crowd.velocities))
+        states = np.array(crowd.states, np.int8, order="C")
+        wishes = self._step_crowds(
             Crowds(crowd.counts, positions, velocities, crowd.radii, states),
             walkers.memory,
             walkers.corners,
@@ -79,10 +82,10 @@ class OrcaCrowd(PedestrianModel):
         )
         walkers.crowd = Crowd(crowd.counts, crowd.ids, positions, velocities, crowd.radii, states)
         if wishes:
-            self._grant_wishes()
+            self._grant()
         return walkers.crowd
 
-    def _grant_wishes(self) -> None:
+    def _grant(self) -> None:
         crowd, walkers, terrain = self._walkers.crowd, self._walkers, self._terrain
         people = Crowds(crowd.counts, crowd.positions, crowd.velocities, crowd.radii, crowd.states)
-        grant_wishes(people, walkers.memory, walkers.waypoints, walkers.corners, terrain.land, terrain.rooms, terrain.nodes)
+        self._grant_wishes(people, walkers.memory, walkers.waypoints, walkers.corners, terrain.land, terrain.rooms, terrain.nodes)

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from arena_crowds.orca.avoidance import WALLS, choose_velocity
 from arena_crowds.orca.parameters import Rules
 from arena_crowds.orca.walkers import NOTHING
-from arena_crowds.orca.ways import follow
-from arena_kernels.compiled import compiled
+from arena_crowds.orca.ways import heading, room_for_looks, set_out
+from arena_kernels.compiled import borrowing, compiled
 from arena_kernels.crowds import Bodies, Crowds, Robot, Robots, bodies_of, robot_of
 from arena_kernels.ground import Ground, Land, ground_below
 from arena_kernels.neighbours import CELLS_FROM, near_pairs
@@ -49,14 +49,15 @@ def _step_crowd(
     pairs: NDArray[np.int32],
 ) -> NDArray[np.int32]:
     """Move the people of one world in place; return the pair list for further use."""
-    positions, _, radii, states = bodies
+    positions, states = bodies.positions, bodies.states
     people = len(positions)
     pairs, found = near_pairs(positions, rules.range, pairs)
     near, nears = _nearest(positions, pairs, found, rules.neighbours)
     lines, scratch = np.empty((WALLS + 1 + rules.neighbours, 4)), np.empty((WALLS + 1 + rules.neighbours, 4))
     chosen = np.empty((people, 2))
+    set_out(bodies, memory, corners, ground, dt, rules.way, room_for_looks(people))
     for i in range(people):
-        states[i], hx, hy, way = follow(memory[i], states[i], positions[i, 0], positions[i, 1], radii[i], corners[i], ground, dt, rules.way)
+        hx, hy, way = heading(memory[i], states[i], positions[i, 0], positions[i, 1], corners[i])
         speed = memory[i].desired_speed
         wish = _wish(hx, hy, min(speed, way / dt), rules.side if nears[i] > 0 or rules.yields else 0.0)
         chosen[i, 0], chosen[i, 1] = choose_velocity(i, bodies, near[i, : nears[i]], wish, speed, ground, robot, rules, lines, scratch)
@@ -64,7 +65,7 @@ def _step_crowd(
     return pairs
 
 
-@compiled
+@borrowing
 def _wish(hx: float, hy: float, speed: float, right: float) -> tuple[float, float]:
     """Return the preferred velocity: along a unit vector that is turned to the right by an angle."""
     c, s = cos(right), sin(right)
@@ -84,7 +85,7 @@ def _nearest(positions: Floats, pairs: NDArray[np.int32], found: int, most: int)
     return near, counts
 
 
-@compiled
+@borrowing
 def _insert(near: NDArray[np.int32], apart: Floats, count: int, other: int, squared: float) -> int:
     """Put a neighbour in its place among those so far, and drop the farthest if they are too many; return how many they are."""
     if count == len(near):
@@ -119,7 +120,7 @@ def _walk(
         velocities[i, 0], velocities[i, 1] = _shortened(dx / dt, dy / dt, memory[i].desired_speed)
 
 
-@compiled
+@borrowing
 def _shortened(x: float, y: float, longest: float) -> tuple[float, float]:
     """Return a vector, shortened to ``longest`` if it is longer."""
     squared = x * x + y * y

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from math import inf, sqrt
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from arena_crowds.orca.parameters import WayRules
 from arena_crowds.orca.walkers import NEW_ROUTE, NEXT_WAYPOINT, NOTHING, STANDING, WALKING
-from arena_kernels.compiled import compiled
-from arena_kernels.crowds import Crowds, bodies_of
+from arena_kernels.compiled import borrowing, compiled
+from arena_kernels.crowds import Bodies, Crowds, bodies_of
 from arena_kernels.ground import Ground, Land, clearance, ground_below
 from arena_kernels.random import uniform
 from arena_kernels.route_grid import Rooms, rooms_of
 from arena_kernels.routes import find_corners, nearest_room
+from arena_kernels.sights import COLUMNS, SEEN, look_along, put_sight
 from arena_kernels.sliding import LOSING_SIGHT, SIGHT, is_visible
 
 Floats = NDArray[np.float64]
@@ -26,37 +27,83 @@ SPREAD = 0.5  # a stay lasts its mean x U(1 - SPREAD, 1 + SPREAD)
 AT_CORNER = 0.05  # m, a corner this near gives no direction
 
 
+class Looks(NamedTuple):
+    """Who looks along which way: ``askers`` (P,) are people, ``sights`` (P, 8) their rows of ``arena_kernels.sights``.
+
+    ``due`` (P,) tells whose time it is to look whether the way ahead is still free. All is working memory.
+    """
+
+    askers: NDArray[np.int32]
+    sights: Floats
+    open_ones: NDArray[np.int32]
+    due: NDArray[np.bool_]
+
+
 @compiled
-def follow(
-    walker: Any, state: int, x: float, y: float, radius: float, corners: Floats, ground: Ground, dt: float, rules: WayRules
-) -> tuple[int, float, float, float]:
-    """Return the state, the unit vector to walk along and how far that way leads (inf before a corner); note wishes."""
+def room_for_looks(people: int) -> Looks:
+    """Return working memory for so many people."""
+    return Looks(np.empty(people, np.int32), np.empty((people, COLUMNS)), np.empty(people, np.int32), np.empty(people, np.bool_))
+
+
+@borrowing
+def set_out(bodies: Bodies, memory: NDArray[np.void], corners: Floats, ground: Ground, dt: float, rules: WayRules, looks: Looks) -> None:
+    """Decide who stands and who walks, and let those who walk look ahead, all at once; note wishes."""
+    positions, _, radii, states = bodies
+    asked = 0
+    for i in range(len(positions)):
+        walker, x, y = memory[i], positions[i, 0], positions[i, 1]
+        states[i], looks.due[i] = _next_state(walker, states[i], x, y, dt, rules), False
+        if states[i] == STANDING:
+            continue
+        _notice_stuck(walker, x, y, dt, rules)
+        looks.due[i] = _is_due(walker, dt, rules)
+        away = _corner_away(walker, x, y, corners[i])
+        if away == inf or not (looks.due[i] or away < rules.corner_radius):
+            continue
+        if away < AT_CORNER:
+            walker.corner, looks.due[i] = walker.corner + 1, False
+            continue
+        to_x, to_y, _ = _target(walker, 1, corners[i])
+        put_sight(ground, looks.sights[asked], x, y, to_x, to_y, SIGHT * radii[i])
+        looks.askers[asked] = i
+        asked += 1
+    _pass_corners(memory, ground, asked, looks)
+    _watch_targets(bodies, memory, corners, ground, looks)
+
+
+@borrowing
+def heading(walker: Any, state: int, x: float, y: float, corners: Floats) -> tuple[float, float, float]:
+    """Return the unit vector to walk along and how far that way leads (inf before a corner)."""
+    if state == STANDING:
+        return 0.0, 0.0, 0.0
+    target_x, target_y, last = _target(walker, 0, corners)
+    away = sqrt((target_x - x) ** 2 + (target_y - y) ** 2)
+    if away == 0.0:
+        return 0.0, 0.0, 0.0
+    return (target_x - x) / away, (target_y - y) / away, away if last else inf
+
+
+@borrowing
+def _next_state(walker: Any, state: int, x: float, y: float, dt: float, rules: WayRules) -> int:
+    """Return whether somebody stands or walks now; note wishes."""
     to_goal = sqrt((walker.goal_x - x) ** 2 + (walker.goal_y - y) ** 2)
     if state == STANDING and walker.waypoints > 1:
         walker.stay -= dt
         if walker.stay > 0.0:
-            return STANDING, 0.0, 0.0, 0.0
+            return STANDING
         walker.wish = NEXT_WAYPOINT
     elif state == STANDING:
         if walker.waypoints == 0 or to_goal < LEAVING * rules.waypoint_radius:
-            return STANDING, 0.0, 0.0, 0.0
+            return STANDING
         walker.wish, walker.corner, walker.corners = NEW_ROUTE, 0, 0
     if walker.corner >= walker.corners and to_goal < rules.waypoint_radius:
-        if walker.waypoints == 1:
-            return STANDING, 0.0, 0.0, 0.0
-        if walker.stay > 0.0:
-            return STANDING, 0.0, 0.0, 0.0
+        if walker.waypoints == 1 or walker.stay > 0.0:
+            return STANDING
         walker.wish = NEXT_WAYPOINT
-    _notice_stuck(walker, x, y, dt, rules)
-    _look_ahead(walker, x, y, radius, corners, ground, dt, rules)
-    target_x, target_y, last = _target(walker, 0, corners)
-    away = sqrt((target_x - x) ** 2 + (target_y - y) ** 2)
-    if away == 0.0:
-        return WALKING, 0.0, 0.0, 0.0
-    return WALKING, (target_x - x) / away, (target_y - y) / away, away if last else inf
+    return WALKING
 
 
-@compiled
+@borrowing
 def _target(walker: Any, further: int, corners: Floats) -> tuple[float, float, bool]:
     """Return the corner so many places further on, or the goal behind the last corner, and whether it is the goal."""
     k = walker.corner + further
@@ -65,7 +112,15 @@ def _target(walker: Any, further: int, corners: Floats) -> tuple[float, float, b
     return walker.goal_x, walker.goal_y, True
 
 
-@compiled
+@borrowing
+def _corner_away(walker: Any, x: float, y: float, corners: Floats) -> float:
+    """Return the distance to the next corner, inf behind the last."""
+    if walker.corner >= walker.corners:
+        return inf
+    return sqrt((corners[walker.corner, 0] - x) ** 2 + (corners[walker.corner, 1] - y) ** 2)
+
+
+@borrowing
 def _notice_stuck(walker: Any, x: float, y: float, dt: float, rules: WayRules) -> None:
     """Wish for the next waypoint after a period with less progress than a share of the own greatest speed."""
     walker.stuck_clock += dt
@@ -76,23 +131,41 @@ def _notice_stuck(walker: Any, x: float, y: float, dt: float, rules: WayRules) -
     walker.anchor_x, walker.anchor_y, walker.stuck_clock = x, y, 0.0
 
 
-@compiled
-def _look_ahead(walker: Any, x: float, y: float, radius: float, corners: Floats, ground: Ground, dt: float, rules: WayRules) -> None:
-    """Go on to what comes after a corner that is near or needed no more; wish for a new route when the target is out of sight."""
+@borrowing
+def _is_due(walker: Any, dt: float, rules: WayRules) -> bool:
+    """Tell whether it is time to look ahead; the clock then begins anew."""
     walker.look_clock += dt
-    looks = walker.look_clock >= rules.look_period
-    if looks:
-        walker.look_clock = 0.0
-    target_x, target_y, last = _target(walker, 0, corners)
-    if not last:
-        away = sqrt((target_x - x) ** 2 + (target_y - y) ** 2)
-        if looks or away < rules.corner_radius:
-            next_x, next_y, _ = _target(walker, 1, corners)
-            if away < AT_CORNER or is_visible(ground, x, y, next_x, next_y, SIGHT * radius):
-                walker.corner += 1
-                return
-    if looks and walker.wish == NOTHING and not is_visible(ground, x, y, target_x, target_y, LOSING_SIGHT * radius):
-        walker.wish = NEW_ROUTE
+    if walker.look_clock < rules.look_period:
+        return False
+    walker.look_clock = 0.0
+    return True
+
+
+@borrowing
+def _pass_corners(memory: NDArray[np.void], ground: Ground, asked: int, looks: Looks) -> None:
+    """Let those who see what comes after their next corner go there; they need not look for the corner any more."""
+    look_along(ground, looks.sights, asked, looks.open_ones)
+    for k in range(asked):
+        if looks.sights[k, SEEN] > 0.0:
+            memory[looks.askers[k]].corner += 1
+            looks.due[looks.askers[k]] = False
+
+
+@borrowing
+def _watch_targets(bodies: Bodies, memory: NDArray[np.void], corners: Floats, ground: Ground, looks: Looks) -> None:
+    """Let those whose time it is look for their targets, and wish for a new route where that is out of sight."""
+    positions, _, radii, _ = bodies
+    asked = 0
+    for i in range(len(positions)):
+        if looks.due[i] and memory[i].wish == NOTHING:
+            to_x, to_y, _ = _target(memory[i], 0, corners[i])
+            put_sight(ground, looks.sights[asked], positions[i, 0], positions[i, 1], to_x, to_y, LOSING_SIGHT * radii[i])
+            looks.askers[asked] = i
+            asked += 1
+    look_along(ground, looks.sights, asked, looks.open_ones)
+    for k in range(asked):
+        if looks.sights[k, SEEN] == 0.0:
+            memory[looks.askers[k]].wish = NEW_ROUTE
 
 
 @compiled
@@ -121,7 +194,7 @@ def grant_wishes(
             walker.corners = _route(walker, x, y, radii[i], corners[world, i], ground, world_rooms, nodes)
 
 
-@compiled
+@borrowing
 def _stay(walker: Any, i: int) -> float:
     """Return how long somebody will stay at the waypoint just chosen, s."""
     if walker.waypoints == 1 or not uniform(walker.key, walker.legs, 2 * i) < walker.stay_chance:
@@ -130,7 +203,7 @@ def _stay(walker: Any, i: int) -> float:
     return walker.stay_time + walker.stay_time * spread  # type: ignore[no-any-return]
 
 
-@compiled
+@borrowing
 def _finds_back(walker: Any, x: float, y: float, radius: float, corners: Floats, ground: Ground) -> bool:
     """Turn to the corner just passed if that is near and in sight: who was pushed aside needs no search."""
     if walker.corner == 0:

@@ -11,6 +11,7 @@ from typing import Any
 from arena_metrics.pages.figures import Image
 from arena_metrics.pages.headline import OUTCOMES, Group, answers, facts, groups, headings, outcome
 from arena_metrics.pages.profiles import PROFILES
+from arena_metrics.pages.replays import Replay, place, size_of
 from arena_metrics.pooling.cells import VARIANT, Cell, Cells, differences
 from arena_metrics.pooling.codes import other_code
 from arena_metrics.pooling.drives import numbered
@@ -46,6 +47,7 @@ def render(
     figures: Sequence[Image],
     pictures: Sequence[Image],
     climbing: Sequence[Image],
+    replays: Mapping[str, Replay],
 ) -> str:
     """Return the page."""
     from jinja2 import Environment, StrictUndefined
@@ -72,6 +74,9 @@ def render(
         climbing=[_embedded(image) for image in climbing],
         tables=_tables(summary),
         cells_in_full=CELLS_IN_FULL,
+        replays=replays,
+        replays_size=size_of(replays),
+        failures=[replay for replay in replays.values() if replay.picture is not None],
         **_episodes(summary),
         **_provenance(summary.cells, runs),
     )
@@ -149,8 +154,7 @@ def _picture(cells: Cells, image: Image, scale: float = 1.0) -> dict[str, Any]:
 def _reference(cell: Cell, episode: Episode, label: str) -> dict[str, Any]:
     """Return an episode's number, the place of its row in the page, how it ended, and whether it was no success."""
     row = episode.row
-    place = f"e-{cell.hash}-{row['seed']}-{row['episode']}"
-    return {"label": label, "place": place, "verdict": verdict(row), "failed": row.get("success") != 1.0}
+    return {"label": label, "place": place(cell, episode), "verdict": verdict(row), "failed": row.get("success") != 1.0}
 
 
 def _tables(summary: Summary) -> list[tuple[str, list[Table]]]:

@@ -17,6 +17,7 @@ from arena_core import ArenaError, Command, EpisodeRecord, aligned, read_record,
 from arena_metrics.packs.motion import polyline_length
 from arena_metrics.statistics.comparisons import Comparison, after_holm, compare
 from arena_metrics.statistics.likeness import FloatArray, discrete_frechet
+from arena_metrics.statistics.one_thread import on_one_thread
 
 if TYPE_CHECKING:
     from arena_metrics.pooling.runs import Column, Episode, Run
@@ -68,6 +69,7 @@ class CompareRealCommand(Command):
 
     help: ClassVar[str] = "simulation beside reality: arena compare-real SIM_RUN REAL_RUN [--out DIR]"
 
+    @on_one_thread
     def run(self, arguments: Sequence[str]) -> int:
         """Print a table of problems, one of differences, and verdicts on claims; with --out write them and the paths."""
         from arena_metrics.pooling.runs import metric_columns, read_runs

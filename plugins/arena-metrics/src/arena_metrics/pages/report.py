@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from arena_core import Command, InputFileError, Reporter, aligned, write_bytes_whole, write_text_whole
+from arena_metrics.statistics.one_thread import on_one_thread
 
 if TYPE_CHECKING:
     from arena_metrics.pages.figures import Image
@@ -19,12 +20,15 @@ if TYPE_CHECKING:
 
 Figures = Literal["headline", "all", "none"]
 PICTURES = 12  # cells whose trajectories are drawn unless --pictures says otherwise
+REPLAYS = 6  # episodes that have a replay unless --replays says otherwise
+OPTIONS = ("--out", "--pictures", "--replays", "--baseline", "--pdf", "--all-figures", "--no-figures", "--claims")
 PRINTED = 40  # rows of the headline that go to the terminal
 
 
 class Report(Reporter):
     """Tables, figures and one page over runs, and how their planners differ."""
 
+    @on_one_thread
     def report(self, folders: Sequence[Path], target: Path, baseline: str | None = None) -> None:
         """Write the report and print its headline and place; a report inside the runs' own folder renews their summaries too."""
         from arena_metrics.pooling.runs import read_runs
@@ -34,6 +38,7 @@ class Report(Reporter):
             _write_summaries(runs)
         write_report(runs, target, baseline=baseline)
 
+    @on_one_thread
     def compare(self, folders: Sequence[Path], baseline: str | None = None) -> list[dict[str, Any]]:
         """Return a row for each planner, condition and metric: the mean difference to the baseline, its interval, p and effect."""
         from arena_metrics.pooling.cells import cells_of
@@ -51,6 +56,7 @@ class ReportCommand(Command):
 
     help: ClassVar[str] = "tables, figures and one HTML page: arena report DIR..."
 
+    @on_one_thread
     def run(self, arguments: Sequence[str]) -> int:
         """Write the report and print its headline and place."""
         from arena_metrics.pooling.runs import read_runs
@@ -62,12 +68,12 @@ class ReportCommand(Command):
         if given.out is None:
             _write_summaries(runs)
         figures: Figures = "none" if given.no_figures else "all" if given.all_figures else "headline"
-        write_report(runs, target, given.pictures, figures, given.baseline, given.pdf, given.claims)
+        write_report(runs, target, given.pictures, figures, given.baseline, given.pdf, given.claims, given.replays)
         return 0
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
         """Return the options; folders are the shell's."""
-        return ["--out", "--pictures", "--baseline", "--pdf", "--all-figures", "--no-figures", "--claims"] if word.startswith("-") else ()
+        return OPTIONS if word.startswith("-") else ()
 
 
 def _parser(description: str | None) -> argparse.ArgumentParser:
@@ -78,6 +84,9 @@ def _parser(description: str | None) -> argparse.ArgumentParser:
     )
     parser.add_argument(
         "--pictures", type=int, default=PICTURES, metavar="N", help=f"most cells whose trajectories are drawn (default {PICTURES})"
+    )
+    parser.add_argument(
+        "--replays", type=int, default=REPLAYS, metavar="N", help=f"most episodes that have a replay, failures first (default {REPLAYS})"
     )
     parser.add_argument("--baseline", metavar="PLANNER", help="what the other planners are compared with in pairs (default: the first)")
     parser.add_argument("--pdf", action="store_true", help="write each figure as PDF too, for print")
@@ -95,14 +104,16 @@ def write_report(
     baseline: str | None = None,
     pdf: bool = False,
     claims: str | None = None,
+    replays: int = REPLAYS,
 ) -> None:
     """Write a report over these runs to the folder ``target``; raise InputFileError when they hold no episode, or not the baseline.
 
     ``claims`` names a file of claims to judge. ``figures`` says which metrics are drawn; with none, no record is read and no picture
-    drawn either.
+    drawn either, and there are no ``replays``.
     """
     from arena_metrics.pages.levels import level_table
     from arena_metrics.pages.page import render
+    from arena_metrics.pages.replays import write_replays
     from arena_metrics.pooling.cells import cells_of
     from arena_metrics.pooling.runs import metric_columns, pooled
     from arena_metrics.pooling.summary import summarise
@@ -124,9 +135,9 @@ def write_report(
     drives = _drives(summary, pictures) if figures != "none" else {}
     tables = _tables_of_drives(summary, drives, target)
     drawn = _draw(summary, drives, target, figures, pdf) if figures != "none" else ([], [], [])
-    write_text_whole(
-        target / "index.html", render(summary, baseline, judged, ranking, pairs, levels, tables, problems, runs, repeats, *drawn)
-    )
+    shown = write_replays(summary.cells, target, replays if figures != "none" else 0)
+    page = render(summary, baseline, judged, ranking, pairs, levels, tables, problems, runs, repeats, *drawn, shown)
+    write_text_whole(target / "index.html", page)
     _print_headline(summary, baseline)
     if judged is not None:
         print("\n".join(f"{row[1]}: {row[0]}" for row in judged.rows))

@@ -18,6 +18,7 @@ from arena_ros.bags.roles import Cast
 from arena_ros.bags.series import People, Series
 from arena_ros.bags.stream import Bag, Channel
 from arena_ros.codec import BadMessage, Codec, stamp_of
+from arena_ros.frames import BASES, mounted
 
 JUMP = 10**9  # ns that the clock has to go back for a new beginning
 FOREIGN_CLOCK = 10 * 10**9  # ns between the stamp in a message and its time of recording, beyond which only the latter counts
@@ -199,15 +200,8 @@ class Gatherer:
 
     def _mounted(self, frame: str) -> Pose:
         """Return where a frame is in that of the base, by the static transforms; else where the robot's lidar is."""
-        base, pose = self._frames.get("base", "base_link"), Pose(0.0, 0.0)
-        for _ in range(len(self._static)):
-            if frame == base or frame not in self._static:
-                break
-            frame, step = self._static[frame]
-            pose = step.compose(pose)
-            if frame in (base, "base_link", "base_footprint"):
-                return pose
-        return pose if frame == base else self._mount
+        pose = mounted(self._static, frame, {self._frames.get("base", "base_link"), *BASES})
+        return self._mount if pose is None else pose
 
     def _take_people(self, now: Gathered, stamp: int, message: Any) -> None:
         if hasattr(message, "people"):

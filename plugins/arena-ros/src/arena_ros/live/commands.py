@@ -9,6 +9,7 @@ from dataclasses import fields
 from datetime import datetime
 from pathlib import Path
 from types import FrameType
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -28,8 +29,11 @@ from arena_core import (
 from arena_ros.live.settings import Settings, settings
 from arena_ros.transport import open_transport
 
+if TYPE_CHECKING:
+    from arena_ros.live.driver import Driver
+
 FIGURES = tuple(field.name for field in fields(Settings))
-DRIVE_KEYS = ("transport", "map", "goal", "start", "pose", "scan", "odometry", "cmd_vel", "dry_run", "out", *FIGURES)
+DRIVE_KEYS = ("transport", "map", "goal", "start", "pose", "scan", "odometry", "cmd_vel", "alone", "dry_run", "out", *FIGURES)
 SIMULATE_KEYS = ("transport", "episode", "rate", "lock_step", *FIGURES)
 
 
@@ -56,9 +60,10 @@ def drive(usage: str, arguments: Sequence[str]) -> int:
         closing(open_transport(words.value("transport", str, None), "arena_drive")) as transport,
         OutsideRun(folder, benchmark.config, registry, benchmark.code) as run,
     ):
-        driver = Driver(transport, Senses(transport, topics, benchmark.robot, figures), benchmark, world, run, figures, target)
+        senses, alone = Senses(transport, topics, benchmark.robot, figures), words.value("alone", bool, True)
+        driver = Driver(transport, senses, benchmark, world, run, figures, target, alone)
         driver.drive(start, goal, why)
-        _tell_latency(driver.latencies, driver.wakes, benchmark.navigator.control_period)
+        _tell_latency(driver, benchmark.navigator.control_period)
     print(f"records: {folder}" if run.rows else "no records: there was no goal")
     return int(any(row["outcome"] != "goal_reached" for row in run.rows))
 
@@ -97,6 +102,8 @@ def _stopped() -> Iterator[Callable[[], str]]:
 
     def note(number: int, frame: FrameType | None) -> None:
         came.append(number)
+        if len(came) > 1:  # a planner that hangs: the second signal takes it out of there
+            raise KeyboardInterrupt
 
     numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
     before = [signal.signal(number, note) for number in numbers]
@@ -120,10 +127,9 @@ def _pose(words: Words, key: str) -> Pose | None:
     return Pose(*numbers)
 
 
-def _tell_latency(latencies: Sequence[float], wakes: Sequence[float], period: float) -> None:
-    """Print what control steps took, and how evenly they came."""
-    if len(latencies) > 1:
-        took = 1e3 * np.array(latencies)
-        late = 1e3 * np.abs(np.diff(wakes) - period)
-        print(f"control steps: {len(took)}, took {np.median(took):.1f} ms, p99 {np.percentile(took, 99):.1f} ms; ", end="")
-        print(f"jitter p99 {np.percentile(late, 99):.1f} ms")
+def _tell_latency(driver: Driver, period: float) -> None:
+    """Print what control steps took, what of it was not the navigator's, and how evenly they came: median and p99 in ms."""
+    if len(driver.latencies) > 1:
+        shown = {"took": driver.latencies, "beyond the navigator": driver.beyond, "jitter": np.abs(np.diff(driver.wakes) - period)}
+        figures = ((name, *np.percentile(1e3 * np.array(values), (50, 99))) for name, values in shown.items())
+        print(f"control steps: {len(driver.latencies)}; " + "; ".join(f"{name} {a:.2f} ms, p99 {b:.2f} ms" for name, a, b in figures))

@@ -36,6 +36,7 @@ from arena_ros.bags.footprint import nearest
 from arena_ros.bags.records import ALL_CONTACTS, ALL_PEOPLE
 from arena_ros.codec import PEOPLE, codec
 from arena_ros.live.governor import STAND, Governor
+from arena_ros.live.guard import Guard
 from arena_ros.live.inbox import Inbox
 from arena_ros.live.senses import Senses
 from arena_ros.live.settings import Settings
@@ -63,10 +64,21 @@ class Seen(Planner):
 
 
 class Driver:
-    """Drives to one goal after another until ``is_over``; ``world`` is the site, ``start`` where the robot believes to stand, or None."""
+    """Drives to one goal after another until ``is_over``; ``world`` is the site, ``target`` the topic of velocities.
+
+    With ``alone`` the robot stands while another node publishes ``target``: two masters move it as neither of them wants.
+    """
 
     def __init__(
-        self, transport: Transport, senses: Senses, benchmark: Benchmark, world: World, run: OutsideRun, settings: Settings, target: str
+        self,
+        transport: Transport,
+        senses: Senses,
+        benchmark: Benchmark,
+        world: World,
+        run: OutsideRun,
+        settings: Settings,
+        target: str,
+        alone: bool,
     ) -> None:
         self._benchmark, self._world, self._run, self._settings, self._senses = benchmark, world, run, settings, senses
         self._navigator = benchmark.navigator
@@ -80,6 +92,9 @@ class Driver:
         self._goals = Inbox(transport, own, goal, to.POSE_STAMPED)
         self._starts = Inbox(transport, own, "/initialpose", to.POSE_COVARIANCE)
         self._send = transport.publisher(target, to.TWIST)
+        self._target, self._stand = target, own.encode(to.twist(own, STAND), to.TWIST)
+        limit = (settings.overrun + 1.0) * self._period
+        self._guard = Guard(lambda: self._send(self._stand), limit, (lambda: transport.rivals(target)) if alone else None)
         topics = {"/plan": to.PATH, "/waypoint": to.POSE_STAMPED, "/arena/pose": to.POSE_COVARIANCE, "/arena/status": to.TEXT}
         topics |= {"/arena/local_costmap": to.GRID, "/arena/tracks": PEOPLE}
         self._out = {topic: (transport.publisher(topic, kind, latched=topic == "/plan"), kind) for topic, kind in topics.items()}
@@ -87,10 +102,15 @@ class Driver:
         self._shown = float("-inf")
         self._estimate: Pose | None = None  # where it believed to be when it was last driven
         self.latencies: list[float] = []
+        self.beyond: list[float] = []  # s of each step that were not the navigator's: taking in sensors, limits, sending
         self.wakes: list[float] = []
 
     def drive(self, start: Pose | None, goal: Pose | None, is_over: Callable[[], str]) -> int:
         """Drive to a goal, or, where it is None, to each that comes, until ``is_over`` says why it ends; return how many were driven to."""
+        with self._guard:
+            return self._drive(start, goal, is_over)
+
+    def _drive(self, start: Pose | None, goal: Pose | None, is_over: Callable[[], str]) -> int:
         only, driven = goal is not None, 0
         try:
             self._senses.await_all(is_over)
@@ -171,14 +191,14 @@ class Driver:
             if stamp >= limit:
                 outcome = "time_out"
                 break
-            if (fault := self._senses.fault()) is not None:
+            if (fault := self._senses.fault() or self._rival()) is not None:
                 self._publish(self._governor.stop())
                 last = self._stood(recorder, last, stamp, fault)
                 continue
             sensors = self._senses.sensors(begin)
             try:
                 decision = self._navigator.decide(sensors)
-            except Exception as broken:  # whatever a planner raises: the robot stands first
+            except (Exception, KeyboardInterrupt) as broken:  # whatever a planner raises, or a second Ctrl-C: the robot stands first
                 self._publish(self._governor.stop())
                 error = described(broken)
                 break
@@ -193,6 +213,7 @@ class Driver:
             recorder.add(decision)
             self._show(decision, sensors)
         self._publish(self._governor.stop())
+        self._guard.rest()
         if last is not None:
             self._estimate = last[2].estimate.pose
             record = recorder.finish(last[0], outcome, error, ending)  # type: ignore[arg-type]
@@ -219,9 +240,16 @@ class Driver:
         else:
             sent = self._governor.limited(decision.command)
         if not decision.arrived:
+            begin = time.monotonic()
             self._publish(sent)
-            self.latencies.append(took)
+            self._guard.sent()
+            self.latencies.append(took + time.monotonic() - begin)
+            self.beyond.append(self.latencies[-1] - decision.spent.navigator)
         return replace(decision, command=sent)
+
+    def _rival(self) -> str | None:
+        rivals = self._guard.rivals
+        return f"{rivals[0]} publishes {self._target}, too (alone=false lets it)" if rivals else None
 
     def _stood(self, recorder: Recorder, last: Any, stamp: float, fault: str) -> Any:
         """Record a step in which the robot had to stand."""

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import time
+from contextlib import suppress
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from arena_core import ArenaError, Odometry, Pose, Robot, Sensors
+from arena_core import ArenaError, Odometry, Pose, Robot, Sensors, tell
 from arena_ros import conversions as of
-from arena_ros.codec import codec, stamp_of
+from arena_ros.codec import BadMessage, codec, stamp_of
+from arena_ros.frames import BASES, mounted
 from arena_ros.live.inbox import Inbox
 from arena_ros.live.settings import Settings
 from arena_ros.transport import Transport
 
 LARGEST_LAG = 1.0  # s by which a scan's stamp may lie before odometry's; beyond, clocks differ and times of arrival count
+MOVED = 0.02  # m and rad from the robot's own figures, from which on it is worth a line that the laser is elsewhere
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +43,11 @@ class Senses:
         self._corrected = float("-inf")
         self._good_scan = self._good_odometry = float("-inf")  # when the newest of use came
         self._tf_needed = topics.pose == "/tf"
+        self._stamps = {"scan": 0, "odometry": 0}
+        self._static: dict[str, tuple[str, Pose]] = {}
+        self._mounts: dict[str, Pose] = {}
+        with suppress(ArenaError):  # a transport that does not know the type: then the robot's own figures count
+            transport.subscribe("/tf_static", of.TF, self._hear_static, latched=True)
 
     def await_all(self, is_over: object = None) -> None:
         """Wait until scan, odometry and, where it comes from elsewhere, pose have come; raise ArenaError where they do not."""
@@ -74,17 +83,23 @@ class Senses:
     def _look(self) -> None:
         """Take in what has come: what is no number is of no use, and grows old."""
         scan = self._scan.take()
-        if scan is not None and not np.isnan(scan.ranges).all() and len(scan.ranges) and np.isfinite(scan.angle_increment):
+        if scan is not None and self._is_new("scan", scan) and _is_of_use(scan):
             self._good_scan = self._scan.came
             self._newest_scan = scan
         odometry = self._odometry.take()
-        if odometry is not None:
+        if odometry is not None and self._is_new("odometry", odometry):
             measured = of.odometry_of(odometry, 0.0)
             if np.isfinite([*measured.pose.array(), *measured.twist.array()]).all():
                 self._good_odometry = self._odometry.came
                 self._newest_odometry, self._measured = odometry, measured
         if self._pose is not None and self._good_odometry > float("-inf"):
             self._take_pose(self._pose.take())
+
+    def _is_new(self, role: str, message: Any) -> bool:
+        """Tell whether a message was measured anew: a driver that sends the same one again and again has lost its sensor."""
+        before, stamp = self._stamps[role], stamp_of(message.header.stamp)
+        self._stamps[role] = stamp
+        return stamp != before or stamp == 0
 
     def _take_pose(self, message: object) -> None:
         if message is None or self._pose is None:
@@ -94,13 +109,35 @@ class Senses:
             found = [pose for parent, child, pose, _ in of.links_of(message) if (parent, child) == ("map", odom)]
             if not found:
                 return
-            self._correction = found[-1]
+            correction = found[-1]
+        elif (frame := message.header.frame_id.lstrip("/")) not in ("map", ""):  # type: ignore[attr-defined]
+            tell(f"{self._topics.pose} is in the frame {frame} and does not count; allowed: map")
+            return
         else:
             inner = message.pose  # type: ignore[attr-defined]
             pose = of.pose_of(getattr(inner, "pose", inner))
-            self._correction = pose.compose(self._measured.pose.relative(Pose(0.0, 0.0)))
-        if np.isfinite(self._correction.array()).all():
-            self._corrected = self._pose.came
+            correction = pose.compose(self._measured.pose.relative(Pose(0.0, 0.0)))
+        if np.isfinite(correction.array()).all():
+            self._correction, self._corrected = correction, self._pose.came
+
+    def _hear_static(self, content: bytes) -> None:
+        with suppress(BadMessage):
+            links = of.links_of(codec(self._transport.ros).decode(content, of.TF))
+            self._static = self._static | {child: (parent, pose) for parent, child, pose, _ in links}
+
+    def _mount(self, frame: str) -> Pose:
+        """Return where the lidar of a frame is on the robot: as /tf_static says, else as the robot's configuration does."""
+        if frame not in self._mounts:
+            own = self._robot.lidar.mount
+            found = mounted(self._static, frame, {self._newest_odometry.child_frame_id.lstrip("/") or "base_link", *BASES})
+            if found is None:
+                return own
+            self._mounts[frame] = found
+            if np.abs(found.array() - own.array()).max() > MOVED:
+                tell(
+                    f"/tf_static has {frame} at {found.x:.3f}, {found.y:.3f}, {found.theta:.3f}: this counts, not lidar.mount of the robot"
+                )
+        return self._mounts[frame]
 
     @property
     def is_external(self) -> bool:
@@ -121,9 +158,15 @@ class Senses:
         odometry_stamp = self._good_odometry - begin
         lag = (stamp_of(self._newest_odometry.header.stamp) - stamp_of(self._newest_scan.header.stamp)) * 1e-9
         scan_stamp = odometry_stamp - lag if abs(lag) < LARGEST_LAG else self._good_scan - begin
-        scan = of.scan_of(self._newest_scan, min(scan_stamp, now), self._robot.lidar.mount)
+        scan = of.scan_of(self._newest_scan, min(scan_stamp, now), self._mount(self._newest_scan.header.frame_id.lstrip("/")))
         odometry = Odometry(odometry_stamp, self._measured.pose, self._measured.twist)
         return Sensors(now, scan, odometry, self.pose())
+
+
+def _is_of_use(scan: Any) -> bool:
+    """Tell whether a scan says anything: beams, a step between them, and one return at least that is a number."""
+    figures = (scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max)
+    return bool(len(scan.ranges)) and bool(np.isfinite(figures[:3]).all()) and not np.isnan(figures[3]) and not np.isnan(scan.ranges).all()
 
 
 def _pose_type(topic: str) -> str:

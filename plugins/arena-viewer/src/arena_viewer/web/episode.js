@@ -1,20 +1,34 @@
 // One recorded episode that can be asked for any moment; between two control steps everything moves evenly.
 
+import { walk } from "arena/walk.js";
+
 /**
  * @typedef {object} Moment
  * @property {number} row the control step that holds
  * @property {number[]} pose x, y, theta
  * @property {number[]} estimate
  * @property {number[]} twist vx, vy, wz
- * @property {{x: number, y: number, vx: number, vy: number, radius: number, state: number}[]} people those who are in the world
+ * @property {{x: number, y: number, vx: number, vy: number, radius: number, state: number, legs: number[] | null}[]} people those who are in the world;
+ * each may have ``legs``, x, y, x, y, radius
  * @property {number[][]} path points of the global path that holds
  * @property {boolean} touching
  */
+
+/** @typedef {{points: number[][], cost: number, chosen: boolean}} Candidate  cost: Infinity for what is refused */
+/** @typedef {{id: number, x: number, y: number, vx: number, vy: number, radius: number}} Track */
+
+const KINDS = ["wall", "obstacle", "person"];
 
 /** An angle between two, the short way round. @param {number} a @param {number} b @param {number} share */
 export function turned(a, b, share) {
   const difference = Math.atan2(Math.sin(b - a), Math.cos(b - a));
   return a + share * difference;
+}
+
+/** Legs between two rows; those of the first where the person is gone at the second. @param {Float32Array} legs @param {number} row @param {number} next @param {number} share */
+function between(legs, row, next, share) {
+  const [from, to] = [5 * row, 5 * (Number.isNaN(legs[5 * next]) ? row : next)];
+  return [0, 1, 2, 3, 4].map((i) => legs[from + i] + share * (legs[to + i] - legs[from + i]));
 }
 
 export class Episode {
@@ -28,6 +42,18 @@ export class Episode {
     this.rows = this.arrays.stamp.rows;
     this.end = this.rows ? this.stamps[this.rows - 1] : 0;
     this.count = this.arrays.people.shape.length === 3 ? this.arrays.people.shape[0] : 0;
+    this.contacts = this.#contacts();
+    this.legs = Array.from({ length: this.count }, (_, person) => this.#legs(person));
+  }
+
+  /** Where a person's legs are at every row, null where the person has none. @param {number} person */
+  #legs(person) {
+    const begin = this.arrays.gait_begin;
+    if (!this.said.gait || !begin) return null;
+    const { values, rows } = this.arrays.people;
+    const place = (/** @type {number} */ row) => [values[person * 2 * rows + row], values[(person * 2 + 1) * rows + row]];
+    const how = [begin.values[person], begin.values[begin.rows + person]];
+    return walk(this.said.gait, this.stamps, place, this.arrays.radii.values[person], how);
   }
 
   /** The last row at or before a time. @param {number} time */
@@ -85,7 +111,8 @@ export class Episode {
       if (Number.isNaN(dx)) dx = dy = 0;
       const radius = this.arrays.radii.values[person];
       const state = this.arrays.states.values[person * rows + row];
-      found.push({ x: x + share * dx, y: y + share * dy, vx: dx / span, vy: dy / span, radius, state });
+      const legs = this.legs[person] && between(/** @type {Float32Array} */ (this.legs[person]), row, next, share);
+      found.push({ x: x + share * dx, y: y + share * dy, vx: dx / span, vy: dy / span, radius, state, legs });
     }
     return found;
   }
@@ -109,6 +136,42 @@ export class Episode {
     if (!kept || !kept.rows) return null;
     const at = Math.min(row, kept.rows - 1);
     return Float32Array.from({ length: kept.shape[0] }, (_, beam) => kept.values[beam * kept.rows + at]);
+  }
+
+  /** What the planner considered at a row; nothing where no record keeps it. @param {number} row @returns {Candidate[]} */
+  considered(row) {
+    const { considered_rows: rows, considered_offsets: offsets, considered_points: points } = this.arrays;
+    const found = [];
+    for (let way = rows?.values[row] ?? 0; way < (rows?.values[row + 1] ?? 0); way++) {
+      const line = [];
+      for (let i = offsets.values[way]; i < offsets.values[way + 1]; i++) line.push([points.values[i], points.values[points.rows + i]]);
+      found.push({ points: line, cost: this.value("considered_costs", way), chosen: this.value("considered_chosen", way) > 0 });
+    }
+    return found;
+  }
+
+  /** The tracks that the planner saw at a row. @param {number} row @returns {Track[]} */
+  tracks(row) {
+    const rows = this.arrays.track_rows;
+    const found = [];
+    for (let i = rows?.values[row] ?? 0; i < (rows?.values[row + 1] ?? 0); i++) {
+      const [x, y, vx, vy] = ["track_positions", "track_velocities"].flatMap((name) => [this.value(name, i, 0), this.value(name, i, 1)]);
+      found.push({ id: this.value("track_ids", i), x, y, vx, vy, radius: this.value("track_radii", i) });
+    }
+    return found;
+  }
+
+  /** What was touched, when, where, how fast, and whether the robot moved into it. */
+  #contacts() {
+    const { contact_stamp: stamps, contact_position: places, contact_kind: kinds, contact_speed: speeds, contact_caused: caused } = this.arrays;
+    return Array.from(stamps.values, (stamp, i) => ({
+      stamp,
+      x: places.values[i],
+      y: places.values[places.rows + i],
+      kind: KINDS[kinds.values[i]],
+      speed: speeds ? speeds.values[i] : NaN,
+      caused: !caused || caused.values[i] > 0,
+    }));
   }
 
   /** Times of collisions, s. @returns {number[]} */

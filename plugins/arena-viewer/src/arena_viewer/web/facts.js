@@ -28,6 +28,12 @@ export function verdict(episode) {
   return `${metrics.success === 1 ? "success: " : ""}${said}${many}`;
 }
 
+/** What a contact was, in words. @param {{kind: string, speed: number, caused: boolean}} contact */
+export function touched({ kind, speed, caused }) {
+  const what = caused ? `hits ${kind === "obstacle" ? "an" : "a"} ${kind}` : `is hit by ${kind === "obstacle" ? "an" : "a"} ${kind}`;
+  return Number.isFinite(speed) ? `${what} at ${speed.toFixed(2)} m/s` : what;
+}
+
 export class Facts {
   /** @param {HTMLElement} list @param {import("./episode.js").Episode[]} episodes */
   constructor(list, episodes) {
@@ -54,7 +60,9 @@ export class Facts {
       const clearance = episode.value("clearance", row);
       const event = episode.said.events.filter((/** @type {any} */ e) => e.stamp <= time && time - e.stamp < 1.5).pop();
       const parts = [`${speed.toFixed(2)} m/s`, Number.isFinite(clearance) ? `${clearance.toFixed(2)} m clear` : "nothing near"];
+      const contact = episode.contacts.filter((one) => one.stamp <= time && time - one.stamp < 1.5).pop();
       if (time > episode.end) parts.push("ended");
+      else if (contact) parts.push(touched(contact));
       else if (event) parts.push(`${event.kind.replaceAll("_", " ")}${event.detail ? ` (${event.detail})` : ""}`);
       const text = parts.join(" · ");
       if (this.now[number].textContent !== text) this.now[number].textContent = text;

@@ -19,12 +19,13 @@ export function cast(map, pose, lidar, people) {
   const x = pose[0] + c * lidar.mount.x - s * lidar.mount.y;
   const y = pose[1] + s * lidar.mount.x + c * lidar.mount.y;
   const first = pose[2] + lidar.mount.theta + lidar.angle_min;
+  const near = people.filter((body) => Math.hypot(body.x - x, body.y - y) < lidar.range_max + body.radius);
   const ranges = new Float32Array(lidar.beams);
   for (let beam = 0; beam < lidar.beams; beam++) {
     const angle = first + beam * lidar.angle_increment;
     const [dx, dy] = [Math.cos(angle), Math.sin(angle)];
     let reach = map ? walls(map, x, y, dx, dy, lidar.range_max) : Infinity;
-    for (const person of people) reach = Math.min(reach, disc(person, x, y, dx, dy));
+    for (const body of near) reach = Math.min(reach, disc(body, x, y, dx, dy));
     ranges[beam] = reach <= lidar.range_max ? reach : Infinity;
   }
   return ranges;

@@ -10,7 +10,8 @@ import { Player, SPEEDS } from "arena/player.js";
 import { CURVES, Plot } from "arena/plots.js";
 import { Scene } from "arena/scene.js";
 
-const LAYERS = { path: true, trail: true, lidar: true, people: true, estimate: false };
+const LAYERS = { path: true, trail: true, lidar: true, people: true, estimate: false, tracks: true, considered: true };
+const KEPT = /** @type {[keyof typeof LAYERS, string][]} */ ([["tracks", "track_rows"], ["considered", "considered_rows"]]); // only where records hold them
 const FRAMES = 240; // of which the script's time is kept
 
 /** @param {string} name @returns {any} */
@@ -31,6 +32,7 @@ function show(episodes) {
   const player = new Player(Math.max(...episodes.map((episode) => episode.end)), episodes[0].said.robot.period);
   const view = { camera: new Camera(), panes: layOut(episodes, false, 1, 1), follow: false, beside: episodes.length > 1, layers: { ...LAYERS } };
   if (episodes.length > 1) view.layers.lidar = false;
+  for (const [layer, array] of KEPT) if (!episodes.some((episode) => array in episode.arrays)) delete (/** @type {any} */ (view.layers)[layer]);
   const scene = new Scene(canvas, episodes);
   const facts = new Facts(element("facts"), episodes);
   const plots = CURVES.map((curve) => new Plot(element("plots").appendChild(document.createElement("canvas")), curve, episodes));

@@ -1,11 +1,13 @@
 // Draws episodes at a moment on a canvas: map, obstacles, path, trail, beams, people, robots, contacts.
 
 import { cast } from "arena/lidar.js";
-import { ROBOTS, faded, ground, ofState } from "arena/looks.js";
+import { ROBOTS, faded, ground } from "arena/looks.js";
+import { bodiesOf, drawPeople } from "arena/people.js";
+import { drawConsidered, drawTracks } from "arena/thoughts.js";
 
 /** @typedef {import("./episode.js").Episode} Episode */
 /** @typedef {{x: number, y: number, width: number, height: number, shown: number[]}} Pane  numbers of the episodes that it shows */
-/** @typedef {{path: boolean, trail: boolean, lidar: boolean, people: boolean, estimate: boolean}} Layers */
+/** @typedef {{path: boolean, trail: boolean, lidar: boolean, people: boolean, estimate: boolean, tracks: boolean, considered: boolean}} Layers */
 
 export class Scene {
   /** @param {HTMLCanvasElement} canvas @param {Episode[]} episodes */
@@ -63,11 +65,13 @@ export class Scene {
     // people of several planners differ as soon as they react: they are drawn faintly when overlaid
     for (const { episode, moment, number } of moments) {
       if (layers.lidar) this.#beams(episode, moment, thin);
-      if (layers.people) this.#people(moment, thin, moments.length > 1 ? 0.45 : 0.9);
+      if (layers.people) drawPeople(this.context, moment.people, this.colours, thin, moments.length > 1 ? 0.45 : 0.9);
+      if (layers.tracks) drawTracks(this.context, episode.tracks(moment.row), this.colours.ink, thin);
       if (layers.estimate) this.#robot(episode, moment.estimate, "", 1.5 * thin, ROBOTS[number % ROBOTS.length]);
     }
     for (const { number, episode, moment } of moments) {
       const colour = ROBOTS[number % ROBOTS.length];
+      if (layers.considered) drawConsidered(this.context, episode.considered(moment.row), colour, this.colours.bad, thin);
       this.#robot(episode, moment.pose, moment.touching ? this.colours.bad : colour, 1.5 * thin, this.colours.paper);
       this.#contacts(episode, time, thin);
     }
@@ -148,7 +152,7 @@ export class Scene {
     const { lidar } = episode.said.robot;
     if (!lidar) return;
     const { context } = this;
-    const ranges = episode.scan(moment.row) ?? cast(episode.map, moment.pose, lidar, moment.people);
+    const ranges = episode.scan(moment.row) ?? cast(episode.map, moment.pose, lidar, bodiesOf(moment.people));
     const [x, y, theta] = moment.pose;
     const from = [x + Math.cos(theta) * lidar.mount.x - Math.sin(theta) * lidar.mount.y, y + Math.sin(theta) * lidar.mount.x + Math.cos(theta) * lidar.mount.y];
     context.fillStyle = this.colours.beam;
@@ -157,23 +161,6 @@ export class Scene {
       if (!Number.isFinite(ranges[beam])) continue;
       const angle = theta + lidar.mount.theta + lidar.angle_min + beam * lidar.angle_increment;
       context.fillRect(from[0] + ranges[beam] * Math.cos(angle) - side / 2, from[1] + ranges[beam] * Math.sin(angle) - side / 2, side, side);
-    }
-  }
-
-  /** @param {import("./episode.js").Moment} moment @param {number} thin @param {number} alpha */
-  #people(moment, thin, alpha) {
-    const { context } = this;
-    for (const person of moment.people) {
-      const colour = ofState(person.state, this.colours);
-      context.beginPath();
-      context.arc(person.x, person.y, person.radius, 0, 2 * Math.PI);
-      context.fillStyle = faded(colour, alpha);
-      context.fill();
-      const speed = Math.hypot(person.vx, person.vy);
-      if (speed < 0.05) continue;
-      const [from, to] = [person.radius / speed, person.radius / speed + 1]; // the way of the next second, from the disc's edge
-      const ends = [from, to].map((time) => [person.x + time * person.vx, person.y + time * person.vy]);
-      this.#line(ends, faded(colour, alpha), 2 * thin);
     }
   }
 
@@ -209,18 +196,25 @@ export class Scene {
     context.stroke();
   }
 
-  /** Rings where the robot touched something in the last two seconds. @param {Episode} episode @param {number} time @param {number} thin */
+  /** Rings where the robot touched something in the last two seconds, and what that was. @param {Episode} episode @param {number} time @param {number} thin */
   #contacts(episode, time, thin) {
     const { context } = this;
-    const { contact_stamp: stamps, contact_position: places } = episode.arrays;
-    for (let i = 0; i < stamps.rows; i++) {
-      const ago = time - stamps.values[i];
+    for (const { stamp, x, y, kind } of episode.contacts) {
+      const ago = time - stamp;
       if (ago < 0 || ago > 2) continue;
       context.beginPath();
-      context.arc(places.values[i], places.values[places.rows + i], 0.35 + 0.25 * ago, 0, 2 * Math.PI);
+      context.arc(x, y, 0.35 + 0.25 * ago, 0, 2 * Math.PI);
       context.strokeStyle = faded(this.colours.bad, 1 - ago / 2);
       context.lineWidth = 3 * thin;
       context.stroke();
+      context.save();
+      context.translate(x, y + 0.4 + 0.25 * ago);
+      context.scale(thin, -thin); // text stands upright, in pixels
+      context.font = "600 13px system-ui, sans-serif";
+      context.textAlign = "center";
+      context.fillStyle = faded(this.colours.bad, 1 - ago / 2);
+      context.fillText(kind, 0, -3);
+      context.restore();
     }
   }
 }

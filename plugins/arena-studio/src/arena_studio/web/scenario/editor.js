@@ -90,7 +90,7 @@ export class Editor {
 
   /** @param {string} path @param {Content} content @param {string} map @param {string | null} version */
   async #take(path, content, map, version) {
-    Object.assign(this, { path, content, at: 0, chosen: null, findings: [], robot: null, map: "", ground: null });
+    Object.assign(this, { path, content, at: 0, chosen: null, findings: [], checking: "", robot: null, map: "", ground: null });
     this.history.done = [];
     this.history.undone = [];
     this.autosave = new Autosave(this.#owner(), version);

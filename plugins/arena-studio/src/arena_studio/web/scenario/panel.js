@@ -27,7 +27,7 @@ export function panels(editor, look) {
       shown = now;
       list.replaceChildren(...things(editor.scene).map((thing) => thingRow(editor, thing, look)));
       wrongHead.textContent = headOf(editor);
-      wrongHead.className = editor.findings.length ? "bad" : "good";
+      wrongHead.className = editor.findings.length ? "bad" : editor.checking === "checked" ? "good" : "";
       wrong.replaceChildren(...editor.findings.map((finding) => findingRow(editor, finding, look)));
     },
   };
@@ -47,7 +47,7 @@ function sceneOnly(editor) {
 
 /** @param {Editor} editor */
 function headOf(editor) {
-  if (editor.checking === "checking" && !editor.findings.length) return "Check: …";
+  if (editor.checking !== "checked" && !editor.findings.length) return "Check: …";
   const count = editor.findings.length;
   return count ? `Check: ${count} ${count === 1 ? "problem" : "problems"}` : "Check: can be run";
 }

@@ -25,7 +25,7 @@ export class Preview {
     this.seconds = "20";
     this.said = make("span", { className: "soft", role: "status" });
     this.start = button("Preview", () => void editor.trying(() => this.ask()), { className: "main" });
-    this.pause = button("▶", () => this.toggle(), { "aria-label": "play or stop", hidden: true });
+    this.pause = button("Play", () => this.toggle(), { hidden: true });
     this.slider = make("input", { type: "range", min: "0", step: "any", value: "0", hidden: true, "aria-label": "time of the preview, s" });
     this.slider.addEventListener("input", () => this.seek(Number(this.slider.value)));
     this.end = button("End preview", () => this.stop(), { hidden: true });
@@ -98,7 +98,7 @@ export class Preview {
   /** @param {boolean} [on] */
   toggle(on = !this.playing) {
     this.playing = on && this.episode !== null;
-    this.pause.textContent = this.playing ? "⏸" : "▶";
+    this.pause.textContent = this.playing ? "Stop" : "Play";
     if (!this.playing) return;
     if (this.time >= (this.episode?.end ?? 0)) this.seek(0);
     this.last = performance.now();

@@ -1,0 +1,119 @@
+"""Topics of ROS 2 by rclpy, whatever middleware it has; messages go through as bytes. Their packages have to be installed."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from importlib import import_module
+from typing import Any, ClassVar
+
+from arena_core import ArenaError, one_line, tell
+from arena_ros.codec import Ros
+from arena_ros.transport import Heard, Publish, Transport
+from arena_ros2.quality import DEPTH, SENSORS
+
+NEEDED = "rclpy cannot be used ({}); allowed: a shell that has sourced a ROS 2 install, or transport=ros2-dds, which needs none"
+
+
+class Rclpy(Transport):
+    """A node of the graph that ROS_DOMAIN_ID and its like name; it shows in ``ros2 node list``."""
+
+    ros: ClassVar[Ros] = 2
+
+    def __init__(self, node: str) -> None:
+        try:
+            from rclpy.context import Context
+            from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+            from rclpy.node import Node
+
+            self._context = Context()
+            self._context.init()
+            self._node = Node(f"{node}_{os.getpid()}", context=self._context)
+        except Exception as error:  # what a half installed ROS or a middleware raises
+            raise ArenaError(NEEDED.format(one_line(f"{type(error).__name__}: {error}", 120))) from None
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self._node)
+
+        def spin() -> None:
+            with suppress(ExternalShutdownException):
+                self._executor.spin()
+
+        self._thread = threading.Thread(target=spin, daemon=True)
+        self._thread.start()
+        self._closed = False
+
+    def publisher(self, topic: str, type: str, latched: bool = False) -> Publish:
+        """Return what publishes, reliably; topics whose message package is not installed are left out, with a line."""
+        try:
+            publisher = self._node.create_publisher(_class(type), topic, _quality(True, latched))
+        except ArenaError as error:
+            tell(f"{error}; {topic} is not published")
+            return lambda content: None
+
+        def publish(content: bytes) -> None:
+            if not self._closed:
+                publisher.publish(content)
+
+        return publish
+
+    def subscribe(self, topic: str, type: str, heard: Heard, latched: bool = False) -> None:
+        """Hear a topic, in the node's thread; sensors also from publishers that are not reliable, as drivers are."""
+        quality = _quality(latched or type not in SENSORS, latched)
+        self._node.create_subscription(_class(type), topic, heard, quality, raw=True)
+        self._executor.wake()
+
+    def topics(self) -> Mapping[str, str]:
+        """Return what others publish, as far as it was discovered."""
+        found = self._node.get_topic_names_and_types()
+        return {topic: types[0] for topic, types in found if self.rivals(topic)}
+
+    def rivals(self, topic: str) -> list[str]:
+        """Return the other nodes that publish."""
+        own = self._node.get_name()
+        found = {(each.node_namespace.rstrip("/") + "/" + each.node_name) for each in self._node.get_publishers_info_by_topic(topic)}
+        return sorted(name for name in found if name != f"/{own}")
+
+    def serve(self, name: str, act: Callable[[], None]) -> bool:
+        """Offer a service, where std_srvs is installed."""
+        try:
+            kind = import_module("std_srvs.srv").Empty
+        except ImportError:
+            return False
+
+        def answer(request: Any, response: Any) -> Any:
+            act()
+            return response
+
+        self._node.create_service(kind, name, answer)
+        return True
+
+    def close(self) -> None:
+        """Leave the graph."""
+        if self._closed:
+            return
+        self._closed = True
+        self._executor.shutdown(1.0)
+        self._thread.join(1.0)
+        self._node.destroy_node()
+        self._context.try_shutdown()
+
+
+def _class(name: str) -> Any:
+    """Return a type's class; raise ArenaError where its package is not installed."""
+    package, _, own = name.partition("/msg/")
+    try:
+        return getattr(import_module(f"{package}.msg"), own)
+    except (ImportError, AttributeError):
+        raise ArenaError(f"rclpy knows no {name}: {package} is not installed") from None
+
+
+def _quality(reliable: bool, latched: bool) -> Any:
+    from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+    return QoSProfile(
+        depth=1 if latched else DEPTH,
+        reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+    )

@@ -1,0 +1,129 @@
+"""Runs that are under way, from their folders alone: what has finished, where running episodes are, how long it may take still."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from arena_core import ArenaError, InputFileError, find_runs, read_grid, read_table, record_path
+from arena_viewer.document import FREE, OCCUPIED, UNKNOWN, document, finite, read_recorded
+
+LOOK_EVERY, RUNS_EVERY = 0.2, 5.0  # s between two looks at the folder, and for new runs
+STALE = 10.0  # s after which a running episode that tells nothing counts as lost
+SHOWN, DRAWN = 200, 12  # rows of finished episodes, the newest, and running episodes, that are told
+ROW = ("episode", "preset", "robot", "world", "seed", "outcome", "success", "collisions", "time_to_goal", "error")
+
+
+class Watched:
+    """The runs at or below a folder, which need not be there yet."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._runs: list[Path] = []
+        self._tables: dict[Path, tuple[int, list[dict[str, str]]]] = {}
+        self._sought = self._looked = -RUNS_EVERY
+        self._state = b"{}"
+
+    def state(self, asked: Mapping[str, str]) -> tuple[str, bytes]:
+        """Return what is known now, JSON."""
+        now = time.monotonic()
+        if now - self._looked >= LOOK_EVERY:
+            self._looked = now
+            runs = [self._run(number, run) for number, run in enumerate(self._found(now))]
+            self._state = json.dumps(finite({"runs": runs, **_sums(runs)})).encode()
+        return "application/json", self._state
+
+    def document(self, asked: Mapping[str, str]) -> tuple[str, bytes]:
+        """Return the replay document of an episode that has finished."""
+        return "application/octet-stream", document([read_recorded(self._asked(asked), _number(asked, "episode"))])
+
+    def map(self, asked: Mapping[str, str]) -> tuple[str, bytes]:
+        """Return a run's map, JSON: its cells row by row, 0 free, 1 occupied, 2 unknown, each a digit."""
+        grid = read_grid(self._asked(asked) / asked.get("grid", "none"))
+        cells = grid.data.copy()
+        cells[:] = FREE
+        cells[grid.data < 0] = UNKNOWN
+        cells[grid.occupied] = OCCUPIED
+        height, width = cells.shape
+        said = {"width": width, "height": height, "resolution": grid.resolution, "origin": grid.origin.array().tolist()}
+        return "application/json", json.dumps({**said, "cells": (cells.astype("uint8") + ord("0")).tobytes().decode()}).encode()
+
+    def _found(self, now: float) -> list[Path]:
+        if now - self._sought >= RUNS_EVERY:
+            self._sought = now
+            with suppress(InputFileError):  # nothing is there yet
+                self._runs += [run for run in find_runs(self._folder) if run not in self._runs]  # a run keeps its number
+        return self._runs
+
+    def _asked(self, asked: Mapping[str, str]) -> Path:
+        number = _number(asked, "run")
+        if number >= len(self._runs):
+            raise InputFileError(f"run is {number}; allowed: less than {len(self._runs)}")
+        return self._runs[number]
+
+    def _run(self, number: int, folder: Path) -> dict[str, Any]:
+        try:
+            facts = json.loads((folder / "provenance.json").read_bytes())
+            began, total = (folder / "provenance.json").stat().st_mtime, int(facts["episodes"])
+        except (OSError, ValueError, KeyError, TypeError):
+            began, total = 0.0, 0
+        rows = self._rows(folder)
+        return {
+            "number": number,
+            "name": str(folder.relative_to(self._folder)) if folder != self._folder else folder.name,
+            "total": max(total, len(rows)),
+            "done": len(rows),
+            "new": sum(_is_newer(record_path(folder, int(row["episode"])), began) for row in rows[-SHOWN:]),
+            "seconds": time.time() - began if began else None,
+            "succeeded": sum(row.get("success") in ("1", "1.0") for row in rows),
+            "rows": [{name: row.get(name, "") for name in ROW} for row in rows[-SHOWN:]],
+            "running": _running(folder, {int(row["episode"]) for row in rows}),
+        }
+
+    def _rows(self, folder: Path) -> list[dict[str, str]]:
+        path = folder / "episodes.csv"
+        with suppress(OSError, ArenaError):  # where it is being replaced, the next look finds it
+            written = path.stat().st_mtime_ns
+            if self._tables.get(folder, (0,))[0] != written:
+                self._tables[folder] = written, [dict(row) for row in read_table(path, "a table that `arena run` wrote")[1]]
+        return self._tables.get(folder, (0, []))[1]
+
+
+def _running(folder: Path, done: set[int]) -> list[dict[str, Any]]:
+    """Return what running episodes told last."""
+    found = []
+    for path in sorted((folder / "live").glob("*.json"))[: 4 * DRAWN]:
+        try:
+            said, age = json.loads(path.read_bytes()), time.time() - path.stat().st_mtime
+        except (OSError, ValueError):
+            continue  # it has just ended
+        if isinstance(said, dict) and said.get("episode") not in done and age < STALE:
+            found.append(said)
+    return found[:DRAWN]
+
+
+def _sums(runs: list[dict[str, Any]]) -> dict[str, Any]:
+    """Return sums over runs, and how many s it may take still: None where nothing of this start has finished yet."""
+    total, done, succeeded = (sum(run[name] for run in runs) for name in ("total", "done", "succeeded"))
+    new, seconds = sum(run["new"] for run in runs), max((run["seconds"] or 0.0 for run in runs), default=0.0)
+    left = seconds * (total - done) / new if new else None
+    workers = len({said.get("worker") for run in runs for said in run["running"]})
+    return {"total": total, "done": done, "succeeded": succeeded, "left": 0.0 if runs and total == done else left, "workers": workers}
+
+
+def _is_newer(path: Path, since: float) -> bool:
+    try:
+        return path.stat().st_mtime >= since
+    except OSError:
+        return False
+
+
+def _number(asked: Mapping[str, str], name: str) -> int:
+    text = asked.get(name, "")
+    if not text.isascii() or not text.isdecimal() or len(text) > 9:
+        raise InputFileError(f"{name} is {text[:20]!r}; allowed: a number")
+    return int(text)
