@@ -135,7 +135,7 @@ def test_forms_are_made_from_what_is_installed(client: TestClient) -> None:
 
 def test_composing_tells_command_and_values_or_what_is_wrong(client: TestClient) -> None:
     answer = client.post("/api/run/compose", json={"choices": {"planner": ["pure_pursuit"]}, "values": {"episodes": "4"}})
-    assert answer.json()["command"] == "arena run planner=pure_pursuit episodes=4"
+    assert answer.json()["command"] == "arena run planner=pure_pursuit episodes=4 recording.live=true"
     assert answer.json()["values"]["robot.name"] == "turtlebot3"
     wrong = client.post("/api/run/compose", json={"values": {"episodse": "4"}})
     assert wrong.status_code == 400

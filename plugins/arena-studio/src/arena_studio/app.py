@@ -32,7 +32,7 @@ def make_app(project: Project, token: str, hosts: frozenset[str] | None = LOOPBA
     app.state.project = project
     _tell_errors(app)
     experiments = Experiments(project)
-    for routes in (runs.router(experiments), live.router(experiments)):
+    for routes in (runs.router(experiments), live.router(experiments), replays.watching(experiments)):
         app.include_router(routes)
     for part in (results, replays, maps, scenarios, curricula):
         app.include_router(part.router(project))

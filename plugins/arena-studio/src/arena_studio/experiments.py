@@ -117,6 +117,10 @@ class Experiments:
         with self._lock:
             return self._standing(self._one(name))
 
+    def folder(self, name: str) -> Path:
+        """Return the folder of an experiment, above those of its jobs."""
+        return self._project.path(self._one(name).folder)
+
     def all(self) -> list[dict[str, Any]]:
         """Return how all stand, the youngest first."""
         with self._lock:

@@ -1,23 +1,27 @@
-"""``/replay`` and ``/report``: an episode in the viewer, and a run's report, each with a policy of its own."""
+"""``/replay``, ``/watch`` and ``/report``: episodes in the viewer, runs under way, reports, each with a policy of its own."""
 
 from __future__ import annotations
 
+import re
 import stat
 from pathlib import Path
 from typing import Annotated
 
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse, PlainTextResponse, Response
 
 from arena_core import ArenaError
 from arena_studio.errors import Missing, TooLarge, status_of
+from arena_studio.experiments import Experiments
 from arena_studio.project import Project
 from arena_viewer.document import Recorded, document, read_recorded
-from arena_viewer.page import page
+from arena_viewer.live import Watched
+from arena_viewer.page import live_page, page
 from arena_viewer.serving import POLICY
 
 MOST = 12  # episodes beside each other
 REPORT_POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; sandbox allow-scripts"
+GRID = re.compile(r"worlds/[0-9a-f]+\.npz")  # as a run writes them
 LARGEST_REPORT = 200_000_000  # bytes
 Episode = Annotated[int, Query(ge=0, le=10**9)]
 Runs = Annotated[list[str], Query(max_length=MOST)]
@@ -30,7 +34,7 @@ def router(project: Project) -> APIRouter:
     @routes.get("/replay/")
     def replay() -> HTMLResponse:
         """Return the viewer; it fetches the document by the same query."""
-        return HTMLResponse(page("arena replay", None), headers={"Content-Security-Policy": POLICY})
+        return _viewer(page("arena replay", None))
 
     @routes.get("/replay/document")
     def replayed(run: Runs, episode: Episode) -> Response:
@@ -48,6 +52,46 @@ def router(project: Project) -> APIRouter:
         return HTMLResponse(_text(path, folder), headers={"Content-Security-Policy": REPORT_POLICY})
 
     return routes
+
+
+def watching(experiments: Experiments) -> APIRouter:
+    """Return the routes of experiments under way, each below its name: the viewer's page and what it asks for."""
+    routes = APIRouter(prefix="/watch/{name}")
+    watched: dict[str, Watched] = {}
+
+    def answer(name: str, what: str, request: Request) -> Response:
+        one = watched.setdefault(name, Watched(experiments.folder(name)))
+        asked = dict(request.query_params)
+        if what == "map" and not GRID.fullmatch(asked.get("grid", "")):
+            raise Missing("there is no such map")
+        kind, content = {"state": one.state, "map": one.map, "document": one.document}[what](asked)
+        return Response(content, media_type=kind, headers={"Cache-Control": "no-store"})
+
+    @routes.get("/")
+    def watch(name: str) -> HTMLResponse:
+        return _viewer(live_page(experiments.standing(name)["folder"]))
+
+    @routes.get("/replay")
+    def replay(name: str) -> HTMLResponse:
+        return _viewer(page("arena replay", None))
+
+    @routes.get("/state")
+    def state(name: str, request: Request) -> Response:
+        return answer(name, "state", request)
+
+    @routes.get("/map")
+    def grid(name: str, request: Request) -> Response:
+        return answer(name, "map", request)
+
+    @routes.get("/document")
+    def document_of(name: str, request: Request) -> Response:
+        return answer(name, "document", request)
+
+    return routes
+
+
+def _viewer(text: str) -> HTMLResponse:
+    return HTMLResponse(text, headers={"Content-Security-Policy": POLICY})
 
 
 def recorded(project: Project, run: str, episode: int) -> Recorded:

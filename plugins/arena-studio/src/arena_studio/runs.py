@@ -88,7 +88,8 @@ def _group(name: str, chosen: str) -> dict[str, Any]:
 
 
 def _composed(wanted: Wanted) -> Composition:
-    return composition(wanted.choices, wanted.values, wanted.more)
+    """Compose what is wanted; unless it says otherwise, episodes can be watched as they run."""
+    return composition(wanted.choices, {**wanted.values, "recording.live": wanted.values.get("recording.live", "true")}, wanted.more)
 
 
 def _told(composed: Composition, wanted: Wanted) -> dict[str, Any]:

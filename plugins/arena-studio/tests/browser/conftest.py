@@ -95,7 +95,7 @@ def show(chromium: Any, studio: Studio) -> Iterator[Callable[..., Shown]]:
     opened: list[Shown] = []
 
     def open_page(place: str, width: int = 1280, height: int = 900) -> Shown:
-        page = chromium.new_page(viewport={"width": width, "height": height})
+        page = chromium.new_context(viewport={"width": width, "height": height}).new_page()
         page.set_default_timeout(1000 * PATIENCE)
         shown = Shown(page)
         page.on("console", lambda message: shown.complaints.append(message.text) if message.type in ("error", "warning") else None)
@@ -106,4 +106,4 @@ def show(chromium: Any, studio: Studio) -> Iterator[Callable[..., Shown]]:
 
     yield open_page
     for shown in opened:
-        shown.page.close()
+        shown.page.context.close()

@@ -13,6 +13,7 @@ import pytest
 from arena_core import EPISODE_COLUMNS
 
 pytestmark = pytest.mark.browser
+TOP = Path(__file__).resolve().parents[4]
 QUICK = "world=empty pedestrians=none task.time_limit=10 report=false executor=serial"
 
 
@@ -46,7 +47,7 @@ def test_experiment_is_composed_started_watched_and_its_episode_replayed(show: C
     page.get_by_label("more words of the command line").fill(QUICK)
     page.get_by_label("folder of the run").fill("outputs/first")
     page.get_by_text("every value is allowed").wait_for()
-    command = "arena run planner=pure_pursuit robot=jackal episodes=2 world=empty"
+    command = "arena run planner=pure_pursuit robot=jackal episodes=2 recording.live=true world=empty"
     assert page.locator("#command").inner_text().startswith(command)
     page.reload()
     page.get_by_text("every value is allowed").wait_for()
@@ -143,3 +144,15 @@ def test_pages_fit_their_window_and_say_when_the_studio_is_gone(show: Callable[.
     gone = "no connection to the studio" if place == "run" else "the studio does not answer"
     shown.page.get_by_text(gone).wait_for()
     studio.start()
+
+
+@pytest.mark.parametrize("place", ["run", "results"])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_pages_are_accessible(show: Callable[..., Any], studio: Any, place: str, scheme: str) -> None:
+    write_run(studio.folder / "a", "dwa", 3)
+    page = show(place).page
+    page.emulate_media(color_scheme=scheme, reduced_motion="reduce")
+    page.locator("#command:not(:empty), .episodes tbody tr").first.wait_for()
+    page.evaluate((TOP / "node_modules" / "axe-core" / "axe.min.js").read_text())
+    found = page.evaluate("axe.run().then((said) => said.violations.map((one) => `${one.id}: ${one.nodes.map((node) => node.html)}`))")
+    assert found == []

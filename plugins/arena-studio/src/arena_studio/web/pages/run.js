@@ -41,9 +41,9 @@ class RunPage {
 
   layOut() {
     const again = button("Begin anew", () => this.anew(), { className: "quiet" });
-    const start = make("div", { className: "panel start" }, make("h2", {}, "Command line"), this.command, this.verdict, make("div", { className: "row" }, this.starter, again));
-    const under = make("section", { "aria-label": "experiments" }, make("h2", {}, "Experiments"), this.list);
-    this.root.append(make("h1", {}, "Run an experiment"), make("div", { className: "two" }, this.form, make("div", { className: "side" }, start, under)));
+    const start = make("section", { className: "panel start", "aria-label": "start" }, make("h2", {}, "Command line"), this.command, this.verdict, make("div", { className: "row" }, this.starter, again));
+    const under = make("section", { className: "under", "aria-label": "experiments" }, make("h2", {}, "Experiments"), this.list);
+    this.root.append(make("h1", {}, "Run an experiment"), make("div", { className: "two" }, start, this.form, under));
   }
 
   /** @param {Group[]} groups @param {Parameter[]} settings */

@@ -41,16 +41,17 @@ export class Experiments {
   /** @param {HTMLElement} card @param {Experiment} one */
   fill(card, one) {
     const focused = card.contains(document.activeElement) ? /** @type {HTMLElement} */ (document.activeElement).dataset.act : undefined;
-    const opened = [...card.querySelectorAll("details")].map((details) => details.open);
+    const opened = new Map([...card.querySelectorAll("details")].map((details) => [details.dataset.part, details.open]));
     card.dataset.state = one.state;
     card.replaceChildren(this.head(one), bar(one), facts(one), ...(one.last.length ? [rows(one)] : []), ...said(one));
-    card.querySelectorAll("details").forEach((details, index) => (details.open = opened[index] ?? details.open));
+    for (const details of card.querySelectorAll("details")) details.open = opened.get(details.dataset.part) ?? details.open;
     if (focused) /** @type {HTMLElement | null} */ (card.querySelector(`[data-act="${focused}"]`))?.focus();
   }
 
   /** @param {Experiment} one */
   head(one) {
     const running = one.state === "running" || one.state === "stopping";
+    const watch = make("a", { href: `/watch/${one.name}/`, target: "_blank", rel: "noopener" }, "watch");
     const results = make("a", { href: `#/results?${new URLSearchParams({ text: one.folder })}` }, "results");
     const acts = /** @type {["stop" | "resume" | "forget", string, boolean][]} */ ([
       ["stop", one.state === "stopping" ? "stop at once" : "stop", running],
@@ -59,7 +60,7 @@ export class Experiments {
     ]);
     const buttons = acts.filter(([, , offered]) => offered).map(([act, text]) => button(text, () => this.act(one.name, act), { "data-act": act }));
     const state = make("span", { className: `state ${one.state.replace(" ", "-")}` }, NAMES[one.state] ?? one.state);
-    return make("div", { className: "row" }, state, make("h3", { className: "grow" }, one.folder), ...(one.done ? [results] : []), ...buttons);
+    return make("div", { className: "row" }, state, make("h3", { className: "grow" }, one.folder), ...(running ? [watch] : []), ...(one.done ? [results] : []), ...buttons);
   }
 }
 
@@ -90,7 +91,7 @@ function rows(one) {
     return make("tr", {}, ...cells, outcome, make("td", { className: "number" }, time), make("td", {}, link));
   });
   const table = make("table", {}, make("thead", {}, make("tr", {}, ...head)), make("tbody", {}, ...lines));
-  return make("details", { open: true }, make("summary", {}, "last episodes"), make("div", { className: "scroll", tabIndex: 0, role: "region", "aria-label": "last episodes" }, table));
+  return make("details", { open: true, "data-part": "rows" }, make("summary", {}, "last episodes"), make("div", { className: "scroll", tabIndex: 0, role: "region", "aria-label": "last episodes" }, table));
 }
 
 /** @param {Experiment} one */
@@ -99,6 +100,6 @@ function said(one) {
   const last = one.said.at(-1) ?? "";
   const line = wrong && last ? [make("p", { className: one.state === "refused" ? "bad" : "warn" }, last)] : [];
   const log = make("pre", { className: "code log", tabIndex: 0 }, one.said.join("\n"));
-  const details = make("details", {}, make("summary", {}, "command and what it printed"), make("p", { className: "code" }, one.command), log);
+  const details = make("details", { "data-part": "said" }, make("summary", {}, "command and what it printed"), make("p", { className: "code" }, one.command), log);
   return [...line, details];
 }

@@ -37,7 +37,7 @@ export function parameterFields(inside, parameters, given, changed) {
     input.dataset.key = parameter.key;
     input.addEventListener("change", () => changed(parameter.key, input.value));
     const unit = parameter.unit && parameter.unit !== "-" ? ` [${parameter.unit}]` : "";
-    const hint = [parameter.text, parameter.allowed && `allowed: ${parameter.allowed}`].filter(Boolean).join("; ");
+    const hint = [parameter.text, parameter.kind !== "choice" && parameter.allowed && `allowed: ${parameter.allowed}`].filter(Boolean).join("; ");
     const name = parameter.key.startsWith(`${inside}.`) ? parameter.key.slice(inside.length + 1) : parameter.key;
     return field(name + unit, input, hint);
   });
