@@ -14,6 +14,7 @@ from arena_core import EPISODE_COLUMNS
 
 pytestmark = pytest.mark.browser
 TOP = Path(__file__).resolve().parents[4]
+COMPILED = 600_000  # ms: kernels may have to be compiled
 QUICK = "world=empty pedestrians=none task.time_limit=10 report=false executor=serial"
 
 
@@ -53,7 +54,7 @@ def test_experiment_is_composed_started_watched_and_its_episode_replayed(show: C
     page.get_by_text("every value is allowed").wait_for()
     assert page.locator("#command").inner_text().startswith(command)
     page.locator("button.main:enabled").click()
-    page.locator('.experiment[data-state="finished"]').wait_for()
+    page.locator('.experiment[data-state="finished"]').wait_for(timeout=COMPILED)
     assert page.locator(".experiment tbody tr").count() == 2
     assert (studio.folder / "outputs/first/episodes.csv").exists()
     with page.expect_popup() as opened:
