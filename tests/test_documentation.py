@@ -15,6 +15,7 @@ import arena_core
 from arena_core import LIMITS, Observation, load_registry, testing
 from arena_core.contracts import hookspecs, interfaces, learning
 from arena_core.loop.guide import ReplanRules
+from arena_core.loop.record_layout import EXTRAS
 from arena_core.runs.benchmark import RunSettings
 from arena_core.testing import record
 
@@ -104,7 +105,7 @@ def documented_arrays():
 
 
 def test_every_array_of_a_record_is_documented():
-    assert set(documented_arrays()) == {*record().arrays, "scan_ranges"}
+    assert set(documented_arrays()) == {*record().arrays, "scan_ranges", *EXTRAS}
 
 
 def test_the_types_of_arrays_are_as_documented():

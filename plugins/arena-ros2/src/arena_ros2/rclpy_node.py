@@ -96,7 +96,7 @@ class Rclpy(Transport):
         self._closed = True
         self._executor.shutdown(1.0)
         self._thread.join(1.0)
-        self._node.destroy_node()
+        self._node.destroy_node()  # type: ignore[no-untyped-call, unused-ignore]
         self._context.try_shutdown()
 
 
@@ -112,7 +112,7 @@ def _class(name: str) -> Any:
 def _quality(reliable: bool, latched: bool) -> Any:
     from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-    return QoSProfile(
+    return QoSProfile(  # type: ignore[no-untyped-call, unused-ignore]
         depth=1 if latched else DEPTH,
         reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
         durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,

@@ -51,11 +51,11 @@ class Packing(BaseModel):
 def router(project: Project) -> APIRouter:
     """Return the routes below /api/curricula."""
     routes = APIRouter(prefix="/api/curricula")
-    quick, slow = beside(project.root)
+    side = beside(project.root)
 
     @routes.get("")
     def listed() -> Any:
-        return quick.ask("curricula", SOON, names=project.files(SUFFIXES))
+        return side.files.ask("curricula", SOON, names=project.files(SUFFIXES))
 
     @routes.get("/file")
     def opened(path: Path) -> dict[str, Any]:
@@ -63,44 +63,44 @@ def router(project: Project) -> APIRouter:
             version: str | None = project.read(path).version
         else:
             version = None  # one that comes with the suite
-        return {"path": path, "version": version, "levels": quick.ask("levels", SOON, name=path)}
+        return {"path": path, "version": version, "levels": side.files.ask("levels", SOON, name=path)}
 
     @routes.put("/file")
     def saved(path: Path, levels: list[Row], version: Version) -> dict[str, str]:
         project.path(path)
         if not path.endswith(SUFFIXES):
             raise ArenaError(f"path is {path}; allowed: a name that ends in .yaml or .yml")
-        made = quick.ask("check levels", SOON, rows=levels)
+        made = side.files.ask("check levels", SOON, rows=levels)
         if made["findings"]:
             raise ArenaError(f"{path}: {made['findings'][0]['line']}")
         return {"version": project.write(path, made["text"].encode(), known(version))}
 
     @routes.post("/check")
     def checked(levels: list[Row]) -> Any:
-        return quick.ask("check levels", SOON, rows=levels)
+        return side.files.ask("check levels", SOON, rows=levels)
 
     @routes.post("/draws")
     def draws(asked: Drawing) -> Any:
         if asked.map:
             project.path(asked.map)
         given = {key: getattr(asked, key) for key in ("rules", "world", "difficulty", "robot", "seed", "count")}
-        return slow.ask("draws", LONG, **given, map_file=asked.map)
+        return side.long.ask("draws", LONG, **given, map_file=asked.map)
 
     @routes.post("/rules")
     def kept(asked: Keeping) -> dict[str, str]:
-        text = quick.ask("rules", SOON, name=asked.name, rules=asked.rules)
+        text = side.files.ask("rules", SOON, name=asked.name, rules=asked.rules)
         path = f"conf/task/{asked.name}.yaml"
         return {"path": path, "version": project.write(path, text.encode(), None)}
 
     @routes.get("/packs")
     def packs() -> Any:
-        return quick.ask("packs", SOON, names=project.files(SUFFIXES))
+        return side.files.ask("packs", SOON, names=project.files(SUFFIXES))
 
     @routes.post("/packs")
     def pack(asked: Packing) -> Any:
         for path in (asked.folder, *asked.files):
             project.path(path)
         said = {key: getattr(asked, key) for key in ("id", "version", "title", "licence")}
-        return quick.ask("pack", SOON, folder=asked.folder, files=asked.files, said=said)
+        return side.files.ask("pack", SOON, folder=asked.folder, files=asked.files, said=said)
 
     return routes

@@ -55,47 +55,47 @@ class Exporting(Content):
 def router(project: Project) -> APIRouter:
     """Return the routes below /api/scenarios."""
     routes = APIRouter(prefix="/api/scenarios")
-    quick, slow = beside(project.root)
+    side = beside(project.root)
 
     @routes.get("")
     def listed() -> Any:
-        return quick.ask("list", SOON, names=project.files((".json",)))
+        return side.files.ask("list", SOON, names=project.files((".json",)))
 
     @routes.get("/kinds")
     def kinds() -> Any:
-        return quick.ask("kinds", SOON)
+        return side.files.ask("kinds", SOON)
 
     @routes.get("/file")
     def opened(path: Path) -> Any:
         version = project.read(path).version
-        return {"path": path, "version": version, **quick.ask("open", SOON, name=path)}
+        return {"path": path, "version": version, **side.files.ask("open", SOON, name=path)}
 
     @routes.put("/file")
     def saved(path: Path, content: dict[str, Any], version: Version) -> dict[str, str]:
         project.path(path)
         if not path.endswith(".json"):
             raise ArenaError(f"path is {path}; allowed: a name that ends in .json")
-        text = quick.ask("text", SOON, name=path, content=content)
+        text = side.files.ask("text", SOON, name=path, content=content)
         return {"version": project.write(path, text.encode(), known(version))}
 
     @routes.get("/map")
     def map_cells(path: Path) -> Any:
         project.path(path)
-        return quick.ask("map", SOON, name=path)
+        return side.files.ask("map", SOON, name=path)
 
     @routes.post("/check")
     def checked(asked: Checking) -> Any:
-        return quick.ask("check", SOON, **_of(project, asked), robot=asked.robot, pedestrians=asked.pedestrians)
+        return side.checks.ask("check", LONG, **_of(project, asked), robot=asked.robot, pedestrians=asked.pedestrians)
 
     @routes.post("/preview")
     def preview(asked: Previewing) -> Any:
         chosen = {key: getattr(asked, key) for key in ("scene", "robot", "planner", "pedestrians", "seconds", "seed")}
-        return slow.ask("preview", LONG, **_of(project, asked), **chosen)
+        return side.long.ask("preview", LONG, **_of(project, asked), **chosen)
 
     @routes.post("/export")
     def exported(asked: Exporting) -> dict[str, Any]:
         project.path(asked.target)
-        made = quick.ask("export", SOON, **_of(project, asked), scene=asked.scene, written=asked.format, target=asked.target)
+        made = side.files.ask("export", SOON, **_of(project, asked), scene=asked.scene, written=asked.format, target=asked.target)
         for path, text in sorted(made["texts"].items(), key=lambda row: row[0] == asked.target):  # what it names comes first
             project.write(path, text.encode(), None)
         return {"written": sorted(made["texts"]), "left_out": made["left_out"]}

@@ -12,7 +12,7 @@ import time
 from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from arena_core import ArenaError
 
@@ -79,10 +79,18 @@ class SideProcess:
         self._process = None
 
 
+class Beside(NamedTuple):
+    """A project's processes: for files, which must be answered at once; for checks; and for what simulates or draws."""
+
+    files: SideProcess
+    checks: SideProcess
+    long: SideProcess
+
+
 @lru_cache(maxsize=16)
-def beside(root: Path) -> tuple[SideProcess, SideProcess]:
-    """Return a project's two processes: one for what is answered at once, one for what takes its time."""
-    return SideProcess(root), SideProcess(root)
+def beside(root: Path) -> Beside:
+    """Return the processes of a project."""
+    return Beside(SideProcess(root), SideProcess(root), SideProcess(root))
 
 
 def _line(process: subprocess.Popen[bytes], until: float) -> bytes:

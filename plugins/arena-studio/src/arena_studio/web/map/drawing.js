@@ -114,7 +114,7 @@ export function walls(desk, facts, thin) {
 export function box(desk) {
   /** @type {Point | null} */ let from = null;
   /** @type {Point | null} */ let to = null;
-  const corners = () => {
+  const around = () => {
     const map = desk.map();
     if (!map || !from || !to) return [];
     const [[a, b], [c, d]] = [toCells(map.frame, from), toCells(map.frame, to)];
@@ -128,7 +128,7 @@ export function box(desk) {
     down: (hand) => void (from = to = snap(desk, hand)),
     move: (hand) => void (to = snap(desk, hand)),
     up: () => {
-      const [map, cells] = [desk.map(), corners()];
+      const [map, cells] = [desk.map(), around()];
       [from, to] = [null, null];
       if (!map || !cells.length) return;
       const width = desk.pencil.width / map.frame.resolution;
@@ -137,7 +137,7 @@ export function box(desk) {
     cancel: () => void (from = to = null),
     draw: (context, view) => {
       const map = desk.map();
-      if (map && from) path(context, corners().map((cell) => toMetres(map.frame, cell)), true, 2 * view.pixel, desk.colour());
+      if (map && from) path(context, around().map((cell) => toMetres(map.frame, cell)), true, 2 * view.pixel, desk.colour());
     },
   };
 }

@@ -133,8 +133,8 @@ export class Editor {
   /** @param {import("./model.js").Header} header @param {Uint8Array} cells @param {string} name @param {boolean} [fit] */
   #take(header, cells, name, fit = true) {
     this.map = new OpenMap(this.context, header, cells, name, {
-      cells: (box) => {
-        this.tiles?.change(box);
+      cells: (changed) => {
+        this.tiles?.change(changed);
         this.view.request();
       },
       steps: () => this.show(),

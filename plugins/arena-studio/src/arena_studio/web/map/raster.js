@@ -47,8 +47,8 @@ export function stroke(from, to, radius, fill) {
   const [top, bottom] = [Math.min(from[1], to[1]) - radius, Math.max(from[1], to[1]) + radius];
   for (let row = Math.floor(top); row <= bottom; row++) {
     const y = row + 0.5;
-    const ends = [...disc(from, radius, y), ...disc(to, radius, y), ...crossings(band, y)];
-    if (ends.length) run(fill, row, Math.min(...ends), Math.max(...ends)); // the shape is convex: one run
+    const edges = [...disc(from, radius, y), ...disc(to, radius, y), ...crossings(band, y)];
+    if (edges.length) run(fill, row, Math.min(...edges), Math.max(...edges)); // the shape is convex: one run
   }
 }
 

@@ -25,7 +25,7 @@ export function ground(shown) {
 function seenCells(view, frame) {
   const [left, right, bottom, top] = view.seen;
   const corners = [left, right].flatMap((x) => [bottom, top].map((y) => toCells(frame, [x, y])));
-  const [columns, rows] = [0, 1].map((axis) => corners.map((corner) => corner[axis]));
+  const [columns, rows] = [0, 1].map((side) => corners.map((corner) => corner[side]));
   return { left: Math.floor(Math.min(...columns)), right: Math.ceil(Math.max(...columns)), top: Math.floor(Math.min(...rows)), bottom: Math.ceil(Math.max(...rows)) };
 }
 

@@ -227,13 +227,15 @@ export class Editor {
     const turn = ++this.turn;
     this.checking = "checking";
     this.show();
+    let done = false;
     await this.trying(async () => {
       const { findings, robot } = await this.context.api.post("/api/scenarios/check", this.asked);
       if (turn !== this.turn) return;
       this.findings = findings;
       this.robot = robot ?? this.robot;
+      done = true;
     });
-    if (turn === this.turn) this.checking = "checked";
+    if (turn === this.turn) this.checking = done ? "checked" : "";
     this.show();
   }
 
