@@ -37,8 +37,9 @@ def test_rules_draw_ten_scenes_and_become_a_scenario_file(show: Callable[..., An
     shown = show("task?part=rules")
     page = shown.page
     page.locator(".rule", has_text="pedestrians").first.wait_for()
+    page.get_by_label("world or map").select_option("map:maps/hall/map.yaml")
     page.locator(".rule", has_text="pedestrians").first.locator("input").fill("3")
-    page.locator("fieldset", has_text="trip").locator("input").first.fill("4")
+    page.locator("fieldset:has(legend:text-is('trip'))").locator("input").first.fill("4")
     page.keyboard.press("Tab")
     page.locator("code", has_text="task.pedestrians=3 task.trip.min_distance=4").wait_for()
     page.click("button:has-text('Draw ten')")
