@@ -92,13 +92,14 @@ def photograph_runs(page: Any, target: Path) -> None:
     """Start a sweep in the page Run, and photograph it as it goes on and once it has ended."""
     page.get_by_label("planner", exact=True).select_option("pure_pursuit")
     page.get_by_label("planner: compare with another").click()
-    page.get_by_label("planner, another").select_option("dwa")
+    page.get_by_label("planner, another").select_option("rosnav")
     page.get_by_label("robot", exact=True).select_option("jackal")
-    page.get_by_label("episodes", exact=True).fill("6")
-    page.get_by_label("more words of the command line").fill("task.pedestrians=4 task.time_limit=30 report=false")
+    page.get_by_label("episodes", exact=True).fill("8")
+    page.get_by_label("more words of the command line").fill("world=empty pedestrians=none task.time_limit=30 report=false executor=serial")
     page.get_by_label("folder of the run").fill("multirun/first")
     page.locator("button.main:enabled").click()
     page.locator(".experiment tbody tr").nth(1).wait_for()
+    page.evaluate("document.getElementById('page').scrollTo(0, 0)")
     page.screenshot(path=target / "studio-run.png")
     page.locator('.experiment[data-state="finished"]').wait_for()
 

@@ -147,6 +147,7 @@ class RunPage {
     try {
       const started = await this.context.api.post("/api/run/start", this.wanted);
       this.context.say(`started: ${started.folder}`);
+      this.list.scrollIntoView({ block: "nearest" });
     } catch (error) {
       this.wrong(error);
     }

@@ -82,13 +82,13 @@ function facts(one) {
 
 /** @param {Experiment} one */
 function rows(one) {
-  const head = ["episode", "planner", "robot", "world", "outcome", "time to goal [s]", ""].map((text) => make("th", { scope: "col" }, text));
+  const head = ["replay", "episode", "planner", "robot", "world", "outcome", "time to goal [s]"].map((text) => make("th", { scope: "col" }, text));
   const lines = one.last.map((row) => {
     const link = make("a", { href: replayAddress(one.folders[row.job], row.episode), target: "_blank", rel: "noopener" }, "replay");
     const time = row.time_to_goal && Number.isFinite(Number(row.time_to_goal)) ? Number(row.time_to_goal).toFixed(1) : "";
     const outcome = make("td", { title: row.error ?? "" }, (row.outcome ?? "").replaceAll("_", " "));
     const cells = [row.episode, row.preset, row.robot, row.world].map((text) => make("td", {}, text ?? ""));
-    return make("tr", {}, ...cells, outcome, make("td", { className: "number" }, time), make("td", {}, link));
+    return make("tr", {}, make("td", {}, link), ...cells, outcome, make("td", { className: "number" }, time));
   });
   const table = make("table", {}, make("thead", {}, make("tr", {}, ...head)), make("tbody", {}, ...lines));
   return make("details", { open: true, "data-part": "rows" }, make("summary", {}, "last episodes"), make("div", { className: "scroll", tabIndex: 0, role: "region", "aria-label": "last episodes" }, table));
