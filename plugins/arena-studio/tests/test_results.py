@@ -159,7 +159,7 @@ def test_replay_and_report_of_what_is_not_there_are_told(client: TestClient, fol
         assert answer.status_code == status, answer.text
     assert client.get("/report/run").status_code == 404
     assert client.get("/report/..%2f..%2fetc").status_code in (400, 404)
-    (folder / "run" / "report.html").write_text("<script>1</script>")
+    (folder / "run" / "index.html").write_text("<script>1</script>")
     answer = client.get("/report/run")
     assert "sandbox" in answer.headers["content-security-policy"]
     assert "allow-same-origin" not in answer.headers["content-security-policy"]

@@ -9,7 +9,7 @@ from urllib.parse import urlsplit
 import pytest
 
 import arena_core as arena
-from arena_core import ConfigurationError
+from arena_core import ConfigurationError, InputFileError
 from arena_viewer.command import ReplayCommand
 from arena_viewer.document import read_document
 from arena_viewer.live import STALE, Watched
@@ -24,6 +24,14 @@ def folder(tmp_path_factory):
     where = tmp_path_factory.mktemp("live") / "sweep" / "0"
     arena.run([*WORDS, "executor=serial", "localizer=ground_truth", "report=false", "recording.live=true"], where)
     return where
+
+
+def test_no_file_but_maps_of_the_run_is_read(folder):
+    watched = Watched(folder)
+    watched.state({})
+    for name in ("", "../0/worlds/00.npz", "worlds/../records/0000.npz", "records/0000.npz", "/etc/passwd"):
+        with pytest.raises(InputFileError, match=r"allowed: worlds/HASH\.npz"):
+            watched.map({"run": "0", "grid": name})
 
 
 def state_of(watched):

@@ -48,7 +48,7 @@ def router(project: Project) -> APIRouter:
     @routes.get("/report/{folder:path}")
     def report(folder: str) -> HTMLResponse:
         """Return a report's page, which the browser keeps apart from the studio: it may have come with a folder from elsewhere."""
-        path = project.path(f"{folder}/report.html")
+        path = project.path(f"{folder}/index.html")
         return HTMLResponse(_text(path, folder), headers={"Content-Security-Policy": REPORT_POLICY})
 
     return routes

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import json
+import re
 import time
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from arena_core import ArenaError, InputFileError, find_runs, read_grid, read_table, record_path
+from arena_core import ArenaError, InputFileError, find_runs, one_line, read_grid, read_table, record_path
 from arena_viewer.document import FREE, OCCUPIED, UNKNOWN, document, finite, read_recorded
 
 LOOK_EVERY, RUNS_EVERY = 0.2, 5.0  # s between two looks at the folder, and for new runs
+GRID = re.compile(r"worlds/[0-9a-f]+\.npz")  # as a run writes them
 STALE = 10.0  # s after which a running episode that tells nothing counts as lost
 SHOWN, DRAWN = 200, 12  # rows of finished episodes, the newest, and running episodes, that are told
 ROW = ("episode", "preset", "robot", "world", "seed", "outcome", "success", "collisions", "time_to_goal", "error")
@@ -43,7 +45,10 @@ class Watched:
 
     def map(self, asked: Mapping[str, str]) -> tuple[str, bytes]:
         """Return a run's map, JSON: its cells row by row, 0 free, 1 occupied, 2 unknown, each a digit."""
-        grid = read_grid(self._asked(asked) / asked.get("grid", "none"))
+        name = asked.get("grid", "")
+        if not GRID.fullmatch(name):
+            raise InputFileError(f"grid is {one_line(repr(name), 80)}; allowed: worlds/HASH.npz, as an episode says")
+        grid = read_grid(self._asked(asked) / name)
         cells = grid.data.copy()
         cells[:] = FREE
         cells[grid.data < 0] = UNKNOWN
