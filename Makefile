@@ -28,7 +28,7 @@ help:
 	@echo "make lint-js  ESLint, and TypeScript on the pages' JavaScript (installs both beside it; needs node)"
 	@echo "make test-js  the unit tests of the pages' JavaScript, by node's own runner"
 	@echo "make docs   build the documentation into site/"
-	@echo "make fuzz   a hundred thousand spoilt files for all readers (half an hour); FUZZ_EXAMPLES=N: N for each"
+	@echo "make fuzz   a hundred thousand spoilt files for all readers, ten thousand spoilt requests for the studio (an hour); FUZZ_EXAMPLES=N: N for each"
 	@echo "make results-check  drive 40 episodes of experiment=paper anew and say which are not those of docs/results/check.json; FIRST=N: N of them"
 	@echo "make bench  speed against named peers (installs the peers)"
 	@echo "make policies  train every policy that comes with a package, two at a time; goes on where it was cut off"
@@ -89,6 +89,7 @@ docs: .venv/.docs
 
 fuzz: setup
 	FUZZ_EXAMPLES=$(FUZZ_EXAMPLES) $(BIN)/pytest tests/fuzz -q -s
+	FUZZ_REQUESTS=10000 $(BIN)/pytest plugins/arena-studio/tests/test_studio_fuzz.py -q -s
 
 results-check: setup
 	$(BIN)/python scripts/results_check.py --first $(FIRST)
