@@ -28,7 +28,7 @@ class Opened:
         return int(self.page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth"))
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")  # of one folder at a time: playwright starts once in a process
 def chromium() -> Iterator[Any]:
     """Start the browser: the system's chromium, else playwright's own."""
     from playwright.sync_api import sync_playwright

@@ -29,7 +29,8 @@ ALLOWED = "what the studio wrote"
 class Experiment:
     """One experiment that was started: the ``words`` behind ``arena``, its folder, and the process that runs or ran it.
 
-    ``status`` is the exit status, None while it runs or where nobody has seen its end.
+    ``status`` is the exit status, None while it runs or where nobody has seen its end. ``created`` says when the process began, s since
+    1970, by which it is told from a later one of the same id; it is a text, for settings hold no numbers as large.
     """
 
     name: str
@@ -39,14 +40,14 @@ class Experiment:
     episodes: int
     began: str
     pid: int
-    created: float
+    created: str
     status: int | None
     interrupted: bool
 
     @property
     def process(self) -> Process:
         """Return the process."""
-        return Process(self.pid, self.created)
+        return Process(self.pid, float(self.created))
 
 
 class Experiments:
@@ -75,7 +76,7 @@ class Experiments:
         with self._lock:
             process = start(words, self._project.root, self._log(name))
             began = datetime.now(UTC).isoformat(timespec="seconds")
-            facts = (name, words, folder, composition.jobs, composition.episodes, began, process.pid, process.created, None, False)
+            facts = (name, words, folder, composition.jobs, composition.episodes, began, process.pid, repr(process.created), None, False)
             self._keep(Experiment(*facts))
         return self.standing(name)
 
@@ -98,7 +99,7 @@ class Experiments:
             words = [*(word for word in one.words if not word.startswith("resume=")), "resume=true"]
             process = start(words, self._project.root, self._log(name))
             self._progress.pop(name, None)
-            self._keep(replace(one, words=words, pid=process.pid, created=process.created, status=None, interrupted=False))
+            self._keep(replace(one, words=words, pid=process.pid, created=repr(process.created), status=None, interrupted=False))
         return self.standing(name)
 
     def forget(self, name: str) -> None:

@@ -21,7 +21,7 @@ DATA = Path(__file__).resolve().parents[4] / "tests" / "data"
 STARTED = re.compile(r"(http://127\.0\.0\.1:(\d+))/\?token=(\S+)")
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")  # of one folder at a time: playwright starts once in a process
 def chromium() -> Iterator[Any]:
     """Start the browser: the system's chromium, else playwright's own."""
     from playwright.sync_api import sync_playwright
