@@ -175,7 +175,7 @@ def test_runs_under_way_are_shown_and_lead_to_replays(folders: list[Path], chrom
         assert page.inner_text("#standing").startswith("2 of 2 episodes")
         with page.context.expect_page() as opened:
             page.click("#finished a")
-        opened.value.wait_for_function("window.arena")
+        opened.value.locator("#facts li").first.wait_for()
         assert complaints == []
         page.close()
         opened.value.close()
