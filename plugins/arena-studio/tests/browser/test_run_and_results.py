@@ -109,7 +109,7 @@ def test_results_are_filtered_sorted_compared_and_kept_over_a_reload(show: Calla
     page.locator('th[aria-sort="ascending"]').wait_for()
     page.locator('th [data-column="time_to_goal"]').click()
     page.locator('th[aria-sort="descending"]').wait_for()
-    assert rows.first.inner_text().split()[2:4] == ["multirun/1", "teb"]
+    assert {"multirun/1", "teb"} <= set(rows.first.inner_text().split())
     page.reload()
     page.locator('th[aria-sort="descending"]').wait_for()
     assert rows.count() == 20
