@@ -29,6 +29,7 @@ def write_run(folder: Path, preset: str, count: int) -> None:
         "world": "empty",
         "task": "random",
         "success": 1,
+        "seed": 0,
     }
     with (folder / "episodes.csv").open("w", newline="") as file:
         writer = csv.DictWriter(file, [*EPISODE_COLUMNS, "success", "time_to_goal"], restval="", lineterminator="\n")
@@ -36,7 +37,7 @@ def write_run(folder: Path, preset: str, count: int) -> None:
         for number in range(count):
             outcome = "timeout" if number % 3 == 2 else "goal_reached"
             seconds = 10.0 + number + len(preset)
-            writer.writerow({**facts, "episode": number, "scenario_hash": number, "outcome": outcome, "time_to_goal": seconds})
+            writer.writerow({**facts, "episode": number, "scenario": f"random/{number:04d}", "outcome": outcome, "time_to_goal": seconds})
 
 
 def test_experiment_is_composed_started_watched_and_its_episode_replayed(show: Callable[..., Any], studio: Any) -> None:
