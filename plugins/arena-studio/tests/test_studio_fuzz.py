@@ -1,4 +1,4 @@
-"""Ten thousand spoilt requests and messages: nothing fails inside, nothing outside the folder is read or written."""
+"""Thousands of spoilt requests and messages: nothing fails inside, nothing outside the folder is read or written."""
 
 from __future__ import annotations
 
