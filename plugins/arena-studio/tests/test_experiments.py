@@ -98,7 +98,7 @@ def test_folder_that_is_taken_or_elsewhere_is_refused(client: TestClient, folder
 def test_foreign_notes_of_experiments_are_left_alone(folder: Path) -> None:
     place = folder / PLACE
     place.mkdir(parents=True)
-    good = asdict(Experiment("0123abcd", ["run"], "outputs/x", 1, 3, "2026", 1, 0.0, None, False))
+    good = asdict(Experiment("0123abcd", ["run"], "outputs/x", 1, 3, "2026", 1, "0.0", None, False))
     changes: dict[str, dict[str, Any]] = {
         "1": {"folder": "../../etc"},
         "2": {"words": ["train"]},
