@@ -11,7 +11,15 @@ from arena_metrics.pooling.cells import Cell, Cells
 from arena_metrics.tables.tables import Table
 
 EPISODE_CPU, EPISODE_WALL, STEP_CPU = "planning_episode_cpu", "planning_episode_time", "planning_cpu_mean"  # s, s, ms
-HEAD = ("planner", "n", "CPU time an episode [s]", "of it 90 % below [s]", "wall time an episode [s]", "planner a control step [ms]", "CPU time in all")
+HEAD = (
+    "planner",
+    "n",
+    "CPU time an episode [s]",
+    "of it 90 % below [s]",
+    "wall time an episode [s]",
+    "planner a control step [ms]",
+    "CPU time in all",
+)
 TOTAL = "all"
 
 
