@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from arena_core import Command, InputFileError, Reporter, aligned, write_bytes_whole, write_text_whole
-from arena_metrics.statistics.one_thread import on_one_thread
+from arena_metrics.one_thread import on_one_thread
 
 if TYPE_CHECKING:
     from arena_metrics.pages.figures import Image
