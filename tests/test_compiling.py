@@ -203,7 +203,7 @@ def test_each_kernel_is_compiled_once(executor, third_party, arena):
     assert arena("run", *RUN, executor).status == 0
     told = [int(path.read_text()) for path in Path("misses").iterdir()]
     assert sum(told) == 5
-    assert len(told) == 1 if executor == "executor=serial" else 1 < len(told) <= 3  # one may rehearse until all is driven
+    assert len(told) == 1 if executor == "executor=serial" else 1 < len(told) <= 6  # whoever compiled is replaced
 
 
 @pytest.mark.slow
