@@ -211,4 +211,5 @@ def test_who_waits_is_told(third_party):
     third_party.package("compiled", PLANNER, {"planner/compiled": "name: compiled\n"})
     command = [sys.executable, "-m", "arena_core.cli.main", "run", *RUN, "executor.workers=2"]
     done = subprocess.run(command, cwd=third_party.folder, capture_output=True, text=True, check=True)
-    assert done.stderr.splitlines() == [f"arena: {NOTICE}"]
+    told = [line for line in done.stderr.splitlines() if " of 6 episodes, " not in line]  # a busy machine takes long enough for those
+    assert told == [f"arena: {NOTICE}"]
