@@ -10,7 +10,7 @@ from arena_core import ConfigurationError
 from arena_core.cli.main import main
 from arena_core.testing import check, component
 
-SHIPPED = [("cadrl", "policies", "jackal"), ("sarl", "policies_sarl", "jackal")]
+SHIPPED = [("cadrl", "policies", "jackal"), ("cadrl", "policies", "turtlebot3"), ("sarl", "policies_sarl", "jackal")]
 PACKAGE = resources.files("arena_cadrl")
 
 
