@@ -16,7 +16,7 @@ USAGES = {
     "import": "arena ros import BAG... --out DIR [robot=NAME] [planner=NAME] [map=MAP.yaml] [scans=true] [without=...] [ROLE=/TOPIC]",
     "scenario-from": "arena ros scenario-from BAG... --out SCENARIO.json [robot=NAME] [map=MAP.yaml] [ROLE=/TOPIC]",
     "drive": "arena ros drive planner=NAME robot=NAME map=MAP.yaml [transport=ros1] [goal=X,Y] [start=X,Y,THETA] [pose=/tf] [...]",
-    "simulate": "arena ros simulate [transport=ros1] [episode=0] [rate=1.0] [lock_step=true] [KEY=VALUE ...]",
+    "simulate": "arena ros simulate [transport=ros1] [episode=0] [rate=1.0] [lock_step=true] [action=/move_base] [KEY=VALUE ...]",
     "watchdog": "arena ros watchdog [transport=ros1] [from=/arena/cmd_vel] [to=/cmd_vel]",
 }
 READING_KEYS = ("period", "goal_radius", "time_limit", "person_radius", "without")
