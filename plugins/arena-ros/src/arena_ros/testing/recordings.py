@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 import time
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -27,10 +28,20 @@ IMPORT = """
 import sys, time
 from pathlib import Path
 from arena_ros.bags.importing import Request, import_bags, reading_of
-begin = time.perf_counter()
+begin, used = time.perf_counter(), time.process_time()
 import_bags([Path(sys.argv[1])], Path(sys.argv[2]), Request({}, "jackal", "recorded", None, False, reading_of(0.1, 0.3, 180.0, 0.3, "")))
-print(time.perf_counter() - begin)
+print(time.perf_counter() - begin, time.process_time() - used)
 """
+
+
+@dataclass(frozen=True, slots=True)
+class Import:
+    """What an import took: s of wall and of CPU time, s of wall time with its process, and the most memory of that, MB."""
+
+    seconds: float
+    cpu_seconds: float
+    whole_seconds: float
+    megabytes: float
 
 
 def write_laboratory(path: Path, seconds: float, picture: int = 0) -> Path:
@@ -72,8 +83,8 @@ def _picture(own: Codec, noise: Any, stamp: int) -> Any:
     return own.make("sensor_msgs/msg/CompressedImage", header=own.header(stamp, "camera"), format="jpeg", data=noise)
 
 
-def import_apart(bag: Path, out: Path) -> tuple[float, float, float]:
-    """Import a recording in a process of its own; return what that took in s, all of the process, and its most memory in MB."""
+def import_apart(bag: Path, out: Path) -> Import:
+    """Import a recording in a process of its own."""
     begin = time.perf_counter()
     process = subprocess.Popen(  # noqa: S603 - words of this file
         [sys.executable, "-c", IMPORT, str(bag), str(out)], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
@@ -83,4 +94,4 @@ def import_apart(bag: Path, out: Path) -> tuple[float, float, float]:
     _, status, used = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)
     assert process.returncode == 0, said
-    return float(said), time.perf_counter() - begin, used.ru_maxrss / 1e3
+    return Import(*map(float, said.split()), time.perf_counter() - begin, used.ru_maxrss / 1e3)
