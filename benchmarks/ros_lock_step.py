@@ -50,18 +50,18 @@ def air(transport: str) -> Iterator[None]:
 def measure(name: str, benchmark: Benchmark, episodes: int, folder: Path) -> None:
     """Print the pace of some episodes, and where their time went; the first one, in which all is compiled, does not count."""
     benchmark.run(0, folder)
-    simulated, wall, steps, planner, navigator = 0.0, 0.0, 0, 0.0, 0.0
+    simulated, planner, navigator = 0.0, list[float](), list[float]()
+    begin, used = time.perf_counter(), time.process_time()
     for episode in range(1, episodes + 1):
-        begin = time.perf_counter()
         record = benchmark.run(episode, folder)
-        wall += time.perf_counter() - begin
         simulated += float(record["stamp"][-1])
-        steps += len(record["stamp"]) - 1
-        planner += float(np.sum(record.timing["planner_seconds"]))
-        navigator += float(np.sum(record.timing["navigator_seconds"]))
-    parts = {"node and wire": planner, "rest of the navigator": navigator - planner, "simulation and record": wall - navigator}
-    shares = ", ".join(f"{part} {1e3 * seconds / steps:.2f} ms" for part, seconds in parts.items())
-    print(f"{name}: {simulated / wall:.0f} times real time; {steps} steps of {1e3 * wall / steps:.2f} ms: {shares}", flush=True)
+        planner += record.timing["planner_seconds"].tolist()
+        navigator += record.timing["navigator_seconds"].tolist()
+    wall, cpu, steps = time.perf_counter() - begin, time.process_time() - used, len(planner)
+    step, here, rest = (1e3 * each / steps for each in (wall, cpu, wall - sum(navigator)))
+    medians = f"node and wire {1e3 * np.median(planner):.2f} ms, all of the navigator {1e3 * np.median(navigator):.2f} ms"
+    print(f"{name}: {simulated / wall:.0f} times real time; {steps} steps of {step:.2f} ms, of CPU here {here:.2f} ms")
+    print(f"  medians: {medians}; mean of simulation and record {rest:.2f} ms", flush=True)
 
 
 def main() -> None:

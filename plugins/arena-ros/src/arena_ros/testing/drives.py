@@ -77,7 +77,7 @@ class DriveTests:
         log = tmp_path / "drive.txt"
         with (
             robot(self.transport, site, tmp_path / "robot.txt"),
-            running(*drive(self.transport, site, tmp_path / "run"), log=log) as driver,
+            running(*drive(self.transport, site, tmp_path / "run", "speed=0.25"), log=log) as driver,
         ):
             until(lambda: probe.speed() > 0.4, 120.0)
             driver.terminate()
@@ -85,7 +85,7 @@ class DriveTests:
             until(lambda: probe.speed() < 0.01, 5.0)
         record = read_record(tmp_path / "run" / "records" / "0000.npz")
         assert (record.meta["outcome"], record.meta["error"]) == ("error", "stopped by SIGTERM")
-        assert abs(record["pose"][-1, 0] - probe.xs[-1]) < 0.3
+        assert abs(record["pose"][-1, 0] - probe.xs[-1]) < 0.5  # at half a metre a second
 
     def test_a_robot_that_does_not_answer_is_sent_zeros(self, site: Path, probe: Probe, tmp_path: Path) -> None:
         log = tmp_path / "drive.txt"
