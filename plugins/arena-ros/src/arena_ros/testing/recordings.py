@@ -94,4 +94,5 @@ def import_apart(bag: Path, out: Path) -> Import:
     _, status, used = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)
     assert process.returncode == 0, said
-    return Import(*map(float, said.split()), time.perf_counter() - begin, used.ru_maxrss / 1e3)
+    seconds, cpu_seconds = map(float, said.split())
+    return Import(seconds, cpu_seconds, time.perf_counter() - begin, used.ru_maxrss / 1e3)
