@@ -90,7 +90,8 @@ def import_apart(bag: Path, out: Path) -> Import:
         [sys.executable, "-c", IMPORT, str(bag), str(out)], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
     )
     assert process.stdout is not None
-    said = process.stdout.read()
+    with process.stdout:
+        said = process.stdout.read()
     _, status, used = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)
     assert process.returncode == 0, said
