@@ -8,12 +8,9 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -21,9 +18,9 @@ import numpy as np
 from arena_core import LaserScan, Pose
 from arena_ros import conversions as to
 from arena_ros.codec import codec
+from arena_ros.testing import ARENA, running
 from arena_ros2.dds import Dds
 
-ARENA = str(Path(sys.executable).with_name("arena"))
 ROBOT = "jackal"
 GOALS = (Pose(12.0, 3.0), Pose(2.0, 3.0))
 STEP = 0.05  # s of a control step
@@ -37,18 +34,6 @@ back = node.publisher("/echo/back", to.SCAN)
 node.subscribe("/echo/there", to.SCAN, back)
 time.sleep(1e6)
 """
-
-
-@contextmanager
-def running(*words: str, log: Path) -> Iterator[subprocess.Popen[str]]:
-    """Run a process, and end it with the block."""
-    with log.open("w") as out:
-        process = subprocess.Popen(words, stdout=out, stderr=subprocess.STDOUT, text=True)
-        try:
-            yield process
-        finally:
-            process.terminate()
-            process.wait(120)  # compiling may have to end first
 
 
 def wire() -> tuple[float, float]:

@@ -8,7 +8,7 @@ import pytest
 
 from arena_core import run as run_benchmark
 from arena_ros import conversions as to
-from arena_ros.bags.exporting import _writer
+from arena_ros.bags.exporting import writer
 from arena_ros.codec import PEOPLE, codec
 
 SECOND = 10**9
@@ -31,7 +31,7 @@ def _write_recording(path: Path, goals: list[tuple[float, float, float]], second
     own = codec(1 if path.suffix == ".bag" else 2)
     goal_topic = "/move_base_simple/goal" if own.ros == 1 else "/goal_pose"
     begin, pending = 1000 * SECOND, list(goals)
-    with _writer(path, own) as write:
+    with writer(path, own) as write:
         write("/tf_static", to.TF, begin, to.transforms(own, [("base_link", "laser", to.Pose(0.1, 0.0))], begin))
         for tick in range(int(seconds * 20) + 1):
             stamp, x = begin + tick * SECOND // 20, 0.5 * tick / 20

@@ -13,6 +13,8 @@ from arena_core.cli.main import main
 from arena_ros.bags.opening import open_bags
 from arena_ros.bags.scenarios import simplified
 from arena_ros.codec import codec
+from arena_ros.testing import write_site
+from arena_ros.testing.recordings import import_apart, write_laboratory
 
 Recording = Callable[..., Path]
 ENDINGS = ["bag", "mcap", "db3"]
@@ -93,6 +95,14 @@ def test_what_is_known_not_to_have_been_is_counted(write_recording: Recording, t
     assert (row["collisions"], row["success"], row["encounters"]) == ("0.0", "1.0", "0.0")
 
 
+def test_map_and_goal_may_be_said(write_recording: Recording, tmp_path: Path) -> None:
+    site, bag = write_site(tmp_path), write_recording(tmp_path / "lab.bag", [])
+    assert imported(bag, "--out", tmp_path / "out", "robot=turtlebot3", f"map={site}/map.yaml", "goal=3,0") == 0
+    record = read_record(tmp_path / "out" / "records" / "0000.npz")
+    assert (record.meta["world"]["known"], record.meta["scenario"]["goal"]) == (True, [3.0, 0.0, 0.0])
+    assert record["pose"][-1, 0] == pytest.approx(2.7, abs=0.051)
+
+
 def test_a_goal_that_is_not_reached_is_an_error_with_its_reason(write_recording: Recording, tmp_path: Path) -> None:
     bag = write_recording(tmp_path / "lab.mcap", [(0.0, 50.0, 0.0), (2.0, 60.0, 0.0), (4.0, 60.0, 0.0)])
     assert imported(bag, "--out", tmp_path / "out", "robot=jackal", "time_limit=7") == 0
@@ -156,6 +166,18 @@ def test_memory_does_not_grow_with_a_recording(tmp_path: Path) -> None:
     tracemalloc.stop()
     assert count == 300
     assert peak < 10e6
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("ending", ["bag", "mcap"])
+def test_memory_of_an_import_does_not_grow_with_the_recording(tmp_path: Path, ending: str) -> None:
+    peaks = []
+    for seconds in (10, 100):  # 20 and 200 MB
+        bag = write_laboratory(tmp_path / f"{seconds}.{ending}", seconds, 200_000)
+        peaks.append(import_apart(bag, tmp_path / f"out_{seconds}").megabytes)
+        assert bag.stat().st_size > 1.9e6 * seconds
+        bag.unlink()
+    assert peaks[1] - peaks[0] < 20.0
 
 
 @pytest.mark.parametrize(

@@ -1,9 +1,9 @@
 """A ROS 2 planner over DDS with types and serialisation of Cyclone DDS's own, without this project."""
 
-import math
 import sys
 import time
 from dataclasses import dataclass
+from pathlib import Path
 
 from cyclonedds.core import Listener, Policy, Qos
 from cyclonedds.domain import Domain, DomainParticipant
@@ -13,6 +13,9 @@ from cyclonedds.pub import DataWriter
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "arena-ros" / "tests" / "nodes"))
+from following import Steps
 
 
 @dataclass
@@ -106,16 +109,12 @@ LOOPBACK = (
 RELIABLE = Qos(Policy.Reliability.Reliable(duration(seconds=1)), Policy.History.KeepLast(10))
 
 
-def yaw(q):
-    return math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))
-
-
 class Follower(Listener):
     """Decides once odometry, waypoint and clock of one step are there."""
 
     def __init__(self, participant, steps):
         super().__init__()
-        self.newest, self.steps, self.kept = {}, steps, []
+        self.steps, self.kept = Steps(self.answer, steps), []
         self.writer = DataWriter(participant, Topic(participant, "rt/cmd_vel", TwistStamped), qos=RELIABLE)
         for topic, kind in (("rt/odom", Odometry), ("rt/waypoint", PoseStamped), ("rt/clock", Clock)):
             self.kept.append(DataReader(participant, Topic(participant, topic, kind), qos=RELIABLE, listener=self))
@@ -125,24 +124,15 @@ class Follower(Listener):
             if not isinstance(message, Odometry | PoseStamped | Clock):
                 continue
             stamp = message.clock if isinstance(message, Clock) else message.header.stamp
-            self.newest[type(message)] = (stamp.sec, stamp.nanosec), message
-            if len(self.newest) == 3 and len({each[0] for each in self.newest.values()}) == 1:
-                self.decide(stamp)
+            role = {Odometry: "odometry", PoseStamped: "waypoint", Clock: "clock"}[type(message)]
+            self.steps.take(role, (stamp.sec, stamp.nanosec), message)
 
-    def decide(self, stamp):
-        self.steps -= 1
-        if self.steps < 0:
-            return
-        where, target = self.newest[Odometry][1].pose.pose, self.newest[PoseStamped][1].pose.position
-        bearing = math.atan2(target.y - where.position.y, target.x - where.position.x) - yaw(where.orientation)
-        bearing = math.atan2(math.sin(bearing), math.cos(bearing))
-        speed = 0.5 if abs(bearing) < 0.5 else 0.0
-        turn = max(-1.0, min(1.0, 2.0 * bearing))
-        self.writer.write(TwistStamped(Header(stamp, "base_link"), Twist(Vector(speed, 0.0, 0.0), Vector(0.0, 0.0, turn))))
+    def answer(self, stamp, speed, turn):
+        self.writer.write(TwistStamped(Header(Time(*stamp), "base_link"), Twist(Vector(speed, 0.0, 0.0), Vector(0.0, 0.0, turn))))
 
 
 number = int(sys.argv[2])
 domain = Domain(number, LOOPBACK)
-follower = Follower(DomainParticipant(number), int(sys.argv[1]) if sys.argv[1] != "-" else 10**9)
+follower = Follower(DomainParticipant(number), int(sys.argv[1]))
 while True:
     time.sleep(1.0)

@@ -15,6 +15,16 @@ DEFINITIONS = {  # of packages that rosbags does not bring for both: tf2_msgs, a
     "string[] tagnames\nstring[] tags\n",
     PEOPLE: "std_msgs/Header header\npeople_msgs/Person[] people\n",
 }
+MOVE_BASE = {  # of ROS 1 alone: move_base_msgs 1.14
+    "move_base_msgs/msg/MoveBaseGoal": "geometry_msgs/PoseStamped target_pose\n",
+    "move_base_msgs/msg/MoveBaseFeedback": "geometry_msgs/PoseStamped base_position\n",
+    "move_base_msgs/msg/MoveBaseResult": "",
+    "move_base_msgs/msg/MoveBaseActionGoal": "std_msgs/Header header\nactionlib_msgs/GoalID goal_id\nmove_base_msgs/MoveBaseGoal goal\n",
+    "move_base_msgs/msg/MoveBaseActionFeedback": "std_msgs/Header header\nactionlib_msgs/GoalStatus status\n"
+    "move_base_msgs/MoveBaseFeedback feedback\n",
+    "move_base_msgs/msg/MoveBaseActionResult": "std_msgs/Header header\nactionlib_msgs/GoalStatus status\n"
+    "move_base_msgs/MoveBaseResult result\n",
+}
 
 
 class BadMessage(ArenaError):
@@ -30,7 +40,7 @@ class Codec:
         self.ros = ros
         self.store = get_typestore(Stores.ROS1_NOETIC if ros == 1 else Stores.ROS2_HUMBLE)
         found: dict[str, Any] = {}
-        for name, text in (DEFINITIONS | (definitions or {})).items():
+        for name, text in (DEFINITIONS | (MOVE_BASE if ros == 1 else {}) | (definitions or {})).items():
             found.update(get_types_from_msg(text, name))
         own = {name: value for name, value in found.items() if name not in self.store.fielddefs}
         self.store.register(own)

@@ -13,14 +13,15 @@ if TYPE_CHECKING:
 
 USAGES = {
     "export": "arena ros export RUN --to FILE.bag|.mcap|.db3 [episodes=0,3]",
-    "import": "arena ros import BAG... --out DIR [robot=NAME] [planner=NAME] [map=MAP.yaml] [scans=true] [without=...] [ROLE=/TOPIC]",
+    "import": "arena ros import BAG... --out DIR [robot=NAME] [planner=NAME] [map=MAP.yaml] [people=tracker] [ROLE=/TOPIC] [...]",
     "scenario-from": "arena ros scenario-from BAG... --out SCENARIO.json [robot=NAME] [map=MAP.yaml] [ROLE=/TOPIC]",
     "drive": "arena ros drive planner=NAME robot=NAME map=MAP.yaml [transport=ros1] [goal=X,Y] [start=X,Y,THETA] [pose=/tf] [...]",
-    "simulate": "arena ros simulate [transport=ros1] [episode=0] [rate=1.0] [lock_step=true] [KEY=VALUE ...]",
+    "simulate": "arena ros simulate [transport=ros1] [episode=0] [rate=1.0] [lock_step=true] [action=/move_base] [KEY=VALUE ...]",
     "watchdog": "arena ros watchdog [transport=ros1] [from=/arena/cmd_vel] [to=/cmd_vel]",
 }
 READING_KEYS = ("period", "goal_radius", "time_limit", "person_radius", "without")
 IMPORT_KEYS = ("out", "robot", "planner", "map", "scans", *READING_KEYS)
+TRACKER = "tracker"  # what the role `people` may be beside a topic
 
 
 class RosCommand(Command):
@@ -98,28 +99,40 @@ def _scenario_from(arguments: Sequence[str]) -> int:
 def _request(action: str, arguments: Sequence[str]) -> tuple[Words, Request]:
     """Return the words of an action that reads recordings, and what is asked for."""
     from arena_ros.bags.importing import Request, reading_of
-    from arena_ros.bags.roles import roles
+    from arena_ros.bags.legacy import ENDING
+    from arena_ros.bags.roles import NONE, roles
+    from arena_ros.places import pose_of
 
     words = read_words(USAGES[action], arguments, names=None, keys=(*IMPORT_KEYS, *roles()))
     if not words.names:
         raise ConfigurationError(f"no recording is given; allowed: {USAGES[action]}")
     reading = reading_of(
         words.value("period", Positive, 0.1),
-        words.value("goal_radius", Positive, 0.3),
+        words.value("goal_radius", Positive, 1.0 if all(name.endswith(ENDING) for name in words.names) else 0.3),
         words.value("time_limit", Positive, 180.0),
         words.value("person_radius", Positive, 0.3),
         words.value("without", str, ""),
     )
-    # `map` is a role, too: a topic begins with a slash and has no ending
-    where = words.keys.get("map")
-    said = {key: value for key, value in words.keys.items() if key in roles() and not (key == "map" and value.endswith((".yaml", ".yml")))}
+    # `map` and `goal` are roles, too: a topic begins with a slash, a file has an ending, a place is of numbers
+    where, place = words.keys.get("map"), words.keys.get("goal", NONE)
+    topics = {key: value for key, value in words.keys.items() if key in roles()}
+    if where is not None and where.endswith((".yaml", ".yml")):
+        del topics["map"]
+    goal = None if place == NONE or place.startswith("/") else pose_of(words, "goal")
+    if goal is not None:
+        del topics["goal"]
+    tracked = topics.get("people") == TRACKER
+    if tracked:
+        del topics["people"]
     request = Request(
-        said,
+        topics,
         words.value("robot", str, None),
         words.value("planner", str, "recorded"),
-        Path(where) if where is not None and "map" not in said else None,
+        Path(where) if where is not None and "map" not in topics else None,
         words.value("scans", bool, False),
         reading,
+        goal,
+        tracked,
     )
     return words, request
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from arena_core import FREE, INSCRIBED, LETHAL, OCCUPIED, Costmap, LaserScan, OccupancyGrid, Odometry, Pose, Twist, wrap_angle
 from arena_ros.codec import PEOPLE, Codec, stamp_of
+from arena_ros.frames import Mount
 
 SCAN = "sensor_msgs/msg/LaserScan"
 ODOMETRY = "nav_msgs/msg/Odometry"
@@ -125,17 +126,22 @@ def scan(codec: Codec, value: LaserScan, stamp: int, frame: str, period: float) 
     )
 
 
-def scan_of(message: Any, stamp: float, mount: Pose) -> LaserScan:
+def scan_of(message: Any, stamp: float, mount: Mount) -> LaserScan:
     """Return a scan as planners take it, after REP-117: +inf where nothing was hit, NaN and what is too near as they count there.
 
     What is below ``range_min`` or no number is an error of measurement and counts as nothing hit, as in costmap_2d; 0, which many drivers
-    send for "nothing", likewise.
+    send for "nothing", likewise. Beams are told counterclockwise as seen from above, also of a laser that hangs upside down or turns
+    clockwise.
     """
     ranges = np.array(message.ranges, np.float32)
     with np.errstate(invalid="ignore"):
         ranges[~((ranges >= message.range_min) & (ranges <= message.range_max))] = np.inf
-    figures = float(message.angle_min), float(message.angle_increment), float(message.range_min), float(message.range_max)
-    return LaserScan(stamp, *figures, ranges, mount)
+    first, step = float(message.angle_min), float(message.angle_increment)
+    if mount.flipped:
+        first, step = -first, -step
+    if step < 0.0:
+        first, step, ranges = first + step * (len(ranges) - 1), -step, ranges[::-1].copy()
+    return LaserScan(stamp, first, step, float(message.range_min), float(message.range_max), ranges, mount.pose)
 
 
 def path(codec: Codec, poses: NDArray[Any], stamp: int, frame: str) -> Any:
@@ -207,6 +213,17 @@ def links_of(message: Any) -> list[tuple[str, str, Pose, int]]:
         )
         for each in message.transforms
     ]
+
+
+def mounts_of(message: Any) -> dict[str, tuple[str, Mount]]:
+    """Return the links of a message by child frame, with the side on which each lies."""
+    flipped = [is_flipped(each.transform.rotation) for each in message.transforms]
+    return {child: (parent, Mount(pose, over)) for (parent, child, pose, _), over in zip(links_of(message), flipped, strict=True)}
+
+
+def is_flipped(q: Any) -> bool:
+    """Tell whether a quaternion turns the z axis downwards."""
+    return bool(q.w * q.w + q.z * q.z < q.x * q.x + q.y * q.y)
 
 
 def people(codec: Codec, ids: Sequence[int], positions: NDArray[Any], velocities: NDArray[Any], stamp: int, frame: str) -> Any:

@@ -1,6 +1,7 @@
 """A ROS 2 planner as anybody writes one: towards the waypoint, by rclpy and its message packages, without this project."""
 
-import math
+import sys
+from pathlib import Path
 
 import rclpy
 from geometry_msgs.msg import PoseStamped, TwistStamped
@@ -8,35 +9,28 @@ from nav_msgs.msg import Odometry
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 
-
-def yaw(q):
-    return math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))
+sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "arena-ros" / "tests" / "nodes"))
+from following import Steps
 
 
 class Follower(Node):
-    def __init__(self):
+    def __init__(self, steps):
         super().__init__("follower")
-        self.newest = {}
+        self.steps = Steps(self.answer, steps)
         self.publisher = self.create_publisher(TwistStamped, "/cmd_vel", 10)
-        for topic, kind in (("/odom", Odometry), ("/waypoint", PoseStamped), ("/clock", Clock)):
-            self.create_subscription(kind, topic, self.take, 10)
+        self.create_subscription(Odometry, "/odom", lambda message: self.take("odometry", message.header.stamp, message), 10)
+        self.create_subscription(PoseStamped, "/waypoint", lambda message: self.take("waypoint", message.header.stamp, message), 10)
+        self.create_subscription(Clock, "/clock", lambda message: self.take("clock", message.clock, message), 10)
 
-    def take(self, message):
-        stamp = message.clock if isinstance(message, Clock) else message.header.stamp
-        self.newest[type(message)] = (stamp.sec, stamp.nanosec), message
-        if len(self.newest) == 3 and len({each[0] for each in self.newest.values()}) == 1:
-            self.decide(stamp)
+    def take(self, role, stamp, message):
+        self.steps.take(role, (stamp.sec, stamp.nanosec), message)
 
-    def decide(self, stamp):
-        where, target = self.newest[Odometry][1].pose.pose, self.newest[PoseStamped][1].pose.position
-        bearing = math.atan2(target.y - where.position.y, target.x - where.position.x) - yaw(where.orientation)
-        bearing = math.atan2(math.sin(bearing), math.cos(bearing))
+    def answer(self, stamp, speed, turn):
         command = TwistStamped()
-        command.header.stamp = stamp
-        command.twist.linear.x = 0.5 if abs(bearing) < 0.5 else 0.0
-        command.twist.angular.z = max(-1.0, min(1.0, 2.0 * bearing))
+        command.header.stamp.sec, command.header.stamp.nanosec = stamp
+        command.twist.linear.x, command.twist.angular.z = speed, turn
         self.publisher.publish(command)
 
 
 rclpy.init()
-rclpy.spin(Follower())
+rclpy.spin(Follower(int(sys.argv[1])))

@@ -50,7 +50,7 @@ def export(folder: Path, target: Path, episodes: Sequence[int] | None = None) ->
         target.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=target.parent, prefix=f".{target.name}.") as beside:
             written = Path(beside) / target.name
-            with _writer(written, own) as write:
+            with writer(written, own) as write:
                 begin = BEGIN
                 for number in numbers:
                     begin = _write_episode(folder, number, own, write, begin) + PAUSE
@@ -72,7 +72,8 @@ def _finished(written: Path) -> Path:
     return next(iter(sorted(written.glob(f"*{written.suffix}")))) if written.is_dir() else written
 
 
-def _writer(path: Path, own: Codec) -> AbstractContextManager[Write]:
+def writer(path: Path, own: Codec) -> AbstractContextManager[Write]:
+    """Return what writes messages to a recording of a codec's generation, of the kind that its ending says."""
     return _Writer1(path, own) if own.ros == 1 else _Writer2(path, own)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Footprint, LaserScan
+from arena_core import Footprint, LaserScan, Pose
 
 
 def clearances(footprint: Footprint, points: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -28,10 +28,16 @@ def clearances(footprint: Footprint, points: NDArray[np.float64]) -> NDArray[np.
 
 def nearest(footprint: Footprint, scan: LaserScan) -> tuple[float, float]:
     """Return the nearest return of a scan and the distance of the nearest one to the footprint, m; inf where nothing was hit."""
-    hit = np.isfinite(scan.ranges)
-    if not hit.any():
+    least = float(np.min(scan.ranges, initial=np.inf, where=np.isfinite(scan.ranges)))
+    if not np.isfinite(least):
         return float("inf"), float("inf")
-    ranges = scan.ranges[hit].astype(np.float64)
-    angles = scan.angle_min + scan.angle_increment * np.flatnonzero(hit) + scan.mount.theta
+    beams = np.flatnonzero(scan.ranges <= least + _margin(footprint, scan.mount))
+    ranges = scan.ranges[beams].astype(np.float64)
+    angles = scan.angle_min + scan.angle_increment * beams + scan.mount.theta
     points = np.stack((scan.mount.x + ranges * np.cos(angles), scan.mount.y + ranges * np.sin(angles)), axis=1)
-    return float(ranges.min()), float(clearances(footprint, points).min())
+    return least, float(clearances(footprint, points).min())
+
+
+def _margin(footprint: Footprint, mount: Pose) -> float:
+    """Return by how much more than another a return may be away from the laser and yet be nearer to the footprint, m, at most."""
+    return 2.0 * (footprint.radius + float(np.hypot(mount.x, mount.y)))

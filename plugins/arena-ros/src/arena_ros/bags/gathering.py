@@ -17,8 +17,9 @@ from arena_ros.bags.footprint import nearest
 from arena_ros.bags.roles import Cast
 from arena_ros.bags.series import People, Series
 from arena_ros.bags.stream import Bag, Channel
+from arena_ros.bags.watching import Watcher
 from arena_ros.codec import BadMessage, Codec, stamp_of
-from arena_ros.frames import BASES, mounted
+from arena_ros.frames import BASES, Mount, mounted
 
 JUMP = 10**9  # ns that the clock has to go back for a new beginning
 FOREIGN_CLOCK = 10 * 10**9  # ns between the stamp in a message and its time of recording, beyond which only the latter counts
@@ -54,19 +55,22 @@ class Gathered:
 
 
 class Gatherer:
-    """Takes messages in the order in which they were recorded, and yields episodes."""
+    """Takes messages in the order in which they were recorded, and yields episodes. ``watcher`` sees people in the scans."""
 
-    def __init__(self, codec: Codec, cast: Cast, footprint: Footprint, mount: Pose, keep_scans: bool) -> None:
+    def __init__(
+        self, codec: Codec, cast: Cast, footprint: Footprint, mount: Pose, keep_scans: bool, watcher: Watcher | None = None
+    ) -> None:
         self._codec, self._footprint, self._mount, self._keep_scans = codec, footprint, mount, keep_scans
         self._roles: dict[str, list[str]] = {}
         for role, channel in cast.by_role.items():
             self._roles.setdefault(channel.topic, []).append(role)
         self.by_markers = "episode" in cast.by_role
         self.topics = frozenset(self._roles)
+        self._watcher = watcher
         self.grid: OccupancyGrid | None = None
         self.notes: dict[str, int] = {}
         self._foreign: dict[str, bool] = {}
-        self._static: dict[str, tuple[str, Pose]] = {}
+        self._static: dict[str, tuple[str, Mount]] = {}
         self._last_odometry: Pose | None = None
         self._newest: int | None = None
         self._open: Gathered | None = None
@@ -105,8 +109,9 @@ class Gatherer:
         if self._open is None:
             if self.by_markers:
                 return
-            self._open = Gathered(recorded, recorded)
+            self._begin(Gathered(recorded, recorded))
         now = self._open
+        assert now is not None
         now.end = max(now.end, recorded)
         if take := getattr(self, f"_take_{role}", None):
             take(now, self._stamp(channel, recorded, message), message)
@@ -123,7 +128,7 @@ class Gatherer:
             return
         if kind == "begin":
             yield from self._close("the next episode began")
-            self._open = Gathered(recorded, recorded, meta=content)
+            self._begin(Gathered(recorded, recorded, meta=content))
         elif kind == "end" and self._open is not None:
             self._open.ending = content
             yield from self._close("")
@@ -134,11 +139,18 @@ class Gatherer:
             return
         if before is not None:
             yield from self._close("another goal came")
-        self._open = Gathered(recorded, recorded, goal)  # what was recorded before a goal belongs to no episode
+        self._begin(Gathered(recorded, recorded, goal))  # what was recorded before a goal belongs to no episode
+
+    def _begin(self, gathered: Gathered) -> None:
+        self._open = gathered
+        if self._watcher is not None:
+            self._watcher.begin(self.grid)
 
     def _close(self, why: str) -> Iterator[Gathered]:
         finished, self._open, self._newest, self._last_odometry = self._open, None, None, None
         if finished is not None and not finished.is_empty():
+            if self._watcher is not None:
+                self._watcher.look(finished)
             finished.why_ended = why
             yield finished
 
@@ -149,12 +161,14 @@ class Gatherer:
             self._note("a map has another number of cells than it says; left out")
 
     def _take_tf_static(self, message: Any) -> None:
-        for parent, child, pose, _ in of.links_of(message):
-            self._static[child] = parent, pose
+        self._static |= of.mounts_of(message)
 
     def _take_tf(self, now: Gathered, stamp: int, message: Any) -> None:
         odom = self._frames.get("odom", "odom")
-        for parent, child, pose, stamped in of.links_of(message):
+        links = of.links_of(message)
+        if not {child for _, child, _, _ in links} <= self._static.keys():  # old robots tell there where their laser is
+            self._static = of.mounts_of(message) | self._static
+        for parent, child, pose, stamped in links:
             if child == odom:
                 self._frames["map"] = parent
                 now.correction.extend(stamped if not self._foreign.get("/tf") else stamp, pose.array())
@@ -190,6 +204,9 @@ class Gatherer:
     def _take_scan(self, now: Gathered, stamp: int, message: Any) -> None:
         scan = of.scan_of(message, 0.0, self._mounted(message.header.frame_id.lstrip("/")))
         now.scan.add(stamp, *nearest(self._footprint, scan))
+        if self._watcher is not None:
+            self._watcher.take(stamp, scan)
+            self._watcher.look(now)
         if self._keep_scans:
             if now.ranges and len(now.ranges[0][1]) != len(scan.ranges):
                 self._note("scans have different numbers of beams: they are not kept")
@@ -198,10 +215,10 @@ class Gatherer:
             else:
                 now.ranges.append((stamp, scan.ranges))
 
-    def _mounted(self, frame: str) -> Pose:
+    def _mounted(self, frame: str) -> Mount:
         """Return where a frame is in that of the base, by the static transforms; else where the robot's lidar is."""
-        pose = mounted(self._static, frame, {self._frames.get("base", "base_link"), *BASES})
-        return self._mount if pose is None else pose
+        mount = mounted(self._static, frame, {self._frames.get("base", "base_link"), *BASES})
+        return Mount(self._mount) if mount is None else mount
 
     def _take_people(self, now: Gathered, stamp: int, message: Any) -> None:
         if hasattr(message, "people"):

@@ -11,7 +11,7 @@ from arena_ros.bags.mcap import Mcap
 from arena_ros.bags.ros1 import Ros1Bag
 from arena_ros.bags.stream import Bag
 
-KINDS = ".bag, .mcap, .db3, or the folder of a ROS 2 bag"
+KINDS = ".bag, .mcap, .db3, the folder of a ROS 2 bag, or .csv files of Arena-Bench's recorder"
 
 
 def open_bags(paths: Collection[Path]) -> list[Bag]:

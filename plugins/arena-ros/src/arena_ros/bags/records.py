@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import EpisodeRecord, Robot, robot_meta, wrap_angle
+from arena_core import EpisodeRecord, Pose, Robot, robot_meta, wrap_angle
 from arena_ros.bags.footprint import clearances
 from arena_ros.bags.gathering import Gathered
 
@@ -98,7 +98,8 @@ def measured(
     """Return the record of a foreign recording; ``meta["unknown"]`` names the arrays that nobody recorded, with the reason."""
     stamps, poses, twists, truth = _motion(gathered, reading)
     goal = gathered.goal.array().tolist() if gathered.goal is not None else poses[-1].tolist()
-    last, outcome, error = _ending(gathered, poses, stamps, goal, reading)
+    since = (stamps - stamps[0]) * 1e-9
+    last, outcome, error = ending(gathered.goal, poses, since, reading, gathered.why_ended)
     stamps, poses, twists = stamps[: last + 1], poses[: last + 1], twists[: last + 1]
     unknown: dict[str, str] = {}
     arrays: Arrays = {"stamp": _seconds(stamps, stamps[0]), "pose": poses, "twist": twists}
@@ -108,14 +109,28 @@ def measured(
     arrays["waypoint"] = np.full((len(stamps), 3), np.nan)
     arrays |= _by_scan(gathered, stamps, unknown)
     arrays |= _people(gathered, stamps, poses, robot, reading, unknown)
-    arrays |= _contacts(len(stamps), reading, unknown)
+    arrays |= no_contacts(len(stamps), reading, unknown)
     arrays |= _paths(gathered, stamps[0], stamps[-1])
     arrays |= _scans(gathered, stamps[:-1])
     arrays["clearance"] = np.fmin(arrays["clearance"], arrays["clearance_people"])
+    facts = {"outcome": outcome, "error": error, "truth": truth, "unknown": unknown}
+    return EpisodeRecord(arrays, {**identity(arrays, robot, reading, number, columns, world, goal), **facts})
+
+
+def identity(
+    arrays: Arrays,
+    robot: Robot,
+    reading: Reading,
+    number: int,
+    columns: Mapping[str, Any],
+    world: Mapping[str, Any],
+    goal: list[float],
+) -> dict[str, Any]:
+    """Return what identifies a recorded episode: the part of its meta that does not say how it went."""
     scenario = {
         "name": f"recorded_{number:04d}",
         "seed": 0,
-        "start": poses[0].tolist(),
+        "start": arrays["pose"][0].tolist(),
         "goal": goal,
         "goal_radius": reading.goal_radius,
         "time_limit": reading.time_limit,
@@ -125,19 +140,14 @@ def measured(
         "obstacles": [],
     }
     there = int(np.isfinite(arrays["pedestrian_positions"]).all(axis=2).any(axis=0).sum())
-    meta = {
+    return {
         "format": 1,
         "columns": {**columns, "scenario": scenario["name"], "episode": number, "n_pedestrians": there},
         "world": dict(world),
         "scenario": scenario,
         "robot": {**robot_meta(robot), "control_period": reading.period},
         "events": [],
-        "outcome": outcome,
-        "error": error,
-        "truth": truth,
-        "unknown": unknown,
     }
-    return EpisodeRecord(arrays, meta)
 
 
 def _seconds(stamps: NDArray[np.int64], begin: int) -> NDArray[np.float64]:
@@ -187,20 +197,20 @@ def _twists(stamps: NDArray[np.int64], poses: NDArray[np.float64]) -> NDArray[np
     return np.stack((c * rates[:, 0] + s * rates[:, 1], -s * rates[:, 0] + c * rates[:, 1], rates[:, 2]), axis=1)
 
 
-def _ending(
-    gathered: Gathered, poses: NDArray[np.float64], stamps: NDArray[np.int64], goal: list[float], reading: Reading
+def ending(
+    goal: Pose | None, poses: NDArray[np.float64], stamps: NDArray[np.float64], reading: Reading, why_ended: str
 ) -> tuple[int, str, str]:
-    """Return the last row, the outcome and the error."""
-    if gathered.goal is None:
+    """Return the last row, the outcome and the error; stamps are s since the begin."""
+    if goal is None:
         return len(stamps) - 1, "goal_reached", ""
-    near = np.hypot(poses[:, 0] - goal[0], poses[:, 1] - goal[1]) <= reading.goal_radius
-    late = (stamps - stamps[0]) * 1e-9 >= reading.time_limit - 1e-9
+    near = np.hypot(poses[:, 0] - goal.x, poses[:, 1] - goal.y) <= reading.goal_radius
+    late = stamps >= reading.time_limit - 1e-9
     arrival, timeout = (int(flags.argmax()) if flags.any() else len(stamps) for flags in (near, late))
     if arrival <= timeout and arrival < len(stamps):
         return arrival, "goal_reached", ""
     if timeout < len(stamps):
         return timeout, "time_out", ""
-    return len(stamps) - 1, "error", f"{gathered.why_ended}, and the robot was not at its goal"
+    return len(stamps) - 1, "error", f"{why_ended}, and the robot was not at its goal"
 
 
 def _estimate(gathered: Gathered, stamps: NDArray[np.int64], truth: str, unknown: dict[str, str]) -> Arrays:
@@ -244,7 +254,7 @@ def _people(
     }
 
 
-def _contacts(rows: int, reading: Reading, unknown: dict[str, str]) -> Arrays:
+def no_contacts(rows: int, reading: Reading, unknown: dict[str, str]) -> Arrays:
     """Return no contacts, which are unknown unless it was said that there were none."""
     if "contacts" not in reading.without:
         unknown |= dict.fromkeys(ALL_CONTACTS, "nothing recorded contacts; without=contacts says that there were none")

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from array import array
+from bisect import bisect_right
 
 import numpy as np
 from numpy.typing import NDArray
+
+from arena_core import wrap_angle
 
 
 class Series:
@@ -38,6 +41,25 @@ class Series:
     def values(self) -> NDArray[np.float64]:
         """Return the rows, (K, width)."""
         return np.array(self._values, np.float64).reshape(-1, self._width)
+
+    def at(self, stamp: int) -> NDArray[np.float64] | None:
+        """Return the pose (x, y, theta first) between two rows of rising stamps; None before the first and after the last."""
+        after = bisect_right(self._stamps, stamp)
+        if after == 0 or (after == len(self._stamps) and self._stamps[-1] < stamp):
+            return None
+        before, after = after - 1, min(after, len(self._stamps) - 1)
+        first, last = (np.array(self._values[k * self._width : k * self._width + 3]) for k in (before, after))
+        lapse = self._stamps[after] - self._stamps[before]
+        turned = np.array((*(last - first)[:2], wrap_angle(last[2] - first[2])))
+        pose: NDArray[np.float64] = first + turned * ((stamp - self._stamps[before]) / lapse if lapse > 0 else 0.0)
+        return pose
+
+    def newest(self, stamp: int) -> NDArray[np.float64] | None:
+        """Return the newest row of rising stamps until then, the first one before it; None where there is none."""
+        if not len(self._stamps):
+            return None
+        k = max(bisect_right(self._stamps, stamp) - 1, 0)
+        return np.array(self._values[k * self._width : (k + 1) * self._width])
 
     def held(self, stamps: NDArray[np.int64]) -> NDArray[np.float64]:
         """Return at each of some stamps the newest row until then; NaN before the first."""

@@ -14,12 +14,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from arena_core import (
-    ConfigurationError,
     Count,
     OutsideRun,
-    Pose,
     Positive,
-    Words,
     build_benchmark,
     compose,
     load_registry,
@@ -27,14 +24,15 @@ from arena_core import (
     read_words,
 )
 from arena_ros.live.settings import Settings, settings
+from arena_ros.places import pose_of
 from arena_ros.transport import open_transport
 
 if TYPE_CHECKING:
     from arena_ros.live.driver import Driver
 
 FIGURES = tuple(field.name for field in fields(Settings))
-DRIVE_KEYS = ("transport", "map", "goal", "start", "pose", "scan", "odometry", "cmd_vel", "alone", "dry_run", "out", *FIGURES)
-SIMULATE_KEYS = ("transport", "episode", "rate", "lock_step", *FIGURES)
+DRIVE_KEYS = ("transport", "map", "goal", "start", "pose", "scan", "odometry", "cmd_vel", "alone", "action", "dry_run", "out", *FIGURES)
+SIMULATE_KEYS = ("transport", "episode", "rate", "lock_step", "action", *FIGURES)
 
 
 def drive(usage: str, arguments: Sequence[str]) -> int:
@@ -44,7 +42,7 @@ def drive(usage: str, arguments: Sequence[str]) -> int:
 
     words = read_words(usage, arguments, keys=DRIVE_KEYS, overrides=None)
     figures, pose = settings(words), words.value("pose", str, "")
-    start, goal = _pose(words, "start"), _pose(words, "goal")
+    start, goal = pose_of(words, "start"), pose_of(words, "goal")
     where = ["world=ros_map", f"world.path={words.required('map')}"]
     config = compose([*where, *words.overrides, *(["localizer=ground_truth"] if pose else [])])
     registry = load_registry()
@@ -61,7 +59,8 @@ def drive(usage: str, arguments: Sequence[str]) -> int:
         OutsideRun(folder, benchmark.config, registry, benchmark.code) as run,
     ):
         senses, alone = Senses(transport, topics, benchmark.robot, figures), words.value("alone", bool, True)
-        driver = Driver(transport, senses, benchmark, world, run, figures, target, alone)
+        action = words.value("action", str, None)
+        driver = Driver(transport, senses, benchmark, world, run, figures, target, alone, action)
         driver.drive(start, goal, why)
         _tell_latency(driver, benchmark.navigator.control_period)
     print(f"records: {folder}" if run.rows else "no records: there was no goal")
@@ -76,7 +75,7 @@ def simulate(usage: str, arguments: Sequence[str]) -> int:
     figures = settings(words)
     benchmark = build_benchmark(compose(words.overrides), load_registry())
     with _stopped() as why, closing(open_transport(words.value("transport", str, None), "arena_simulate")) as transport:
-        robot = SimulatedRobot(transport, benchmark, figures.sensor_period)
+        robot = SimulatedRobot(transport, benchmark, figures.sensor_period, words.value("action", str, None))
         print("the robot is on the air", flush=True)
         robot.run(words.value("episode", Count, 0), words.value("rate", Positive, 1.0), words.value("lock_step", bool, False), why)
     return 0
@@ -112,19 +111,6 @@ def _stopped() -> Iterator[Callable[[], str]]:
     finally:
         for number, usual in zip(numbers, before, strict=True):
             signal.signal(number, usual)
-
-
-def _pose(words: Words, key: str) -> Pose | None:
-    text = words.keys.get(key)
-    if text is None:
-        return None
-    try:
-        numbers = [float(part) for part in text.split(",")]
-    except ValueError:
-        numbers = []
-    if len(numbers) not in (2, 3) or not np.isfinite(numbers).all():
-        raise ConfigurationError(f"{key} is {text}; allowed: X,Y or X,Y,THETA in m and rad")
-    return Pose(*numbers)
 
 
 def _tell_latency(driver: Driver, period: float) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -12,6 +12,7 @@ import numpy as np
 
 from arena_core import (
     Benchmark,
+    Candidate,
     Decision,
     Event,
     Mission,
@@ -35,6 +36,7 @@ from arena_ros import conversions as to
 from arena_ros.bags.footprint import nearest
 from arena_ros.bags.records import ALL_CONTACTS, ALL_PEOPLE
 from arena_ros.codec import PEOPLE, codec
+from arena_ros.live.goals import Goals
 from arena_ros.live.governor import STAND, Governor
 from arena_ros.live.guard import Guard
 from arena_ros.live.inbox import Inbox
@@ -62,11 +64,16 @@ class Seen(Planner):
         self.observation = observation
         return self.inner.compute_velocity(observation)
 
+    def considered(self) -> Sequence[Candidate] | None:
+        """Return what the planner considered."""
+        return self.inner.considered()
+
 
 class Driver:
     """Drives to one goal after another until ``is_over``; ``world`` is the site, ``target`` the topic of velocities.
 
-    With ``alone`` the robot stands while another node publishes ``target``: two masters move it as neither of them wants.
+    With ``alone`` the robot stands while another node publishes ``target``: two masters move it as neither of them wants. ``action`` is
+    the name under which move_base's action is served; None: the usual one in ROS 1.
     """
 
     def __init__(
@@ -79,6 +86,7 @@ class Driver:
         settings: Settings,
         target: str,
         alone: bool,
+        action: str | None,
     ) -> None:
         self._benchmark, self._world, self._run, self._settings, self._senses = benchmark, world, run, settings, senses
         self._navigator = benchmark.navigator
@@ -88,8 +96,7 @@ class Driver:
         self._period = self._navigator.control_period
         self._governor = Governor(benchmark.robot, settings.speed, self._period)
         own = self._codec = codec(transport.ros)
-        goal = "/move_base_simple/goal" if transport.ros == 1 else "/goal_pose"
-        self._goals = Inbox(transport, own, goal, to.POSE_STAMPED)
+        self._goals = Goals(transport, action)
         self._starts = Inbox(transport, own, "/initialpose", to.POSE_COVARIANCE)
         self._send = transport.publisher(target, to.TWIST)
         self._target, self._stand = target, own.encode(to.twist(own, STAND), to.TWIST)
@@ -127,28 +134,18 @@ class Driver:
                     break
         finally:
             self._publish(self._governor.stop())
+            self._goals.end(False, is_over() or "the driver ends")
         return driven
 
     def _next_goal(self, is_over: Callable[[], str]) -> Pose | None:
         """Wait for a goal in ``map``; meanwhile the robot stands."""
         while not is_over():
-            if (goal := self._new_goal()) is not None:
+            if (goal := self._goals.take()) is not None:
                 return goal
             self._publish(self._governor.stop())
             self._show_status("waits for a goal", None)
             time.sleep(self._period)
         return None
-
-    def _new_goal(self) -> Pose | None:
-        message = self._goals.take()
-        if message is None:
-            return None
-        frame = message.header.frame_id.lstrip("/")
-        goal = to.pose_of(message.pose)
-        if frame not in ("map", "") or not np.isfinite(goal.array()).all():
-            tell(f"a goal in the frame {frame} is not driven to; allowed: map")
-            return None
-        return goal
 
     def _place(self, start: Pose | None, is_over: Callable[[], str]) -> Pose | None:
         """Return where the robot stands: by a pose from elsewhere, by what was said, by what it believed last, or by /initialpose."""
@@ -171,7 +168,9 @@ class Driver:
         radius, limit = float(task.get("goal_radius", 0.3)), float(task.get("time_limit", 180.0))
         seed = self._benchmark.settings.seed
         scenario = Scenario(f"driven_{number:04d}", seed, self._world, start, goal, (), (), radius, limit)
-        recorder = Recorder(scenario, self._benchmark.robot, self._meta(scenario, number), self._benchmark.recording.scans)
+        keeps = self._benchmark.recording
+        meta = self._meta(scenario, number)
+        recorder = Recorder(scenario, self._benchmark.robot, meta, keeps.scans, keeps.tracks, keeps.considered)
         self._navigator.reset(Mission(grid if self._world.known else None, start, goal, radius, seed, scenario.name))
         if (fault := self._senses.fault()) is None:
             self._navigator.rehearse(self._senses.sensors(time.monotonic()))
@@ -185,8 +184,11 @@ class Driver:
             if why := is_over():
                 error = why
                 break
-            if (following := self._new_goal()) is not None:
+            if (following := self._goals.take()) is not None:
                 error = "another goal came"
+                break
+            if self._goals.is_cancelled():
+                error = "the goal was cancelled"
                 break
             if stamp >= limit:
                 outcome = "time_out"
@@ -198,6 +200,7 @@ class Driver:
             sensors = self._senses.sensors(begin)
             try:
                 decision = self._navigator.decide(sensors)
+                considered = self._navigator.considered(decision) if recorder.keeps_considered else None
             except (Exception, KeyboardInterrupt) as broken:  # whatever a planner raises, or a second Ctrl-C: the robot stands first
                 self._publish(self._governor.stop())
                 error = described(broken)
@@ -210,7 +213,7 @@ class Driver:
                 outcome, ending = "goal_reached", decision
                 break
             recorder.sense(state, sensors)
-            recorder.add(decision)
+            recorder.add(decision, considered)
             self._show(decision, sensors)
         self._publish(self._governor.stop())
         self._guard.rest()
@@ -218,6 +221,8 @@ class Driver:
             self._estimate = last[2].estimate.pose
             record = recorder.finish(last[0], outcome, error, ending)  # type: ignore[arg-type]
             self._run.add(replace(record, meta={**record.meta, **self._unknown()}))
+        if following is None:
+            self._goals.end(outcome == "goal_reached", error or outcome)
         self._show_status(outcome + (f": {error}" if error else ""), None, at_once=True)
         print(f"{scenario.name}: {outcome}" + (f" ({error})" if error else ""), flush=True)
         return following
@@ -307,9 +312,11 @@ class Driver:
         if self._tf is not None:
             correction = estimate.pose.compose(sensors.odometry.pose.relative(Pose(0.0, 0.0)))
             self._tf(own.encode(to.transforms(own, [("map", "odom", correction)], now), to.TF))
+        self._goals.show(estimate.pose)
         self._show_status("drives", decision)
 
     def _show_status(self, text: str, decision: Decision | None, at_once: bool = False) -> None:
+        self._goals.tick()
         if not at_once and time.monotonic() - self._shown < self._settings.status_period:
             return
         self._shown = time.monotonic()

@@ -7,14 +7,17 @@ import time
 from functools import lru_cache
 from typing import Any
 
-from arena_core import ArenaError, EpisodeStart, Observation, Planner, Pose, Positive, Robot, Twist
+from arena_core import ArenaError, EpisodeStart, Observation, Planner, Pose, Positive, Robot, Twist, one_line
 from arena_ros import conversions as to
 from arena_ros.codec import BadMessage, codec, stamp_of
+from arena_ros.live.actions import ActionClient, State
+from arena_ros.live.goals import GOAL_TOPICS, action_name
+from arena_ros.live.governor import STAND
 from arena_ros.transport import Transport, open_transport
 
 BEGIN = 10**9  # ns of the clock at the first episode's begin
 PAUSE = 10**9  # ns from one episode's last step to the next one's begin
-AGAIN = 0.1  # s after which the first step is sent again: who connects late has missed it
+AGAIN = 0.1  # s after which the first step and a goal are sent again: who connects late has missed them
 AT_HOME = Pose(0.0, 0.0)
 
 
@@ -22,11 +25,26 @@ class BudgetExceeded(ArenaError):
     """A foreign planner did not answer in time."""
 
 
+class GoalGivenUp(ArenaError):
+    """A foreign planner drives no further."""
+
+
 class RosExternal(Planner):
     """Sends what it is shown to a ROS node, and returns the command that comes back for this very step."""
 
-    def __init__(self, robot: Robot, transport: str | None, command: str, stamped: bool, budget: Positive, patience: Positive) -> None:
-        self._robot, self._transport_name, self._topic, self._stamped = robot, transport, command, stamped
+    def __init__(
+        self,
+        robot: Robot,
+        transport: str | None,
+        command: str,
+        stamped: bool,
+        silence: Positive | None,
+        action: str | None,
+        budget: Positive,
+        patience: Positive,
+    ) -> None:
+        self._robot, self._transport_name, self._topic, self._stamped, self._action = robot, transport, command, stamped, action
+        self._silence = silence
         self._budget, self._patience = budget, patience
         self._link: _Link | None = None
         self._clock = BEGIN - PAUSE
@@ -34,13 +52,13 @@ class RosExternal(Planner):
     def reset(self, episode: EpisodeStart) -> None:
         """Connect, once in a process, and tell goal and map."""
         if self._link is None:
-            self._link = _link(self._transport_name, self._topic, self._stamped)
+            self._link = _link(self._transport_name, self._topic, self._stamped, self._silence, self._action)
         self._begin = self._clock + PAUSE
         self._path: Any = None
         self._link.begin(episode, self._begin)
 
     def compute_velocity(self, observation: Observation) -> Twist:
-        """Return the node's command; raise BudgetExceeded, which ends the episode, where none comes."""
+        """Return the node's command; raise BudgetExceeded where none comes, GoalGivenUp where the node says so: both end the episode."""
         if self._link is None:
             raise ArenaError("ros_external was not reset")
         self._clock = self._begin + round(observation.stamp * 1e9)
@@ -49,55 +67,88 @@ class RosExternal(Planner):
 
 
 @lru_cache(maxsize=4)
-def _link(transport: str | None, command: str, stamped: bool) -> _Link:
-    return _Link(open_transport(transport, "arena_ros_external"), command, stamped)
+def _link(transport: str | None, command: str, stamped: bool, silence: float | None, action: str | None) -> _Link:
+    return _Link(open_transport(transport, "arena_ros_external"), command, stamped, silence, action)
 
 
 class _Link:
     """The topics between this process and the node; ``answered`` tells whether it has ever sent a command."""
 
-    def __init__(self, transport: Transport, command: str, stamped: bool) -> None:
+    def __init__(self, transport: Transport, command: str, stamped: bool, silence: float | None, action: str | None) -> None:
         if "/clock" in transport.topics():
             raise ArenaError("/clock is published already; allowed: one clock (executor.workers=1, and no other simulator at this master)")
-        self._codec, self._stamped, self._command = codec(transport.ros), stamped, command
+        self._codec, self._stamped, self._silence, self._command = codec(transport.ros), stamped, silence, command
+        self._spoke = time.monotonic()
         kinds = {"/scan": to.SCAN, "/odom": to.ODOMETRY, "/tf": to.TF, "/clock": to.CLOCK, "/waypoint": to.POSE_STAMPED}
         latched = {"/map": to.GRID, "/plan": to.PATH, "/tf_static": to.TF}
-        latched["/move_base_simple/goal" if transport.ros == 1 else "/goal_pose"] = to.POSE_STAMPED
-        self._goal = next(topic for topic in latched if "goal" in topic)
+        self._goal = GOAL_TOPICS[transport.ros]
+        latched[self._goal] = to.POSE_STAMPED
         self._out = {topic: (transport.publisher(topic, kind), kind) for topic, kind in kinds.items()}
         self._out |= {topic: (transport.publisher(topic, kind, latched=True), kind) for topic, kind in latched.items()}
         self._came = threading.Condition()
         self._answer: tuple[int | None, Twist] | None = None
         self.answered = False
         self._path: Any = None
+        self._asked = ActionClient(transport, action_name(transport, action), self._wake) if action is not None else None
         transport.subscribe(command, to.TWIST_STAMPED if stamped else to.TWIST, self._hear)
 
     def begin(self, episode: EpisodeStart, stamp: int) -> None:
         """Tell map and goal."""
         own = self._codec
-        self._path = None
+        self._path, self._spoke = None, time.monotonic()
         if episode.map is not None:
             self._put("/map", to.grid(own, episode.map, stamp, "map"))
         self._put("/clock", own.make(to.CLOCK, clock=own.time(stamp)))
-        self._put(self._goal, to.pose_stamped(own, episode.goal, stamp, "map"))
+        if self._asked is not None:
+            self._asked.send(episode.goal, stamp)
+        else:
+            self._put(self._goal, to.pose_stamped(own, episode.goal, stamp, "map"))
 
     def ask(self, observation: Observation, stamp: int, scan_period: float, limit: float) -> Twist:
-        """Send a step and wait for its command."""
-        end = time.monotonic() + limit
+        """Send a step and wait for its command; return the command to stand where the node may be silent, and is."""
+        begin = time.monotonic()
+        end = (begin if self._silence is None else self._spoke) + limit
         with self._came:
             self._answer = None
         self._send(observation, stamp, scan_period)
         while True:
-            left = end - time.monotonic()
             with self._came:
-                self._came.wait_for(lambda: self._is_for(stamp), left if self.answered else min(left, AGAIN))
+                self._came.wait_for(lambda: self._is_for(stamp) or self._has_ended(), self._patience(end))
                 if self._is_for(stamp) and self._answer is not None:
-                    self.answered = True
+                    self.answered, self._spoke = True, time.monotonic()
                     return self._answer[1]
+            if self._has_ended():
+                return self._after_the_end()
             if time.monotonic() >= end:
                 raise BudgetExceeded(f"no command on {self._command} for this step within {limit:g} s")
+            if self._silence is not None and time.monotonic() - begin >= self._silence:
+                return STAND
             if not self.answered:
                 self._send(observation, stamp, scan_period)
+            if self._asked is not None:
+                self._asked.remind()
+
+    def _patience(self, end: float) -> float:
+        """Return how long is waited before something is sent again, s."""
+        left = end - time.monotonic()
+        connected = self.answered and self._silence is None and (self._asked is None or self._asked.is_known)
+        return left if connected else min(left, AGAIN)
+
+    def _has_ended(self) -> bool:
+        return self._asked is not None and self._asked.ended is not None
+
+    def _after_the_end(self) -> Twist:
+        """Stand where the node says that it has arrived; raise GoalGivenUp where it says anything else."""
+        assert self._asked is not None
+        assert self._asked.ended is not None
+        state, text = self._asked.ended
+        if state is not State.SUCCEEDED:
+            raise GoalGivenUp(f"{self._asked.name} says {state.name.lower()}" + (f" ({one_line(text, 80)})" if text else ""))
+        return STAND
+
+    def _wake(self) -> None:
+        with self._came:
+            self._came.notify()
 
     def _is_for(self, stamp: int) -> bool:
         return self._answer is not None and self._answer[0] in (None, stamp)

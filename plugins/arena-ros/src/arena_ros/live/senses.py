@@ -12,7 +12,7 @@ import numpy as np
 from arena_core import ArenaError, Odometry, Pose, Robot, Sensors, tell
 from arena_ros import conversions as of
 from arena_ros.codec import BadMessage, codec, stamp_of
-from arena_ros.frames import BASES, mounted
+from arena_ros.frames import BASES, Mount, mounted
 from arena_ros.live.inbox import Inbox
 from arena_ros.live.settings import Settings
 from arena_ros.transport import Transport
@@ -44,8 +44,8 @@ class Senses:
         self._good_scan = self._good_odometry = float("-inf")  # when the newest of use came
         self._tf_needed = topics.pose == "/tf"
         self._stamps = {"scan": 0, "odometry": 0}
-        self._static: dict[str, tuple[str, Pose]] = {}
-        self._mounts: dict[str, Pose] = {}
+        self._static: dict[str, tuple[str, Mount]] = {}
+        self._mounts: dict[str, Mount] = {}
         with suppress(ArenaError):  # a transport that does not know the type: then the robot's own figures count
             transport.subscribe("/tf_static", of.TF, self._hear_static, latched=True)
 
@@ -122,21 +122,19 @@ class Senses:
 
     def _hear_static(self, content: bytes) -> None:
         with suppress(BadMessage):
-            links = of.links_of(codec(self._transport.ros).decode(content, of.TF))
-            self._static = self._static | {child: (parent, pose) for parent, child, pose, _ in links}
+            self._static = self._static | of.mounts_of(codec(self._transport.ros).decode(content, of.TF))
 
-    def _mount(self, frame: str) -> Pose:
+    def _mount(self, frame: str) -> Mount:
         """Return where the lidar of a frame is on the robot: as /tf_static says, else as the robot's configuration does."""
         if frame not in self._mounts:
-            own = self._robot.lidar.mount
+            own = Mount(self._robot.lidar.mount)
             found = mounted(self._static, frame, {self._newest_odometry.child_frame_id.lstrip("/") or "base_link", *BASES})
             if found is None:
                 return own
             self._mounts[frame] = found
-            if np.abs(found.array() - own.array()).max() > MOVED:
-                tell(
-                    f"/tf_static has {frame} at {found.x:.3f}, {found.y:.3f}, {found.theta:.3f}: this counts, not lidar.mount of the robot"
-                )
+            if found.flipped or np.abs(found.pose.array() - own.pose.array()).max() > MOVED:
+                where = "{:.3f}, {:.3f}, {:.3f}".format(*found.pose.array()) + (", upside down" if found.flipped else "")
+                tell(f"/tf_static has {frame} at {where}: this counts, not lidar.mount of the robot")
         return self._mounts[frame]
 
     @property

@@ -12,6 +12,8 @@ import numpy as np
 from arena_core import Benchmark, Scenario, Snapshot
 from arena_ros import conversions as to
 from arena_ros.codec import PEOPLE, BadMessage, codec
+from arena_ros.live.actions import ActionClient
+from arena_ros.live.goals import action_name
 from arena_ros.transport import Transport
 
 BEGIN = 10**9  # ns of the clock when the first episode begins: 0 is "no time" to ROS
@@ -20,10 +22,11 @@ BEGIN = 10**9  # ns of the clock when the first episode begins: 0 is "no time" t
 class SimulatedRobot:
     """One robot of a simulator, its people and its map. ``period`` s is that between two messages of odometry.
 
-    The last command holds until the next one, as on a robot without a watch of its own.
+    The last command holds until the next one, as on a robot without a watch of its own. A move_base whose ``action`` is named is sent the
+    goal of each problem.
     """
 
-    def __init__(self, transport: Transport, benchmark: Benchmark, period: float, namespace: str = "") -> None:
+    def __init__(self, transport: Transport, benchmark: Benchmark, period: float, action: str | None = None, namespace: str = "") -> None:
         self._simulator, self._robot, self._task = benchmark.simulator, benchmark.robot, benchmark.task
         self._seed = benchmark.settings.seed
         self._ticks = max(round(period / self._simulator.inner_step), 1)
@@ -41,6 +44,8 @@ class SimulatedRobot:
         transport.subscribe(namespace + "/cmd_vel", to.TWIST, self._hear)
         transport.subscribe(namespace + "/arena/reset", to.EMPTY, lambda content: self._reset.set())
         transport.serve(namespace + "/arena/reset_world", self._reset.set)
+        self._asked = ActionClient(transport, action_name(transport, action)) if action is not None else None
+        self._name = ""
         self._clock = BEGIN
         self._scan_stamp = -1.0
         self.snapshot: Snapshot
@@ -64,6 +69,7 @@ class SimulatedRobot:
                 episode += 1
                 self._begin(episode)
             self._publish()
+            self._follow()
             if lock_step:
                 self._heard.wait(0.1)
                 if not self._heard.is_set():
@@ -86,6 +92,18 @@ class SimulatedRobot:
         self._put("/map", to.grid(own, scenario.world.grid, self._clock, "map"))
         self._put("/tf_static", to.transforms(own, [("base_link", "laser", self._robot.lidar.mount)], self._clock))
         self._put("/arena/scenario_goal", to.pose_stamped(own, scenario.goal, self._clock, "map"))
+        self._name = scenario.name
+        if self._asked is not None:
+            self._asked.send(scenario.goal, self._clock)
+
+    def _follow(self) -> None:
+        """Say, once, what a move_base made of the problem's goal."""
+        if self._asked is None or not self._name:
+            return
+        self._asked.remind()
+        if (ended := self._asked.ended) is not None:
+            print(f"{self._name}: {self._asked.name} says {ended[0].name.lower()}" + (f" ({ended[1]})" if ended[1] else ""), flush=True)
+            self._name = ""
 
     def _publish(self) -> None:
         own, now, state = self._codec, self._clock, self.snapshot.state(0)

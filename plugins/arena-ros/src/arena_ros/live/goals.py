@@ -1,0 +1,94 @@
+"""Where a robot is to drive: goals of a topic and, in ROS 1, of move_base's action."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from arena_core import ConfigurationError, Pose, tell
+from arena_ros import conversions as to
+from arena_ros.codec import codec
+from arena_ros.live.actions import ActionServer, State
+from arena_ros.live.inbox import Inbox
+from arena_ros.transport import Transport
+
+MOVE_BASE = "/move_base"  # its action's usual name
+NONE = "none"
+GOAL_TOPICS = {1: "/move_base_simple/goal", 2: "/goal_pose"}
+
+
+class Goals:
+    """Hears goals in ``map``, whichever way they come, and says what becomes of those that want to know."""
+
+    def __init__(self, transport: Transport, action: str | None) -> None:
+        self._topic = Inbox(transport, codec(transport.ros), GOAL_TOPICS[transport.ros], to.POSE_STAMPED)
+        name = served_action(transport, action)
+        self._server = ActionServer(transport, name) if name is not None else None
+
+    def take(self) -> Pose | None:
+        """Return a goal that is new; one that was driven to until now is given up for it."""
+        if self._server is not None and (asked := self._server.take()) is not None:
+            goal, fault = _place(asked.target)
+            if fault:
+                self._server.refuse(asked, fault)
+            else:
+                self._server.accept(asked)
+            return goal
+        message = self._topic.take()
+        if message is None:
+            return None
+        goal, fault = _place(message)
+        if fault:
+            tell(fault)
+        elif self._server is not None:
+            self._server.accept(None)
+        return goal
+
+    def is_cancelled(self) -> bool:
+        """Tell whether who sent the goal does not want it any more."""
+        return self._server is not None and self._server.is_cancelled
+
+    def tick(self) -> None:
+        """Say that goals are taken."""
+        if self._server is not None:
+            self._server.tick()
+
+    def show(self, pose: Pose) -> None:
+        """Say where the robot is while it drives to a goal."""
+        if self._server is not None:
+            self._server.tell(pose)
+
+    def end(self, reached: bool, text: str) -> None:
+        """Say what became of the goal that was driven to."""
+        if self._server is not None:
+            self._server.end(State.SUCCEEDED if reached else State.ABORTED, text)
+
+
+def _place(message: Any) -> tuple[Pose | None, str]:
+    """Return the goal of a PoseStamped, or why it cannot be driven to."""
+    frame = message.header.frame_id.lstrip("/")
+    goal = to.pose_of(message.pose)
+    if frame not in ("map", ""):
+        return None, f"a goal in the frame {frame} is not driven to; allowed: map"
+    if not np.isfinite(goal.array()).all():
+        return None, "a goal that is no number is not driven to"
+    return goal, ""
+
+
+def served_action(transport: Transport, said: str | None) -> str | None:
+    """Return the name under which the action is served, None where it is not; raise ConfigurationError where it cannot be."""
+    if said == NONE or (said is None and transport.ros == 2):
+        return None
+    name = action_name(transport, said or MOVE_BASE)
+    if others := transport.rivals(f"{name}/status"):
+        tell(f"{others[0]} serves {name} already: goals come from {GOAL_TOPICS[1]} alone")
+        return None
+    return name
+
+
+def action_name(transport: Transport, said: str) -> str:
+    """Return the name of an action of move_base; raise ConfigurationError where there is none."""
+    if transport.ros == 2:
+        raise ConfigurationError(f"action is {said}; allowed in ROS 2: none, goals go by {GOAL_TOPICS[2]} there")
+    return "/" + said.strip("/")

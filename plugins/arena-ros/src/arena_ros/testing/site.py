@@ -1,0 +1,30 @@
+"""A room of 10 m by 6 m, and a problem in it: straight on for 7 m."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+SIZE_XY = (10.0, 6.0)
+RESOLUTION = 0.05  # m
+START, GOAL = (1.5, 3.0, 0.0), (8.5, 3.0)
+
+
+def write_site(folder: Path) -> Path:
+    """Write ``map.yaml`` and ``straight.json`` and return the folder."""
+    columns, rows = (round(size / RESOLUTION) for size in SIZE_XY)
+    cells = np.full((rows, columns), 254, np.uint8)
+    cells[[0, -1]] = cells[:, [0, -1]] = 0
+    (folder / "map.pgm").write_bytes(f"P5\n{columns} {rows}\n255\n".encode() + cells.tobytes())
+    figures = f"image: map.pgm\nresolution: {RESOLUTION}\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+    (folder / "map.yaml").write_text(figures)
+    problem = {"name": "straight", "start": list(START), "goal": list(GOAL)}
+    (folder / "straight.json").write_text(json.dumps({"format": "arena-scenario", "version": 2, "scenarios": [problem]}))
+    return folder
+
+
+def world(site: Path) -> list[str]:
+    """Return the words of a command line that put a robot there."""
+    return ["robot=jackal", "world=ros_map", f"world.path={site}/map.yaml", "task=scenario", f"task.path={site}/straight.json"]
