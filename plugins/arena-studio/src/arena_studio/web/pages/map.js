@@ -54,7 +54,7 @@ function layOut(root) {
   const state = make("span", { className: "state soft", role: "status" });
   const where = make("p", { className: "where soft" });
   const empty = make("p", { className: "empty soft" }, "Choose a map above, or draw one under “Generate”.");
-  root.append(top, tools, make("div", { className: "stage" }, canvas, empty, where), side);
+  root.append(make("h1", { className: "hidden" }, page.title), top, tools, make("div", { className: "stage" }, canvas, empty, where), side);
   return { canvas, top, tools, side, state, where, empty };
 }
 

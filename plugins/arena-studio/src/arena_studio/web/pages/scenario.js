@@ -81,7 +81,7 @@ function layOut(root, { bar, tabs, canvas, side, preview, toolbox, editor }) {
   });
   const left = make("div", { className: "left" }, tools, make("label", { className: "field" }, make("span", {}, "furniture"), pieces));
   const empty = make("p", { className: "empty soft" }, "Choose a scenario file above, or a map and “New”.");
-  root.append(bar, left, make("div", { className: "stage" }, tabs, make("div", { className: "picture" }, canvas, empty), preview), make("div", { className: "side" }, ...side));
+  root.append(make("h1", { className: "hidden" }, page.title), bar, left, make("div", { className: "stage" }, tabs, make("div", { className: "picture" }, canvas, empty), preview), make("div", { className: "side" }, ...side));
 }
 
 /** @param {Editor} editor @param {Preview} preview @param {HTMLElement} element @returns {import("../edit/view.js").Layer[]} */

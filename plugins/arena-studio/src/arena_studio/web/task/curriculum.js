@@ -140,7 +140,7 @@ export class CurriculumPart {
 
   #table() {
     const head = COLUMNS.map(({ title, unit, meaning }) => make("th", { title: meaning, scope: "col" }, unit ? `${title} (${unit})` : title));
-    return make("div", { className: "scroll" }, make("table", { className: "levels" }, make("thead", {}, make("tr", {}, make("th", { scope: "col" }, "level"), ...head, make("th", {}, ""))), this.table));
+    return make("div", { className: "scroll" }, make("table", { className: "levels" }, make("thead", {}, make("tr", {}, make("th", { scope: "col" }, "level"), ...head, make("td", {}))), this.table));
   }
 
   /** @param {Level} level @param {number} at */
