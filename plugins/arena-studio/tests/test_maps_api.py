@@ -57,6 +57,46 @@ def test_a_stroke_goes_to_the_file_and_the_next_save_knows_its_version(client: T
     assert client.get("/api/maps/version", params={"path": MAP}).json() == {"version": header["version"]}
 
 
+def test_a_map_of_another_size_is_written_with_its_origin_and_all_else_kept(client: TestClient, folder: Path) -> None:
+    image, text = folder / "maps" / "hall" / "map.pgm", folder / "maps" / "hall" / "map.yaml"
+    before = np.array(load_map(text).data)
+    first = image.read_bytes()
+    image.write_bytes(first.replace(b"P5\n", b"P5\n# drawn by hand\n", 1))
+    header, cells = opened(client, MAP)
+    rows, columns = cells.shape
+    larger = np.full((rows + 1, columns - 2), header["drawn"]["unknown"], np.uint8)
+    larger[:rows] = cells[:, 2:]
+    said = {"width": columns - 2, "height": rows + 1, "rectangles": [[0, 0, columns - 2, rows + 1]], "origin": [0.5, -0.25, 0.0]}
+    answer = client.put("/api/maps/file", params={"path": MAP}, content=packed({**header, **said}, larger.tobytes()))
+    assert answer.status_code == 200, answer.text
+    grid = load_map(text)
+    assert (grid.data[1:] == before[:, 2:]).all()
+    assert (grid.data[0] == -1).all()
+    assert (grid.origin.x, grid.origin.y) == (0.5, -0.25)
+    assert image.read_bytes().startswith(f"P5\n# drawn by hand\n{columns - 2} {rows + 1}\n".encode())
+    again, _ = opened(client, MAP)
+    assert again["version"] == answer.json()["version"]
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        {"width": 10},
+        {"width": 10, "rectangles": [[0, 0, 5, 5]]},
+        {"width": 10, "rectangles": [[0, 0, 10, 0]]},
+        {"width": 10**5, "height": 10**5, "rectangles": [[0, 0, 10**5, 10**5]]},
+        {"width": -1, "height": 4, "rectangles": [[0, 0, -1, 4]]},
+        {"width": "10", "height": 4, "rectangles": [[0, 0, 10, 4]]},
+    ],
+)
+def test_a_size_that_is_wrong_is_refused_and_nothing_is_written(client: TestClient, folder: Path, said: dict[str, Any]) -> None:
+    header, _ = opened(client, MAP)
+    kept = (folder / "maps" / "hall" / "map.pgm").read_bytes()
+    answer = client.put("/api/maps/file", params={"path": MAP}, content=packed({**header, "rectangles": [[0, 0, 1, 1]], **said}, bytes(40)))
+    assert answer.status_code == 400, answer.text
+    assert (folder / "maps" / "hall" / "map.pgm").read_bytes() == kept
+
+
 def test_a_second_window_is_told_of_the_conflict(client: TestClient, folder: Path) -> None:
     header, _ = opened(client, MAP)
     body = packed({**header, "rectangles": [[20, 30, 1, 1]]}, bytes(1))

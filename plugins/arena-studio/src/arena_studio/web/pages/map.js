@@ -4,6 +4,7 @@ import { guardPage } from "studio/edit/autosave.js";
 import { button, make } from "studio/shell/forms.js";
 import { Editor } from "studio/map/editor.js";
 import { generatePanel } from "studio/map/generate.js";
+import { sizePanel } from "studio/map/extent.js";
 import { furniturePanel } from "studio/map/furniture_panel.js";
 import { drawingPanel, keysPanel, measuresPanel, namePanel } from "studio/map/panels.js";
 
@@ -20,7 +21,7 @@ async function mount(root, context) {
   await styled;
   const parts = layOut(root);
   const editor = new Editor(context, parts.canvas, () => show(), (state, said) => tell(parts.state, state, said), (text) => void (parts.where.textContent = text));
-  const panels = [drawingPanel(editor), keysPanel(editor), generatePanel(editor), furniturePanel(editor), measuresPanel(editor), namePanel(editor)];
+  const panels = [drawingPanel(editor), keysPanel(editor), sizePanel(editor), generatePanel(editor), furniturePanel(editor), measuresPanel(editor), namePanel(editor)];
   parts.side.append(...panels.map((panel) => panel.element));
   const { undo, redo, select } = topBar(parts.top, editor, parts.state);
   editor.toolbox.fill(parts.tools);
