@@ -42,6 +42,7 @@ class Previewing(Checking):
     planner: Name = "pure_pursuit"
     seconds: Annotated[float, Field(gt=0.0, le=LONGEST_PREVIEW)] = 20.0
     seed: Annotated[int, Field(ge=0, lt=2**63)] = 0
+    legs: bool = False
 
 
 class Exporting(Content):
@@ -89,7 +90,7 @@ def router(project: Project) -> APIRouter:
 
     @routes.post("/preview")
     def preview(asked: Previewing) -> Any:
-        chosen = {key: getattr(asked, key) for key in ("scene", "robot", "planner", "pedestrians", "seconds", "seed")}
+        chosen = {key: getattr(asked, key) for key in ("scene", "robot", "planner", "pedestrians", "seconds", "seed", "legs")}
         return side.long.ask("preview", LONG, **_of(project, asked), **chosen)
 
     @routes.post("/export")

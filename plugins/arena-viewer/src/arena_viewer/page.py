@@ -14,6 +14,7 @@ MODULES = (
     "decode",
     "episode",
     "facts",
+    "floor",
     "hands",
     "lidar",
     "looks",

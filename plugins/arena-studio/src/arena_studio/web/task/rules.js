@@ -1,8 +1,9 @@
 // Rules of random problems: each parameter with unit, bounds and source, and what ten draws look like on their maps.
 
 import { Camera } from "arena/camera.js";
+import { drawFloor, pictureOf } from "arena/floor.js";
 import { drawScene } from "studio/scenario/drawing.js";
-import { drawGround, groundOf, pictureOf, windowOf } from "studio/scenario/ground.js";
+import { groundOf, windowOf } from "studio/scenario/ground.js";
 import { coloursOf } from "studio/scenario/looks.js";
 import { newContent, relativePath } from "studio/scenario/model.js";
 import { button, choice, make } from "studio/shell/forms.js";
@@ -91,7 +92,7 @@ export class RulesPart {
     const { maps, draws, asked } = this.drawn;
     const grounds = await Promise.all(maps.map(groundOf));
     const colours = coloursOf(this.element);
-    const pictures = grounds.map((ground) => pictureOf(ground, [colours.free, colours.wall, colours.unknown]));
+    const pictures = grounds.map((ground) => pictureOf(ground.cells, ground.width, ground.height, [colours.free, colours.wall, colours.unknown]));
     this.pictures.replaceChildren(...draws.map((/** @type {any} */ one, /** @type {number} */ at) => this.#draw(one, at, grounds[one.map], pictures[one.map], colours)));
     this.keep.disabled = !asked.map || !draws.some((/** @type {any} */ one) => one.scene);
   }
@@ -110,7 +111,7 @@ export class RulesPart {
     const camera = new Camera();
     camera.fit(windowOf(ground), WIDTH, HEIGHT);
     camera.apply(context, { x: 0, y: 0, width: WIDTH, height: HEIGHT }, ratio);
-    drawGround(context, ground, picture);
+    drawFloor(context, ground, picture);
     drawScene(context, { scene, chosen: null, findings: [], at: 0 }, { colours, pixel: 1 / camera.scale, furniture: this.kinds.furniture, robot: null, goalRadius: 0.3 });
     return make("figure", {}, canvas, make("figcaption", {}, `${at}: ${said}`));
   }
