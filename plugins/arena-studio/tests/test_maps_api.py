@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import json
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from arena_core import load_registry
 from arena_studio.app import make_app
 from arena_studio.mapping.transfer import packed, unpacked
 from arena_studio.project import Project
+from arena_studio.side_process import beside
 from arena_tasks.commands.packing import ANYBODY
 from arena_tasks.scenario_files.scenario_file import read_scenarios
 from arena_worlds.commands.generate import parameters
@@ -27,13 +29,27 @@ MAP = "maps/hall/map.yaml"
 
 
 @pytest.fixture
-def folder(tmp_path: Path) -> Path:
+def folder(tmp_path: Path) -> Iterator[Path]:
     shutil.copytree(HALL, tmp_path / "maps" / "hall")
-    return tmp_path
+    yield tmp_path
+    beside(tmp_path.resolve()).checks.close()
 
 
 @pytest.fixture
 def client(folder: Path) -> TestClient:
+    return client_of(folder)
+
+
+@pytest.fixture(scope="module")
+def reader(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
+    """Return a page whose project nobody changes; its process beside the server starts once."""
+    root = tmp_path_factory.mktemp("read")
+    shutil.copytree(HALL, root / "maps" / "hall")
+    yield client_of(root)
+    beside(root.resolve()).checks.close()
+
+
+def client_of(folder: Path) -> TestClient:
     app = make_app(Project(folder), "token")
     return TestClient(app, base_url="http://127.0.0.1", cookies={"arena_studio": "token"}, raise_server_exceptions=False)
 
@@ -108,13 +124,13 @@ def test_a_second_window_is_told_of_the_conflict(client: TestClient, folder: Pat
     assert (folder / "maps" / "hall" / "map.pgm").read_bytes() == kept
 
 
-def test_every_kind_of_world_is_drawn_as_the_command_line_draws_it(client: TestClient) -> None:
-    kinds = {one["name"]: one["parameters"] for one in client.get("/api/maps/kinds").json()["kinds"]}
+def test_every_kind_of_world_is_drawn_as_the_command_line_draws_it(reader: TestClient) -> None:
+    kinds = {one["name"]: one["parameters"] for one in reader.get("/api/maps/kinds").json()["kinds"]}
     assert {"indoor", "outdoor", "rooms", "cellular", "warehouse", "empty", "lab", "furnished", "mixed"} <= set(kinds)
     assert not {"ros_map", "file", "barn", "dynabarn", "scenario_map"} & set(kinds)
     assert kinds["rooms"]["door_width"] is None
     words = {"kind": "rooms", "seed": 3, "parameters": json.dumps({"difficulty": 0.8, "width": 10, "door_width": None})}
-    answer = client.get("/api/maps/draw", params=words)
+    answer = reader.get("/api/maps/draw", params=words)
     header, cells = unpacked(answer.content)
     world = load_registry().build("world", parameters("rooms", {"difficulty": "0.8", "width": "10"})).world(3, 0)
     values = np.array(header["values"], np.int8)[np.frombuffer(cells, np.uint8)].reshape(header["height"], header["width"])
@@ -136,8 +152,8 @@ def test_a_drawn_world_is_kept_as_a_map(client: TestClient, folder: Path) -> Non
     assert again["version"] == answer.json()["version"]
 
 
-def test_measures_are_those_of_the_command_line(client: TestClient) -> None:
-    answer = client.get("/api/maps/measures", params={"path": MAP, "robot_radius": 0.3})
+def test_measures_are_those_of_the_command_line(reader: TestClient) -> None:
+    answer = reader.get("/api/maps/measures", params={"path": MAP, "robot_radius": 0.3})
     found = {one["name"]: one["value"] for one in answer.json()["measures"]}
     assert found == {name: value for name, value, _, _ in measures_of(load_map(HALL / "map.yaml"), 0.3).rows()}
 
@@ -199,7 +215,7 @@ def test_all_else_of_a_scenario_file_stays(client: TestClient, folder: Path) -> 
         ("post", "/api/maps/scenarios", {"json": {"path": "a.json", "map": MAP, "furniture": [7]}}),
     ],
 )
-def test_what_is_wrong_is_told_in_one_line(method: str, path: str, words: dict[str, Any], client: TestClient) -> None:
-    answer = client.request(method, path, **words)
+def test_what_is_wrong_is_told_in_one_line(method: str, path: str, words: dict[str, Any], reader: TestClient) -> None:
+    answer = reader.request(method, path, **words)
     assert 400 <= answer.status_code < 500, answer.text
     assert "\n" not in answer.json()["error"]

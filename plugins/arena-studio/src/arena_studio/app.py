@@ -18,6 +18,7 @@ from arena_studio.access import LOOPBACK, Access, Guard
 from arena_studio.errors import status_of
 from arena_studio.experiments import Experiments
 from arena_studio.project import Project
+from arena_studio.side_process import beside
 from arena_studio.signed import Signed
 
 POLICY = (
@@ -33,7 +34,8 @@ def make_app(project: Project, token: str, hosts: frozenset[str] | None = LOOPBA
     app.state.project = project
     _tell_errors(app)
     experiments = Experiments(project)
-    for routes in (runs.router(experiments), live.router(experiments), replays.watching(experiments), reports.router(project, Signed(token))):
+    app.include_router(runs.router(experiments, beside(project.root).runs))
+    for routes in (live.router(experiments), replays.watching(experiments), reports.router(project, Signed(token))):
         app.include_router(routes)
     for part in (results, replays, maps, scenarios, curricula):
         app.include_router(part.router(project))

@@ -63,11 +63,13 @@ class StudioCommand(Command):
         server = bound(request.host, request.port)
         from arena_studio.access import LOOPBACK
         from arena_studio.app import make_app
+        from arena_studio.side_process import beside
 
         os.chdir(project.root)  # what a run reads and writes, and the user's own conf, are meant from there
         token = secrets.token_urlsafe(24)
         app = make_app(project, token, None if request.exposed else LOOPBACK)
         address = f"http://{_written(request.host)}:{server.getsockname()[1]}/?token={token}"
+        beside(project.root).runs.start()  # which the first page asks at once
         tell(f"{address} (Ctrl-C ends it)")
         if request.opens:
             webbrowser.open(address)

@@ -9,8 +9,8 @@ from pydantic import BaseModel, Field
 
 from arena_core import ArenaError
 from arena_studio.project import Project
-from arena_studio.scenarios import LONG, SOON, MapPath, Name, Path, Version, known
-from arena_studio.side_process import beside
+from arena_studio.scenarios import MapPath, Name, Path, Version, known
+from arena_studio.side_process import LONG, SOON, beside
 
 SUFFIXES = (".yaml", ".yml")
 Row = dict[str, float | int | None]

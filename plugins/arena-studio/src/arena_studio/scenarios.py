@@ -10,9 +10,8 @@ from pydantic import BaseModel, Field
 
 from arena_core import ArenaError
 from arena_studio.project import Project
-from arena_studio.side_process import beside
+from arena_studio.side_process import LONG, SOON, beside
 
-SOON, LONG = 60.0, 300.0  # s that a request may take; what is used for the first time is compiled
 LONGEST_PREVIEW = 60.0  # s of simulated time
 Path = Annotated[str, Query(max_length=400)]
 Version = Annotated[str, Header(alias="If-Match", max_length=100)]  # of the file as it was read, "none" where it must not be there yet

@@ -99,6 +99,11 @@ def map_document(project: Project, path: str) -> tuple[dict[str, Any], NDArray[n
     opened = open_map(project, path)
     if opened is None:
         return grid_document(site_grid(project.path(path), DEFAULTS["resolution"], DEFAULTS["margin"]), path)
+    return document_of(opened)
+
+
+def document_of(opened: OpenMap) -> tuple[dict[str, Any], NDArray[np.uint8]]:
+    """Return a map as ``map_document`` does; raise InputFileError for an image with too many colours."""
     cells = cells_of(opened.image, opened.file)
     file = opened.file
     keys = {
@@ -109,7 +114,7 @@ def map_document(project: Project, path: str) -> tuple[dict[str, Any], NDArray[n
         "occupied_thresh": file.occupied_thresh,
         "free_thresh": file.free_thresh,
     }
-    return header_of(path, cells, keys, opened.version, file.mode), cells.codes
+    return header_of(opened.path, cells, keys, opened.version, file.mode), cells.codes
 
 
 def grid_document(grid: OccupancyGrid, path: str | None) -> tuple[dict[str, Any], NDArray[np.uint8]]:
