@@ -32,7 +32,8 @@ MAP = "maps/hall/map.yaml"
 def folder(tmp_path: Path) -> Iterator[Path]:
     shutil.copytree(HALL, tmp_path / "maps" / "hall")
     yield tmp_path
-    beside(tmp_path.resolve()).checks.close()
+    for process in beside(tmp_path.resolve()):
+        process.close()
 
 
 @pytest.fixture
@@ -46,7 +47,8 @@ def reader(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
     root = tmp_path_factory.mktemp("read")
     shutil.copytree(HALL, root / "maps" / "hall")
     yield client_of(root)
-    beside(root.resolve()).checks.close()
+    for process in beside(root.resolve()):
+        process.close()
 
 
 def client_of(folder: Path) -> TestClient:

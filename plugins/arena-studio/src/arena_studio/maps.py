@@ -94,7 +94,7 @@ def _worlds(routes: APIRouter, project: Project, side: SideProcess) -> None:
 def _furniture(routes: APIRouter, project: Project, side: SideProcess) -> None:
     @routes.get("/furniture")
     def pieces() -> dict[str, Any]:
-        return {"kinds": side.ask("furniture", LONG)}
+        return {"kinds": beside(project.root).files.ask("furniture", LONG)}
 
     @routes.get("/scenarios")
     def scenarios(path: str) -> dict[str, Any]:

@@ -30,7 +30,7 @@ WORK: Mapping[str, str] = {  # what can be asked for, and which function of this
     "compose": "compose_work:composed",
     "form": "compose_work:form",
     "world kinds": "world_work:world_kinds",
-    "furniture": "world_work:pieces",
+    "furniture": "mapping.furnishing:furniture_kinds",
     "draw": "world_work:drawn",
     "world": "world_work:world",
     "measures": "world_work:measures",

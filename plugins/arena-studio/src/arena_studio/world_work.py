@@ -7,21 +7,14 @@ from pathlib import Path
 from typing import Any
 
 from arena_studio.mapping.drawn_worlds import drawn_world, kinds, measured_file, read_parameters
-from arena_studio.mapping.furnishing import furniture_kinds
 from arena_studio.mapping.map_document import grid_document, map_document
 from arena_studio.mapping.transfer import packed
-from arena_studio.mapping.way_through import start_and_goal
 from arena_studio.project import Project
 
 
 def world_kinds() -> list[dict[str, Any]]:
     """Return the kinds of worlds that can be drawn."""
     return kinds()
-
-
-def pieces() -> dict[str, list[dict[str, Any]]]:
-    """Return the kinds of furniture."""
-    return furniture_kinds()
 
 
 def drawn(kind: str, seed: int, parameters: str) -> str:
@@ -45,6 +38,8 @@ def measures(path: str, robot_radius: float | None) -> list[dict[str, Any]]:
 
 def ends(path: str) -> tuple[list[float], list[float]]:
     """Return a start and a goal across a world of the project; raise ArenaError."""
+    from arena_studio.mapping.way_through import start_and_goal
+
     return start_and_goal(_here(), path)
 
 

@@ -21,6 +21,7 @@ async function mount(root, context) {
   await styled;
   const parts = layOut(root);
   const editor = new Editor(context, parts.canvas, () => show(), (state, said) => tell(parts.state, state, said), (text) => void (parts.where.textContent = text));
+  /** @type {any} */ (root).editor = editor; // for whoever tests the page
   const panels = [drawingPanel(editor), keysPanel(editor), sizePanel(editor), generatePanel(editor), furniturePanel(editor), measuresPanel(editor), namePanel(editor)];
   parts.side.append(...panels.map((panel) => panel.element));
   const { undo, redo, select } = topBar(parts.top, editor, parts.state);
@@ -38,7 +39,6 @@ async function mount(root, context) {
   show();
   const path = context.query.get("path");
   if (path) await editor.trying(() => editor.open(path));
-  /** @type {any} */ (root).editor = editor; // for whoever tests the page
   return () => {
     stop();
     style.remove();
