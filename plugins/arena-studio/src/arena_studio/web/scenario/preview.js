@@ -38,6 +38,7 @@ export class Preview {
       this.layers.lidar = on;
       this.changed();
     });
+    this.beams.hidden = true;
   }
 
   /** @returns {HTMLElement} */
