@@ -60,6 +60,9 @@ RUNS: Mapping[str, str] = {
     "many_yielding": f"{WALK} scenario=arena/doorway_high pedestrians=social_force pedestrians.reaction=yield task.time_limit=40",
     "many_released": f"{WALK} scenario=arena/indoor_20 pedestrians=social_force_as_released task.time_limit=40",
     "many_orca": f"{WALK} scenario=arena/outdoor_20 pedestrians=orca pedestrians.reaction=yield task.time_limit=40",
+    "mujoco": "planner=dwa robot=jackal simulator=mujoco task.pedestrians=12 pedestrians.body=legs episodes=2 task.time_limit=15",
+    "mujoco_wheels": "planner=teb robot=turtlebot3 simulator=mujoco simulator.drive=wheels task.pedestrians=12 episodes=2"
+    " task.time_limit=15",
     "respawning": f"{WALK} people=lifelike task.people.respawn=true|task.respawn=true task.pedestrians=15 task.time_limit=60",
 }
 

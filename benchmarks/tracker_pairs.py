@@ -14,8 +14,7 @@ from arena_core import EpisodeRecord
 from arena_core.config.configuration import compose, plain
 from arena_core.config.registry import load_registry
 from arena_core.runs.benchmark import build_benchmark, build_metrics
-from arena_metrics.statistics.comparisons import difference
-from arena_metrics.statistics.intervals import Estimate
+from arena_core.statistics import Estimate, difference
 
 STILL = 0.05  # m that a robot which stands may shift
 COLUMNS = ("success", "collisions", "time", "detour", "reverse", "stand")

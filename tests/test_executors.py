@@ -12,6 +12,7 @@ from arena_core import ConfigurationError, Job, Lost
 from arena_core.base.errors import RunFolderError
 from arena_core.config.registry import load_registry
 from arena_core.runs.budgets import Budgets, Watch
+from arena_core.runs.compiling import MANY
 from arena_core.runs.executors import ProcessExecutor, SerialExecutor
 from arena_core.runs.workers import Task, Worker
 from arena_core.testing import check, robot
@@ -94,6 +95,12 @@ WORK = """
     def bad(job):
         if job.episode == 2:
             BAD[job.config["bad"]]()
+        return where(job)
+
+    def compile_some(job):
+        for _ in range(job.config["compiled"]):
+            pulse.compile()
+        pulse.beat()
         return where(job)
 
     def once(job):
@@ -242,6 +249,14 @@ def test_a_process_that_a_job_has_changed_is_not_used_again(working, bad):
     assert len(pids) == 5
     assert len({*pids[:3]}) == len({*pids[3:]}) == 1
     assert pids[2] != pids[3]
+
+
+@pytest.mark.parametrize(("compiled", "used_again"), [(MANY - 1, True), (MANY, False)])
+def test_a_process_that_compiled_for_the_first_of_its_kind_is_not_used_again(working, compiled, used_again):
+    jobs = [Job({"planner": {"name": "new"}, "compiled": compiled}, "", episode) for episode in range(3)]
+    pids = [row["pid"] for row in rows(processes(1), working.compile_some, jobs)]
+    assert (pids[0] == pids[1]) == used_again
+    assert pids[1] == pids[2]
 
 
 def test_a_forked_child_that_comes_back_gives_no_second_row(working):

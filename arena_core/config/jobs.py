@@ -3,6 +3,7 @@
 OmegaConf's nodes were most of what a job took. They are made once a job, of what is merged; Hydra's own node stays Hydra's.
 """
 
+import pickle
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from copy import deepcopy
@@ -18,6 +19,7 @@ from hydra.plugins.config_source import ConfigResult, ConfigSource
 from omegaconf import OmegaConf, flag_override
 
 MISSING = "???"
+Names = tuple[tuple[str, str | None], ...]  # the files of a defaults list, each with its package
 
 
 class KeptFiles(IConfigRepository):
@@ -84,7 +86,8 @@ class Jobs:
         self._loader = loader
         self._merge_by_hydra = loader._compose_config_from_defaults_list
         self._contents: dict[tuple[str, str | None], dict[str, Any]] = {}
-        self._hydra: dict[tuple[tuple[str, str | None], ...], Any] = {}
+        self._hydra: dict[Names, Any] = {}
+        self._merged: dict[Names, bytes] = {}
         loader.repository = KeptFiles(loader.repository)
         vars(defaults_list)["_create_interpolation_map"] = choices_made
         loader._compose_config_from_defaults_list = self._merge
@@ -94,6 +97,12 @@ class Jobs:
         files: KeptFiles = repo.delegate
         if files._files is not self._loader.repository._files:  # a search path of its own
             return self._merge_by_hydra(defaults, repo)
+        names = tuple(map(_name, defaults))
+        if names not in self._merged:
+            self._merged[names] = pickle.dumps(self._merge_files(defaults, files), pickle.HIGHEST_PROTOCOL)
+        return pickle.loads(self._merged[names])  # noqa: S301 - made a line above; a tenth of what making or copying the nodes takes
+
+    def _merge_files(self, defaults: list[ResultDefault], files: KeptFiles) -> Any:
         contents = [self._content(default, files) for default in defaults]
         whole: dict[str, Any] = {}
         try:
@@ -155,7 +164,14 @@ def merge(whole: dict[str, Any], content: Mapping[str, Any]) -> None:
         elif isinstance(value, Mapping) and isinstance(before, str) and "${" in before:
             raise Unmergeable(key)
         elif value != MISSING or key not in whole:
-            whole[key] = deepcopy(value)
+            whole[key] = copied(value)
+
+
+def copied(value: Any) -> Any:
+    """Return a copy of plain containers, at a tenth of what ``deepcopy`` takes."""
+    if isinstance(value, dict):
+        return {key: copied(item) for key, item in value.items()}
+    return [copied(item) for item in value] if isinstance(value, list) else value
 
 
 def _name(default: ResultDefault) -> tuple[str, str | None]:

@@ -22,6 +22,7 @@ from arena_core.base.errors import InputFileError, RunFolderError, one_line
 from arena_core.base.files import reason_of
 from arena_core.base.frozen import frozen
 from arena_core.base.limits import LIMITS
+from arena_core.base.stopwatch import Duration
 from arena_core.loop.extras import candidate_arrays, track_arrays
 from arena_core.loop.navigator import Decision, Spent
 from arena_core.loop.record_layout import fault_of
@@ -336,6 +337,12 @@ def _timing_arrays(decisions: list[Decision]) -> dict[str, NDArray[np.float64]]:
     """Return ``PART_seconds`` and ``PART_cpu_seconds`` of every part that was timed, one a decision."""
     seconds = {part: np.array([getattr(d.spent, part) for d in decisions], dtype=np.float64) for part in Spent.__slots__}
     return {f"{part}_seconds": _to_grain(array, TIME_GRAIN) for part, array in seconds.items()}
+
+
+def whole_timing(spent: Duration) -> dict[str, NDArray[np.float64]]:
+    """Return what a whole episode took, as arrays of one element beside those of its steps."""
+    took = {"episode_seconds": spent.wall, "episode_cpu_seconds": spent.cpu}
+    return {name: _to_grain(np.array([seconds]), TIME_GRAIN) for name, seconds in took.items()}
 
 
 def _event(event: Event) -> dict[str, Any]:

@@ -14,6 +14,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 
 from arena_core.base.errors import ConfigurationError
+from arena_core.base.stopwatch import Stopwatch
 from arena_core.config.binding import read_settings
 from arena_core.config.configuration import plain
 from arena_core.config.registry import Registry
@@ -22,7 +23,7 @@ from arena_core.loop.execution import Timing, run_episode
 from arena_core.loop.guide import Guide, ReplanRules
 from arena_core.loop.live import LiveFile
 from arena_core.loop.navigator import Navigator
-from arena_core.loop.recording import Recorder, write_grid
+from arena_core.loop.recording import Recorder, whole_timing, write_grid
 from arena_core.loop.recovery import RecoveryRules
 from arena_core.runs.code_digest import Code, code_of
 from arena_core.values.episode import EpisodeRecord
@@ -111,6 +112,11 @@ class Benchmark:
 
     def run(self, episode: int, folder: Path, stage: int | None = None) -> EpisodeRecord:
         """Run one episode, on level ``stage`` of a task that adapts; its map is written to ``folder`` once."""
+        watch = Stopwatch()
+        record = watch.timed("episode", lambda: self._run(episode, folder, stage))
+        return replace(record, timing={**record.timing, **whole_timing(watch.spent["episode"])})
+
+    def _run(self, episode: int, folder: Path, stage: int | None) -> EpisodeRecord:
         task = self.task if stage is None else self.task.at_stage(stage)
         scenario = task.scenario(self.settings.seed, episode)
         columns = identification(self.config) | {

@@ -123,7 +123,7 @@ class Supervisor:
         if found is None:
             return True
         job, attempt = found
-        if worker.begin(work, Task(job, attempt, Watch(self._budgets))):
+        if worker.begin(work, Task(job, attempt, Watch(self._budgets), leads=self._turns.leader is worker)):
             return True
         self._waiting.appendleft(found)
         return False
@@ -140,7 +140,7 @@ class Supervisor:
         if answer is not None:
             worker.task = None
             self._turns.given(worker)
-            if not answer.unchanged:
+            if not answer.unchanged or _swollen(worker, task):
                 self._dismiss(worker)
             if task.rehearsal:
                 return
@@ -160,3 +160,8 @@ class Supervisor:
         self._staff.remove(worker)
         self._turns.given(worker)
         worker.end()
+
+
+def _swollen(worker: Worker, task: Task) -> bool:
+    """Tell whether a worker holds what compiling took, twice as much as driving does; its successor reads the kernels from disk."""
+    return (task.leads or task.rehearsal) and worker.compiled() >= MANY

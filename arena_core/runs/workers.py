@@ -26,11 +26,15 @@ PATIENCE = 2.0  # s that a killed process may take to go; one that the kernel ho
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Task:
-    """A job under way: the how manieth attempt it is, and what it has taken; nobody waits for the answer to a ``rehearsal``."""
+    """A job under way: the how manieth attempt it is, and what it has taken; nobody waits for the answer to a ``rehearsal``.
+
+    ``leads`` says that nobody has driven with its components before: what it needs may have to be compiled.
+    """
 
     job: Job
     attempt: int
     watch: Watch
+    leads: bool = False
     rehearsal: bool = False
 
 

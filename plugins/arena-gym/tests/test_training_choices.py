@@ -12,11 +12,11 @@ import pytest
 
 from arena_core import Staging
 from arena_core.cli.main import main
+from arena_core.statistics import middle_half, over_seeds, wilson
 from arena_gym.episodes import draw_stage
 from arena_gym.training.levels import LevelMixture, Promotion
 from arena_gym.training.selection import Choice, candidate, is_better
 from arena_gym.training.settings import Mixture, TruthSettings, Validation
-from arena_gym.training.statistics import interquartile_mean, over_seeds, wilson
 from arena_gym.training.truth import Truth
 from arena_gym.vector_environment import NavigationVectorEnv
 from arena_policies.card import PolicyCard, write_card
@@ -93,7 +93,7 @@ def test_interval_of_a_proportion_is_wilsons():
 
 
 def test_seeds_give_an_interquartile_mean_and_an_interval_within_them():
-    assert interquartile_mean(np.array([0.0, 0.4, 0.6, 1.0])) == pytest.approx(0.5)
+    assert middle_half(np.array([0.0, 0.4, 0.6, 1.0])) == pytest.approx(0.5)
     mean, low, high = over_seeds([[0.8, 0.9, 1.0]])
     assert mean == pytest.approx(0.9)
     assert 0.8 <= low < mean < high <= 1.0

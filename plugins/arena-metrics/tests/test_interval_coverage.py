@@ -13,8 +13,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from arena_metrics.statistics.comparisons import after_holm, compare
-from arena_metrics.statistics.intervals import estimate
+from arena_core.statistics import after_holm, compare, estimate
 
 REPLICATIONS = int(os.environ.get("ARENA_REPLICATIONS", "4"))
 WHOLE = REPLICATIONS >= 1000

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.stats import binom, chi2, sem, t
 from statsmodels.stats.proportion import proportion_confint
 
-from arena_metrics.statistics.intervals import estimate
+from arena_core.statistics import estimate
 
 
 def test_proportion_has_the_interval_of_agresti_and_coull():

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_metrics.statistics.likeness import discrete_frechet, mean_frechet, scatter
+from arena_metrics.pooling.likeness import discrete_frechet, mean_frechet, scatter
 
 
 def recursive(first, second):

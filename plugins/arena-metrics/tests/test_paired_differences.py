@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 
 from arena_core import InputFileError
+from arena_core.statistics import after_holm, compare, difference, estimate
 from arena_metrics.pages.report import ReportCommand
 from arena_metrics.pooling.cells import cells_of
 from arena_metrics.pooling.runs import metric_columns, pooled, read_runs
 from arena_metrics.pooling.summary import summarise
-from arena_metrics.statistics.comparisons import after_holm, compare, difference
-from arena_metrics.statistics.intervals import estimate
 from arena_metrics.tables.pairs import p_text, paired_tables
 
 FEW = ("success", "collisions", "path_length")

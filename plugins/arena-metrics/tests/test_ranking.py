@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.stats import trim_mean
 
+from arena_core.statistics import interquartile_mean
 from arena_metrics.pages.profiles import profile_image, slowdowns
 from arena_metrics.pooling.cells import cells_of
 from arena_metrics.pooling.runs import metric_columns, pooled, read_runs
 from arena_metrics.pooling.summary import summarise
-from arena_metrics.statistics.aggregates import interquartile_mean
 from arena_metrics.tables.ranking import contest, ranking_table, ranks
 
 FEW = ("success", "strict_success", "collisions", "spl", "time_to_goal")

@@ -345,3 +345,10 @@ def test_people_are_counted_per_free_ground(si, record_of, straight_line):
     record = record_of(pose, meta={"world": {"free_area": 25.0}}, pedestrian_positions=positions)
     assert si["people_per_100m2"](record) == pytest.approx(4.0)
     assert math.isnan(si["people_per_100m2"](record_of(pose)))
+
+
+def test_a_whole_episode_is_timed_in_seconds_and_undefined_in_older_records(si, record_of, straight_line):
+    record = record_of(straight_line())
+    assert math.isnan(si["planning_episode_time"](record))
+    record.timing.update({"episode_seconds": np.array([12.0]), "episode_cpu_seconds": np.array([9.0])})
+    assert (si["planning_episode_time"](record), si["planning_episode_cpu"](record)) == (12.0, 9.0)

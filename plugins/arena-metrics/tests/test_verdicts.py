@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from arena_core.statistics import compare
 from arena_metrics.pages.headline import answers
 from arena_metrics.pages.report import ReportCommand
 from arena_metrics.pooling.cells import cells_of
 from arena_metrics.pooling.codes import other_code
 from arena_metrics.pooling.runs import metric_columns, pooled, read_runs
 from arena_metrics.pooling.summary import summarise
-from arena_metrics.statistics.comparisons import compare
 from arena_metrics.tables.problem_table import problem_table
 from arena_metrics.tables.tables import headline
 from arena_metrics.tables.verdicts import sooner_at_the_goal, verdict

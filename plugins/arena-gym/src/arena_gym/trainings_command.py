@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import ClassVar
 
 from arena_core import Command, ConfigurationError, InputFileError, read_words
-from arena_gym.training.statistics import over_seeds
+from arena_core.statistics import over_seeds
 from arena_policies.card import read_card
 
 USAGE = "arena trainings DIR...   (each written by `arena train`)"

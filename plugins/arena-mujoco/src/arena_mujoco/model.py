@@ -64,7 +64,7 @@ def model_text(robot: Robot, body: Body, scenario: Scenario, radii: NDArray[np.f
     if physics.drive == "wheels":
         option.set("cone", "elliptic")  # tyres hold alike in all directions
     # with several contacts for two bodies (multiccd), MuJoCo 4.0 takes the wrong side of a sharp edge: they sink into each other
-    ElementTree.SubElement(option, "flag", autoreset="disable", multiccd="disable")
+    ElementTree.SubElement(option, "flag", autoreset="disable", multiccd="disable", sleep="enable")
     default = ElementTree.SubElement(root, "default")
     friction = numbers(physics.wall_friction, 0.005, 0.0001)
     ElementTree.SubElement(default, "geom", friction=friction, solref="0.004 2", solimp="0.95 0.99 0.001", priority="0")
@@ -86,7 +86,7 @@ def model_text(robot: Robot, body: Body, scenario: Scenario, radii: NDArray[np.f
 def add_scene(world: Element, assets: Element, scene: Scene, name: str = "map", **looks: str) -> None:
     """Add all that stands in a world, as geoms of one body at the map's origin that is called ``name``."""
     place = scene.origin
-    body = ElementTree.SubElement(world, "body", name=name, pos=numbers(place.x, place.y, 0.0), euler=numbers(0.0, 0.0, place.theta))
+    body = ElementTree.SubElement(world, "frame", name=name, pos=numbers(place.x, place.y, 0.0), euler=numbers(0.0, 0.0, place.theta))
     for x, y, yaw, length, width, bottom, top in scene.boxes.tolist():
         size = numbers(0.5 * length, 0.5 * width, 0.5 * (top - bottom))
         turn = {"euler": numbers(0.0, 0.0, yaw)} if yaw else {}
@@ -118,7 +118,7 @@ def add_person(world: Element, number: int, radius: float, gait: Gait | None, fi
 
 def _add_planar(world: Element, assets: Element, actuators: Element, robot: Robot, body: Body) -> None:
     """Add a robot that slides along x and y of ``map`` and turns, each by a force that is limited."""
-    base = ElementTree.SubElement(world, "body", name="robot")
+    base = ElementTree.SubElement(world, "body", name="robot", sleep="never")
     inertia, limits = planar_inertia(robot, body), robot.limits
     force = PUSH * body.mass * max(limits.ax_max, limits.ay_max, limits.vx_max * limits.wz_max)
     torque = PUSH * inertia * limits.alpha_max
@@ -149,7 +149,7 @@ def _add_wheeled(world: Element, assets: Element, actuators: Element, robot: Rob
     grip = numbers(physics.floor_friction, 0.005, 0.0001)
     touch = {"contype": "4", "conaffinity": "4", "solref": "0.02 1"}
     ElementTree.SubElement(world, "geom", touch, name="floor", type="plane", size="0 0 1", friction=grip, group=SEEN)
-    base = ElementTree.SubElement(world, "body", name="robot")
+    base = ElementTree.SubElement(world, "body", name="robot", sleep="never")
     ElementTree.SubElement(base, "freejoint", name="base")
     centre, spread = numbers(*body.centre_xy, body.centre_height), numbers(*body.inertia)
     if body.own is None:

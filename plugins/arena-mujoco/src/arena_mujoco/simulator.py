@@ -43,6 +43,7 @@ from arena_mujoco.ticking import (
     show_people,
     wheel_gears,
 )
+from arena_mujoco.touching import Touching
 from arena_sim2d.bodies import Floats
 from arena_sim2d.obstacles import Reach
 from arena_sim2d.simulator import Sim2d
@@ -61,6 +62,7 @@ class Physical:
     """One world's model and state, and the arrays of both that kernels read and write."""
 
     model: mujoco.MjModel
+    touching: Touching
     data: mujoco.MjData
     motion: Motion
 
@@ -105,7 +107,7 @@ class MujocoSimulator(Sim2d):
             self._gears = make(robot, self._body, floor_friction, tip_angle)
         self._rays = Rays(robot.lidar, self._body.lidar_height) if lidar == "rays" else None
         self._before, self._after, self._show_people = Entered(before_tick), Entered(after_tick), Entered(show_people)
-        self._models: OrderedDict[tuple[Any, ...], tuple[OccupancyGrid, mujoco.MjModel]] = OrderedDict()
+        self._models: OrderedDict[tuple[Any, ...], tuple[OccupancyGrid, mujoco.MjModel, Touching]] = OrderedDict()
         self._physical: list[Physical | None] = []
         self._images = np.empty((0, 0, 0), np.float32)
         self._image_keys, self._image_ticks = np.zeros(0, np.uint64), np.zeros(0, np.int64)
@@ -133,7 +135,7 @@ class MujocoSimulator(Sim2d):
         import mujoco
 
         scenario = self._scenarios[slot]
-        model = self._model(scenario, self._crowd.radii[slot, : self._crowd.counts[slot]])
+        model, touching = self._model(scenario, self._crowd.radii[slot, : self._crowd.counts[slot]])
         data = mujoco.MjData(model)
         start = scenario.start
         if self._gears.wheeled:
@@ -144,10 +146,10 @@ class MujocoSimulator(Sim2d):
         views = data.qpos, data.qvel, data.ctrl, data.actuator_force, data.mocap_pos
         motion = Motion(*views, np.zeros(3), np.zeros(3), np.zeros(3), data.qpos.copy(), *flags)
         self._show_people(self._worlds, slot, motion, self._legs)
-        return Physical(model, data, motion)
+        return Physical(model, touching, data, motion)
 
-    def _model(self, scenario: Scenario, radii: Floats) -> mujoco.MjModel:
-        """Return the model of a world; one that is like an earlier one's is not compiled again."""
+    def _model(self, scenario: Scenario, radii: Floats) -> tuple[mujoco.MjModel, Touching]:
+        """Return the model of a world, and what it is tested for; one that is like an earlier one's is not compiled again."""
         grid = scenario.world.grid
         things = tuple((obstacle.vertices_xy.tobytes(), obstacle.radius) for obstacle in scenario.obstacles)
         key = (id(grid), things, scenario.world.furniture, radii.tobytes())
@@ -157,11 +159,12 @@ class MujocoSimulator(Sim2d):
                 what = "walls and furniture" if scenario.world.furniture else "walls"
                 raise ImpossibleScenario(f"{scenario.name}: its {what} are {boxes} boxes; allowed with simulator=mujoco: {MOST_BOXES}")
             text = model_text(self._robot, self._body, scenario, radii, self._pedestrians.gait, self._physics)
-            self._models[key] = grid, self._compiled(text, scenario.name)
+            model = self._compiled(text, scenario.name)
+            self._models[key] = grid, model, Touching(model)
             if len(self._models) > max(KEPT, 2 * len(self._scenarios)):
                 self._models.popitem(last=False)
         self._models.move_to_end(key)
-        return self._models[key][1]
+        return self._models[key][1:]
 
     def _compiled(self, text: str, name: str) -> mujoco.MjModel:
         own = self._body.own
@@ -179,7 +182,7 @@ class MujocoSimulator(Sim2d):
         """Step one world by some ticks; of the scans due within ``scan_within`` ticks only the newest is taken."""
         from mujoco import mj_step
 
-        worlds, motion, dt = self._worlds, physical.motion, self.inner_step
+        worlds, motion, touching, dt = self._worlds, physical.motion, physical.touching, self.inner_step
         model, data, option = physical.model, physical.data, physical.model.opt
         first = int(worlds.robots["tick"][slot])
         last = first + scan_within
@@ -189,6 +192,7 @@ class MujocoSimulator(Sim2d):
         for tick in range(first + 1, first + ticks + 1):
             steps = self._before(worlds, slot, self._chassis, self._gears, motion, command, self._legs, dt, self._coarse, self._fine_way)
             if steps:
+                touching.expect(motion.near[0] == 1)
                 option.timestep = dt / steps
                 mj_step(model, data, steps)
             self._after(worlds, slot, self._chassis, self._gears, motion, self._wheels, self._scanner, self._ranges[slot], scan_tick, dt)

@@ -9,10 +9,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from arena_core import aligned
+from arena_core.statistics import Estimate, estimate
 from arena_metrics.pooling.cells import Cell, Cells, cells_of
 from arena_metrics.pooling.problems import labels
 from arena_metrics.pooling.runs import Column, metric_columns, pooled, read_runs
-from arena_metrics.statistics.intervals import Estimate, estimate
 from arena_submit.packing import Pack
 from arena_submit.standing import planner_of
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from itertools import combinations
 
 from arena_core import InputFileError, Registry
+from arena_core.statistics import after_holm
 from arena_metrics.pooling.runs import Column
-from arena_metrics.statistics.comparisons import after_holm
 from arena_metrics.tables.pairs import Pair, comparison, pairs
 from arena_submit.cards import HEAD, Card, read_together
 from arena_submit.packing import Pack

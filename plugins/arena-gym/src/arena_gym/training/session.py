@@ -23,6 +23,7 @@ from arena_core import (
     write_bytes_whole,
     write_text_whole,
 )
+from arena_core.statistics import wilson
 from arena_gym.building import Parts, build_parts
 from arena_gym.training.checkpoint import digest_of
 from arena_gym.training.evaluation import check_apart, evaluate, unseen_worlds
@@ -31,7 +32,6 @@ from arena_gym.training.folder import open_folder
 from arena_gym.training.levels import make_levels
 from arena_gym.training.selection import rule
 from arena_gym.training.settings import TrainingSettings
-from arena_gym.training.statistics import wilson
 from arena_gym.training.trainer import Trained, prepare, train
 from arena_gym.vector_environment import NavigationVectorEnv
 from arena_policies.actions import ActionRange, ActionScale

@@ -10,13 +10,12 @@ from typing import Any, Literal
 
 import numpy as np
 
+from arena_core.statistics import ALPHA, Comparison, Estimate, after_holm, compare, estimate
 from arena_metrics.claims.model import RIVAL, Contrast
 from arena_metrics.pooling.cells import FACTORS, Cell, Cells
 from arena_metrics.pooling.problems import problem
 from arena_metrics.pooling.runs import Column, Episode
 from arena_metrics.pooling.summary import success_column
-from arena_metrics.statistics.comparisons import ALPHA, Comparison, after_holm, compare
-from arena_metrics.statistics.intervals import Estimate, estimate
 
 State = Literal["holds", "does not hold", "cannot be decided", "not tested"]
 POWERED = 2.8  # standard errors that a difference has to be off for 80 % power at 5 % (Cohen 1988, section 2.4)

@@ -19,6 +19,21 @@ def mean(record: EpisodeRecord, part: str) -> float:
     return 1e3 * float(seconds.mean()) if len(seconds) else math.nan
 
 
+def episode_wall(record: EpisodeRecord) -> float:
+    """Return the wall time of the whole episode, s; NaN where it was not timed."""
+    return _whole(record, "episode")
+
+
+def episode_cpu(record: EpisodeRecord) -> float:
+    """Return the CPU time of the whole episode, all threads of its process, s; NaN where it was not timed."""
+    return _whole(record, "episode_cpu")
+
+
+def _whole(record: EpisodeRecord, part: str) -> float:
+    seconds = record.timing.get(f"{part}_seconds", np.empty(0))
+    return float(seconds.sum()) if len(seconds) else math.nan
+
+
 def percentile(record: EpisodeRecord, part: str, percent: float) -> float:
     """Return a percentile of a part's time over the control steps, ms; NaN where it was not timed."""
     seconds = record.timing.get(f"{part}_seconds", np.empty(0))

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from arena_core.statistics import estimate
 from arena_metrics.pooling.cells import Cells
 from arena_metrics.pooling.problems import labels
 from arena_metrics.pooling.runs import Column
 from arena_metrics.pooling.summary import successful
-from arena_metrics.statistics.intervals import estimate
 from arena_metrics.tables.tables import unit_text
 
 if TYPE_CHECKING:

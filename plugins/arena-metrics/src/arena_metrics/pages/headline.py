@@ -9,12 +9,12 @@ from itertools import groupby
 
 import numpy as np
 
+from arena_core.statistics import Estimate, estimate
 from arena_metrics.pages.levels import Climb, climbs
 from arena_metrics.pooling.cells import Cell, Cells
 from arena_metrics.pooling.problems import count, labels
 from arena_metrics.pooling.runs import Column, Row
 from arena_metrics.pooling.summary import Over, Summary
-from arena_metrics.statistics.intervals import Estimate, estimate
 from arena_metrics.tables.tables import decimals, headline_columns, interval_text, mean_text, unit_text
 from arena_metrics.tables.verdicts import verdicts
 

@@ -18,6 +18,7 @@ from arena_metrics.pooling.drives import numbered
 from arena_metrics.pooling.endings import verdict
 from arena_metrics.pooling.runs import Episode, Run
 from arena_metrics.pooling.summary import Summary
+from arena_metrics.tables.cost import cost_table
 from arena_metrics.tables.tables import BLOCK, Table, headline_columns, metric_tables
 
 LINES = 60  # rows of the headline table before the rest is folded away
@@ -71,6 +72,7 @@ def render(
         pairs=pairs,
         levels=levels,
         problems=problems,
+        cost=cost_table(summary.cells),
         climbing=[_embedded(image) for image in climbing],
         tables=_tables(summary),
         cells_in_full=CELLS_IN_FULL,

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from arena_core.statistics import FloatArray
 from arena_metrics.pages.figures import PALETTE, Image, rendered
 from arena_metrics.pooling.cells import Cell
-from arena_metrics.statistics.intervals import FloatArray
 from arena_metrics.tables.ranking import Contest, contest
 
 if TYPE_CHECKING:

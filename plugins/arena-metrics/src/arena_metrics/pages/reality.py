@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from arena_core import ArenaError, Command, EpisodeRecord, aligned, read_record, write_text_whole
+from arena_core.statistics import Comparison, after_holm, compare
+from arena_metrics.one_thread import on_one_thread
 from arena_metrics.packs.motion import polyline_length
-from arena_metrics.statistics.comparisons import Comparison, after_holm, compare
-from arena_metrics.statistics.likeness import FloatArray, discrete_frechet
-from arena_metrics.statistics.one_thread import on_one_thread
+from arena_metrics.pooling.likeness import FloatArray, discrete_frechet
 
 if TYPE_CHECKING:
     from arena_metrics.pooling.runs import Column, Episode, Run

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from arena_core import Command, InputFileError, Reporter, aligned, write_bytes_whole, write_text_whole
-from arena_metrics.statistics.one_thread import on_one_thread
+from arena_metrics.one_thread import on_one_thread
 
 if TYPE_CHECKING:
     from arena_metrics.pages.figures import Image
@@ -178,8 +178,10 @@ def _write_tables(
     summary: Summary, ranking: Table | None, pairs: Sequence[Table], levels: Table | None, problems: Table | None, target: Path
 ) -> None:
     from arena_metrics.pooling.summary import summary_csv
+    from arena_metrics.tables.cost import cost_table
     from arena_metrics.tables.tables import headline, metric_tables
 
+    cost = cost_table(summary.cells)
     write_text_whole(target / "summary.csv", summary_csv(summary))
     tables: dict[str, Sequence[Table]] = {
         "headline": [headline(summary)],
@@ -189,6 +191,7 @@ def _write_tables(
         "paired_differences": pairs,
         "levels": [levels] if levels else [],
         "problems": [problems] if problems else [],
+        "cost": [cost] if cost else [],
     }
     for name, content in ((name, content) for name, content in tables.items() if content):
         _write_table(target, name, content)

@@ -27,7 +27,7 @@ from arena_core import (
 )
 
 if TYPE_CHECKING:
-    from arena_metrics.statistics.intervals import Kind
+    from arena_core.statistics import Kind
 
 LATER = "code"  # a column that older tables lack
 OWN_PACK = "si"  # in which a bare column is looked for, even if no run was made with it

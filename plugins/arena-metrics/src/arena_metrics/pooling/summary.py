@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import Metric, harmless, write_text_whole
+from arena_core.statistics import Estimate, Kind, estimate
 from arena_metrics.pooling.cells import FACTORS, VARIANT, Cell, Cells, cells_of
 from arena_metrics.pooling.problems import labels
 from arena_metrics.pooling.runs import Column, Episode, Run, columns_of
-from arena_metrics.statistics.intervals import Estimate, Kind, estimate
 
 Over = Literal["all", "successful"]
 HEADER = ["config_hash", "code", "cell", *FACTORS.values(), VARIANT, "metric", "unit", "over"]

@@ -7,11 +7,11 @@ from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from arena_core.statistics import Comparison, after_holm, compare
 from arena_metrics.pooling.cells import FACTORS, Cell, Cells
 from arena_metrics.pooling.problems import problem
 from arena_metrics.pooling.runs import Column, Episode
 from arena_metrics.pooling.summary import Summary, success_column
-from arena_metrics.statistics.comparisons import Comparison, after_holm, compare
 from arena_metrics.tables.tables import Table, column_title, decimals, headline_columns
 
 PAIRED = ("collisions_caused", "jerk")  # beside the headline's metrics

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from arena_core.statistics import Estimate, estimate
 from arena_metrics.pooling.cells import Cell, Cells
 from arena_metrics.pooling.problems import of_file
 from arena_metrics.pooling.runs import Column, Episode
-from arena_metrics.statistics.intervals import Estimate, estimate
 from arena_metrics.tables.tables import Table, column_title, decimals, estimate_text
 
 SHOWN = {"success": False, "collisions": False, "time_to_goal": True, "path_length": True}  # metrics of a problem; True: of its successes

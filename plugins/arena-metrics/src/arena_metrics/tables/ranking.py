@@ -9,13 +9,11 @@ from itertools import combinations
 
 import numpy as np
 
+from arena_core.statistics import Estimate, FloatArray, after_holm, estimate, interquartile_mean
 from arena_metrics.pooling.cells import Cell, Cells
 from arena_metrics.pooling.problems import labels
 from arena_metrics.pooling.runs import Column
 from arena_metrics.pooling.summary import Summary
-from arena_metrics.statistics.aggregates import interquartile_mean
-from arena_metrics.statistics.comparisons import after_holm
-from arena_metrics.statistics.intervals import Estimate, FloatArray, estimate
 from arena_metrics.tables.pairs import Pair, comparison, conditions, pairs
 from arena_metrics.tables.tables import Table, column_title, decimals, estimate_text
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from arena_metrics.pooling.cells import Cell, Cells
 from arena_metrics.pooling.drives import Drive, Problem, name
-from arena_metrics.statistics.likeness import discrete_frechet, mean_frechet, scatter
+from arena_metrics.pooling.likeness import discrete_frechet, mean_frechet, scatter
 from arena_metrics.tables.tables import Table
 
 PATHS = 12  # most repeats of one problem whose paths are compared in pairs: their number grows with the square

@@ -10,11 +10,11 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from arena_core import harmless
+from arena_core.statistics import Estimate
 from arena_metrics.pooling.cells import VARIANT, Cell
 from arena_metrics.pooling.problems import count
 from arena_metrics.pooling.runs import Column
 from arena_metrics.pooling.summary import Over, Summary
-from arena_metrics.statistics.intervals import Estimate
 
 HEADLINE: dict[str, Over] = {  # what a reader asks first; lengths and times say little where the goal was not reached
     "success": "all",

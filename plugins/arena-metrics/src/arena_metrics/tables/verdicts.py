@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
+from arena_core.statistics import LEAST_PROBLEMS, WORTH, Comparison, after_holm
 from arena_metrics.pooling.cells import Cells
 from arena_metrics.pooling.runs import Column
-from arena_metrics.statistics.comparisons import WORTH, Comparison, after_holm
-from arena_metrics.statistics.intervals import LEAST_PROBLEMS
 from arena_metrics.tables.pairs import Pair, against, comparison, conditions, p_text, pairs
 
 Names = tuple[str, str]  # a planner and the baseline

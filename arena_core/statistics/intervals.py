@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from arena_metrics.statistics.clusters import MOST_RESAMPLED, Clusters, clusters
+from arena_core.statistics.clusters import MOST_RESAMPLED, Clusters, clusters
 
 FloatArray = NDArray[np.float64]
 Labels = Sequence[Hashable]

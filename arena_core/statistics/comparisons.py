@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from arena_metrics.statistics.clusters import MOST_RESAMPLED, Clusters
-from arena_metrics.statistics.intervals import (
+from arena_core.statistics.clusters import MOST_RESAMPLED, Clusters
+from arena_core.statistics.intervals import (
     LEAST_PROBLEMS,
     Estimate,
     FloatArray,

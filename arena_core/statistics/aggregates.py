@@ -11,8 +11,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from arena_core import generator
-from arena_metrics.statistics.intervals import LEAST_PROBLEMS, TAIL, Estimate, FloatArray
+from arena_core.base.random_streams import generator
+from arena_core.statistics.intervals import LEAST_PROBLEMS, TAIL, Estimate, FloatArray
 
 RESAMPLES = 2000  # Agarwal et al. 2021
 AT_ONCE = 4_000_000  # numbers that are sorted at once
@@ -27,7 +27,7 @@ def interquartile_mean(strata: Sequence[FloatArray]) -> Estimate:
     n = sum(map(len, known))
     if n == 0:
         return Estimate(math.nan, math.nan, math.nan, 0, "none", 0)
-    mean = float(_middle(np.concatenate(known)[None])[0])
+    mean = float(middle_half(np.concatenate(known)))
     if n < LEAST_PROBLEMS:
         return Estimate(mean, math.nan, math.nan, n, "none", n)
     low, high = np.quantile(_resampled(known, n), (TAIL, 1.0 - TAIL))
@@ -41,12 +41,12 @@ def _resampled(strata: Sequence[FloatArray], n: int) -> FloatArray:
     for first in range(0, RESAMPLES, rows):
         count = min(rows, RESAMPLES - first)
         drawn = [stratum[random.integers(len(stratum), size=(count, len(stratum)))] for stratum in strata]
-        found.append(_middle(np.concatenate(drawn, axis=1)))
+        found.append(middle_half(np.concatenate(drawn, axis=1)))
     return np.concatenate(found)
 
 
-def _middle(rows: FloatArray) -> FloatArray:
-    """Return the mean of each row without the lowest and the highest quarter."""
-    cut = rows.shape[1] // 4
-    kept: FloatArray = np.sort(rows, axis=1)[:, cut : rows.shape[1] - cut].mean(axis=1)
+def middle_half(scores: FloatArray) -> FloatArray:
+    """Return the mean along the last axis without the lowest and the highest quarter, rounded down: of up to three scores their mean."""
+    cut = scores.shape[-1] // 4
+    kept: FloatArray = np.sort(scores, axis=-1)[..., cut : scores.shape[-1] - cut].mean(axis=-1)
     return kept

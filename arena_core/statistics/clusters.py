@@ -14,7 +14,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import generator
+from arena_core.base.random_streams import generator
 
 FloatArray = NDArray[np.float64]
 

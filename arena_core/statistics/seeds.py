@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from statistics import NormalDist
 
 import numpy as np
-from numpy.typing import NDArray
 
-from arena_core import generator
+from arena_core.base.random_streams import generator
+from arena_core.statistics.aggregates import middle_half
 
 CONFIDENCE = 0.95
 RESAMPLES = 5000
@@ -25,27 +25,16 @@ def wilson(share: float, n: int) -> tuple[float, float]:
     return (0.0 if share == 0.0 else low), (1.0 if share == 1.0 else high)
 
 
-def interquartile_mean(scores: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the mean of the middle half of the scores along the last axis, a quarter cut at each end, rounded down.
-
-    As ``rliable`` counts it (Agarwal et al. 2021); with up to three scores it is their mean.
-    """
-    cut = scores.shape[-1] // 4
-    kept = np.sort(scores, axis=-1)[..., cut : scores.shape[-1] - cut]
-    found: NDArray[np.float64] = kept.mean(axis=-1)
-    return found
-
-
 def over_seeds(groups: Sequence[Sequence[float]]) -> tuple[float, float, float]:
     """Return the interquartile mean of all scores with its 95 % interval over training seeds; NaN ends where a group has a single one.
 
     ``groups`` are the scores of one recipe each, one score a training seed. The interval is the percentile bootstrap that draws seeds anew
     within each group (Agarwal et al. 2021). With three seeds it lies within least and greatest, and covers less than it says.
     """
-    mean = float(interquartile_mean(np.concatenate([np.asarray(group, np.float64) for group in groups])))
+    mean = float(middle_half(np.concatenate([np.asarray(group, np.float64) for group in groups])))
     if min(len(group) for group in groups) < 2:
         return mean, math.nan, math.nan
     random = generator(sum(map(len, groups)), "trainings", "bootstrap")
     parts = [np.asarray(group)[random.integers(len(group), size=(RESAMPLES, len(group)))] for group in groups]
-    low, high = np.quantile(interquartile_mean(np.concatenate(parts, axis=1)), (0.5 - CONFIDENCE / 2.0, 0.5 + CONFIDENCE / 2.0))
+    low, high = np.quantile(middle_half(np.concatenate(parts, axis=1)), (0.5 - CONFIDENCE / 2.0, 0.5 + CONFIDENCE / 2.0))
     return mean, float(low), float(high)

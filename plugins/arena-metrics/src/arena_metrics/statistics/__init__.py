@@ -1,1 +1,0 @@
-"""Intervals, tests and distances; they know nothing of runs."""
