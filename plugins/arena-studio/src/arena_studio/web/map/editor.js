@@ -50,10 +50,10 @@ export class Editor {
     this.show();
   }
 
-  /** Crop or enlarge the map. @param {string} label @param {import("./grid.js").Box} edges of it, in its cells as they are */
-  resize(label, edges) {
+  /** Crop or enlarge the map. @param {string} label @param {import("./grid.js").Box} sides of it, in its cells as they are */
+  resize(label, sides) {
     void this.trying(async () => {
-      this.map?.resize(label, edges, this.pencil.beyond);
+      this.map?.resize(label, sides, this.pencil.beyond);
       if (this.map) this.context.say(`The map has ${this.map.grid.width} × ${this.map.grid.height} cells now; Ctrl Z brings back what it was.`);
     });
   }
@@ -213,7 +213,7 @@ export class Editor {
       brush(desk, { name: "erase", title: "Erase: paint free", key: "e" }, "free"),
       bucket(desk),
       mover(this.furniture, snap, () => this.colours.accent),
-      extent(desk, (edges) => this.resize("crop or enlarge", edges)),
+      extent(desk, (sides) => this.resize("crop or enlarge", sides)),
       ruler(desk),
       PAN,
     ];
