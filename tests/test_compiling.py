@@ -203,7 +203,7 @@ def test_each_kernel_is_compiled_once(executor, third_party, arena):
     assert arena("run", *RUN, executor).status == 0
     told = [int(path.read_text()) for path in Path("misses").iterdir()]
     assert sum(told) == 5
-    assert len(told) == 1 if executor == "executor=serial" else 1 < len(told) <= 3  # one may rehearse until all is driven
+    assert len(told) == 1 if executor == "executor=serial" else 1 < len(told) <= 6  # whoever compiled is replaced
 
 
 @pytest.mark.slow
@@ -211,4 +211,5 @@ def test_who_waits_is_told(third_party):
     third_party.package("compiled", PLANNER, {"planner/compiled": "name: compiled\n"})
     command = [sys.executable, "-m", "arena_core.cli.main", "run", *RUN, "executor.workers=2"]
     done = subprocess.run(command, cwd=third_party.folder, capture_output=True, text=True, check=True)
-    assert done.stderr.splitlines() == [f"arena: {NOTICE}"]
+    told = [line for line in done.stderr.splitlines() if " of 6 episodes, " not in line]  # a busy machine takes long enough for those
+    assert told == [f"arena: {NOTICE}"]

@@ -56,7 +56,7 @@ def test_experiment_runs_to_its_end_and_is_found_again(experiments: Experiments,
 
 @pytest.mark.slow
 def test_stopped_experiment_goes_on_where_it_was(experiments: Experiments, folder: Path) -> None:
-    begun = experiments.start(composition(QUICK, {**VALUES, "episodes": "400"}, ""), "outputs/long")
+    begun = experiments.start(composition(QUICK, {**VALUES, "episodes": "4000"}, ""), "outputs/long")
     until(lambda: experiments.standing(begun["name"]), lambda found: found["done"] > 0)
     with pytest.raises(Conflict, match="runs already"):
         experiments.resume(begun["name"])
@@ -65,7 +65,7 @@ def test_stopped_experiment_goes_on_where_it_was(experiments: Experiments, folde
     assert experiments.stop(begun["name"])["state"] in ("stopping", "cut off")
     stopped = until(lambda: experiments.standing(begun["name"]), ended)
     assert stopped["state"] == "cut off"
-    assert 0 < stopped["done"] < 400
+    assert 0 < stopped["done"] < 4000
     kept = {row["episode"]: row for row in read_table(folder / "outputs/long/episodes.csv", "a table")[1]}
     experiments.resume(begun["name"])
     until(lambda: experiments.standing(begun["name"]), lambda found: found["done"] > stopped["done"])

@@ -129,8 +129,8 @@ class Experiments:
             return [self._standing(one) for one in known]
 
     def _standing(self, one: Experiment) -> dict[str, Any]:
+        alive = one.process.is_alive()  # before it is asked how it ended: it may end in between
         one = self._settled(one)
-        alive = one.process.is_alive()
         found = self._progress.setdefault(one.name, Progress(self._folders(one), one.episodes)).look()
         state = "stopping" if alive and one.interrupted else "running" if alive else _ending(one, found)
         return {
