@@ -77,6 +77,11 @@ def read_preset(option: str, files: Mapping[str, Traversable], inside: tuple[str
     return Preset(_about(text), component, parameters, choices, package[1] if package else "")
 
 
+def about_of(file: Traversable) -> str:
+    """Return what an option is, by its first line of comment; the rest of its file may be anything."""
+    return _about(file.read_text(encoding="utf-8"))
+
+
 def _about(text: str) -> str:
     """Return the first line of comment ahead of the first key, without Hydra's directives."""
     for line in text.splitlines():

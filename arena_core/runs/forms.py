@@ -11,8 +11,8 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from arena_core.base.errors import ConfigurationError
 from arena_core.config.binding import parameters, read_settings
-from arena_core.config.configuration import PRIMARY, groups, option_files
-from arena_core.config.presets import Parameter, Path, Preset, options_of, read_preset
+from arena_core.config.configuration import PRIMARY, option_files
+from arena_core.config.presets import Parameter, Path, Preset, about_of, options_of, read_preset
 from arena_core.config.registry import HOOKS, INTERFACES, Registry
 from arena_core.loop.execution import Timing
 from arena_core.loop.guide import ReplanRules
@@ -56,10 +56,10 @@ class Form:
 
 def option_names(group: str, registry: Registry) -> dict[str, str]:
     """Return the options of a group with what each is, in order; raise ConfigurationError for a group that nobody brings."""
-    files = options_of(group, registry.manager) if group in groups(registry.manager) else {}
+    files = options_of(group, registry.manager)
     if not files:
         raise ConfigurationError(f"there is no group {group}; `arena list` shows what is installed")
-    return {name: read_preset(name, files).about for name in files if not name.startswith(BASE)}
+    return {name: about_of(file) for name, file in files.items() if not name.startswith(BASE)}
 
 
 def default_options(registry: Registry) -> dict[str, str]:

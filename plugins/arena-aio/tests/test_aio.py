@@ -96,6 +96,22 @@ def test_member_that_the_policy_prefers_drives(here):
         assert switch.chosen == {"pure_pursuit": 0, "dwa": 0, preferred: 3}, "every third step decides"
 
 
+def test_what_the_member_that_drives_considered_is_told(here):
+    robot = testing.component("robot", "jackal")
+    seen = testing.observation(body=robot)
+    write_policy(here, robot, {GOAL_AHEAD: 1.0})
+    switch, alone = mine(robot), testing.planner("dwa", robot, robot_preset="jackal")
+    assert switch.considered() is None, "nobody has driven yet"
+    assert switch.compute_velocity(seen) == alone.compute_velocity(seen)
+    told, expected = switch.considered(), alone.considered()
+    assert len(told) == len(expected) > 1
+    assert [(one.cost, one.chosen) for one in told] == [(one.cost, one.chosen) for one in expected]
+    write_policy(here, robot, {GOAL_AHEAD: -1.0})
+    silent = mine(robot)
+    silent.compute_velocity(seen)
+    assert silent.considered() is None, "pure pursuit does not tell"
+
+
 def test_random_switch_chooses_every_member_alike_in_each_run(here):
     robot = testing.component("robot", "jackal")
     write_policy(here, robot, {GOAL_AHEAD: 1.0})

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ from fastapi.testclient import TestClient
 from arena_core import EPISODE_COLUMNS
 from arena_studio.app import make_app
 from arena_studio.project import Project
+from arena_studio.side_process import beside
 
 TOKEN = "a-token-of-tests"
 METRICS = ("success", "time_to_goal", "collisions")
@@ -57,9 +58,11 @@ def write_run(folder: Path) -> WriteRun:
 
 
 @pytest.fixture
-def stranger(folder: Path) -> TestClient:
+def stranger(folder: Path) -> Iterator[TestClient]:
     """Return who does not know the token."""
-    return TestClient(make_app(Project(folder), TOKEN), base_url="http://127.0.0.1:8000")
+    yield TestClient(make_app(Project(folder), TOKEN), base_url="http://127.0.0.1:8000")
+    for process in beside(folder.resolve()):
+        process.close()
 
 
 @pytest.fixture

@@ -105,6 +105,23 @@ def test_rules_are_kept_as_an_option_of_the_task(client: TestClient, folder: Pat
     assert taken.json()["error"].startswith("name is staged; allowed: another one than")
 
 
+def test_a_curriculum_with_its_rules_is_kept_as_an_option_of_the_task(
+    client: TestClient, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    save(client, "curricula/three.yaml", [LEVEL, LEVEL, LEVEL])
+    rules = {"path": "curricula/three.yaml", "block": 10, "random.goal_radius": 0.5, "random.trip.clearance": 3.0}
+    answer = client.post("/api/curricula/rules", json={"name": "three", "task": "staged", "rules": rules})
+    assert answer.status_code == 200, answer.text
+    said = yaml.safe_load((folder / "conf" / "task" / "three.yaml").read_text())
+    random = {"goal_radius": 0.5, "trip": {"clearance": 3.0}}
+    assert said == {"defaults": ["staged", "_self_"], "path": "curricula/three.yaml", "block": 10, "random": random}
+    monkeypatch.chdir(folder)
+    assert main(["run", "task=three", "--cfg", "job"]) == 0
+    wrong = client.post("/api/curricula/rules", json={"name": "four", "task": "staged", "rules": {"random.trip.length": 3}})
+    assert wrong.status_code == 400
+    assert client.post("/api/curricula/rules", json={"name": "five", "task": "scenario", "rules": {}}).status_code == 400
+
+
 def test_files_become_a_pack_with_their_maps(client: TestClient, folder: Path) -> None:
     files = ["straight.json", "scenarios/hall_obs03.json"]
     made = client.post("/api/curricula/packs", json={"folder": "packs/lab", "files": files, "id": "lab", "title": "Our lab"})

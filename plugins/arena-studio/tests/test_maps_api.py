@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import json
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from arena_core import load_registry
 from arena_studio.app import make_app
 from arena_studio.mapping.transfer import packed, unpacked
 from arena_studio.project import Project
+from arena_studio.side_process import beside
 from arena_tasks.commands.packing import ANYBODY
 from arena_tasks.scenario_files.scenario_file import read_scenarios
 from arena_worlds.commands.generate import parameters
@@ -27,13 +29,29 @@ MAP = "maps/hall/map.yaml"
 
 
 @pytest.fixture
-def folder(tmp_path: Path) -> Path:
+def folder(tmp_path: Path) -> Iterator[Path]:
     shutil.copytree(HALL, tmp_path / "maps" / "hall")
-    return tmp_path
+    yield tmp_path
+    for process in beside(tmp_path.resolve()):
+        process.close()
 
 
 @pytest.fixture
 def client(folder: Path) -> TestClient:
+    return client_of(folder)
+
+
+@pytest.fixture(scope="module")
+def reader(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
+    """Return a page whose project nobody changes; its process beside the server starts once."""
+    root = tmp_path_factory.mktemp("read")
+    shutil.copytree(HALL, root / "maps" / "hall")
+    yield client_of(root)
+    for process in beside(root.resolve()):
+        process.close()
+
+
+def client_of(folder: Path) -> TestClient:
     app = make_app(Project(folder), "token")
     return TestClient(app, base_url="http://127.0.0.1", cookies={"arena_studio": "token"}, raise_server_exceptions=False)
 
@@ -57,6 +75,46 @@ def test_a_stroke_goes_to_the_file_and_the_next_save_knows_its_version(client: T
     assert client.get("/api/maps/version", params={"path": MAP}).json() == {"version": header["version"]}
 
 
+def test_a_map_of_another_size_is_written_with_its_origin_and_all_else_kept(client: TestClient, folder: Path) -> None:
+    image, text = folder / "maps" / "hall" / "map.pgm", folder / "maps" / "hall" / "map.yaml"
+    before = np.array(load_map(text).data)
+    first = image.read_bytes()
+    image.write_bytes(first.replace(b"P5\n", b"P5\n# drawn by hand\n", 1))
+    header, cells = opened(client, MAP)
+    rows, columns = cells.shape
+    larger = np.full((rows + 1, columns - 2), header["drawn"]["unknown"], np.uint8)
+    larger[:rows] = cells[:, 2:]
+    said = {"width": columns - 2, "height": rows + 1, "rectangles": [[0, 0, columns - 2, rows + 1]], "origin": [0.5, -0.25, 0.0]}
+    answer = client.put("/api/maps/file", params={"path": MAP}, content=packed({**header, **said}, larger.tobytes()))
+    assert answer.status_code == 200, answer.text
+    grid = load_map(text)
+    assert (grid.data[1:] == before[:, 2:]).all()
+    assert (grid.data[0] == -1).all()
+    assert (grid.origin.x, grid.origin.y) == (0.5, -0.25)
+    assert image.read_bytes().startswith(f"P5\n# drawn by hand\n{columns - 2} {rows + 1}\n".encode())
+    again, _ = opened(client, MAP)
+    assert again["version"] == answer.json()["version"]
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        {"width": 10},
+        {"width": 10, "rectangles": [[0, 0, 5, 5]]},
+        {"width": 10, "rectangles": [[0, 0, 10, 0]]},
+        {"width": 10**5, "height": 10**5, "rectangles": [[0, 0, 10**5, 10**5]]},
+        {"width": -1, "height": 4, "rectangles": [[0, 0, -1, 4]]},
+        {"width": "10", "height": 4, "rectangles": [[0, 0, 10, 4]]},
+    ],
+)
+def test_a_size_that_is_wrong_is_refused_and_nothing_is_written(client: TestClient, folder: Path, said: dict[str, Any]) -> None:
+    header, _ = opened(client, MAP)
+    kept = (folder / "maps" / "hall" / "map.pgm").read_bytes()
+    answer = client.put("/api/maps/file", params={"path": MAP}, content=packed({**header, "rectangles": [[0, 0, 1, 1]], **said}, bytes(40)))
+    assert answer.status_code == 400, answer.text
+    assert (folder / "maps" / "hall" / "map.pgm").read_bytes() == kept
+
+
 def test_a_second_window_is_told_of_the_conflict(client: TestClient, folder: Path) -> None:
     header, _ = opened(client, MAP)
     body = packed({**header, "rectangles": [[20, 30, 1, 1]]}, bytes(1))
@@ -68,13 +126,13 @@ def test_a_second_window_is_told_of_the_conflict(client: TestClient, folder: Pat
     assert (folder / "maps" / "hall" / "map.pgm").read_bytes() == kept
 
 
-def test_every_kind_of_world_is_drawn_as_the_command_line_draws_it(client: TestClient) -> None:
-    kinds = {one["name"]: one["parameters"] for one in client.get("/api/maps/kinds").json()["kinds"]}
+def test_every_kind_of_world_is_drawn_as_the_command_line_draws_it(reader: TestClient) -> None:
+    kinds = {one["name"]: one["parameters"] for one in reader.get("/api/maps/kinds").json()["kinds"]}
     assert {"indoor", "outdoor", "rooms", "cellular", "warehouse", "empty", "lab", "furnished", "mixed"} <= set(kinds)
     assert not {"ros_map", "file", "barn", "dynabarn", "scenario_map"} & set(kinds)
     assert kinds["rooms"]["door_width"] is None
     words = {"kind": "rooms", "seed": 3, "parameters": json.dumps({"difficulty": 0.8, "width": 10, "door_width": None})}
-    answer = client.get("/api/maps/draw", params=words)
+    answer = reader.get("/api/maps/draw", params=words)
     header, cells = unpacked(answer.content)
     world = load_registry().build("world", parameters("rooms", {"difficulty": "0.8", "width": "10"})).world(3, 0)
     values = np.array(header["values"], np.int8)[np.frombuffer(cells, np.uint8)].reshape(header["height"], header["width"])
@@ -96,8 +154,8 @@ def test_a_drawn_world_is_kept_as_a_map(client: TestClient, folder: Path) -> Non
     assert again["version"] == answer.json()["version"]
 
 
-def test_measures_are_those_of_the_command_line(client: TestClient) -> None:
-    answer = client.get("/api/maps/measures", params={"path": MAP, "robot_radius": 0.3})
+def test_measures_are_those_of_the_command_line(reader: TestClient) -> None:
+    answer = reader.get("/api/maps/measures", params={"path": MAP, "robot_radius": 0.3})
     found = {one["name"]: one["value"] for one in answer.json()["measures"]}
     assert found == {name: value for name, value, _, _ in measures_of(load_map(HALL / "map.yaml"), 0.3).rows()}
 
@@ -159,7 +217,7 @@ def test_all_else_of_a_scenario_file_stays(client: TestClient, folder: Path) -> 
         ("post", "/api/maps/scenarios", {"json": {"path": "a.json", "map": MAP, "furniture": [7]}}),
     ],
 )
-def test_what_is_wrong_is_told_in_one_line(method: str, path: str, words: dict[str, Any], client: TestClient) -> None:
-    answer = client.request(method, path, **words)
+def test_what_is_wrong_is_told_in_one_line(method: str, path: str, words: dict[str, Any], reader: TestClient) -> None:
+    answer = reader.request(method, path, **words)
     assert 400 <= answer.status_code < 500, answer.text
     assert "\n" not in answer.json()["error"]

@@ -17,6 +17,7 @@ from arena_studio.project import Project
 from arena_studio.side_process import SideProcess, beside
 from arena_tasks.commands.packing import ANYBODY
 from arena_tasks.scenario_files.scenario_file import content_of, read_scenario_file
+from arena_viewer.document import read_document
 
 DATA = Path(__file__).parents[3] / "tests" / "data"
 SCENES = {"format": "arena-scenario", "version": 2, "map": "maps/hall/map.yaml"}
@@ -165,9 +166,20 @@ def test_a_preview_is_a_replay_document_of_the_scene(client: TestClient) -> None
     (episode,) = header["episodes"]
     assert episode["columns"]["n_pedestrians"] == 1
     assert episode["columns"]["planner"] == "pure_pursuit"
+    assert episode["gait"] is None
     refused = client.post("/api/scenarios/preview", json={**asked, "content": content(SCENE, {**SCENE, "name": "b", "start": [0.0, 0.0]})})
     assert refused.status_code == 400
     assert "lies inside a wall" in refused.json()["error"]
+
+
+@pytest.mark.parametrize(("pedestrians", "walk"), [("social_force", True), ("none", False)])
+def test_people_of_a_preview_walk_on_legs_where_their_model_can(client: TestClient, pedestrians: str, walk: bool) -> None:
+    scenes = content({**SCENE, "pedestrians": [{"position": [2.0, 2.0], "waypoints": [[10.0, 2.0]]}]})
+    asked = {"path": "s.json", "map": "maps/hall/map.yaml", "scene": 0, "seconds": 1.0, "legs": True, "pedestrians": pedestrians}
+    answer = client.post("/api/scenarios/preview", json={**asked, "content": scenes})
+    assert answer.status_code == 200, answer.text
+    (episode,) = read_document(base64.b64decode(answer.json()["document"]))[0]["episodes"]
+    assert (episode["gait"] is not None) == walk
 
 
 @pytest.mark.parametrize("written", ["arena-tools", "arena-rosnav"])

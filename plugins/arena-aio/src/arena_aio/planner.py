@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from arena_core import ConfigurationError, EpisodeStart, Observation, Planner, PositiveInt, Robot, Twist, generator, load_registry
+from arena_core import (
+    Candidate,
+    ConfigurationError,
+    EpisodeStart,
+    Observation,
+    Planner,
+    PositiveInt,
+    Robot,
+    Twist,
+    generator,
+    load_registry,
+)
 from arena_policies.body import trained_otherwise
 from arena_policies.members import Members, build_members, member_hash
 from arena_policies.planner import shipped_policy
@@ -71,6 +82,10 @@ class Aio(Planner):
         self._steps += 1
         self._last = self._members.drive(self._driving, observation)
         return self._last
+
+    def considered(self) -> Sequence[Candidate] | None:
+        """Return what the member that drives weighed; None where that one does not tell."""
+        return self._members.considered()
 
     def _choose(self, observation: Observation, last: Twist) -> int:
         choice = self._switch.choice(observation, last)

@@ -6,7 +6,18 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from arena_core import NAVIGATOR_KEYS, ConfigurationError, EpisodeStart, Observation, Planner, Registry, Robot, Twist, UnknownComponent
+from arena_core import (
+    NAVIGATOR_KEYS,
+    Candidate,
+    ConfigurationError,
+    EpisodeStart,
+    Observation,
+    Planner,
+    Registry,
+    Robot,
+    Twist,
+    UnknownComponent,
+)
 from arena_policies.card import sha256
 from arena_policies.planner import PolicyPlanner
 
@@ -44,6 +55,10 @@ class Members:
                 if other is not planner and isinstance(other, PolicyPlanner):
                     other.look_on(observation, command)
         return command
+
+    def considered(self) -> Sequence[Candidate] | None:
+        """Return what the member that drove last weighed; None where none has driven yet, or that one does not tell."""
+        return None if self._driving is None else self._planners[self._driving].considered()
 
 
 def build_members(nodes: Mapping[str, Node], order: Sequence[str], robot: Robot, registry: Registry, key: str) -> dict[str, Planner]:

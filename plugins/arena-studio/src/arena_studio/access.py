@@ -14,7 +14,9 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from arena_core import ArenaError
 from arena_studio.errors import Refused, TooLarge, status_of
+from arena_studio.signed import Signed
 
+READING = ("GET", "HEAD")  # methods that signed addresses answer
 LOOPBACK = frozenset({"127.0.0.1", "localhost", "[::1]"})
 BODY = 2_000_000  # bytes of a request
 LARGE_BODIES: Mapping[str, int] = {"/api/maps": 140_000_000}  # images of maps, and what base64 adds to them
@@ -52,6 +54,8 @@ class Access:
         given = _query_token(scope) if scope["type"] == "http" and scope["path"] == "/" else ""
         if given and hmac.compare_digest(given.encode(), self.token.encode()):
             return True
+        if scope["type"] == "http" and scope["method"] in READING and Signed(self.token).allows(scope["path"]):
+            return False
         if not hmac.compare_digest(_cookie(headers, self.cookie_name(host)).encode(), self.token.encode()):
             raise Refused("the token is missing or wrong: open the address that `arena studio` printed")
         return False

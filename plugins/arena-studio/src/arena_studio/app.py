@@ -13,11 +13,13 @@ from fastapi.staticfiles import StaticFiles
 from starlette.exceptions import HTTPException
 
 from arena_core import ArenaError, one_line
-from arena_studio import curricula, live, maps, replays, results, runs, scenarios
+from arena_studio import curricula, live, maps, replays, reports, results, runs, scenarios
 from arena_studio.access import LOOPBACK, Access, Guard
 from arena_studio.errors import status_of
 from arena_studio.experiments import Experiments
 from arena_studio.project import Project
+from arena_studio.side_process import beside
+from arena_studio.signed import Signed
 
 POLICY = (
     "default-src 'none'; script-src 'self' '{}'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; "
@@ -32,7 +34,8 @@ def make_app(project: Project, token: str, hosts: frozenset[str] | None = LOOPBA
     app.state.project = project
     _tell_errors(app)
     experiments = Experiments(project)
-    for routes in (runs.router(experiments), live.router(experiments), replays.watching(experiments)):
+    app.include_router(runs.router(experiments, beside(project.root).runs))
+    for routes in (live.router(experiments), replays.watching(experiments), reports.router(project, Signed(token))):
         app.include_router(routes)
     for part in (results, replays, maps, scenarios, curricula):
         app.include_router(part.router(project))

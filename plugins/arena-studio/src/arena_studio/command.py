@@ -57,21 +57,23 @@ class StudioCommand(Command):
             return 0
         request = read_request(arguments)
         from arena_studio.project import Project
-        from arena_studio.serving import bound, serve
+        from arena_studio.serving import bound, ready, serve
 
         project = Project(request.folder)
-        server = bound(request.host, request.port)
+        listening = bound(request.host, request.port)
         from arena_studio.access import LOOPBACK
         from arena_studio.app import make_app
+        from arena_studio.side_process import beside
 
         os.chdir(project.root)  # what a run reads and writes, and the user's own conf, are meant from there
         token = secrets.token_urlsafe(24)
-        app = make_app(project, token, None if request.exposed else LOOPBACK)
-        address = f"http://{_written(request.host)}:{server.getsockname()[1]}/?token={token}"
+        beside(project.root).runs.start()  # which the first page asks at once
+        server = ready(make_app(project, token, None if request.exposed else LOOPBACK))
+        address = f"http://{_written(request.host)}:{listening.getsockname()[1]}/?token={token}"
         tell(f"{address} (Ctrl-C ends it)")
         if request.opens:
             webbrowser.open(address)
-        serve(app, server)
+        serve(server, listening)
         return 0
 
 

@@ -6,7 +6,6 @@ import re
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from threading import Lock
 from typing import Any
 
 from arena_core import ConfigurationError, check_settings, compose, load_registry, plain
@@ -18,7 +17,6 @@ STRUCTURED = re.compile(r"[\[{'\"].*|\w+\(.*\)", re.DOTALL)
 LISTED = ("metrics",)  # groups of which several options are one choice
 KEY = re.compile(r"[+~]{0,2}[A-Za-z_][\w./@-]*", re.ASCII)
 Alternatives = tuple[str, list[str]]  # a key and its values; none for a key that is deleted
-_composing = Lock()  # Hydra keeps what it composes in a global
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,8 +115,7 @@ def _tried(alternatives: Sequence[Alternatives]) -> Iterator[list[str]]:
 
 
 def _checked(words: Sequence[str]) -> dict[str, Any]:
-    with _composing:
-        config = plain(compose(list(words)))
+    config = plain(compose(list(words)))
     check_settings(config, load_registry())
     return config
 

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter
 from pydantic import BaseModel, Field
 
 from arena_core import ArenaError
 from arena_studio.project import Project
-from arena_studio.scenarios import LONG, SOON, MapPath, Name, Path, Version, known
-from arena_studio.side_process import beside
+from arena_studio.scenarios import MapPath, Name, Path, Version, known
+from arena_studio.side_process import LONG, SOON, beside
 
 SUFFIXES = (".yaml", ".yml")
 Row = dict[str, float | int | None]
 Text = Annotated[str, Field(max_length=300)]
-Rules = dict[Annotated[str, Field(pattern=r"^[a-z_]+(\.[a-z_]+)?$")], bool | int | float | Name]  # parameters of task=random
+Rules = dict[Annotated[str, Field(pattern=r"^[a-z_]+(\.[a-z_]+){0,2}$")], bool | int | float | Name]  # parameters of a task
 
 
 class Drawing(BaseModel):
@@ -31,10 +31,11 @@ class Drawing(BaseModel):
 
 
 class Keeping(BaseModel):
-    """Under which name of task=NAME rules are kept."""
+    """Under which name of task=NAME rules are kept, and of which task they are."""
 
     name: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,60}$")]
     rules: Rules
+    task: Literal["random", "staged"] = "random"
 
 
 class Packing(BaseModel):
@@ -88,7 +89,7 @@ def router(project: Project) -> APIRouter:
 
     @routes.post("/rules")
     def kept(asked: Keeping) -> dict[str, str]:
-        text = side.files.ask("rules", SOON, name=asked.name, rules=asked.rules)
+        text = side.files.ask("rules", SOON, name=asked.name, rules=asked.rules, base=asked.task)
         path = f"conf/task/{asked.name}.yaml"
         return {"path": path, "version": project.write(path, text.encode(), None)}
 

@@ -12,6 +12,7 @@ from arena_studio.scene_work import cells_of, quoted, world_of
 from arena_tasks.scenario_files.scenario_file import content_of
 
 MOST = 20
+HEADS = {"random": "Random problems", "staged": "Levels of random problems"}
 
 
 def draws(
@@ -47,17 +48,20 @@ def _drawn(task: TaskMode, seed: int, index: int, grids: list[OccupancyGrid]) ->
     return {"map": number, "scene": content_of([scenario])["scenarios"][0]}
 
 
-def rules_text(name: str, rules: Mapping[str, Any]) -> str:
-    """Return the option task=NAME with these rules; raise ConfigurationError for a name that is taken, or a rule that is none."""
+def rules_text(name: str, rules: Mapping[str, Any], base: str) -> str:
+    """Return the option task=NAME, ``base`` with these rules; raise ConfigurationError for a name that is taken, or a rule that is none."""
     options = option_files("task", load_registry().manager)
     if name in options:
         raise ConfigurationError(f"name is {name}; allowed: another one than {', '.join(options)}")
-    compose(["task=random", *(f"task.{key}={_written(value)}" for key, value in rules.items())], "component")
+    compose([f"task={base}", *(f"task.{key}={_written(value)}" for key, value in rules.items())], "component")
     tree: dict[str, Any] = {}
     for key, value in rules.items():
-        group, _, last = key.rpartition(".")
-        (tree.setdefault(group, {}) if group else tree)[last] = value
-    head = f"# Random problems with rules of your own: {name}.\ndefaults:\n  - random\n  - _self_\n"
+        *above, last = key.split(".")
+        node = tree
+        for group in above:
+            node = node.setdefault(group, {})
+        node[last] = value
+    head = f"# {HEADS[base]} with rules of your own: {name}.\ndefaults:\n  - {base}\n  - _self_\n"
     return head + (yaml.safe_dump(tree, sort_keys=False) if tree else "")
 
 

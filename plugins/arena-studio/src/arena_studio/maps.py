@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import base64
 from typing import Any
 
 from fastapi import APIRouter, Request, Response
 from pydantic import BaseModel
 from starlette.concurrency import run_in_threadpool
 
-from arena_studio.mapping.drawn_worlds import drawn_world, kinds, measured_file, read_parameters
-from arena_studio.mapping.furnishing import furniture_kinds, new_scenario, save_furniture, scenario_files
-from arena_studio.mapping.map_document import copy_map, grid_document, map_document, map_files, map_version, save_map
+from arena_studio.mapping.furnishing import new_scenario, save_furniture, scenario_files
+from arena_studio.mapping.map_document import copy_map, document_of, map_files, map_version, open_map, save_map
 from arena_studio.mapping.transfer import packed, unpacked
 from arena_studio.project import Project
+from arena_studio.side_process import LONG, SideProcess, beside
 
 BINARY = "application/octet-stream"
 
@@ -35,22 +36,29 @@ class NewScenario(BaseModel):
 
 
 def router(project: Project) -> APIRouter:
-    """Return what the map editor asks for."""
+    """Return what the map editor asks for.
+
+    Images are read and written here, for NumPy and Pillow let other requests go on meanwhile; worlds are the work of a process beside.
+    """
     routes = APIRouter(prefix="/api/maps")
-    _files(routes, project)
-    _worlds(routes, project)
-    _furniture(routes, project)
+    side = beside(project.root).checks
+    _files(routes, project, side)
+    _worlds(routes, project, side)
+    _furniture(routes, project, side)
     return routes
 
 
-def _files(routes: APIRouter, project: Project) -> None:
+def _files(routes: APIRouter, project: Project, side: SideProcess) -> None:
     @routes.get("")
     def listed() -> dict[str, Any]:
         return {"maps": map_files(project)}
 
     @routes.get("/file")
     def opened(path: str) -> Response:
-        header, codes = map_document(project, path)
+        found = open_map(project, path)
+        if found is None:
+            return _binary(side.ask("world", LONG, path=path))
+        header, codes = document_of(found)
         return Response(packed(header, codes.tobytes()), media_type=BINARY)
 
     @routes.get("/version")
@@ -68,27 +76,25 @@ def _files(routes: APIRouter, project: Project) -> None:
         return await run_in_threadpool(copy_map, project, path, header, cells)
 
 
-def _worlds(routes: APIRouter, project: Project) -> None:
+def _worlds(routes: APIRouter, project: Project, side: SideProcess) -> None:
     @routes.get("/kinds")
     def possible() -> dict[str, Any]:
-        return {"kinds": kinds()}
+        return {"kinds": side.ask("world kinds", LONG)}
 
     @routes.get("/draw")
     def drawn(kind: str, seed: int = 0, parameters: str = "{}") -> Response:
-        world = drawn_world(kind, seed, read_parameters(parameters))
-        header, codes = grid_document(world.grid, None)
-        header["furniture"] = [{"kind": piece.kind, "pose": piece.pose.array().tolist()} for piece in world.furniture]
-        return Response(packed(header, codes.tobytes()), media_type=BINARY)
+        return _binary(side.ask("draw", LONG, kind=kind, seed=seed, parameters=parameters))
 
     @routes.get("/measures")
     def measures(path: str, robot_radius: float | None = None) -> dict[str, Any]:
-        return {"measures": measured_file(project, path, robot_radius)}
+        project.path(path)
+        return {"measures": side.ask("measures", LONG, path=path, robot_radius=robot_radius)}
 
 
-def _furniture(routes: APIRouter, project: Project) -> None:
+def _furniture(routes: APIRouter, project: Project, side: SideProcess) -> None:
     @routes.get("/furniture")
     def pieces() -> dict[str, Any]:
-        return {"kinds": furniture_kinds()}
+        return {"kinds": beside(project.root).files.ask("furniture", LONG)}
 
     @routes.get("/scenarios")
     def scenarios(path: str) -> dict[str, Any]:
@@ -100,4 +106,11 @@ def _furniture(routes: APIRouter, project: Project) -> None:
 
     @routes.post("/scenarios")
     def new(sent: NewScenario) -> dict[str, Any]:
-        return {"version": new_scenario(project, sent.path, sent.map, sent.furniture)}
+        project.path(sent.map)
+        ends = side.ask("ends", LONG, path=sent.map)
+        return {"version": new_scenario(project, sent.path, sent.map, ends, sent.furniture)}
+
+
+def _binary(content: str) -> Response:
+    """Return what another process has sent in base64."""
+    return Response(base64.b64decode(content), media_type=BINARY)

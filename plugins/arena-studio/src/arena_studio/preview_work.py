@@ -7,24 +7,42 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from arena_core import build_benchmark, compose, load_registry, read_grid
+from arena_core import build_benchmark, compose, load_registry, plain, read_grid
 from arena_studio.scene_work import one_scene, quoted, text, world_of
 from arena_viewer.document import Recorded, document
 
 
 def preview(
-    name: str, content: dict[str, Any], scene: int, map_file: str, robot: str, planner: str, pedestrians: str, seconds: float, seed: int
+    name: str,
+    content: dict[str, Any],
+    scene: int,
+    map_file: str,
+    robot: str,
+    planner: str,
+    pedestrians: str,
+    seconds: float,
+    seed: int,
+    legs: bool,
 ) -> dict[str, Any]:
-    """Return the first ``seconds`` of a scene as a replay document in base64, and how it ended; raise ArenaError where it cannot run."""
+    """Return the first ``seconds`` of a scene as a replay document in base64, and how it ended; raise ArenaError where it cannot run.
+
+    With ``legs`` people walk on two of them, which lidars see, as far as the chosen ``pedestrians`` can.
+    """
     alone = one_scene(content, scene)
     alone["scenarios"] = [{**alone["scenarios"][0], "time_limit": seconds, "repeats": 1}]
     with TemporaryDirectory() as folder:
         path = Path(folder) / "scene.json"
         path.write_text(text(name, alone), encoding="utf-8")
         chosen = [f"robot={robot}", f"planner={planner}", f"pedestrians={pedestrians}", f"seed={seed}", "episodes=1"]
+        chosen += ["pedestrians.body=legs"] if legs and _have_bodies(pedestrians) else []
         config = compose([*world_of(map_file), *chosen, "task=scenario", f"task.path={quoted(str(path))}"])
         benchmark = build_benchmark(config, load_registry())
         record = benchmark.run(0, Path(folder))
         grid = read_grid(Path(folder) / record.meta["world"]["grid"])
     shown = document([Recorded(record, grid, {}, str(record.meta["columns"]["preset"]))])
     return {"document": base64.b64encode(shown).decode(), "outcome": record.meta["outcome"], "error": record.meta["error"] or ""}
+
+
+def _have_bodies(pedestrians: str) -> bool:
+    """Tell whether a model of people says what lidars see of them."""
+    return "body" in plain(compose([f"pedestrians={pedestrians}"], "component"))["pedestrians"]

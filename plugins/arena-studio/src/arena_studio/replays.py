@@ -1,16 +1,14 @@
-"""``/replay``, ``/watch`` and ``/report``: episodes in the viewer, runs under way, reports, each with a policy of its own."""
+"""``/replay`` and ``/watch``: episodes in the viewer, and runs under way."""
 
 from __future__ import annotations
 
-import stat
-from pathlib import Path
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import HTMLResponse, PlainTextResponse, Response
 
 from arena_core import ArenaError
-from arena_studio.errors import Missing, TooLarge, status_of
+from arena_studio.errors import Missing, status_of
 from arena_studio.experiments import Experiments
 from arena_studio.project import Project
 from arena_viewer.document import Recorded, document, read_recorded
@@ -19,14 +17,12 @@ from arena_viewer.page import live_page, page
 from arena_viewer.serving import POLICY
 
 MOST = 12  # episodes beside each other
-REPORT_POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; sandbox allow-scripts"
-LARGEST_REPORT = 200_000_000  # bytes
 Episode = Annotated[int, Query(ge=0, le=10**9)]
 Runs = Annotated[list[str], Query(max_length=MOST)]
 
 
 def router(project: Project) -> APIRouter:
-    """Return the routes of replays and reports."""
+    """Return the routes of replays."""
     routes = APIRouter()
 
     @routes.get("/replay/")
@@ -42,12 +38,6 @@ def router(project: Project) -> APIRouter:
         except ArenaError as error:
             return PlainTextResponse(str(error), status_of(error))
         return Response(content, media_type="application/octet-stream", headers={"Cache-Control": "no-store"})
-
-    @routes.get("/report/{folder:path}")
-    def report(folder: str) -> HTMLResponse:
-        """Return a report's page, which the browser keeps apart from the studio: it may have come with a folder from elsewhere."""
-        path = project.path(f"{folder}/index.html")
-        return HTMLResponse(_text(path, folder), headers={"Content-Security-Policy": REPORT_POLICY})
 
     return routes
 
@@ -96,15 +86,3 @@ def recorded(project: Project, run: str, episode: int) -> Recorded:
     if not (folder / "episodes.csv").is_file():
         raise Missing(f"{run}: there is no such run any more")
     return read_recorded(folder, episode)
-
-
-def _text(path: Path, shown: str) -> bytes:
-    try:
-        status = path.stat()
-    except OSError:
-        raise Missing(f"{shown}: has no report") from None
-    if not stat.S_ISREG(status.st_mode):
-        raise Missing(f"{shown}: has no report")
-    if status.st_size > LARGEST_REPORT:
-        raise TooLarge(f"{shown}: the report has {status.st_size} bytes; allowed: up to {LARGEST_REPORT}")
-    return path.read_bytes()

@@ -8,9 +8,10 @@ from typing import Annotated, Any
 from fastapi import APIRouter
 from pydantic import BaseModel, Field, StringConstraints
 
-from arena_core import ConfigurationError, default_options, form_of, load_registry, option_names, settings_form
-from arena_studio.composing import Composition, composition, shown
+from arena_core import ConfigurationError, default_options, load_registry, option_names, settings_form
+from arena_studio.composing import Composition, shown
 from arena_studio.experiments import Experiments
+from arena_studio.side_process import SOON, SideProcess
 
 FIRST = ("planner", "robot", "world", "task", "people", "pedestrians", "scenario", "experiment")  # groups that an experiment begins with
 NONE = ("scenario", "experiment")  # groups of which none may be chosen
@@ -27,8 +28,8 @@ class Wanted(BaseModel):
     folder: Name = ""
 
 
-def router(experiments: Experiments) -> APIRouter:
-    """Return the routes of the page Run."""
+def router(experiments: Experiments, side: SideProcess) -> APIRouter:
+    """Return the routes of the page Run; ``side`` composes."""
     routes = APIRouter(prefix="/api/run")
 
     @routes.get("/groups")
@@ -40,9 +41,9 @@ def router(experiments: Experiments) -> APIRouter:
         return [_group(name, chosen[name]) for name in names]
 
     @routes.get("/form")
-    def form(group: Name, option: Name) -> dict[str, Any]:
+    def form(group: Name, option: Name) -> Any:
         """Return the parameters of one option."""
-        return asdict(form_of(group, option, load_registry()))
+        return side.ask("form", SOON, group=group, option=option)
 
     @routes.get("/settings")
     def settings() -> dict[str, Any]:
@@ -52,11 +53,11 @@ def router(experiments: Experiments) -> APIRouter:
     @routes.post("/compose")
     def compose(wanted: Wanted) -> dict[str, Any]:
         """Compose and check; return the command line and the values that hold."""
-        return _told(_composed(wanted), wanted)
+        return _told(_composed(wanted, side), wanted)
 
     @routes.post("/start")
     def start(wanted: Wanted) -> dict[str, Any]:
-        return experiments.start(_composed(wanted), wanted.folder)
+        return experiments.start(_composed(wanted, side), wanted.folder)
 
     @routes.get("/experiments")
     def all_experiments() -> list[dict[str, Any]]:
@@ -87,9 +88,11 @@ def _group(name: str, chosen: str) -> dict[str, Any]:
     return {"name": name, "chosen": chosen, "optional": name in NONE, "first": name in FIRST, "options": listed}
 
 
-def _composed(wanted: Wanted) -> Composition:
+def _composed(wanted: Wanted, side: SideProcess) -> Composition:
     """Compose what is wanted; unless it says otherwise, episodes can be watched as they run."""
-    return composition(wanted.choices, {**wanted.values, "recording.live": wanted.values.get("recording.live", "true")}, wanted.more)
+    values = {**wanted.values, "recording.live": wanted.values.get("recording.live", "true")}
+    found = side.ask("compose", SOON, choices=wanted.choices, values=values, more=wanted.more)
+    return Composition(tuple(found["words"]), found["jobs"], found["episodes"], found["values"])
 
 
 def _told(composed: Composition, wanted: Wanted) -> dict[str, Any]:

@@ -10,9 +10,8 @@ from pydantic import BaseModel, Field
 
 from arena_core import ArenaError
 from arena_studio.project import Project
-from arena_studio.side_process import beside
+from arena_studio.side_process import LONG, SOON, beside
 
-SOON, LONG = 60.0, 300.0  # s that a request may take; what is used for the first time is compiled
 LONGEST_PREVIEW = 60.0  # s of simulated time
 Path = Annotated[str, Query(max_length=400)]
 Version = Annotated[str, Header(alias="If-Match", max_length=100)]  # of the file as it was read, "none" where it must not be there yet
@@ -42,6 +41,7 @@ class Previewing(Checking):
     planner: Name = "pure_pursuit"
     seconds: Annotated[float, Field(gt=0.0, le=LONGEST_PREVIEW)] = 20.0
     seed: Annotated[int, Field(ge=0, lt=2**63)] = 0
+    legs: bool = False
 
 
 class Exporting(Content):
@@ -89,7 +89,7 @@ def router(project: Project) -> APIRouter:
 
     @routes.post("/preview")
     def preview(asked: Previewing) -> Any:
-        chosen = {key: getattr(asked, key) for key in ("scene", "robot", "planner", "pedestrians", "seconds", "seed")}
+        chosen = {key: getattr(asked, key) for key in ("scene", "robot", "planner", "pedestrians", "seconds", "seed", "legs")}
         return side.long.ask("preview", LONG, **_of(project, asked), **chosen)
 
     @routes.post("/export")

@@ -28,8 +28,8 @@ def bound(host: str, port: int) -> socket.socket:
     return server
 
 
-def serve(app: Any, server: socket.socket) -> None:
-    """Serve until Ctrl-C."""
+def ready(app: Any) -> Any:
+    """Return uvicorn for an application, all of it loaded, so that who knows the address is answered at once."""
     import uvicorn
 
     settings = uvicorn.Config(
@@ -42,13 +42,19 @@ def serve(app: Any, server: socket.socket) -> None:
         timeout_graceful_shutdown=PATIENCE,
         access_log=False,
     )
+    settings.load()
+    return uvicorn.Server(settings)
+
+
+def serve(server: Any, listening: socket.socket) -> None:
+    """Serve until Ctrl-C; ``server`` is uvicorn."""
     logging.getLogger("uvicorn.error").addFilter(_is_fault)
     try:
-        uvicorn.Server(settings).run(sockets=[server])
+        server.run(sockets=[listening])
     except KeyboardInterrupt:
         pass  # uvicorn has ended in order, and raises it again
     finally:
-        server.close()
+        listening.close()
 
 
 def _is_fault(record: logging.LogRecord) -> bool:

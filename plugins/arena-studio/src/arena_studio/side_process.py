@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 
 from arena_core import ArenaError
 
+SOON, LONG = 60.0, 300.0  # s that a request may take; what is used for the first time is compiled
 LINE_BYTES = 1 << 20  # read at once
 MOST_BYTES = 256 << 20  # of an answer
 
@@ -52,6 +53,11 @@ class SideProcess:
             raise ArenaError(str(answer["error"]).replace(f"{self._root}{os.sep}", ""))
         return answer["answer"]
 
+    def start(self) -> None:
+        """Start the process, so that who asks first waits less."""
+        with self._lock:
+            self._running()
+
     def close(self) -> None:
         """End the process."""
         with self._lock:
@@ -80,17 +86,18 @@ class SideProcess:
 
 
 class Beside(NamedTuple):
-    """A project's processes: for files, which must be answered at once; for checks; and for what simulates or draws."""
+    """A project's processes: for files, which must be answered at once; for checks and worlds; for what simulates; and for composing."""
 
     files: SideProcess
     checks: SideProcess
     long: SideProcess
+    runs: SideProcess
 
 
 @lru_cache(maxsize=16)
 def beside(root: Path) -> Beside:
     """Return the processes of a project."""
-    return Beside(SideProcess(root), SideProcess(root), SideProcess(root))
+    return Beside(*(SideProcess(root) for _ in Beside._fields))
 
 
 def _line(process: subprocess.Popen[bytes], until: float) -> bytes:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import os
 import re
 import shutil
@@ -16,7 +17,10 @@ from typing import Any
 
 import pytest
 
+from arena_core import EPISODE_COLUMNS
+
 PATIENCE = 120.0  # s, on a busy machine
+AXE = Path(__file__).resolve().parents[4] / "node_modules" / "axe-core" / "axe.min.js"
 DATA = Path(__file__).resolve().parents[4] / "tests" / "data"
 STARTED = re.compile(r"(http://127\.0\.0\.1:(\d+))/\?token=(\S+)")
 
@@ -87,6 +91,51 @@ class Shown:
             assert time.monotonic() < end, f"{expression} never became true: {self.page.locator('body').inner_text()[:2000]}"
             time.sleep(0.02)
         return value
+
+    @property
+    def violations(self) -> list[str]:
+        """Return what axe finds wrong with the page as it is."""
+        if not self.page.evaluate("'axe' in window"):
+            self.page.evaluate(AXE.read_text())
+        told: list[str] = self.page.evaluate(
+            "axe.run().then((said) => said.violations.map((one) => `${one.id}: ${one.nodes.map((node) => node.html)}`))"
+        )
+        return told
+
+    def go(self, view: str, point: tuple[float, float]) -> None:
+        """Move the pointer to a point, m, of a view of the edit kit, which an expression of the page gives."""
+        u, v = self.page.evaluate(f"{view}.over([{point[0]}, {point[1]}])")
+        box = self.page.locator("canvas").bounding_box()
+        self.page.mouse.move(box["x"] + u, box["y"] + v, steps=4)
+
+    def drag(self, view: str, *points: tuple[float, float]) -> None:
+        """Press at the first point, m, of a view, move over the others and let go."""
+        self.go(view, points[0])
+        self.page.mouse.down()
+        for point in points[1:]:
+            self.go(view, point)
+        self.page.mouse.up()
+
+
+@pytest.fixture
+def write_run() -> Callable[..., None]:
+    """Write a run's table without its records."""
+
+    def write(folder: Path, preset: str, count: int) -> None:
+        folder.mkdir(parents=True)
+        same = {"robot": "jackal", "world": "empty", "task": "random", "success": 1, "seed": 0}
+        facts = {"config_hash": preset, "planner": preset, "preset": preset, **same}
+        with (folder / "episodes.csv").open("w", newline="") as file:
+            writer = csv.DictWriter(file, [*EPISODE_COLUMNS, "success", "time_to_goal"], restval="", lineterminator="\n")
+            writer.writeheader()
+            for number in range(count):
+                outcome = "timeout" if number % 3 == 2 else "goal_reached"
+                seconds = 10.0 + number + len(preset)
+                writer.writerow(
+                    {**facts, "episode": number, "scenario": f"random/{number:04d}", "outcome": outcome, "time_to_goal": seconds}
+                )
+
+    return write
 
 
 @pytest.fixture

@@ -30,13 +30,7 @@ def opened(show: Callable[..., Any], path: str = HALL) -> Any:
 
 def drag(shown: Any, *points: tuple[float, float]) -> None:
     """Press at the first point of the map, m, move over the others and let go."""
-    for number, (x, y) in enumerate(points):
-        u, v = shown.page.evaluate(f"{EDITOR}.view.over([{x}, {y}])")
-        box = shown.page.locator("canvas").bounding_box()
-        shown.page.mouse.move(box["x"] + u, box["y"] + v, steps=4)
-        if not number:
-            shown.page.mouse.down()
-    shown.page.mouse.up()
+    shown.drag(f"{EDITOR}.view", *points)
 
 
 def value_at(folder: Path, x: float, y: float, path: str = HALL) -> int:
@@ -197,6 +191,41 @@ def test_scale_and_origin_are_written(show: Callable[..., Any], studio: Any) -> 
     shown.wait(SAVED)
     grid = load_map(studio.folder / HALL)
     assert (grid.resolution, grid.origin.x) == (0.25, -3.0)
+
+
+def test_a_map_is_cropped_and_enlarged_and_undo_brings_back_every_byte(show: Callable[..., Any], studio: Any) -> None:
+    files = [studio.folder / "maps" / "hall" / name for name in ("map.pgm", "map.yaml")]
+    before, grid = [file.read_bytes() for file in files], load_map(studio.folder / HALL)
+    pillar = value_at(studio.folder, 6.0, 4.0)
+    shown = opened(show)
+    page = shown.page
+    page.keyboard.press("x")
+    drag(shown, (4.0, 2.0), (7.0, 4.0), (9.0, 7.0))
+    shown.wait(SAVED)
+    cropped = load_map(studio.folder / HALL)
+    assert (cropped.data.shape, cropped.origin.x, cropped.origin.y) == ((50, 50), 4.0, 2.0)
+    assert value_at(studio.folder, 6.0, 4.0) == pillar
+    page.locator("summary", has_text="Size").click()
+    page.get_by_label("left, m").fill("3")
+    page.get_by_label("top, m").fill("-1")
+    page.get_by_label("new cells are").select_option("occupied")
+    page.get_by_role("button", name="Apply").click()
+    shown.wait(SAVED)
+    larger = load_map(studio.folder / HALL)
+    assert (larger.data.shape, larger.origin.x, larger.origin.y) == ((40, 80), 1.0, 2.0)
+    assert [value_at(studio.folder, x, 4.0) for x in (2.0, 6.0)] == [100, pillar]
+    page.locator("canvas").focus()
+    page.keyboard.press("w")
+    drag(shown, (2.0, 5.0), (6.0, 5.0))
+    shown.wait(SAVED)
+    while page.get_by_role("button", name="Undo").is_enabled():
+        page.keyboard.press("Control+z")
+    shown.wait(SAVED)
+    after = load_map(studio.folder / HALL)
+    assert (after.data == grid.data).all()
+    assert after.origin == grid.origin
+    assert files[0].read_bytes() == before[0]
+    assert shown.complaints == []
 
 
 def test_a_damaged_map_is_told_in_one_line(show: Callable[..., Any], studio: Any) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -10,34 +9,9 @@ from typing import Any
 
 import pytest
 
-from arena_core import EPISODE_COLUMNS
-
 pytestmark = pytest.mark.browser
-TOP = Path(__file__).resolve().parents[4]
 COMPILED = 600_000  # ms: kernels may have to be compiled
 QUICK = "world=empty pedestrians=none task.time_limit=10 report=false executor=serial"
-
-
-def write_run(folder: Path, preset: str, count: int) -> None:
-    """Write a run's table without its records."""
-    folder.mkdir(parents=True)
-    facts = {
-        "config_hash": preset,
-        "planner": preset,
-        "preset": preset,
-        "robot": "jackal",
-        "world": "empty",
-        "task": "random",
-        "success": 1,
-        "seed": 0,
-    }
-    with (folder / "episodes.csv").open("w", newline="") as file:
-        writer = csv.DictWriter(file, [*EPISODE_COLUMNS, "success", "time_to_goal"], restval="", lineterminator="\n")
-        writer.writeheader()
-        for number in range(count):
-            outcome = "timeout" if number % 3 == 2 else "goal_reached"
-            seconds = 10.0 + number + len(preset)
-            writer.writerow({**facts, "episode": number, "scenario": f"random/{number:04d}", "outcome": outcome, "time_to_goal": seconds})
 
 
 def test_experiment_is_composed_started_watched_and_its_episode_replayed(show: Callable[..., Any], studio: Any) -> None:
@@ -63,6 +37,14 @@ def test_experiment_is_composed_started_watched_and_its_episode_replayed(show: C
     replay = opened.value
     replay.locator("#facts li").first.wait_for()
     assert "pure_pursuit on jackal" in replay.locator("#facts").inner_text()
+    (name,) = (path.stem for path in (studio.folder / ".arena_studio" / "runs").glob("*.json"))
+    watch = page.context.new_page()
+    watch.goto(f"http://127.0.0.1:{studio.port}/watch/{name}/")
+    watch.locator("#finished tr").nth(1).wait_for()
+    assert watch.inner_text("#standing").startswith("2 of 2 episodes")
+    with watch.context.expect_page() as opened:
+        watch.click("#finished a")
+    opened.value.locator("#facts li").first.wait_for()
     page.get_by_role("link", name="results", exact=True).click()
     page.locator(".episodes tbody tr").nth(1).wait_for()
     assert page.locator("#facts").inner_text().startswith("2 episodes")
@@ -95,7 +77,7 @@ def test_parameters_of_an_option_are_fields_with_unit_and_bounds(show: Callable[
     page.locator("#command").filter(has_text="planner.limits.max_vel_x=0.7").wait_for()
 
 
-def test_results_are_filtered_sorted_compared_and_kept_over_a_reload(show: Callable[..., Any], studio: Any) -> None:
+def test_results_are_filtered_sorted_compared_and_kept_over_a_reload(show: Callable[..., Any], studio: Any, write_run: Any) -> None:
     write_run(studio.folder / "multirun/0", "dwa", 60)
     write_run(studio.folder / "multirun/1", "teb", 60)
     shown = show("results")
@@ -126,7 +108,7 @@ def test_results_are_filtered_sorted_compared_and_kept_over_a_reload(show: Calla
     assert shown.complaints == []
 
 
-def test_run_that_vanishes_is_told_in_the_page(show: Callable[..., Any], studio: Any) -> None:
+def test_run_that_vanishes_is_told_in_the_page(show: Callable[..., Any], studio: Any, write_run: Any) -> None:
     write_run(studio.folder / "a", "dwa", 3)
     write_run(studio.folder / "b", "teb", 3)
     page = show("results").page
@@ -146,15 +128,3 @@ def test_pages_fit_their_window_and_say_when_the_studio_is_gone(show: Callable[.
     gone = "no connection to the studio" if place == "run" else "the studio does not answer"
     shown.page.get_by_text(gone).wait_for()
     studio.start()
-
-
-@pytest.mark.parametrize("place", ["run", "results"])
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_pages_are_accessible(show: Callable[..., Any], studio: Any, place: str, scheme: str) -> None:
-    write_run(studio.folder / "a", "dwa", 3)
-    page = show(place).page
-    page.emulate_media(color_scheme=scheme, reduced_motion="reduce")
-    page.locator("#command:not(:empty), .episodes tbody tr").first.wait_for()
-    page.evaluate((TOP / "node_modules" / "axe-core" / "axe.min.js").read_text())
-    found = page.evaluate("axe.run().then((said) => said.violations.map((one) => `${one.id}: ${one.nodes.map((node) => node.html)}`))")
-    assert found == []

@@ -42,19 +42,13 @@ def opened(show: Callable[..., Any], path: str = PATH) -> Any:
 
 
 def go(shown: Any, x: float, y: float) -> None:
-    """Move the pointer to a point, m."""
-    u, v = shown.page.evaluate(f"{PAGE}.view.over([{x}, {y}])")
-    box = shown.page.locator("canvas").bounding_box()
-    shown.page.mouse.move(box["x"] + u, box["y"] + v, steps=4)
+    """Move the pointer to a point of the scene, m."""
+    shown.go(f"{PAGE}.view", (x, y))
 
 
 def drag(shown: Any, *points: tuple[float, float]) -> None:
-    """Press at the first point, move over the others and let go."""
-    go(shown, *points[0])
-    shown.page.mouse.down()
-    for point in points[1:]:
-        go(shown, *point)
-    shown.page.mouse.up()
+    """Press at the first point of the scene, m, move over the others and let go."""
+    shown.drag(f"{PAGE}.view", *points)
 
 
 def settle(shown: Any) -> None:
@@ -100,6 +94,31 @@ def test_a_person_with_a_route_is_placed_checked_mended_previewed_saved_and_run(
     command = [sys.executable, "-m", "arena_core.cli.main", "run", "task=scenario", *words, "episodes=1", "executor=serial"]
     run = subprocess.run(command, cwd=studio.folder, capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr
+
+
+def test_the_preview_plays_people_on_legs_and_beams_as_the_viewer_draws_them(show: Callable[..., Any], straight: Path) -> None:
+    person = {"position": [6.0, 6.0], "waypoints": [[6.0, 6.0], [9.0, 6.0]]}
+    straight.write_text(json.dumps({**FILE, "scenarios": [{**SCENE, "pedestrians": [person]}]}))
+    shown = opened(show)
+    page = shown.page
+    page.emulate_media(reduced_motion="reduce")
+    page.check("label:has-text('legs') input")
+    page.select_option(".preview label:has-text('for, s') select", "10")
+    page.click("button:has-text('Preview')")
+    page.locator("input[aria-label='time of the preview, s']").wait_for(timeout=PATIENT)
+    page.evaluate(f"{PAGE}.preview.player.seek(2)")
+    moment = f"{PAGE}.preview.scene.episodes[0].at(2)"
+    assert page.evaluate(f"{moment}.people[0].legs.length") == 5
+    assert page.evaluate(f"{moment}.path.length") > 1
+    picture = f"({PAGE}.view.draw(), document.querySelector('canvas').toDataURL())"
+    with_beams = page.evaluate(picture)
+    page.uncheck("label:has-text('lidar') input")
+    assert page.evaluate(picture) != with_beams
+    page.click(".preview button:has-text('Play')")
+    shown.wait(f"{PAGE}.preview.player.time > 2.2")
+    page.click("button:has-text('End preview')")
+    assert page.evaluate(f"{PAGE}.preview.scene") is None
+    assert shown.complaints == []
 
 
 def test_things_are_moved_removed_and_come_back(show: Callable[..., Any], straight: Path) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+import yaml
 
 from arena_tasks.random.curriculum import read_curriculum
 from arena_tasks.scenario_files.pack import read_pack
@@ -31,6 +32,26 @@ def test_a_curriculum_is_made_from_one_that_comes_with_the_suite(show: Callable[
     levels = read_curriculum(str(path)).levels
     assert (len(levels), levels[3].pedestrians) == (13, 9)
     assert page.locator(".plots svg").count() >= 5
+
+
+def test_rules_of_a_staged_task_are_on_its_command_line_and_kept_as_an_option(show: Callable[..., Any], studio: Any) -> None:
+    shown = show("task?part=curriculum&path=growing")
+    page = shown.page
+    page.locator(".levels tbody tr").nth(11).wait_for()
+    page.locator(".rule", has_text="promote").locator("input").fill("0.9")
+    page.locator("summary", has_text="What the levels leave open").click()
+    page.locator(".rule", has_text="goal radius").locator("input").fill("0.5")
+    page.keyboard.press("Tab")
+    page.locator("code", has_text="task.promote=0.9 task.random.goal_radius=0.5").wait_for()
+    page.click("button:has-text('Add a level')")
+    page.locator(".state", has_text="saved").wait_for()
+    page.click("button:has-text('Keep as an option')")
+    page.fill("dialog input", "harder")
+    page.keyboard.press("Enter")
+    page.locator("#said", has_text="conf/task/harder.yaml").wait_for()
+    said = yaml.safe_load((studio.folder / "conf" / "task" / "harder.yaml").read_text())
+    assert (said["path"], said["promote"], said["random"]) == ("curricula/growing.yaml", 0.9, {"goal_radius": 0.5})
+    assert shown.complaints == []
 
 
 def test_rules_draw_ten_scenes_and_become_a_scenario_file(show: Callable[..., Any], studio: Any) -> None:

@@ -19,24 +19,13 @@ SCENE = {"name": "a", "start": [1.0, 4.0, 0.0], "goal": [11.0, 4.0]}
 COMPILED = 600_000  # ms: kernels may have to be compiled
 
 
-def press(shown: Any, view: str, *points: tuple[float, float]) -> None:
-    """Press at the first point, m, move over the others and let go."""
-    for number, (x, y) in enumerate(points):
-        u, v = shown.page.evaluate(f"{view}.over([{x}, {y}])")
-        box = shown.page.locator("canvas").bounding_box()
-        shown.page.mouse.move(box["x"] + u, box["y"] + v, steps=4)
-        if not number:
-            shown.page.mouse.down()
-    shown.page.mouse.up()
-
-
 def test_from_a_drawn_wall_to_a_report(show: Callable[..., Any], studio: Any) -> None:
     file = {"format": "arena-scenario", "version": 2, "map": "../maps/hall/map.yaml", "scenarios": [SCENE]}
     (studio.folder / PATH).write_text(json.dumps(file))
 
     drawn = show("map?path=maps/hall/map.yaml")
     drawn.wait(f"{MAP}?.editor?.map?.header.path === 'maps/hall/map.yaml'")
-    press(drawn, f"{MAP}.editor.view", (2.0, 6.0), (4.0, 6.0))
+    drawn.drag(f"{MAP}.editor.view", (2.0, 6.0), (4.0, 6.0))
     drawn.wait(SAVED.format(f"{MAP}.editor.map"))
     row, column = load_map(studio.folder / "maps/hall/map.yaml").cells([3.0, 6.0])
     assert load_map(studio.folder / "maps/hall/map.yaml").data[row, column] == 100
@@ -45,7 +34,7 @@ def test_from_a_drawn_wall_to_a_report(show: Callable[..., Any], studio: Any) ->
     scene.wait(f"!!({SCENARIO} && {SCENARIO}.editor?.content && {SCENARIO}.editor.ground)")
     scene.page.click("[data-tool=person]")
     for place in ((7.0, 2.0), (9.0, 2.0)):
-        press(scene, f"{SCENARIO}.view", place)
+        scene.drag(f"{SCENARIO}.view", place)
         scene.page.wait_for_timeout(400)  # apart from a double click
     scene.page.keyboard.press("Escape")
     scene.page.wait_for_timeout(450)  # after that saving has begun
@@ -74,3 +63,9 @@ def test_from_a_drawn_wall_to_a_report(show: Callable[..., Any], studio: Any) ->
         run.get_by_role("button", name="Report").click()
     report.value.locator("h1").wait_for()
     assert "pure_pursuit" in report.value.locator("body").inner_text()
+    report.value.locator("details:has(table.episodes) > summary").click()
+    report.value.locator("table.episodes a[href^='replays/']").first.click()
+    report.value.locator("#facts li").first.wait_for()
+    assert "pure_pursuit on jackal" in report.value.locator("#facts").inner_text()
+    report.value.go_back()
+    report.value.locator("h1").wait_for()

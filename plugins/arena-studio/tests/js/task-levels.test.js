@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { boundsOf } from "studio/task/rules.js";
+import { boundsOf } from "studio/task/parameters.js";
 import { changed, COLUMNS, course, inserted, removed, shifted, steps } from "studio/task/levels.js";
 
 const levels = [{ difficulty: null, obstacles: 0, pedestrians: 0, pedestrian_speed: 0.3, speed_share: 0.5, min_distance: 3 }, { difficulty: 0.5, obstacles: 2, pedestrians: 4, pedestrian_speed: 0.3, speed_share: 1 }];

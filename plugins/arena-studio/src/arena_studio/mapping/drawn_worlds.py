@@ -22,9 +22,6 @@ from arena_core import (
 )
 from arena_studio.project import Project
 from arena_worlds.commands.convert import DEFAULTS
-from arena_worlds.commands.generate import parameters
-from arena_worlds.commands.measure import ROBOT_RADIUS
-from arena_worlds.commands.measures import measures_of
 from arena_worlds.formats.site_file import site_grid
 
 READ = {"path", "maps"}  # parameters of worlds that are read from files
@@ -68,6 +65,8 @@ def drawn_world(kind: str, seed: Any, values: Mapping[str, Any]) -> World:
     """Return the first world of a seed; raise ConfigurationError for a parameter that the kind has not or a value that it cannot have."""
     if kind not in option_files("world", load_registry().manager):
         raise ConfigurationError(f"kind is {one_line(kind, 40)!r}; allowed: {', '.join(one['name'] for one in kinds())}")
+    from arena_worlds.commands.generate import parameters
+
     given = {key: _written(key, value) for key, value in values.items() if value is not None}
     node = parameters(kind, given)
     if READ & node.keys():
@@ -86,6 +85,9 @@ def _written(key: str, value: Any) -> str:
 
 def measured(grid: OccupancyGrid, robot_radius: float | None) -> list[dict[str, Any]]:
     """Return how difficult a map is, as ``arena world measure`` says it: name, value, unit and meaning; raise ConfigurationError."""
+    from arena_worlds.commands.measure import ROBOT_RADIUS
+    from arena_worlds.commands.measures import measures_of
+
     radius = ROBOT_RADIUS if robot_radius is None else robot_radius
     return [{"name": name, "value": value, "unit": unit, "text": text} for name, value, unit, text in measures_of(grid, radius).rows()]
 

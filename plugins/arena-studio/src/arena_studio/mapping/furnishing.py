@@ -4,20 +4,13 @@ from __future__ import annotations
 
 import json
 import posixpath
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
-from scipy import ndimage
-
-from arena_core import LIMITS, InputFileError, OccupancyGrid, Pose, furniture_kind, furniture_shapes, load_registry, one_line, option_files
+from arena_core import LIMITS, InputFileError, Pose, furniture_kind, furniture_shapes, load_registry, one_line, option_files
 from arena_studio.errors import Conflict, Missing
 from arena_studio.project import Document, Project
 from arena_tasks.scenario_files.scenario_file import FORMAT, VERSION, scenario_text
-from arena_worlds.commands.convert import DEFAULTS
-from arena_worlds.commands.measure import ROBOT_RADIUS
-from arena_worlds.formats.site_file import site_grid
-from arena_worlds.reachable import places
 
 HEAD = 2000  # characters of a file in which its format stands
 ALLOWED = f"a file of the format {FORMAT}"
@@ -99,29 +92,13 @@ def _checked(pieces: list[Any]) -> list[dict[str, Any]]:
     return [{"kind": piece["kind"], "pose": [float(one) for one in piece["pose"]]} for piece in pieces]
 
 
-def new_scenario(project: Project, path: str, map_path: str, pieces: list[Any]) -> str:
+def new_scenario(project: Project, path: str, map_path: str, ends: Sequence[list[float]], pieces: list[Any]) -> str:
     """Write a scenario file with one problem across a furnished map and return its version; raise Conflict where there is a file already.
 
-    Start and goal are the ends of the map's largest region where a robot can be.
+    ``ends`` are start and goal.
     """
-    grid = site_grid(project.path(map_path), DEFAULTS["resolution"], DEFAULTS["margin"])
-    start, goal = _ends(grid)
+    start, goal = ends
     relative = posixpath.relpath(map_path, posixpath.dirname(path) or ".")
     problem = {"name": "furnished", "start": start, "goal": goal, "pedestrians": [], "obstacles": [], "furniture": _checked(pieces)}
     content = {"format": FORMAT, "version": VERSION, "title": "A robot crosses a furnished hall", "map": relative, "scenarios": [problem]}
     return project.write(path, scenario_text(content).encode(), None)
-
-
-def _ends(grid: OccupancyGrid) -> tuple[list[float], list[float]]:
-    """Return a start and a goal, x, y (m) and heading (rad): those of a region's places that are farthest along its diagonal."""
-    labels, count = ndimage.label(places((grid.data >= 0) & ~grid.occupied, grid.resolution, ROBOT_RADIUS))
-    if not count:
-        raise InputFileError(f"the map has no free space for a robot of {ROBOT_RADIUS} m; allowed: a map with some")
-    sizes = np.bincount(labels.ravel())
-    sizes[0] = 0
-    cells = np.argwhere(labels == sizes.argmax())
-    along = cells.sum(axis=1)
-    ends = grid.positions(cells[[along.argmin(), along.argmax()]])
-    heading = float(np.arctan2(*(ends[1] - ends[0])[::-1]))
-    start, goal = ([round(float(x), 3), round(float(y), 3), round(heading, 3)] for x, y in ends)
-    return start, goal

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from arena_core import LIMITS, ArenaError, InputFileError, OccupancyGrid, Pose, one_line, read_bytes, read_settings
 from arena_studio.errors import Conflict
 from arena_studio.mapping.picture import Picture
-from arena_studio.mapping.pnm import Pnm
+from arena_studio.mapping.pnm import Pnm, Samples
 from arena_studio.mapping.shades import Cells, cells_of, checked_samples, plain_pgm, read_image
 from arena_studio.mapping.yaml_text import Value, with_values
 from arena_studio.project import Document, Project
@@ -87,7 +87,7 @@ def map_version(project: Project, path: str) -> str | None:
 def header_of(path: str | None, cells: Cells, keys: Mapping[str, Any], version: str | None, mode: str) -> dict[str, Any]:
     """Return what the page is told of a map beside its codes."""
     rows, columns = cells.codes.shape
-    said = {"path": path, "version": version, "width": columns, "height": rows, "mode": mode, **keys}
+    said = {"path": path, "version": version, "width": columns, "height": rows, "most_cells": LIMITS.cells, "mode": mode, **keys}
     return {**said, "samples": cells.samples.tolist(), "values": cells.values.tolist(), "drawn": dict(cells.drawn)}
 
 
@@ -99,6 +99,11 @@ def map_document(project: Project, path: str) -> tuple[dict[str, Any], NDArray[n
     opened = open_map(project, path)
     if opened is None:
         return grid_document(site_grid(project.path(path), DEFAULTS["resolution"], DEFAULTS["margin"]), path)
+    return document_of(opened)
+
+
+def document_of(opened: OpenMap) -> tuple[dict[str, Any], NDArray[np.uint8]]:
+    """Return a map as ``map_document`` does; raise InputFileError for an image with too many colours."""
     cells = cells_of(opened.image, opened.file)
     file = opened.file
     keys = {
@@ -109,7 +114,7 @@ def map_document(project: Project, path: str) -> tuple[dict[str, Any], NDArray[n
         "occupied_thresh": file.occupied_thresh,
         "free_thresh": file.free_thresh,
     }
-    return header_of(path, cells, keys, opened.version, file.mode), cells.codes
+    return header_of(opened.path, cells, keys, opened.version, file.mode), cells.codes
 
 
 def grid_document(grid: OccupancyGrid, path: str | None) -> tuple[dict[str, Any], NDArray[np.uint8]]:
@@ -129,7 +134,8 @@ def save_map(project: Project, path: str, header: Mapping[str, Any], sent: bytes
     """Write what was changed and return the new version; raise Conflict where the map has another one than the header says.
 
     ``rectangles`` of the header are left, top, width, height, in cells from the upper left corner; ``sent`` has their codes, one after the
-    other, which stand for the pixels ``samples``. A file in which nothing is different is not written.
+    other, which stand for the pixels ``samples``. A file in which nothing is different is not written. A map that was cropped or enlarged
+    has another ``width`` or ``height`` than the file, and one rectangle, the whole of it.
     """
     opened = open_map(project, path)
     if opened is None:
@@ -226,13 +232,31 @@ def _changed_image(image: Pnm | Picture, header: Mapping[str, Any], sent: bytes)
     if not header.get("rectangles"):
         return None
     samples = checked_samples(header.get("samples"), image)
-    rows, columns = image.samples.shape[:2]
-    pixels, begin = image.samples.copy(), 0
+    rows, columns = _shape(image, header)
+    pixels, begin = _canvas(image, (rows, columns), header["rectangles"]), 0
     for left, top, width, height in _rectangles(header, columns, rows):
         codes = _taken(sent, begin, width * height, len(samples)).reshape(height, width)
         pixels[top : top + height, left : left + width] = samples[codes].astype(pixels.dtype, copy=False)
         begin += width * height
-    return None if (pixels == image.samples).all() else image.encoded(pixels)
+    return None if np.array_equal(pixels, image.samples) else image.encoded(pixels)
+
+
+def _shape(image: Pnm | Picture, header: Mapping[str, Any]) -> tuple[int, int]:
+    """Return the rows and columns that a map has now: those of its file unless the header says otherwise."""
+    rows, columns = image.samples.shape[:2]
+    shape = (_count(header, "height") if "height" in header else rows, _count(header, "width") if "width" in header else columns)
+    if shape[0] * shape[1] > LIMITS.cells:
+        raise InputFileError(f"the map has {shape[1]} x {shape[0]} cells; allowed: {LIMITS.cells} in all")
+    return shape
+
+
+def _canvas(image: Pnm | Picture, shape: tuple[int, int], rectangles: Any) -> Samples:
+    """Return what the rectangles are drawn on: the pixels of the file, or nothing where the map has another size."""
+    if shape == image.samples.shape[:2]:
+        return image.samples.copy()
+    if rectangles != [[0, 0, shape[1], shape[0]]]:
+        raise InputFileError(f"rectangles is not the whole of {shape[1]} x {shape[0]} cells; allowed: that, for a map of another size")
+    return np.zeros((*shape, image.samples.shape[2]), image.samples.dtype)
 
 
 def _taken(sent: bytes, begin: int, count: int, most: int) -> NDArray[np.uint8]:

@@ -30,14 +30,21 @@ class Pnm:
     samples: Samples
 
     def encoded(self, samples: Samples) -> bytes:
-        """Return the file with these samples; of the same size it differs from the old one where the samples do, and nowhere else."""
+        """Return the file with these samples: it differs from the old one where they do, of another size also in its size."""
         if samples.shape != self.samples.shape:
-            rows, columns = samples.shape[:2]
-            return self.kind + f"\n{columns} {rows}\n{self.highest}\n".encode() + self._body(samples)
+            return self._head(*samples.shape[:2]) + self._body(samples)
         if self.kind in PLAIN:
             return self._plain(samples)
         end = self.begin + self.samples.size * self._width
         return self.content[: self.begin] + self._body(samples) + self.content[end:]
+
+    def _head(self, rows: int, columns: int) -> bytes:
+        """Return the header with another size, its comments as they are."""
+        found = HEADER.match(self.content)
+        assert found is not None
+        (left, right), (top, bottom) = found.span(2), found.span(3)
+        content = self.content
+        return content[:left] + b"%d" % columns + content[right:top] + b"%d" % rows + content[bottom : self.begin]
 
     @property
     def _width(self) -> int:

@@ -1,5 +1,6 @@
 // Draws episodes at a moment on a canvas: map, obstacles, path, trail, beams, people, robots, contacts.
 
+import { drawFloor, pictureOf } from "arena/floor.js";
 import { cast } from "arena/lidar.js";
 import { ROBOTS, faded, ground } from "arena/looks.js";
 import { bodiesOf, drawPeople } from "arena/people.js";
@@ -49,13 +50,21 @@ export class Scene {
 
   /** @param {Pane} pane @param {import("./camera.js").Camera} camera @param {number} time @param {Layers} layers */
   #pane(pane, camera, time, layers) {
-    const shown = pane.shown.map((number) => ({ number, episode: this.episodes[number] }));
-    this.scale = camera.scale;
-    const thin = 1 / camera.scale; // m of a pixel
-    const first = shown[0].episode;
+    const first = this.episodes[pane.shown[0]];
     if (first.map) this.#map(first.map);
     for (const obstacle of first.said.obstacles) this.#obstacle(obstacle);
-    this.#goal(first, thin);
+    this.moving(pane.shown, camera.scale, time, layers);
+  }
+
+  /**
+   * Draw what belongs to episodes at a moment over a map that is drawn already, in a context of metres: goal, ways, beams, people, robots.
+   * @param {number[]} numbers of the episodes @param {number} scale pixels a metre @param {number} time @param {Layers} layers
+   */
+  moving(numbers, scale, time, layers) {
+    const shown = numbers.map((number) => ({ number, episode: this.episodes[number] }));
+    this.scale = scale;
+    const thin = 1 / scale; // m of a pixel
+    this.#goal(shown[0].episode, thin);
     const moments = shown.map(({ number, episode }) => ({ number, episode, moment: episode.at(Math.min(time, episode.end)) }));
     for (const { number, episode, moment } of moments) {
       const colour = ROBOTS[number % ROBOTS.length];
@@ -79,25 +88,13 @@ export class Scene {
 
   /** @param {any} map */
   #map(map) {
-    const { context } = this;
     const [height, width] = map.cells.shape;
     let picture = this.maps.get(map);
     if (!picture) {
-      picture = document.createElement("canvas");
-      [picture.width, picture.height] = [width, height];
-      const own = /** @type {CanvasRenderingContext2D} */ (picture.getContext("2d"));
-      const image = own.createImageData(width, height);
-      const colours = [this.colours.free, this.colours.wall, this.colours.unknown].map((text) => [1, 3, 5].map((at) => parseInt(text.slice(at, at + 2), 16)));
-      for (let i = 0; i < width * height; i++) image.data.set([...colours[map.cells.values[i]], 255], 4 * i);
-      own.putImageData(image, 0, 0);
+      picture = pictureOf(map.cells.values, width, height, [this.colours.free, this.colours.wall, this.colours.unknown]);
       this.maps.set(map, picture);
     }
-    context.save();
-    context.translate(map.origin[0], map.origin[1]);
-    context.rotate(map.origin[2]);
-    context.imageSmoothingEnabled = false;
-    context.drawImage(picture, 0, 0, width * map.resolution, height * map.resolution);
-    context.restore();
+    drawFloor(this.context, map, picture);
   }
 
   /** @param {any} obstacle */

@@ -13,6 +13,7 @@ import { flood, line, outline, polygon, rectangle, stroke, wall } from "studio/m
  * @property {number} width m
  * @property {boolean} filled
  * @property {number} step of the grid that points snap to, m; 0: none
+ * @property {import("./kinds.js").Kind} beyond what cells are that a larger map has more
  *
  * @typedef {object} Desk
  * @property {() => import("./model.js").OpenMap | null} map
@@ -22,7 +23,7 @@ import { flood, line, outline, polygon, rectangle, stroke, wall } from "studio/m
  */
 
 /** @param {Desk} desk @param {Hand} hand @param {Point | null} [from] @returns {Point} */
-function snap(desk, hand, from = null) {
+export function snap(desk, hand, from = null) {
   const map = desk.map();
   if (!map) return hand.point;
   const point = hand.shift && from ? toAngle(from, hand.point) : hand.point;
@@ -238,7 +239,7 @@ export function ruler(desk) {
 }
 
 /** @param {CanvasRenderingContext2D} context @param {Point[]} points @param {boolean} closed @param {number} width m @param {string} colour */
-function path(context, points, closed, width, colour) {
+export function path(context, points, closed, width, colour) {
   context.beginPath();
   for (const [x, y] of points) context.lineTo(x, y);
   if (closed) context.closePath();

@@ -3,6 +3,7 @@
 import { isWriting, PAN, Toolbox, undoKeys } from "studio/edit/tools.js";
 import { View } from "studio/edit/view.js";
 import { box, brush, bucket, corners, ruler, walls } from "studio/map/drawing.js";
+import { extent } from "studio/map/extent.js";
 import { snapped, toCells, windowOf } from "studio/map/frame.js";
 import { drawPieces, Furniture, mover } from "studio/map/furniture.js";
 import { coloursOf, kindOf, NAMES, ranksOf } from "studio/map/kinds.js";
@@ -26,7 +27,7 @@ export class Editor {
     this.pointAt = pointAt;
     /** @type {OpenMap | null} */ this.map = null;
     /** @type {Tiles | null} */ this.tiles = null;
-    /** @type {import("./drawing.js").Pencil} */ this.pencil = { kind: "occupied", width: 0.2, filled: false, step: 0.1 };
+    /** @type {import("./drawing.js").Pencil} */ this.pencil = { kind: "occupied", width: 0.2, filled: false, step: 0.1, beyond: "unknown" };
     /** @type {{metres: number, cells: number} | null} */ this.measured = null;
     this.colours = coloursOfPage(canvas);
     this.furniture = new Furniture(context, () => this.map?.history ?? null, () => this.show(), tell);
@@ -47,6 +48,14 @@ export class Editor {
     Object.assign(this.pencil, change);
     this.view.step = this.pencil.step;
     this.show();
+  }
+
+  /** Crop or enlarge the map. @param {string} label @param {import("./grid.js").Box} sides of it, in its cells as they are */
+  resize(label, sides) {
+    void this.trying(async () => {
+      this.map?.resize(label, sides, this.pencil.beyond);
+      if (this.map) this.context.say(`The map has ${this.map.grid.width} × ${this.map.grid.height} cells now; Ctrl Z brings back what it was.`);
+    });
   }
 
   /** Do what may fail, and say why it did. @param {() => Promise<void>} act */
@@ -137,6 +146,10 @@ export class Editor {
         this.tiles?.change(changed);
         this.view.request();
       },
+      size: () => {
+        this.#paint();
+        if (this.map) this.view.window = windowOf(this.map.frame);
+      },
       steps: () => this.show(),
       state: this.tell,
       kept: (path) => this.#kept(path),
@@ -200,6 +213,7 @@ export class Editor {
       brush(desk, { name: "erase", title: "Erase: paint free", key: "e" }, "free"),
       bucket(desk),
       mover(this.furniture, snap, () => this.colours.accent),
+      extent(desk, (sides) => this.resize("crop or enlarge", sides)),
       ruler(desk),
       PAN,
     ];

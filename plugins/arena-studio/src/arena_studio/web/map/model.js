@@ -5,6 +5,7 @@ import { History } from "studio/edit/undo.js";
 import { Grid } from "studio/map/grid.js";
 import { kindsOf } from "studio/map/kinds.js";
 import { copyName } from "studio/map/names.js";
+import { originOf, resized } from "studio/map/resize.js";
 import { packed, unpacked, zipped } from "studio/map/transfer.js";
 
 /**
@@ -15,6 +16,7 @@ import { packed, unpacked, zipped } from "studio/map/transfer.js";
  * @property {string | null} version null: it is no map file yet, and is kept as a new one
  * @property {number} width
  * @property {number} height
+ * @property {number} most_cells that a map may have
  * @property {number} resolution
  * @property {[number, number, number]} origin
  * @property {string} mode
@@ -27,6 +29,7 @@ import { packed, unpacked, zipped } from "studio/map/transfer.js";
  *
  * @typedef {object} Hooks what the page wants to know
  * @property {(box: import("./grid.js").Box) => void} cells
+ * @property {() => void} size that the map got another one
  * @property {() => void} steps
  * @property {(state: import("../edit/autosave.js").State, said: string) => void} state
  * @property {(path: string) => void} kept
@@ -41,8 +44,9 @@ export class OpenMap {
     this.name = name;
     this.hooks = hooks;
     this.kinds = kindsOf(header.values);
-    this.grid = new Grid(header.width, header.height, cells, (box) => hooks.cells(box));
+    this.grid = this.#grid(header.width, header.height, cells);
     this.keysChanged = false;
+    this.sizeChanged = false; // since the last save: then all of it is saved
     this.edits = 0; // steps that changed the map
     this.history = new History(() => this.#stepped());
     this.autosave = new Autosave(
@@ -92,6 +96,35 @@ export class OpenMap {
     this.history.run({ label, do: () => put(keys), undo: () => put({ resolution, origin }) });
   }
 
+  /**
+   * Make the map as large as a box of its cells, as one step; all that is in both stays where it is in the world.
+   * @param {string} label @param {import("./grid.js").Box} box @param {Kind} kind of the cells that are new
+   */
+  resize(label, box, kind) {
+    const { width, height, most_cells: most } = this.header;
+    const [across, down] = [box.right - box.left, box.bottom - box.top];
+    if (across * down > most) throw new Error(`The map would have ${across} × ${down} cells; allowed: ${most.toLocaleString("en")} in all.`);
+    if (across === width && down === height && !box.left && !box.top) return;
+    const before = { grid: this.grid, origin: this.header.origin };
+    const { cells } = resized(this.grid, box, this.code(kind) ?? this.code("unknown") ?? this.code("free") ?? 0);
+    const after = { grid: this.#grid(across, down, cells), origin: originOf(this.frame, box) };
+    const bytes = before.grid.cells.length + cells.length;
+    this.history.run({ label, bytes, do: () => this.#put(after), undo: () => this.#put(before) });
+  }
+
+  /** @param {{grid: Grid, origin: [number, number, number]}} state strokes of each grid are undone on that one */
+  #put({ grid, origin }) {
+    this.grid = grid;
+    Object.assign(this.header, { width: grid.width, height: grid.height, origin });
+    this.keysChanged = this.sizeChanged = true;
+    this.hooks.size();
+  }
+
+  /** @param {number} width @param {number} height @param {Uint8Array} cells */
+  #grid(width, height, cells) {
+    return new Grid(width, height, cells, (box) => this.hooks.cells(box));
+  }
+
   /** Keep all of it as a map of another name, and go on with that. @param {string} path @param {boolean} [next] of names that are taken, the next one */
   async keepAs(path, next = false) {
     if (this.header.version !== null) await this.autosave.flush();
@@ -104,43 +137,52 @@ export class OpenMap {
   }
 
   #stepped() {
-    if (this.grid.unsaved.size || this.keysChanged) {
+    if (this.grid.unsaved.size || this.keysChanged || this.sizeChanged) {
       this.edits += 1;
       this.autosave.change();
     }
     this.hooks.steps();
   }
 
+  /** Take what is not saved yet; `back` says that it is not saved after all. @returns {{boxes: number[][], keys: boolean, back: () => void}} */
+  #unsaved() {
+    const [grid, keys, size] = [this.grid, this.keysChanged, this.sizeChanged];
+    const { tiles, boxes } = grid.takeUnsaved();
+    this.keysChanged = this.sizeChanged = false;
+    const back = () => {
+      for (const tile of tiles) grid.unsaved.add(tile);
+      this.keysChanged ||= keys;
+      this.sizeChanged ||= size;
+    };
+    return { boxes: size ? [[0, 0, grid.width, grid.height]] : boxes, keys, back };
+  }
+
   /** @param {string} version */
   async #save(version) {
-    const { tiles, boxes } = this.grid.takeUnsaved();
-    const keys = this.keysChanged;
-    this.keysChanged = false;
-    const { samples, resolution, origin, path } = this.header;
-    const header = { version, samples, rectangles: boxes, ...(keys ? { resolution, origin } : {}) };
+    const { boxes, keys, back } = this.#unsaved();
+    const { samples, resolution, origin, path, width, height } = this.header;
+    const header = { version, samples, rectangles: boxes, width, height, ...(keys ? { resolution, origin } : {}) };
     try {
       const body = await zipped(packed(header, this.grid.codesOf(boxes)));
       const said = await this.context.api.put(`/api/maps/file?path=${encodeURIComponent(path ?? "")}`, body, { version });
       this.header.version = said.version;
       return said.version;
     } catch (error) {
-      for (const tile of tiles) this.grid.unsaved.add(tile);
-      this.keysChanged ||= keys;
+      back();
       throw error;
     }
   }
 
   /** @param {string} path @param {boolean} next @returns {Promise<string>} the version */
   async #keep(path, next) {
-    const { tiles } = this.grid.takeUnsaved();
+    const { back } = this.#unsaved();
     try {
       const said = await this.#copied(path, this.header.version === null ? null : this.header.path);
-      this.keysChanged = false;
       Object.assign(this.header, said);
       this.hooks.kept(said.path);
       return said.version;
     } catch (error) {
-      for (const tile of tiles) this.grid.unsaved.add(tile);
+      back();
       if (/** @type {any} */ (error).status !== 409 || !next) throw error;
       this.name = copyName(path);
       return this.#keep(this.name, next);
@@ -149,7 +191,7 @@ export class OpenMap {
 
   /** @param {string} path @param {string | null} like the map whose kind of image and comments it gets @returns {Promise<{path: string, version: string, image: string}>} */
   async #copied(path, like) {
-    const { values: _values, drawn: _drawn, ...header } = this.header;
+    const { values: _values, drawn: _drawn, most_cells: _most, ...header } = this.header;
     const body = await zipped(packed({ ...header, like }, this.grid.cells));
     const address = `/api/maps/copy?path=${encodeURIComponent(path)}`;
     return this.context.api.post(address, body).catch((error) => {

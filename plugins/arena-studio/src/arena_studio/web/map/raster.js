@@ -113,22 +113,25 @@ function disc([cx, cy], radius, y) {
 export function flood({ width, height, cells }, kinds, column, row, fill) {
   if (column < 0 || row < 0 || column >= width || row >= height) return;
   const kind = kinds[cells[row * width + column]];
-  const seen = new Uint8Array(width * height);
-  const fits = (/** @type {number} */ at) => !seen[at] && kinds[cells[at]] === kind;
-  const open = [row * width + column];
-  while (open.length) {
-    const at = /** @type {number} */ (open.pop());
-    if (!fits(at)) continue;
-    const y = Math.floor(at / width);
-    const [first, end] = [y * width, (y + 1) * width];
-    let [left, right] = [at, at + 1];
-    while (left > first && fits(left - 1)) left -= 1;
-    while (right < end && fits(right)) right += 1;
-    seen.fill(1, left, right);
-    fill(y, left - first, right - first);
-    for (const next of [y > 0 ? -width : 0, y + 1 < height ? width : 0]) {
-      if (!next) continue;
-      for (let i = left + next; i < right + next; i++) if (fits(i) && (i === left + next || !fits(i - 1))) open.push(i);
+  const open = new Uint8Array(cells.length); // of the kind, and not filled yet
+  for (let at = 0; at < cells.length; at++) if (kinds[cells[at]] === kind) open[at] = 1;
+  const seeds = [row * width + column];
+  const seek = (/** @type {number} */ from, /** @type {number} */ to) => {
+    for (let at = from, before = 0; at < to; at++) {
+      if (open[at] > before) seeds.push(at);
+      before = open[at];
     }
+  };
+  while (seeds.length) {
+    const at = /** @type {number} */ (seeds.pop());
+    if (!open[at]) continue;
+    const first = at - (at % width);
+    let [left, right] = [at, at + 1];
+    while (left > first && open[left - 1]) left -= 1;
+    while (right < first + width && open[right]) right += 1;
+    open.fill(0, left, right);
+    fill(first / width, left - first, right - first);
+    if (first > 0) seek(left - width, right - width);
+    if (first + width < open.length) seek(left + width, right + width);
   }
 }

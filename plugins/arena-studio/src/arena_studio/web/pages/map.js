@@ -4,6 +4,7 @@ import { guardPage } from "studio/edit/autosave.js";
 import { button, make } from "studio/shell/forms.js";
 import { Editor } from "studio/map/editor.js";
 import { generatePanel } from "studio/map/generate.js";
+import { sizePanel } from "studio/map/extent.js";
 import { furniturePanel } from "studio/map/furniture_panel.js";
 import { drawingPanel, keysPanel, measuresPanel, namePanel } from "studio/map/panels.js";
 
@@ -20,7 +21,8 @@ async function mount(root, context) {
   await styled;
   const parts = layOut(root);
   const editor = new Editor(context, parts.canvas, () => show(), (state, said) => tell(parts.state, state, said), (text) => void (parts.where.textContent = text));
-  const panels = [drawingPanel(editor), keysPanel(editor), generatePanel(editor), furniturePanel(editor), measuresPanel(editor), namePanel(editor)];
+  /** @type {any} */ (root).editor = editor; // for whoever tests the page
+  const panels = [drawingPanel(editor), keysPanel(editor), sizePanel(editor), generatePanel(editor), furniturePanel(editor), measuresPanel(editor), namePanel(editor)];
   parts.side.append(...panels.map((panel) => panel.element));
   const { undo, redo, select } = topBar(parts.top, editor, parts.state);
   editor.toolbox.fill(parts.tools);
@@ -37,7 +39,6 @@ async function mount(root, context) {
   show();
   const path = context.query.get("path");
   if (path) await editor.trying(() => editor.open(path));
-  /** @type {any} */ (root).editor = editor; // for whoever tests the page
   return () => {
     stop();
     style.remove();
@@ -54,7 +55,7 @@ function layOut(root) {
   const state = make("span", { className: "state soft", role: "status" });
   const where = make("p", { className: "where soft" });
   const empty = make("p", { className: "empty soft" }, "Choose a map above, or draw one under “Generate”.");
-  root.append(top, tools, make("div", { className: "stage" }, canvas, empty, where), side);
+  root.append(make("h1", { className: "hidden" }, page.title), top, tools, make("div", { className: "stage" }, canvas, empty, where), side);
   return { canvas, top, tools, side, state, where, empty };
 }
 

@@ -1,12 +1,13 @@
 // The page of the scenario editor: joins the store, the view, the tools and the panels.
 
+import { drawFloor, pictureOf } from "arena/floor.js";
 import { guardPage } from "studio/edit/autosave.js";
 import { isWriting, Toolbox, undoKeys } from "studio/edit/tools.js";
 import { View } from "studio/edit/view.js";
 import { fileBar, sceneTabs } from "studio/scenario/bar.js";
 import { drawScene } from "studio/scenario/drawing.js";
 import { Editor } from "studio/scenario/editor.js";
-import { drawGround, pictureOf, windowOf } from "studio/scenario/ground.js";
+import { windowOf } from "studio/scenario/ground.js";
 import { coloursOf, faded } from "studio/scenario/looks.js";
 import { panels } from "studio/scenario/panel.js";
 import { Preview } from "studio/scenario/preview.js";
@@ -29,7 +30,7 @@ async function mount(root, context) {
   };
   const editor = new Editor(context, kinds, tell);
   const canvas = make("canvas", { tabIndex: 0, role: "application", "aria-label": "the scene: arrows move a crosshair, Enter presses and lets go of the tool, Escape drops what was begun" });
-  const preview = new Preview(editor, () => view.request());
+  const preview = new Preview(editor, canvas, () => view.request());
   const view = new View(canvas, layers(editor, preview, canvas));
   const toolbox = new Toolbox(view, toolsOf(editor, view));
   const [bar, tabs] = [fileBar(editor, state), sceneTabs(editor)];
@@ -42,7 +43,7 @@ async function mount(root, context) {
     view.step = editor.snap.grid ? editor.snap.step : 0;
     if (editor.content && fitted !== (editor.ground ?? editor.path)) view.fit(wholeOf(editor));
     fitted = editor.ground ?? editor.path;
-    if (preview.episode && preview.scene !== editor.at) preview.stop();
+    if (preview.scene && !preview.isShown) preview.stop();
     root.classList.toggle("none", !editor.content);
     view.request();
   });
@@ -52,10 +53,10 @@ async function mount(root, context) {
   const path = context.query.get("path");
   if (path) await editor.trying(() => editor.open(path));
   /** @type {any} */ (root).editor = editor; // for whoever tests the page
-  /** @type {any} */ (root).view = view;
+  Object.assign(root, { view, preview });
   return () => {
     stop();
-    preview.stop();
+    preview.close();
     view.close();
     style.remove();
     void editor.close();
@@ -81,7 +82,7 @@ function layOut(root, { bar, tabs, canvas, side, preview, toolbox, editor }) {
   });
   const left = make("div", { className: "left" }, tools, make("label", { className: "field" }, make("span", {}, "furniture"), pieces));
   const empty = make("p", { className: "empty soft" }, "Choose a scenario file above, or a map and “New”.");
-  root.append(bar, left, make("div", { className: "stage" }, tabs, make("div", { className: "picture" }, canvas, empty), preview), make("div", { className: "side" }, ...side));
+  root.append(make("h1", { className: "hidden" }, page.title), bar, left, make("div", { className: "stage" }, tabs, make("div", { className: "picture" }, canvas, empty), preview), make("div", { className: "side" }, ...side));
 }
 
 /** @param {Editor} editor @param {Preview} preview @param {HTMLElement} element @returns {import("../edit/view.js").Layer[]} */
@@ -98,8 +99,8 @@ function layers(editor, preview, element) {
         view.background = editor.ground ? colours.unknown : colours.free;
         const { ground } = editor;
         if (!ground) return;
-        if (picture?.ground !== ground || picture.dark !== dark.matches) picture = { ground, dark: dark.matches, canvas: pictureOf(ground, [colours.free, colours.wall, colours.unknown]) };
-        drawGround(context, ground, picture.canvas);
+        if (picture?.ground !== ground || picture.dark !== dark.matches) picture = { ground, dark: dark.matches, canvas: pictureOf(ground.cells, ground.width, ground.height, [colours.free, colours.wall, colours.unknown]) };
+        drawFloor(context, ground, picture.canvas);
       },
     },
     { name: "grid", draw: (context, view) => drawGrid(context, view, editor, colours.line) },
@@ -107,12 +108,12 @@ function layers(editor, preview, element) {
       name: "scene",
       draw(context, view) {
         if (!editor.content) return;
-        context.globalAlpha = preview.episode ? 0.35 : 1;
+        context.globalAlpha = preview.isShown ? 0.35 : 1;
         drawScene(context, editor, looks(view.pixel));
         context.globalAlpha = 1;
       },
     },
-    { name: "preview", draw: (context, view) => preview.draw(context, view.pixel, colours) },
+    { name: "preview", draw: (_, view) => preview.draw(view.camera.scale) },
   ];
 }
 

@@ -51,7 +51,7 @@ async function mount(root, context) {
     turn(next);
     /** @type {HTMLElement} */ (tabs.querySelector(`[data-part="${next}"]`)).focus();
   });
-  root.append(tabs, place);
+  root.append(make("h1", { className: "hidden" }, page.title), tabs, place);
   await show(names.find((name) => name === context.query.get("part")) ?? "curriculum");
   const path = context.query.get("path");
   if (path) await curriculum.trying(() => curriculum.open(path));

@@ -120,7 +120,7 @@ function drawEnds(context, scene, { pixel, colours, robot, goalRadius }) {
 }
 
 /** @param {Context} context @param {number[]} pose @param {any} robot its body; null: a small disc @param {number} pixel @param {string} colour */
-export function drawRobot(context, pose, robot, pixel, colour) {
+function drawRobot(context, pose, robot, pixel, colour) {
   const { vertices_xy: vertices = [], radius = 0.2 } = robot?.footprint ?? {};
   context.save();
   context.translate(pose[0], pose[1]);

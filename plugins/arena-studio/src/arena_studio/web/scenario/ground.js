@@ -1,4 +1,4 @@
-// The map under a scene: its cells, what is free in it, and its picture.
+// The map under a scene: its cells, and what is free in it.
 
 import { bytesOf, unpack } from "arena/decode.js";
 
@@ -76,30 +76,4 @@ export function windowOf(ground) {
   const corners = [left, right].flatMap((column) => [bottom, top].map((row) => centreOf(ground, column, row)));
   const [xs, ys] = [0, 1].map((axis) => corners.map((corner) => corner[axis]));
   return [Math.min(...xs) - 0.5, Math.max(...xs) + 0.5, Math.min(...ys) - 0.5, Math.max(...ys) + 0.5];
-}
-
-/** A picture of the cells, its first row above. @param {Ground} ground @param {string[]} colours #rrggbb: free, occupied, unknown */
-export function pictureOf({ width, height, cells }, colours) {
-  const canvas = document.createElement("canvas");
-  [canvas.width, canvas.height] = [width, height];
-  const context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
-  const image = context.createImageData(width, height);
-  const packed = colours.map((colour) => 0xff000000 | (parseInt(colour.slice(5, 7), 16) << 16) | (parseInt(colour.slice(3, 5), 16) << 8) | parseInt(colour.slice(1, 3), 16));
-  const pixels = new Uint32Array(image.data.buffer); // bytes of a little-endian machine: red first
-  for (let row = 0; row < height; row++) {
-    for (let column = 0; column < width; column++) pixels[(height - 1 - row) * width + column] = packed[cells[row * width + column]];
-  }
-  context.putImageData(image, 0, 0);
-  return canvas;
-}
-
-/** Draw the picture in metres, y up. @param {CanvasRenderingContext2D} context @param {Ground} ground @param {HTMLCanvasElement} picture */
-export function drawGround(context, { resolution, origin, width, height }, picture) {
-  context.save();
-  context.translate(origin[0], origin[1]);
-  context.rotate(origin[2]);
-  context.scale(resolution, -resolution);
-  context.imageSmoothingEnabled = false;
-  context.drawImage(picture, 0, -height, width, height);
-  context.restore();
 }

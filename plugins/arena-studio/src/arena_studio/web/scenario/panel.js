@@ -91,10 +91,10 @@ function personParts(editor, person, field, set) {
   const first = own.slice(0, 5).map(field);
   return [
     make("div", { className: "pair" }, ...first),
-    make("h3", {}, "Round"),
+    make("h2", {}, "Round"),
     ways.length ? make("div", { className: "stack" }, ...ways) : make("p", { className: "soft" }, "It stands. Waypoints make it walk: click the map with the tool “person”."),
     button("Add a waypoint", () => set("add a waypoint")(withWay(person)), { className: "quiet" }),
-    ...(zones.length ? [make("h3", {}, "Zones that start it"), ...zones] : []),
+    ...(zones.length ? [make("h2", {}, "Zones that start it"), ...zones] : []),
     make("details", {}, make("summary", {}, "More of its behaviour"), make("div", { className: "pair" }, ...[...own.slice(5), ...otherEntries(person, table)].map(field))),
   ];
 }

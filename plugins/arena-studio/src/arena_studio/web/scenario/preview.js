@@ -1,34 +1,44 @@
-// The preview: the server simulates the scene for some seconds, and what moved is played over the same map.
+// The preview: the server simulates the scene for some seconds, and the viewer's scene plays what moved over the same map.
 
 import { bytesOf, decode, unpack } from "arena/decode.js";
 import { Episode } from "arena/episode.js";
-import { drawRobot } from "studio/scenario/drawing.js";
-import { ROBOT, faded } from "studio/scenario/looks.js";
+import { Player } from "arena/player.js";
+import { Scene } from "arena/scene.js";
 import { button, choice, make } from "studio/shell/forms.js";
 
 /** @typedef {import("./editor.js").Editor} Editor */
 
 const SECONDS = ["10", "20", "40", "60"];
 const OUTCOMES = /** @type {Record<string, string>} */ ({ goal_reached: "the robot reached its goal", time_out: "the robot is still on its way", collision: "a collision ended it", error: "an error ended it" });
+const LAYERS = { path: true, trail: true, lidar: true, people: true, estimate: false, tracks: false, considered: false };
 
 export class Preview {
-  /** @param {Editor} editor @param {() => void} changed draws anew */
-  constructor(editor, changed) {
+  /** @param {Editor} editor @param {HTMLCanvasElement} canvas that the editor's view draws on @param {() => void} changed draws anew */
+  constructor(editor, canvas, changed) {
     this.editor = editor;
+    this.canvas = canvas;
     this.changed = changed;
-    /** @type {Episode | null} */ this.episode = null;
-    this.time = 0;
-    this.playing = false;
-    this.last = 0;
-    this.scene = -1;
+    /** @type {Scene | null} */ this.scene = null; // what is played
+    this.player = new Player(0, 0.1);
+    this.at = -1; // number of the scene of the file that was simulated
+    this.frame = 0;
+    this.layers = { ...LAYERS };
+    this.legs = false;
     this.planner = editor.kinds.planner.includes("pure_pursuit") ? "pure_pursuit" : editor.kinds.planner[0];
     this.seconds = "20";
+    this.dark = matchMedia("(prefers-color-scheme: dark)");
+    this.dark.addEventListener("change", this.recolour);
     this.said = make("span", { className: "soft", role: "status" });
     this.start = button("Preview", () => void editor.trying(() => this.ask()), { className: "main" });
     this.pause = button("Play", () => this.toggle(), { hidden: true });
     this.slider = make("input", { type: "range", min: "0", step: "any", value: "0", hidden: true, "aria-label": "time of the preview, s" });
-    this.slider.addEventListener("input", () => this.seek(Number(this.slider.value)));
+    this.slider.addEventListener("input", () => this.player.seek(Number(this.slider.value)));
     this.end = button("End preview", () => this.stop(), { hidden: true });
+    this.beams = tick("lidar", true, (on) => {
+      this.layers.lidar = on;
+      this.changed();
+    });
+    this.beams.hidden = true;
   }
 
   /** @returns {HTMLElement} */
@@ -43,7 +53,9 @@ export class Preview {
       choose("robot", robot, this.editor.robotName, (value) => this.#other({ robotName: value })),
       choose("planner", planner, this.planner, (value) => void (this.planner = value)),
       choose("people", pedestrians, this.editor.people, (value) => this.#other({ people: value })),
+      tick("legs", this.legs, (on) => void (this.legs = on), "people walk on legs, which the lidar sees"),
       choose("for, s", SECONDS, this.seconds, (value) => void (this.seconds = value)),
+      this.beams,
       this.pause,
       this.slider,
       this.end,
@@ -64,16 +76,11 @@ export class Preview {
     this.start.disabled = true;
     this.said.textContent = "simulating … (what is used for the first time is compiled, which takes a minute)";
     try {
-      const asked = { ...editor.asked, scene: editor.at, planner: this.planner, seconds: Number(this.seconds) };
+      const asked = { ...editor.asked, scene: editor.at, planner: this.planner, seconds: Number(this.seconds), legs: this.legs };
       const answer = await editor.context.api.post("/api/scenarios/preview", asked);
       const { maps, episodes } = decode(await unpack(bytesOf(answer.document)));
-      this.episode = new Episode(episodes[0], maps);
-      this.scene = editor.at;
+      this.#play(new Episode(episodes[0], maps), asked.scene);
       this.said.textContent = answer.error || OUTCOMES[answer.outcome] || answer.outcome;
-      this.slider.max = String(this.episode.end);
-      this.#shown(true);
-      this.seek(0);
-      this.toggle(!matchMedia("(prefers-reduced-motion: reduce)").matches);
     } catch (error) {
       this.said.textContent = "";
       throw error;
@@ -82,66 +89,78 @@ export class Preview {
     }
   }
 
-  /** @param {boolean} shown */
-  #shown(shown) {
-    for (const element of [this.pause, this.slider, this.end]) element.hidden = !shown;
+  /** @param {Episode} episode @param {number} at */
+  #play(episode, at) {
+    this.scene = new Scene(this.canvas, [episode]);
+    this.at = at;
+    this.player = new Player(episode.end, episode.said.robot.period);
+    this.player.listen(() => this.#told());
+    this.slider.max = String(episode.end);
+    this.#shown(true);
+    this.player.seek(0);
+    if (!matchMedia("(prefers-reduced-motion: reduce)").matches) this.toggle();
   }
 
-  /** @param {number} time s */
-  seek(time) {
-    this.time = Math.min(Math.max(time, 0), this.episode?.end ?? 0);
-    this.slider.value = String(this.time);
-    this.slider.title = `${this.time.toFixed(1)} s`;
+  #told() {
+    const { time, playing } = this.player;
+    this.slider.value = String(time);
+    this.slider.title = `${time.toFixed(1)} s`;
+    this.pause.textContent = playing ? "Stop" : "Play";
     this.changed();
   }
 
-  /** @param {boolean} [on] */
-  toggle(on = !this.playing) {
-    this.playing = on && this.episode !== null;
-    this.pause.textContent = this.playing ? "Stop" : "Play";
-    if (!this.playing) return;
-    if (this.time >= (this.episode?.end ?? 0)) this.seek(0);
-    this.last = performance.now();
-    requestAnimationFrame((now) => this.#step(now));
+  /** @param {boolean} shown */
+  #shown(shown) {
+    for (const element of [this.beams, this.pause, this.slider, this.end]) element.hidden = !shown;
   }
 
-  /** @param {number} now ms */
-  #step(now) {
-    if (!this.playing) return;
-    this.seek(this.time + (now - this.last) / 1000);
-    this.last = now;
-    if (this.time >= (this.episode?.end ?? 0)) this.toggle(false);
-    else requestAnimationFrame((then) => this.#step(then));
+  toggle() {
+    cancelAnimationFrame(this.frame);
+    this.player.toggle();
+    if (this.player.playing) this.#run(this.player, performance.now());
+  }
+
+  /** Let a player go on, frame by frame, until it stops. @param {Player} player @param {number} before ms */
+  #run(player, before) {
+    this.frame = requestAnimationFrame((now) => {
+      player.advance(Math.max(now - before, 0) / 1000);
+      if (player.playing) this.#run(player, now);
+    });
   }
 
   stop() {
-    this.toggle(false);
-    this.episode = null;
+    cancelAnimationFrame(this.frame);
+    this.player.playing = false;
+    this.scene = null;
     this.said.textContent = "";
     this.#shown(false);
     this.changed();
   }
 
-  /** @param {CanvasRenderingContext2D} context @param {number} pixel @param {import("./looks.js").Colours} colours */
-  draw(context, pixel, colours) {
-    if (!this.episode || this.scene !== this.editor.at) return;
-    const moment = this.episode.at(this.time);
-    const { values, rows } = this.episode.arrays.pose;
-    context.beginPath();
-    for (let row = 0; row <= moment.row; row++) context.lineTo(values[row], values[rows + row]);
-    context.lineTo(moment.pose[0], moment.pose[1]);
-    context.strokeStyle = ROBOT;
-    context.lineWidth = 2 * pixel;
-    context.stroke();
-    for (const { x, y, radius } of moment.people) {
-      context.beginPath();
-      context.arc(x, y, radius, 0, 2 * Math.PI);
-      context.fillStyle = faded(colours.person, 0.95);
-      context.fill();
-      context.strokeStyle = colours.ink;
-      context.lineWidth = 1.5 * pixel;
-      context.stroke();
-    }
-    drawRobot(context, moment.pose, { footprint: this.episode.said.robot.footprint }, pixel, moment.touching ? colours.bad : ROBOT);
+  recolour = () => {
+    this.scene?.recolour();
+    this.changed();
+  };
+
+  close() {
+    this.dark.removeEventListener("change", this.recolour);
+    this.stop();
   }
+
+  /** Whether something is played over the scene that the editor shows. */
+  get isShown() {
+    return this.scene !== null && this.at === this.editor.at;
+  }
+
+  /** Draw in metres. @param {number} scale pixels a metre */
+  draw(scale) {
+    if (this.isShown) this.scene?.moving([0], scale, this.player.time, this.layers);
+  }
+}
+
+/** @param {string} text @param {boolean} checked @param {(on: boolean) => void} act @param {string} [title] */
+function tick(text, checked, act, title = "") {
+  const box = make("input", { type: "checkbox", checked });
+  box.addEventListener("change", () => act(box.checked));
+  return make("label", { className: "inline", title }, box, text);
 }

@@ -3,11 +3,15 @@
 import { Autosave } from "studio/edit/autosave.js";
 import { History } from "studio/edit/undo.js";
 import { button, make, settled } from "studio/shell/forms.js";
+import { keepRules } from "studio/task/keeping.js";
 import { changed, COLUMNS, inserted, removed, shifted } from "studio/task/levels.js";
+import { Parameters } from "studio/task/parameters.js";
 import { plots } from "studio/task/plot.js";
 
 /** @typedef {import("./levels.js").Level} Level */
 /** @typedef {{level: number, key: string, line: string}} Finding */
+
+const STATED = ["task.pedestrians", "task.obstacles.count", "task.people.speed"]; // parameters of task=random that levels state
 
 const SAID = /** @type {Record<string, string>} */ ({ saved: "saved", changed: "…", saving: "saving …", away: "not saved: the studio does not answer; trying again", refused: "not saved", conflict: "conflict: not saved" });
 
@@ -29,9 +33,11 @@ export class CurriculumPart {
     this.plots = make("div", { className: "plots" });
     this.wrong = make("ul", { className: "wrong", "aria-live": "polite" });
     this.command = make("code", {});
+    this.moves = new Parameters(() => this.#said()); // from level to level
+    this.rest = new Parameters(() => this.#said()); // what levels leave open
     this.undo = button("↶", () => this.history.undo(), { "aria-label": "undo", title: "undo (Ctrl+Z)" });
     this.redo = button("↷", () => this.history.redo(), { "aria-label": "redo", title: "redo (Ctrl+Y)" });
-    this.body = make("div", { className: "stack", hidden: true }, this.wrong, this.#table(), button("Add a level", () => this.change("add a level", inserted(this.levels, this.levels.length))), this.plots, make("p", { className: "soft" }, "run it: ", this.command));
+    this.body = make("div", { className: "stack", hidden: true }, this.wrong, this.#table(), button("Add a level", () => this.change("add a level", inserted(this.levels, this.levels.length))), this.plots, this.#more(), make("p", { className: "soft" }, "run it: ", this.command));
     this.element = make("div", { className: "stack" }, make("div", { className: "row" }, make("label", { className: "inline" }, "curriculum ", this.files), this.undo, this.redo, this.state), this.body);
   }
 
@@ -51,6 +57,22 @@ export class CurriculumPart {
     const given = found.built_in.map((/** @type {any} */ row) => new Option(`${row.path}, comes with the suite (${row.levels} levels)`, row.path));
     this.files.replaceChildren(new Option("choose a curriculum", ""), ...mine, ...given, new Option("a new one", "*"));
     this.files.value = this.path;
+    const form = async (/** @type {string} */ option) => (await this.context.api.get(`/api/run/form?group=task&option=${option}`)).fields;
+    const [staged, random] = await Promise.all(["staged", "random"].map(form));
+    this.moves.show(staged.filter((/** @type {import("./parameters.js").Field} */ { key }) => key !== "task.path"), "from level to level");
+    const open = random.filter((/** @type {import("./parameters.js").Field} */ { key }) => !STATED.includes(key));
+    this.rest.show(open.map((/** @type {import("./parameters.js").Field} */ one) => ({ ...one, key: one.key.replace("task.", "task.random.") })), "random");
+  }
+
+  /** How a run goes from level to level, and what the levels leave open. */
+  #more() {
+    const keep = button("Keep as an option …", () => void this.trying(() => keepRules(this.context, "staged", { path: this.path, ...this.moves.rules, ...this.rest.rules })), { title: "as an option task=NAME of this project" });
+    const open = make("details", {}, make("summary", {}, "What the levels leave open"), this.rest.element);
+    return make("div", { className: "stack more" }, this.moves.element, open, keep);
+  }
+
+  #said() {
+    this.command.textContent = ["arena run task=staged", `task.path=${this.path}`, ...this.moves.words, ...this.rest.words, "planner=dwa world=indoor episodes=240"].join(" ");
   }
 
   /** @param {string} name a file, one that comes with the suite, or `*`: a new one */
@@ -125,7 +147,7 @@ export class CurriculumPart {
     this.table.replaceChildren(...this.levels.map((level, at) => this.#row(level, at)));
     if (active) /** @type {HTMLElement | null} */ (this.table.querySelector(`[data-cell="${active}"]`))?.focus();
     this.plots.replaceChildren(...plots(this.levels));
-    this.command.textContent = `arena run task=staged task.path=${this.path} planner=dwa world=indoor episodes=240`;
+    this.#said();
     this.mark();
   }
 
@@ -140,7 +162,7 @@ export class CurriculumPart {
 
   #table() {
     const head = COLUMNS.map(({ title, unit, meaning }) => make("th", { title: meaning, scope: "col" }, unit ? `${title} (${unit})` : title));
-    return make("div", { className: "scroll" }, make("table", { className: "levels" }, make("thead", {}, make("tr", {}, make("th", { scope: "col" }, "level"), ...head, make("th", {}, ""))), this.table));
+    return make("div", { className: "scroll" }, make("table", { className: "levels" }, make("thead", {}, make("tr", {}, make("th", { scope: "col" }, "level"), ...head, make("td", {}))), this.table));
   }
 
   /** @param {Level} level @param {number} at */

@@ -1,13 +1,14 @@
 // Rules of random problems: each parameter with unit, bounds and source, and what ten draws look like on their maps.
 
 import { Camera } from "arena/camera.js";
+import { drawFloor, pictureOf } from "arena/floor.js";
 import { drawScene } from "studio/scenario/drawing.js";
-import { drawGround, groundOf, pictureOf, windowOf } from "studio/scenario/ground.js";
+import { groundOf, windowOf } from "studio/scenario/ground.js";
 import { coloursOf } from "studio/scenario/looks.js";
 import { newContent, relativePath } from "studio/scenario/model.js";
 import { button, choice, make } from "studio/shell/forms.js";
-
-/** @typedef {{key: string, value: string, unit: string, text: string, kind: string, allowed: string, choices: string[], optional: boolean}} Field */
+import { keepRules } from "studio/task/keeping.js";
+import { Parameters } from "studio/task/parameters.js";
 
 const [WIDTH, HEIGHT] = [300, 220]; // CSS pixels of a draw
 
@@ -16,21 +17,19 @@ export class RulesPart {
   constructor(context, kinds) {
     this.context = context;
     this.kinds = kinds;
-    /** @type {Field[]} */ this.fields = [];
-    /** @type {Record<string, string | number | boolean>} */ this.rules = {}; // what differs from the defaults, without `task.`
+    this.parameters = new Parameters(() => this.#said());
     this.world = "indoor";
     this.map = "";
     this.robot = "turtlebot3";
     this.seed = 0;
     /** @type {any} */ this.drawn = null;
-    this.form = make("div", { className: "rules" });
     this.pictures = make("div", { className: "draws" });
     this.command = make("code", {});
     this.keep = button("Keep as a scenario file", () => void this.trying(() => this.kept()), { disabled: true, title: "the draws become scenes of a file; only on a map of the project" });
     this.draw = button("Draw ten", () => void this.trying(() => this.ask()), { className: "main" });
     this.places = make("select", { "aria-label": "world or map" });
     this.places.addEventListener("change", () => this.#place(this.places.value));
-    this.element = make("div", { className: "two" }, make("div", { className: "stack" }, this.form), make("div", { className: "stack" }, this.#bar(), this.pictures, make("p", { className: "soft" }, "run it: ", this.command)));
+    this.element = make("div", { className: "two" }, make("div", { className: "stack" }, this.parameters.element), make("div", { className: "stack" }, this.#bar(), this.pictures, make("p", { className: "soft" }, "run it: ", this.command)));
   }
 
   /** @param {() => Promise<unknown>} act */
@@ -44,13 +43,12 @@ export class RulesPart {
 
   async load() {
     const [form, found] = await Promise.all([this.context.api.get("/api/run/form?group=task&option=random"), this.context.api.get("/api/maps")]);
-    this.fields = form.fields;
     const maps = found.maps.filter((/** @type {string} */ name) => /\.ya?ml$/.test(name));
     const worlds = this.kinds.world.filter((/** @type {string} */ name) => !["ros_map", "scenario_map", "file", "barn", "dynabarn"].includes(name));
     this.places.replaceChildren(...maps.map((/** @type {string} */ name) => new Option(`map ${name}`, `map:${name}`)), ...worlds.map((/** @type {string} */ name) => new Option(`world=${name}`, name)));
     this.places.value = maps.length ? `map:${maps[0]}` : this.world;
     this.#place(this.places.value);
-    this.form.replaceChildren(...groups(this.fields).map(([name, fields]) => this.#group(name, fields)));
+    this.parameters.show(form.fields, "the problem");
   }
 
   /** @param {string} value */
@@ -66,41 +64,20 @@ export class RulesPart {
       this.robot = value;
       this.#said();
     });
-    const save = button("Keep the rules …", () => void this.trying(() => this.saved()), { title: "as an option task=NAME of this project" });
+    const save = button("Keep the rules …", () => void this.trying(() => keepRules(this.context, "random", this.parameters.rules)), { title: "as an option task=NAME of this project" });
     return make("div", { className: "row" }, this.draw, make("label", { className: "inline" }, "in ", this.places), make("label", { className: "inline" }, "robot ", robot), make("label", { className: "inline" }, "seed ", seed), this.keep, save);
   }
 
-  /** @param {string} name @param {Field[]} fields */
-  #group(name, fields) {
-    return make("fieldset", {}, make("legend", {}, name || "the problem"), ...fields.map((field) => this.#field(field)));
-  }
-
-  /** @param {Field} field */
-  #field(field) {
-    const key = field.key.replace(/^task\./, "");
-    const set = (/** @type {string | number | boolean | null} */ value) => {
-      if (value === null || String(value) === field.value) delete this.rules[key];
-      else this.rules[key] = value;
-      row.classList.toggle("other", key in this.rules);
-      this.#said();
-    };
-    const input = inputOf(field, set);
-    const unit = field.unit && field.unit !== "-" ? ` (${field.unit})` : "";
-    const row = make("label", { className: "field rule", title: field.text }, make("span", {}, `${key.split(".").at(-1)?.replaceAll("_", " ")}${unit}`), input, make("small", {}, field.allowed ? `${field.allowed}. ${field.text}` : field.text));
-    return row;
-  }
-
   #said() {
-    const words = Object.entries(this.rules).map(([key, value]) => `task.${key}=${value}`);
     const place = this.map ? `world=ros_map world.path=${this.map}` : `world=${this.world}`;
-    this.command.textContent = ["arena run task=random", ...words, place, `robot=${this.robot} planner=dwa`].join(" ");
+    this.command.textContent = ["arena run task=random", ...this.parameters.words, place, `robot=${this.robot} planner=dwa`].join(" ");
   }
 
   async ask() {
     this.draw.disabled = true;
     this.pictures.replaceChildren(make("p", { className: "soft" }, "drawing …"));
     try {
-      const asked = { rules: this.rules, world: this.world, map: this.map, robot: this.robot, seed: this.seed, count: 10 };
+      const asked = { rules: this.parameters.rules, world: this.world, map: this.map, robot: this.robot, seed: this.seed, count: 10 };
       this.drawn = { ...(await this.context.api.post("/api/curricula/draws", asked)), asked };
       await this.show();
     } catch (error) {
@@ -115,7 +92,7 @@ export class RulesPart {
     const { maps, draws, asked } = this.drawn;
     const grounds = await Promise.all(maps.map(groundOf));
     const colours = coloursOf(this.element);
-    const pictures = grounds.map((ground) => pictureOf(ground, [colours.free, colours.wall, colours.unknown]));
+    const pictures = grounds.map((ground) => pictureOf(ground.cells, ground.width, ground.height, [colours.free, colours.wall, colours.unknown]));
     this.pictures.replaceChildren(...draws.map((/** @type {any} */ one, /** @type {number} */ at) => this.#draw(one, at, grounds[one.map], pictures[one.map], colours)));
     this.keep.disabled = !asked.map || !draws.some((/** @type {any} */ one) => one.scene);
   }
@@ -134,7 +111,7 @@ export class RulesPart {
     const camera = new Camera();
     camera.fit(windowOf(ground), WIDTH, HEIGHT);
     camera.apply(context, { x: 0, y: 0, width: WIDTH, height: HEIGHT }, ratio);
-    drawGround(context, ground, picture);
+    drawFloor(context, ground, picture);
     drawScene(context, { scene, chosen: null, findings: [], at: 0 }, { colours, pixel: 1 / camera.scale, furniture: this.kinds.furniture, robot: null, goalRadius: 0.3 });
     return make("figure", {}, canvas, make("figcaption", {}, `${at}: ${said}`));
   }
@@ -150,64 +127,4 @@ export class RulesPart {
     this.context.say(`written: ${path}`);
     this.context.navigate("scenario", { path: /** @type {string} */ (path) });
   }
-
-  async saved() {
-    const name = await nameAsked(`Keep these rules as task=NAME (conf/task/NAME.yaml). Name, of small letters, digits and _:`);
-    if (!name) return;
-    const { path } = await this.context.api.post("/api/curricula/rules", { name, rules: this.rules });
-    this.context.say(`written: ${path}; run it by arena run task=${name}`);
-  }
-}
-
-/** The fields by group, in their order. @param {Field[]} fields @returns {[string, Field[]][]} */
-function groups(fields) {
-  /** @type {Map<string, Field[]>} */ const found = new Map();
-  for (const field of fields) {
-    const [, first, rest] = field.key.split(".");
-    const name = rest ? first : "";
-    found.set(name, [...(found.get(name) ?? []), field]);
-  }
-  return [...found];
-}
-
-/** @param {Field} field @param {(value: string | number | boolean | null) => void} set null: the default */
-function inputOf(field, set) {
-  if (field.kind === "truth") {
-    const box = make("input", { type: "checkbox", checked: field.value === "true" });
-    box.addEventListener("change", () => set(box.checked));
-    return box;
-  }
-  if (field.kind === "choice") return choice(field.choices, field.value, set);
-  const [low, high] = boundsOf(field.allowed);
-  const input = make("input", { type: "number", step: field.kind === "whole" ? "1" : "any", value: field.value, min: low, max: high });
-  input.addEventListener("change", () => {
-    if (!input.validity.valid) input.reportValidity();
-    else set(input.value === "" ? null : Number(input.value));
-  });
-  return input;
-}
-
-/** The bounds that words such as `0 .. 1` or `>= 0 and <= 1000` say. @param {string} allowed @returns {[string, string]} */
-export function boundsOf(allowed) {
-  const between = /^(-?[\d.]+) \.\. (-?[\d.]+)$/.exec(allowed);
-  if (between) return [between[1], between[2]];
-  return [/>=? (-?[\d.e+]+)/.exec(allowed)?.[1] ?? "", /<= (-?[\d.e+]+)/.exec(allowed)?.[1] ?? ""];
-}
-
-/** Ask for a line of text. @param {string} text @returns {Promise<string>} */
-function nameAsked(text) {
-  const input = make("input", { type: "text", "aria-label": "name", pattern: "[a-z][a-z0-9_]*", required: true });
-  const dialog = make("dialog", { "aria-label": text }, make("p", {}, text), make("div", { className: "field" }, input));
-  const row = make("div", { className: "row" }, button("Keep", () => (input.reportValidity() ? dialog.close(input.value) : undefined), { className: "main" }), button("Cancel", () => dialog.close("")));
-  dialog.append(row);
-  input.addEventListener("keydown", (event) => void (event.key === "Enter" && input.reportValidity() && dialog.close(input.value)));
-  return new Promise((resolve) => {
-    dialog.addEventListener("close", () => {
-      dialog.remove();
-      resolve(dialog.returnValue);
-    });
-    document.body.append(dialog);
-    dialog.showModal();
-    input.focus();
-  });
 }

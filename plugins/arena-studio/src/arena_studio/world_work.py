@@ -1,0 +1,47 @@
+"""Worlds for the map editor: drawn by kind, read from files of other programs, measured; for none of it the server has to wait."""
+
+from __future__ import annotations
+
+import base64
+from pathlib import Path
+from typing import Any
+
+from arena_studio.mapping.drawn_worlds import drawn_world, kinds, measured_file, read_parameters
+from arena_studio.mapping.map_document import grid_document, map_document
+from arena_studio.mapping.transfer import packed
+from arena_studio.project import Project
+
+
+def world_kinds() -> list[dict[str, Any]]:
+    """Return the kinds of worlds that can be drawn."""
+    return kinds()
+
+
+def drawn(kind: str, seed: int, parameters: str) -> str:
+    """Return the first world of a seed as the page takes maps, in base64; raise ConfigurationError."""
+    world = drawn_world(kind, seed, read_parameters(parameters))
+    header, codes = grid_document(world.grid, None)
+    header["furniture"] = [{"kind": piece.kind, "pose": piece.pose.array().tolist()} for piece in world.furniture]
+    return base64.b64encode(packed(header, codes.tobytes())).decode()
+
+
+def world(path: str) -> str:
+    """Return a world of the project as the page takes maps, in base64; raise ArenaError."""
+    header, codes = map_document(_here(), path)
+    return base64.b64encode(packed(header, codes.tobytes())).decode()
+
+
+def measures(path: str, robot_radius: float | None) -> list[dict[str, Any]]:
+    """Return how difficult a world of the project is; raise ArenaError."""
+    return measured_file(_here(), path, robot_radius)
+
+
+def ends(path: str) -> tuple[list[float], list[float]]:
+    """Return a start and a goal across a world of the project; raise ArenaError."""
+    from arena_studio.mapping.way_through import start_and_goal
+
+    return start_and_goal(_here(), path)
+
+
+def _here() -> Project:
+    return Project(Path.cwd())
