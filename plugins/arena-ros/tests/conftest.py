@@ -11,6 +11,8 @@ from arena_ros import conversions as to
 from arena_ros.bags.exporting import writer
 from arena_ros.codec import PEOPLE, codec
 
+pytest.register_assert_rewrite("arena_ros.testing")  # here first: others who use it find it as they want it
+
 SECOND = 10**9
 
 
