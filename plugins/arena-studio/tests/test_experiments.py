@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+import signal
+from collections.abc import Callable, Iterator
 from dataclasses import asdict
 from pathlib import Path
 from time import monotonic, sleep
@@ -21,6 +22,14 @@ from arena_studio.project import Project
 PATIENCE = 300.0  # s: kernels may have to be compiled
 QUICK = {"planner": ["pure_pursuit"], "world": ["empty"], "pedestrians": ["none"], "executor": ["serial"], "robot": ["jackal"]}
 VALUES = {"episodes": "2", "report": "false", "task.time_limit": "8"}
+
+
+@pytest.fixture(autouse=True)
+def interruptible() -> Iterator[None]:
+    """Hear Ctrl-C, as the studio's server does: what a shell starts in its background ignores it, and so do its children."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 @pytest.fixture
