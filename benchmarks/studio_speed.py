@@ -10,15 +10,9 @@ from __future__ import annotations
 
 import csv
 import json
-import re
-import shutil
-import signal
 import statistics
-import subprocess
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -27,7 +21,9 @@ import numpy as np
 
 import arena_core as arena
 
-ARENA = (sys.executable, "-m", "arena_core.cli.main")
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
+from studio_in_chromium import browser, studio
+
 PATIENCE = 300.0  # s
 REPEATS = 7
 EPISODES, RUNS = 100_000, 20  # that are filtered
@@ -274,31 +270,6 @@ def wait(page: Any, expression: str) -> Any:
 def root_of(address: str) -> str:
     """Return an address without its token."""
     return address.partition("/?")[0]
-
-
-@contextmanager
-def studio(project: Path) -> Iterator[str]:
-    """Start a studio on a folder; yield its address."""
-    process = subprocess.Popen([*ARENA, "studio", str(project), "open=false"], stderr=subprocess.PIPE, text=True)
-    assert process.stderr is not None
-    try:
-        found = re.search(r"http\S+", process.stderr.readline())
-        assert found, "arena studio printed no address"
-        yield found[0]
-    finally:
-        process.send_signal(signal.SIGINT)
-        process.wait()
-
-
-@contextmanager
-def browser() -> Iterator[Any]:
-    """Start chromium: the system's, else playwright's own."""
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
-        yield chromium
-        chromium.close()
 
 
 if __name__ == "__main__":

@@ -6,19 +6,15 @@ usage: .venv/bin/python scripts/studio_screenshots.py [FOLDER]      after `scrip
 
 from __future__ import annotations
 
-import re
 import shutil
-import signal
-import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from studio_in_chromium import browser, studio
+
 TOP = Path(__file__).resolve().parents[1]
-ARENA = (sys.executable, "-m", "arena_core.cli.main")
 PATIENCE = 300_000  # ms
 WINDOW = {"width": 1280, "height": 860}
 
@@ -31,7 +27,9 @@ def main() -> int:
         for name in ("maps", "scenarios"):
             shutil.copytree(TOP / "tests" / "data" / name, project / name)
         shutil.copytree(TOP / "plugins" / "arena-scenarios" / "src" / "arena_scenarios" / "packs" / "arena", project / "arena")
-        with studio(project) as address, browser() as page:
+        with studio(project) as address, browser() as chromium:
+            page = chromium.new_page(viewport=WINDOW)
+            page.set_default_timeout(PATIENCE)
             page.goto(address)
             photograph_runs(page, target)
             photograph_results(page, target)
@@ -100,33 +98,6 @@ def photograph(page: Any, path: Path) -> None:
     """Write a picture of the page, without the line of what was done last."""
     page.locator("#said").evaluate("region => region.replaceChildren()")
     page.screenshot(path=path)
-
-
-@contextmanager
-def studio(project: Path) -> Iterator[str]:
-    """Start a studio on a folder; yield its address."""
-    process = subprocess.Popen([*ARENA, "studio", str(project), "open=false"], stderr=subprocess.PIPE, text=True)  # noqa: S603
-    assert process.stderr is not None
-    try:
-        found = re.search(r"http\S+", process.stderr.readline())
-        assert found, "arena studio printed no address"
-        yield found[0]
-    finally:
-        process.send_signal(signal.SIGINT)
-        process.wait()
-
-
-@contextmanager
-def browser() -> Iterator[Any]:
-    """Open a page of chromium."""
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
-        page = chromium.new_page(viewport=WINDOW)
-        page.set_default_timeout(PATIENCE)
-        yield page
-        chromium.close()
 
 
 def photograph_runs(page: Any, target: Path) -> None:

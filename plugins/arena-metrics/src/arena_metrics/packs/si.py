@@ -130,8 +130,14 @@ def _timing() -> list[Metric]:
     return [
         Metric("planning_time_mean", "ms", "lower", f"mean {wall} of the local planner alone", partial(timing.mean, part="planner")),
         Metric("planning_cpu_mean", "ms", "lower", f"mean {cpu} of the local planner alone", partial(timing.mean, part="planner_cpu")),
-        Metric("planning_episode_time", "s", "lower", f"{wall} of the whole episode, from the scenario to the record", timing.episode_wall),
-        Metric("planning_episode_cpu", "s", "lower", f"{cpu} of the whole episode, likewise", timing.episode_cpu),
+        Metric(
+            "planning_episode_time",
+            "s",
+            "lower",
+            f"{wall} of the whole episode, from the scenario to the record",
+            partial(timing.total, part="episode"),
+        ),
+        Metric("planning_episode_cpu", "s", "lower", f"{cpu} of the whole episode, likewise", partial(timing.total, part="episode_cpu")),
         *(
             Metric(
                 f"planning_{clock}_p{percent}",

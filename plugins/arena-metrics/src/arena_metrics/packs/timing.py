@@ -19,17 +19,8 @@ def mean(record: EpisodeRecord, part: str) -> float:
     return 1e3 * float(seconds.mean()) if len(seconds) else math.nan
 
 
-def episode_wall(record: EpisodeRecord) -> float:
-    """Return the wall time of the whole episode, s; NaN where it was not timed."""
-    return _whole(record, "episode")
-
-
-def episode_cpu(record: EpisodeRecord) -> float:
-    """Return the CPU time of the whole episode, all threads of its process, s; NaN where it was not timed."""
-    return _whole(record, "episode_cpu")
-
-
-def _whole(record: EpisodeRecord, part: str) -> float:
+def total(record: EpisodeRecord, part: str) -> float:
+    """Return the time of a part in the whole episode, s; NaN where it was not timed."""
     seconds = record.timing.get(f"{part}_seconds", np.empty(0))
     return float(seconds.sum()) if len(seconds) else math.nan
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from arena_core import (
+    ConfigurationError,
     Count,
     OutsideRun,
     Positive,
@@ -47,6 +48,8 @@ def drive(usage: str, arguments: Sequence[str]) -> int:
     config = compose([*where, *words.overrides, *(["localizer=ground_truth"] if pose else [])])
     registry = load_registry()
     benchmark = build_benchmark(config, registry)
+    if benchmark.recording.live:
+        raise ConfigurationError("recording.live is true; allowed with arena ros drive: false, topics show a drive as it goes")
     world = registry.build("world", plain(config)["world"]).world(0, 0)
     folder = Path(words.value("out", str, f"outputs/{datetime.now():%Y-%m-%d/%H-%M-%S-%f}"))
     topics = Topics(words.value("scan", str, "/scan"), words.value("odometry", str, "/odom"), pose)
