@@ -168,7 +168,7 @@ def merge(whole: dict[str, Any], content: Mapping[str, Any]) -> None:
 
 
 def copied(value: Any) -> Any:
-    """Return a copy of plain containers, at a tenth of what ``deepcopy`` takes."""
+    """Return a copy of plain containers; nothing in them refers to itself."""
     if isinstance(value, dict):
         return {key: copied(item) for key, item in value.items()}
     return [copied(item) for item in value] if isinstance(value, list) else value
