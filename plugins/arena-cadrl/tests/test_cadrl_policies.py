@@ -10,7 +10,8 @@ from arena_core import ConfigurationError
 from arena_core.cli.main import main
 from arena_core.testing import check, component
 
-SHIPPED = [("cadrl", "policies", "jackal"), ("cadrl", "policies", "turtlebot3"), ("sarl", "policies_sarl", "jackal")]
+ROBOTS = ("jackal", "robotino", "turtlebot3")
+SHIPPED = [(planner, folder, robot) for planner, folder in (("cadrl", "policies"), ("sarl", "policies_sarl")) for robot in ROBOTS]
 PACKAGE = resources.files("arena_cadrl")
 
 
@@ -59,6 +60,6 @@ def test_robot_reaches_its_goals_among_people_in_a_hall_it_never_saw(tmp_path, p
 
 def test_robot_without_a_policy_is_told_how_to_train_one():
     with pytest.raises(
-        ConfigurationError, match=r"arena train planner=sarl robot=jackal_ackermann.*allowed: jackal, or planner.policy=FILE"
+        ConfigurationError, match=r"arena train planner=sarl robot=jackal_ackermann.*allowed: jackal, robotino, turtlebot3, or planner.policy=FILE"
     ):
         component("planner", "sarl", robot=component("robot", "jackal_ackermann"))
