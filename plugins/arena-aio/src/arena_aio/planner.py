@@ -24,16 +24,15 @@ from arena_policies.members import Members, build_members, member_hash
 from arena_policies.planner import shipped_policy
 from arena_policies.policy import Switch, load_switch
 
-SHIPPED = "pkg://arena_aio/policies"
-DEFAULT = ("arena-rosnav", "arena-teb")  # what the extra arena-aio[default] brings
+DEFAULT = ("arena-rosnav", "arena-teb", "arena-mpc")  # what the extra arena-aio[default] brings
 
 
 class Aio(Planner):
     """Let a policy choose among ``members`` at every ``every``-th control step (Kaestner et al. 2021, All-in-One).
 
-    ``policy`` is an ONNX file with its card beside it; None takes the one that comes with this package for the robot. With ``choice``
-    random a member is drawn in its place, of the same ones: what the policy has to be better than. ``chosen`` counts the decisions of
-    the episode by member. Raises ConfigurationError where the policy was trained with another ``every``.
+    ``policy`` is an ONNX file with its card beside it; None takes the one that comes with this package for robot and ``recipe``. With
+    ``choice`` random a member is drawn in its place, of the same ones: what the policy has to be better than. ``chosen`` counts the
+    decisions of the episode by member. Raises ConfigurationError where the policy was trained with another ``every``.
     """
 
     compiles: ClassVar[bool] = True
@@ -45,12 +44,14 @@ class Aio(Planner):
         every: PositiveInt,
         choice: Literal["policy", "random"],
         members: Mapping[str, Mapping[str, Any]],
+        recipe: Literal["aio", "aio_as_released"] = "aio",
     ) -> None:
-        self._switch = load_switch(policy or shipped_policy("aio", robot, SHIPPED), "aio", robot)
+        shipped = f"pkg://arena_aio/policies{recipe.removeprefix('aio')}"
+        self._switch = load_switch(policy or shipped_policy(recipe, robot, shipped), recipe, robot)
         if every != self._switch.card.every:
             raise ConfigurationError(f"planner.every is {every}; allowed: {self._switch.card.every}, as the policy was trained")
         self._members = fitting_members(self._switch, members, robot)
-        body = trained_otherwise("aio", self._switch.card.training, robot)
+        body = trained_otherwise(recipe, self._switch.card.training, robot)
         self.untuned = body + self._members.untuned + changed_members(self._switch, members, self._members)
         self._every, self._at_random = every, choice == "random"
         self._random = generator(0, "aio", "switch")
