@@ -112,8 +112,8 @@ def _enter(lanes: Lanes, count: int, rows: Integer, columns: Integer) -> None:
         x, y = numbers[X + i], numbers[Y + i]
         t = max(-x * numbers[INVERSE_X + i] if x < 0.0 else 0.0, -y * numbers[INVERSE_Y + i] if y < 0.0 else 0.0)
         numbers[T + i] = t
-        numbers[COLUMN + i] = np.floor(_clamp(x + t * abs(numbers[DX + i]), 0.0, columns)) if t < np.inf else columns
-        numbers[ROW + i] = np.floor(_clamp(y + t * abs(numbers[DY + i]), 0.0, rows)) if t < np.inf else rows
+        numbers[COLUMN + i] = np.floor(_clamp(x + t * abs(numbers[DX + i]), 0.0, float(columns))) if t < np.inf else columns
+        numbers[ROW + i] = np.floor(_clamp(y + t * abs(numbers[DY + i]), 0.0, float(rows))) if t < np.inf else rows
 
 
 @inlined
@@ -159,7 +159,7 @@ def _leap(lanes: Lanes, count: int, limit: float, strip: Integer) -> bool:
         numbers[T + i] = t if ended else leave
         numbers[COLUMN + i], numbers[ROW + i] = new_column, new_row
         places[i] = in_tiles(np.int32(new_row), np.int32(new_column), strip)
-        moved |= np.int32(side)
+        moved |= int(side)
     return moved != 0
 
 
