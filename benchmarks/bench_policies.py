@@ -1,13 +1,12 @@
-"""Time a call of each learned planner's policy, encoding and scaling included, against a network of ROSNAV's size in PyTorch."""
+"""Time a call of each learned planner's policy, encoding and scaling included, against its bare networks in PyTorch."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from importlib import resources
 from statistics import median
 from typing import Any
 
-import numpy as np
 import torch
 from timing import interleave
 from torch import nn
@@ -33,19 +32,47 @@ def calls(planner: str, robot: str) -> Callable[[], None]:
     return run
 
 
-def network() -> Callable[[], None]:
-    """Return calls of a network of ROSNAV's size in PyTorch, without encoding and scaling."""
+class Peer(nn.Module):
+    """A Jackal's networks as PyTorch runs them: convolutions over scans, a memory where there is one, and the policy's head."""
+
+    def __init__(self, scans: int, convolutions: Sequence[tuple[int, int]], features: int, heads: Sequence[int], memory: int = 0) -> None:
+        super().__init__()
+        layers: list[nn.Module] = []
+        for channels, kernel in convolutions:
+            layers += [nn.Conv1d(layers[-2].out_channels if layers else scans, channels, kernel, 2), nn.ReLU()]
+        self.seen = nn.Sequential(*layers, nn.Flatten(), nn.LazyLinear(features))
+        self.memory = nn.GRUCell(features + 4, memory) if memory else None  # what it saw, its speed and what it did
+        self.foresight = nn.Linear(memory, 480) if memory else None  # where everything may be next
+        self.head = nn.Sequential(*(layer for size in heads[:-1] for layer in (nn.LazyLinear(size), nn.ReLU())), nn.LazyLinear(heads[-1]))
+
+    def forward(self, scan: torch.Tensor, state: torch.Tensor, past: torch.Tensor) -> torch.Tensor:
+        """Return the action."""
+        known = self.seen(scan)
+        if self.memory is not None and self.foresight is not None:
+            past = self.memory(torch.cat((known, state[:, :4]), 1), past)
+            self.foresight(past)
+            known = torch.cat((known, past), 1)
+        action: torch.Tensor = self.head(torch.cat((known, state), 1))
+        return action
+
+
+PEERS: Mapping[str, Mapping[str, Any]] = {
+    "rosnav": {"scans": 1, "convolutions": ((16, 5), (32, 5), (32, 3)), "features": 96, "heads": (64, 64, 2)},
+    "gring": {"scans": 3, "convolutions": ((16, 5), (32, 3)), "features": 128, "heads": (64, 2)},
+    "navrep": {"scans": 1, "convolutions": ((32, 5), (64, 5), (64, 3)), "features": 32, "memory": 64, "heads": (64, 64, 2)},
+}
+
+
+def networks(planner: str) -> Callable[[], None]:
+    """Return calls of a planner's bare networks in PyTorch, without encoding and scaling."""
     torch.set_num_threads(1)
-    beams = nn.Sequential(
-        nn.Conv1d(1, 16, 5, 2), nn.ReLU(), nn.Conv1d(16, 32, 5, 2), nn.ReLU(), nn.Conv1d(32, 32, 3, 2), nn.ReLU(), nn.Flatten()
-    )
-    heads = nn.Sequential(nn.Linear(288, 96), nn.ReLU(), nn.Linear(96, 64), nn.ReLU(), nn.Linear(64, 64), nn.ReLU(), nn.Linear(64, 2))
-    seen = torch.from_numpy(np.zeros((1, 1, 90), np.float32))
+    peer = Peer(**PEERS[planner])
+    scan, state, past = torch.zeros(1, PEERS[planner]["scans"], 90), torch.zeros(1, 7), torch.zeros(1, 64)
 
     def run() -> None:
         with torch.no_grad():
             for _ in range(CALLS):
-                heads(beams(seen))
+                peer(scan, state, past)
 
     return run
 
@@ -53,15 +80,15 @@ def network() -> Callable[[], None]:
 def measure() -> list[dict[str, Any]]:
     """Return a row for each planner and robot; the goal is in ms."""
     runs = {f"{planner}, {robot}": calls(planner, robot) for planner in PLANNERS for robot in ROBOTS}
-    times = interleave({**runs, "torch": network()}, REPEATS)
+    times = interleave({**runs, **{planner: networks(planner) for planner in PLANNERS}}, REPEATS)
     ms = {name: 1e3 * median(seconds) / CALLS for name, seconds in times.items()}
     return [
         {
             "what": f"policy call, {who} (goal {GOAL} ms)",
             "ours_ms": ms[who],
-            "peer": "network alone in PyTorch",
-            "peer_ms": ms["torch"],
-            "ratio": ms[who] / ms["torch"],
+            "peer": "its networks alone in PyTorch",
+            "peer_ms": ms[who.partition(",")[0]],
+            "ratio": ms[who] / ms[who.partition(",")[0]],
             "goal": None,
         }
         for who in runs

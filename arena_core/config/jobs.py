@@ -7,16 +7,18 @@ import pickle
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from copy import deepcopy
+from dataclasses import replace
 from typing import Any
 
-from hydra._internal import defaults_list
+from hydra._internal import config_loader_impl, defaults_list
 from hydra._internal.config_loader_impl import ConfigLoaderImpl
 from hydra._internal.config_repository import CachingConfigRepository, IConfigRepository
+from hydra._internal.defaults_list import DefaultsList, Overrides
 from hydra.core.config_search_path import ConfigSearchPath
 from hydra.core.default_element import ResultDefault
 from hydra.core.object_type import ObjectType
 from hydra.plugins.config_source import ConfigResult, ConfigSource
-from omegaconf import OmegaConf, flag_override
+from omegaconf import OmegaConf, flag_override, open_dict, read_write
 
 MISSING = "???"
 Names = tuple[tuple[str, str | None], ...]  # the files of a defaults list, each with its package
@@ -29,18 +31,20 @@ class KeptFiles(IConfigRepository):
         self.sources = sources
         self._files: dict[str, ConfigResult | None] = {}
         self._there: dict[tuple[str, str], bool] = {}
+        self.lists: dict[Any, DefaultsList] = {}
+        self.told = True  # whether the sources are told to who asks for them
 
     def __deepcopy__(self, memo: Mapping[int, Any]) -> "KeptFiles":
         """Return what a job may give other sources, as ``hydra.searchpath`` does; until then it shares what is kept."""
         copy = KeptFiles(self.sources)
-        copy._files, copy._there = self._files, self._there
+        copy._files, copy._there, copy.lists, copy.told = self._files, self._there, self.lists, self.told
         return copy
 
     def initialize_sources(self, config_search_path: ConfigSearchPath) -> None:
         """Take other sources from now on."""
         self.sources = deepcopy(self.sources)
         self.sources.initialize_sources(config_search_path)
-        self._files, self._there = {}, {}
+        self._files, self._there, self.lists = {}, {}, {}
 
     def load_config(self, config_path: str) -> ConfigResult | None:
         """Return the content of a file, None where there is none."""
@@ -65,8 +69,8 @@ class KeptFiles(IConfigRepository):
         return self.sources.get_group_options(group_name, results_filter)
 
     def get_sources(self) -> list[ConfigSource]:
-        """Return the sources, in their order."""
-        return self.sources.get_sources()
+        """Return the sources, in their order; none while they are not to be told."""
+        return self.sources.get_sources() if self.told else []
 
     def _known(self, kind: str, path: str) -> bool:
         if (kind, path) not in self._there:
@@ -79,6 +83,26 @@ def choices_made(overrides: Any, defaults: Sequence[Any], self_added: bool, by_h
     return by_hydra(overrides, defaults, self_added) if any(default.is_interpolation() for default in defaults) else OmegaConf.create()
 
 
+def files_of(
+    repo: Any,
+    config_name: str | None,
+    overrides_list: Any,
+    prepend_hydra: bool,
+    skip_missing: bool,
+    by_hydra: Any = defaults_list.create_defaults_list,
+) -> DefaultsList:
+    """Return the files of a job as Hydra lists them; jobs that choose the same options have the same list."""
+    files = getattr(repo, "delegate", None)
+    if not isinstance(files, KeptFiles):
+        return by_hydra(repo, config_name, overrides_list, prepend_hydra, skip_missing)  # type: ignore[no-any-return]
+    chosen = tuple(override.input_line for override in overrides_list if files.group_exists(override.key_or_group))
+    key = config_name, chosen, prepend_hydra, skip_missing
+    if key not in files.lists:
+        files.lists[key] = by_hydra(repo, config_name, overrides_list, prepend_hydra, skip_missing)
+    overrides = Overrides(repo=repo, overrides_list=overrides_list)
+    return replace(files.lists[key], config_overrides=overrides.config_overrides)
+
+
 class Jobs:
     """Makes a loader of configurations compose one job after the other quickly; what it returns is what Hydra would return."""
 
@@ -88,9 +112,30 @@ class Jobs:
         self._contents: dict[tuple[str, str | None], dict[str, Any]] = {}
         self._hydra: dict[Names, Any] = {}
         self._merged: dict[Names, bytes] = {}
+        self._sources: bytes | None = None
+        self._load_by_hydra = loader.load_sweep_config
         loader.repository = KeptFiles(loader.repository)
+        loader.load_sweep_config = self.load
         vars(defaults_list)["_create_interpolation_map"] = choices_made
+        vars(config_loader_impl)["create_defaults_list"] = files_of
         loader._compose_config_from_defaults_list = self._merge
+
+    def load(self, master_config: Any, sweep_overrides: list[str]) -> Any:
+        """Compose a job as Hydra does; where its files come from is a list of typed nodes, the same for every job of the multirun."""
+        if self._sources is None:
+            sources = deepcopy(master_config.hydra.runtime.config_sources)
+            sources._set_parent(None)  # which would bring the whole configuration along
+            self._sources = pickle.dumps(sources, pickle.HIGHEST_PROTOCOL)
+        self._loader.repository.told = False
+        try:
+            config = self._load_by_hydra(master_config, sweep_overrides)
+        finally:
+            self._loader.repository.told = True
+        if not any(override.startswith("hydra.searchpath=") for override in sweep_overrides):
+            runtime = config.hydra.runtime
+            with read_write(runtime), open_dict(runtime), flag_override(runtime, "no_deepcopy_set_nodes", True):
+                runtime.config_sources = pickle.loads(self._sources)  # noqa: S301 - made above
+        return config
 
     def _merge(self, defaults: list[ResultDefault], repo: Any) -> Any:
         """Merge the files of a defaults list, in its order."""

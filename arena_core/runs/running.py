@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -26,6 +27,7 @@ from arena_core.runs.schedule import OpenRun, rounds
 from arena_core.runs.working import Checked, cannot_be_built, check, work
 
 ROW, MOST_ROOM = 2000, 2**24  # bytes kept free for the table: so that it has a row for every record on a disk that is full, too
+WRITERS = 8  # folders written at a time: disks take several files together nearly as soon as one
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,8 +55,9 @@ def run_all(requests: Sequence[RunRequest], registry: Registry) -> list[OpenRun]
             folders.enter_context(locked(Path(job.folder)))
         executor = staff.enter_context(closing(registry.build("executor", jobs[0].config["executor"])))
         runs = _prepare(jobs, registry, executor)
-        for run, request in zip(runs, requests, strict=True):
-            _open(run, request.files, registry)
+        for note in (note for run in runs for note in _notes(run, registry)):
+            print(note, file=sys.stderr)
+        side_by_side(lambda run, request: _open(run, request.files, registry), runs, requests)
         _drive(runs, executor, staff)
     for run in runs:
         for episode, row in sorted(run.rows.items()):
@@ -85,9 +88,7 @@ def _drive(runs: Sequence[OpenRun], executor: Executor, staff: ExitStack) -> Non
                     interrupts.check()  # before the row is taken: it may be that of an episode that the interrupt broke
                     progress.add(_take(answer, runs))
                 progress.end()
-        for run in runs:
-            remove_half_written(run.folder)
-            run.write()
+        side_by_side(_close, runs)
         staff.close()
     except BaseException as error:
         staff.close()  # from here on nobody writes but this process
@@ -144,14 +145,31 @@ def _run_of(checked: Checked, job: Job, registry: Registry) -> OpenRun:
     return run
 
 
+def _notes(run: OpenRun, registry: Registry) -> list[str]:
+    """Return what is to be told of a run ahead of it."""
+    return [*untuned(run.config.get("choices", {}), registry.manager), *run.untuned]
+
+
 def _open(run: OpenRun, files: Mapping[str, str], registry: Registry) -> None:
     """Write what a run's folder begins with, and remove what a killed run has left half-written."""
     remove_half_written(run.folder)
-    notes = [*untuned(run.config.get("choices", {}), registry.manager), *run.untuned]
-    for note in notes:
-        print(note, file=sys.stderr)
     for name, text in files.items():
         write_text_whole(run.folder / name, text)
-    write_text_whole(run.folder / NAME, json.dumps(provenance(run.config, run.code, notes), indent=2, sort_keys=True) + "\n")
+    told = provenance(run.config, run.code, _notes(run, registry))
+    write_text_whole(run.folder / NAME, json.dumps(told, indent=2, sort_keys=True) + "\n")
     run.write()
     keep_room(run.folder, min(ROW * run.config["episodes"], MOST_ROOM))
+
+
+def _close(run: OpenRun) -> None:
+    """Give back the room that was kept, and write the table where rows have come since."""
+    remove_half_written(run.folder)
+    if run.unwritten:
+        run.write()
+
+
+def side_by_side(write: Callable[..., None], *arguments: Sequence[Any]) -> None:
+    """Call ``write`` with the first of each sequence, the second of each, and so on, a few at a time; raise the first failure."""
+    with ThreadPoolExecutor(WRITERS) as writers:
+        for _ in writers.map(write, *arguments):
+            pass

@@ -45,6 +45,7 @@ class OpenRun:
     superseded: dict[int, Mapping[str, Any]] = field(default_factory=dict)
     written: float = 0.0
     write_took: float = 0.0
+    unwritten: bool = True
 
     @property
     def failed(self) -> bool:
@@ -55,6 +56,7 @@ class OpenRun:
         """Keep the row of a finished episode."""
         episode = int(finished.row["episode"])
         self.rows[episode], self.successes[episode] = KeptRow(finished.row), finished.succeeded
+        self.unwritten = True
         if monotonic() - self.written > max(WRITE_EVERY, self.write_took / WRITE_SHARE):
             self.write()
 
@@ -63,7 +65,7 @@ class OpenRun:
         began = monotonic()
         write_episodes(self.folder, {**self.superseded, **self.rows}.values(), self.packs)
         self.written = monotonic()
-        self.write_took = self.written - began
+        self.write_took, self.unwritten = self.written - began, False
 
     def left(self) -> int:
         """Return how many episodes have no row yet."""

@@ -9,7 +9,7 @@ from hydra.core.hydra_config import HydraConfig
 from hydra.core.utils import JobReturn, JobRuntime, JobStatus, setup_globals
 from hydra.plugins.launcher import Launcher
 from hydra.types import HydraContext, TaskFunction
-from omegaconf import DictConfig, open_dict, read_write
+from omegaconf import DictConfig, OmegaConf, open_dict, read_write
 
 
 class ArenaLauncher(Launcher):
@@ -76,12 +76,21 @@ class ArenaLauncher(Launcher):
             with read_write(config.hydra.runtime), open_dict(config.hydra.runtime):
                 config.hydra.runtime.output_dir = str(folder.absolute())
             folder.mkdir(parents=True, exist_ok=True)
-            shared.set_config(config)
+            shared.cfg = hydra_alone(config)
             job = JobReturn(overrides, None, shared.cfg, str(Path.cwd()), JobRuntime.instance().get("name"), JobStatus.COMPLETED)
             self.hydra_context.callbacks.on_job_start(config=config, task_function=self.task)
             with read_write(config), open_dict(config):
-                del config["hydra"]
+                del config["hydra"]  # its node lives on in what hydra_alone made
             job.cfg = config
         finally:
             shared.cfg = before
         return job
+
+
+def hydra_alone(config: DictConfig) -> Any:
+    """Return Hydra's own node, read-only, as ``HydraConfig.set_config`` does, but not copied; interpolations read ``config``."""
+    OmegaConf.set_readonly(config.hydra, True)
+    alone: Any = DictConfig({"hydra": None}, flags={"no_deepcopy_set_nodes": True})
+    alone.hydra = config.hydra
+    alone.hydra._set_parent(config)
+    return alone

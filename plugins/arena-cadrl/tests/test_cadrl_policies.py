@@ -60,6 +60,7 @@ def test_robot_reaches_its_goals_among_people_in_a_hall_it_never_saw(tmp_path, p
 
 def test_robot_without_a_policy_is_told_how_to_train_one():
     with pytest.raises(
-        ConfigurationError, match=r"arena train planner=sarl robot=jackal_ackermann.*allowed: jackal, robotino, turtlebot3, or planner.policy=FILE"
+        ConfigurationError,
+        match=r"arena train planner=sarl robot=jackal_ackermann.*allowed: jackal, robotino, turtlebot3, or planner.policy=FILE",
     ):
         component("planner", "sarl", robot=component("robot", "jackal_ackermann"))

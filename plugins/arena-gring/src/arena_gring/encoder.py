@@ -11,6 +11,7 @@ from arena_policies.encoding import (
     Floats,
     Numbers,
     closeness_field,
+    nearest_in_scans,
     nearest_in_sectors,
     sectors_shown,
     speed_scales,
@@ -83,12 +84,11 @@ class GringEncoder(BoundedEncoder):
         """Return the least range of each sector (N, C, S), m, of the scan now and of the earlier ones."""
         now, earlier = observations.ranges, observations.earlier
         nearest = np.empty((len(now), 1 + len(self.lookback), self._sectors))
-        nearest_in_sectors(now, self._range_max, nearest[:, 0])
         if self._beams is not None and self.lookback:
+            nearest_in_sectors(now, self._range_max, nearest[:, 0])
             nearest_now(earlier.ranges, earlier.poses, observations.poses, self._beams, self._range_max, nearest[:, 1:])
         else:
-            for k in range(len(self.lookback)):
-                nearest_in_sectors(earlier.ranges[:, k], self._range_max, nearest[:, 1 + k])
+            nearest_in_scans(now, earlier.ranges, self._range_max, nearest)
         return self._rounded(nearest)
 
     def _rounded(self, lengths: Floats) -> Floats:

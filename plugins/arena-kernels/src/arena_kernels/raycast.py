@@ -13,17 +13,31 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_kernels.compiled import borrowing, inner
+from arena_kernels.compiled import borrowing, inlined, inner
 from arena_kernels.grids import TILE, GridStack, in_tiles, table_size, to_grid
 from arena_kernels.scalars import Integer
 
-Ray = tuple[Integer, float, float, float, float, float, float]
+LANES = 32  # beams that leap together: their arithmetic runs in vector registers, and their table is read while others are computed
+X, Y, DX, DY, INVERSE_X, INVERSE_Y, T, COLUMN, ROW = (k * LANES for k in range(9))  # where each is in the lanes' numbers
+
+
+class Lanes(NamedTuple):
+    """Room for the rays that leap together, mirrored to run to higher columns and rows; lengths in cells.
+
+    ``numbers`` (9 LANES,) has origin, direction, its inverse, and the distance, column and row where a ray is now, kind after kind.
+    ``tables`` is where a ray's table begins, ``places`` (2 LANES,) where its cell lies in it and, after all of these, the side of the
+    empty square there.
+    """
+
+    numbers: NDArray[np.float64]
+    tables: NDArray[np.int64]
+    places: NDArray[np.int32]
 
 
 class Beams(NamedTuple):
     """The B beams of a scanner in its own frame, counter-clockwise: unit vectors (B,), first angle and increment rad, maximum range m.
 
-    ``scratch`` (4, B) is the kernels' own: what cannot raise, as an allocation can, is compiled without reference counting.
+    ``lanes`` are the kernels' own: what cannot raise, as an allocation can, is compiled without reference counting.
     """
 
     cosines: NDArray[np.float64]
@@ -31,13 +45,14 @@ class Beams(NamedTuple):
     angle_min: float
     angle_increment: float
     range_max: float
-    scratch: NDArray[np.float64]
+    lanes: Lanes
 
 
 def make_beams(angle_min: float, angle_increment: float, count: int, range_max: float) -> Beams:
     """Return ``count`` beams from ``angle_min`` by ``angle_increment`` > 0."""
     angles = angle_min + angle_increment * np.arange(count)
-    return Beams(np.cos(angles), np.sin(angles), float(angle_min), float(angle_increment), float(range_max), np.empty((4, count)))
+    lanes = Lanes(np.zeros(9 * LANES), np.zeros(LANES, np.int64), np.zeros(2 * LANES, np.int32))
+    return Beams(np.cos(angles), np.sin(angles), float(angle_min), float(angle_increment), float(range_max), lanes)
 
 
 @borrowing
@@ -53,100 +68,106 @@ def scan_grids(
 def cast_grid(stack: GridStack, g: Integer, x: float, y: float, theta: float, beams: Beams, ranges: NDArray[np.float32]) -> None:
     """Fill ``ranges`` (B,) with the distances to the occupied cells of grid ``g``, seen from a pose in ``map``; +inf: nothing hit."""
     u, v = to_grid(stack, g, x, y)
-    _turn(beams, theta - stack.origins[g, 2], beams.scratch)
-    limit = beams.range_max / stack.resolutions[g]
-    _cast(stack.reach, stack.reach_offsets[g], stack.shapes[g, 0], stack.shapes[g, 1], u, v, beams.scratch, limit, ranges)
-    for i in range(len(ranges)):
-        ranges[i] *= stack.resolutions[g]
+    rows, columns, lanes = stack.shapes[g, 0], stack.shapes[g, 1], beams.lanes
+    yaw, resolution = theta - stack.origins[g, 2], stack.resolutions[g]
+    limit, strip = beams.range_max / resolution, np.int32((columns // TILE + 1) * TILE * TILE)
+    now = lanes.numbers
+    for first in range(0, len(ranges), LANES):
+        count = min(LANES, len(ranges) - first)
+        _aim(beams, first, count, yaw, u, v, rows, columns)
+        _find_tables(lanes, count, stack.reach_offsets[g], table_size(rows, columns))
+        _find_places(lanes, count, strip)
+        while _read_squares(stack.reach, lanes, count) and _leap(lanes, count, limit, strip):
+            pass
+        for i in range(count):
+            # a ray that ended within reach, but in no cell of the grid, has left it
+            hit = now[T + i] < limit and now[COLUMN + i] < columns and now[ROW + i] < rows
+            ranges[first + i] = now[T + i] if hit else np.inf
+            ranges[first + i] *= resolution
+
+
+@inlined
+def _aim(beams: Beams, first: int, count: int, yaw: float, u: float, v: float, rows: Integer, columns: Integer) -> None:
+    """Begin ``count`` rays from beam ``first`` on, seen from column u, row v; those from outside begin where they enter the grid."""
+    c, s, numbers, cosines, sines = math.cos(yaw), math.sin(yaw), beams.lanes.numbers, beams.cosines, beams.sines
+    column, row = float(np.int64(u)), float(np.int64(v))
+    for i in range(count):
+        dx = c * cosines[first + i] - s * sines[first + i] + 0.0  # turns -0 into 0: its inverse must be +inf
+        dy = s * cosines[first + i] + c * sines[first + i] + 0.0
+        left, down = dx < 0.0, dy < 0.0
+        numbers[X + i], numbers[Y + i] = (columns - u if left else u), (rows - v if down else v)
+        numbers[DX + i], numbers[DY + i] = dx, dy
+        numbers[INVERSE_X + i], numbers[INVERSE_Y + i] = abs(1.0 / dx), abs(1.0 / dy)
+        numbers[T + i] = 0.0
+        numbers[COLUMN + i], numbers[ROW + i] = (columns - 1.0 - column if left else column), (rows - 1.0 - row if down else row)
+    if not (0.0 <= u < columns and 0.0 <= v < rows):
+        _enter(beams.lanes, count, rows, columns)
 
 
 @inner
-def _cast(
-    reach: NDArray[np.uint8],
-    offset: Integer,
-    rows: Integer,
-    columns: Integer,
-    u: float,
-    v: float,
-    directions: NDArray[np.float64],
-    limit: float,
-    ranges: NDArray[np.float32],
-) -> None:
-    """Fill ``ranges`` (B,) seen from column u, row v; all lengths in cells."""
-    strip, last = (columns // TILE + 1) * TILE * TILE, len(ranges) - 1
-    for i in range(0, last + 1, 4):  # four rays at once: their leaps wait for memory, not for each other
-        i1, i2, i3 = min(i + 1, last), min(i + 2, last), min(i + 3, last)
-        ray0, t0, c0, r0 = _begin(offset, rows, columns, u, v, directions, i)
-        ray1, t1, c1, r1 = _begin(offset, rows, columns, u, v, directions, i1)
-        ray2, t2, c2, r2 = _begin(offset, rows, columns, u, v, directions, i2)
-        ray3, t3, c3, r3 = _begin(offset, rows, columns, u, v, directions, i3)
-        while True:
-            side0 = np.int64(reach[ray0[0] + in_tiles(r0, c0, strip)]) if t0 < limit else 0
-            side1 = np.int64(reach[ray1[0] + in_tiles(r1, c1, strip)]) if t1 < limit else 0
-            side2 = np.int64(reach[ray2[0] + in_tiles(r2, c2, strip)]) if t2 < limit else 0
-            side3 = np.int64(reach[ray3[0] + in_tiles(r3, c3, strip)]) if t3 < limit else 0
-            if side0 | side1 | side2 | side3 == 0:
-                break
-            t0, c0, r0 = _leap(ray0, side0, t0, c0, r0)
-            t1, c1, r1 = _leap(ray1, side1, t1, c1, r1)
-            t2, c2, r2 = _leap(ray2, side2, t2, c2, r2)
-            t3, c3, r3 = _leap(ray3, side3, t3, c3, r3)
-        # a ray that ended within reach, but in no cell of the grid, has left it
-        ranges[i] = t0 if t0 < limit and c0 < columns and r0 < rows else np.inf
-        ranges[i1] = t1 if t1 < limit and c1 < columns and r1 < rows else np.inf
-        ranges[i2] = t2 if t2 < limit and c2 < columns and r2 < rows else np.inf
-        ranges[i3] = t3 if t3 < limit and c3 < columns and r3 < rows else np.inf
+def _enter(lanes: Lanes, count: int, rows: Integer, columns: Integer) -> None:
+    """Take rays from outside to where they enter the grid, or to the rim beyond its last column and row."""
+    numbers = lanes.numbers
+    for i in range(count):
+        x, y = numbers[X + i], numbers[Y + i]
+        t = max(-x * numbers[INVERSE_X + i] if x < 0.0 else 0.0, -y * numbers[INVERSE_Y + i] if y < 0.0 else 0.0)
+        numbers[T + i] = t
+        numbers[COLUMN + i] = np.floor(_clamp(x + t * abs(numbers[DX + i]), 0.0, float(columns))) if t < np.inf else columns
+        numbers[ROW + i] = np.floor(_clamp(y + t * abs(numbers[DY + i]), 0.0, float(rows))) if t < np.inf else rows
 
 
-@inner
-def _turn(beams: Beams, yaw: float, out: NDArray[np.float64]) -> None:
-    """Write the beams' unit vectors turned by ``yaw``, and their inverses, into ``out`` (4, B)."""
-    c, s = math.cos(yaw), math.sin(yaw)
-    for i in range(len(beams.cosines)):
-        out[0, i] = c * beams.cosines[i] - s * beams.sines[i] + 0.0  # turns -0 into 0: its inverse must be +inf
-        out[1, i] = s * beams.cosines[i] + c * beams.sines[i] + 0.0
-        out[2, i] = 1.0 / out[0, i]
-        out[3, i] = 1.0 / out[1, i]
+@inlined
+def _find_tables(lanes: Lanes, count: int, offset: Integer, size: int) -> None:
+    """Note which of the four tables each ray reads; from here on all of them run to higher columns and rows."""
+    numbers = lanes.numbers
+    for i in range(count):
+        lanes.tables[i] = offset + (size if numbers[DX + i] < 0.0 else 0) + (2 * size if numbers[DY + i] < 0.0 else 0)
+        numbers[DX + i], numbers[DY + i] = abs(numbers[DX + i]), abs(numbers[DY + i])
 
 
-@inner
-def _begin(
-    offset: Integer, rows: Integer, columns: Integer, u: float, v: float, directions: NDArray[np.float64], i: int
-) -> tuple[Ray, float, Integer, Integer]:
-    """Return ray i, mirrored to run to higher columns and rows, and where it is at first: distance, column, row."""
-    left, down = directions[0, i] < 0.0, directions[1, i] < 0.0
-    x, y = (columns - u if left else u), (rows - v if down else v)
-    dx, dy = abs(directions[0, i]), abs(directions[1, i])
-    inverse_x, inverse_y = abs(directions[2, i]), abs(directions[3, i])
-    base = offset + (np.int64(left) + 2 * np.int64(down)) * table_size(rows, columns)
-    ray = (base, x, y, dx, dy, inverse_x, inverse_y)
-    if 0.0 <= u < columns and 0.0 <= v < rows:
-        column, row = np.int64(u), np.int64(v)
-        return ray, 0.0, (columns - 1 - column if left else column), (rows - 1 - row if down else row)
-    t = max(-x * inverse_x if x < 0.0 else 0.0, -y * inverse_y if y < 0.0 else 0.0)
-    enter_x = max(x + t * dx, 0.0) if t < np.inf else np.inf
-    enter_y = max(y + t * dy, 0.0) if t < np.inf else np.inf
-    return ray, t, np.int64(min(enter_x, columns)), np.int64(min(enter_y, rows))
+@inlined
+def _find_places(lanes: Lanes, count: int, strip: Integer) -> None:
+    """Note where in their tables the cells lie that the rays are in."""
+    for i in range(count):
+        lanes.places[i] = in_tiles(np.int32(lanes.numbers[ROW + i]), np.int32(lanes.numbers[COLUMN + i]), strip)
 
 
-@inner
-def _leap(ray: Ray, side: Integer, t: float, column: Integer, row: Integer) -> tuple[float, Integer, Integer]:
-    """Return where the ray leaves the empty square, without branches; a ray that has ended (side 0) stays."""
-    _, x, y, dx, dy, inverse_x, inverse_y = ray
-    right, top = column + side, row + side
-    tx, ty = (right - x) * inverse_x, (top - y) * inverse_y
-    through_right = tx < ty
-    leave = tx if through_right else ty
-    # the cell after the leap touches the square: clamped, so that rounding and ties cannot cut a corner
-    new_column = right if through_right else _clamp(np.int64(x + leave * dx), column, right - 1)
-    new_row = _clamp(np.int64(y + leave * dy), row, top - 1) if through_right else top
-    ended = side == 0
-    return (t if ended else leave), (column if ended else new_column), (row if ended else new_row)
+@inlined
+def _read_squares(reach: NDArray[np.uint8], lanes: Lanes, count: int) -> bool:
+    """Look up the side of the empty square before each ray: the one thing that takes each ray by itself."""
+    for i in range(count):
+        lanes.places[LANES + i] = reach[lanes.tables[i] + lanes.places[i]]
+    return True
 
 
-@inner
-def _clamp(value: Integer, low: Integer, high: Integer) -> Integer:
-    return max(min(value, high), low)
+@inlined
+def _leap(lanes: Lanes, count: int, limit: float, strip: Integer) -> bool:
+    """Take each ray out of its empty square, without branches; tell whether any moved. One that has ended (side 0) stays."""
+    numbers, places, moved = lanes.numbers, lanes.places, 0
+    for i in range(count):
+        t, column, row = numbers[T + i], numbers[COLUMN + i], numbers[ROW + i]
+        side = float(places[LANES + i]) if t < limit else 0.0
+        right, top = column + side, row + side
+        tx, ty = (right - numbers[X + i]) * numbers[INVERSE_X + i], (top - numbers[Y + i]) * numbers[INVERSE_Y + i]
+        through_right = tx < ty
+        leave = tx if through_right else ty
+        # the cell after the leap touches the square: clamped, so that rounding and ties cannot cut a corner
+        new_column = right if through_right else _clamp(np.floor(numbers[X + i] + leave * numbers[DX + i]), column, right - 1.0)
+        new_row = _clamp(np.floor(numbers[Y + i] + leave * numbers[DY + i]), row, top - 1.0) if through_right else top
+        ended = side == 0.0
+        new_column, new_row = (column if ended else new_column), (row if ended else new_row)
+        numbers[T + i] = t if ended else leave
+        numbers[COLUMN + i], numbers[ROW + i] = new_column, new_row
+        places[i] = in_tiles(np.int32(new_row), np.int32(new_column), strip)
+        moved |= int(side)
+    return moved != 0
+
+
+@inlined
+def _clamp(value: float, low: float, high: float) -> float:
+    """Return a value within bounds; what is no number is the greatest."""
+    below = value if value <= high else high
+    return below if below >= low else low
 
 
 @borrowing
@@ -155,13 +176,13 @@ def plain_dda(stack: GridStack, g: Integer, x: float, y: float, theta: float, be
     u, v = to_grid(stack, g, x, y)
     rows, columns = stack.shapes[g, 0], stack.shapes[g, 1]
     cells = stack.cells[stack.offsets[g] : stack.offsets[g] + rows * columns].reshape((rows, columns))
-    limit = beams.range_max / stack.resolutions[g]
-    directions = beams.scratch
-    _turn(beams, theta - stack.origins[g, 2], directions)
+    limit, yaw = beams.range_max / stack.resolutions[g], theta - stack.origins[g, 2]
+    c, s = math.cos(yaw), math.sin(yaw)
     for i in range(len(ranges)):
-        dx, dy = directions[0, i], directions[1, i]
+        dx = c * beams.cosines[i] - s * beams.sines[i] + 0.0
+        dy = s * beams.cosines[i] + c * beams.sines[i] + 0.0
         step_x, step_y = (1 if dx >= 0.0 else -1), (1 if dy >= 0.0 else -1)
-        per_column, per_row = abs(directions[2, i]), abs(directions[3, i])
+        per_column, per_row = abs(1.0 / dx), abs(1.0 / dy)
         column, row = np.int64(math.floor(u)), np.int64(math.floor(v))
         tx = (column + 1 - u if step_x > 0 else u - column) * per_column
         ty = (row + 1 - v if step_y > 0 else v - row) * per_row

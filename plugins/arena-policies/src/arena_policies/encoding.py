@@ -124,6 +124,16 @@ def nearest_in_sectors(ranges: Numbers, range_max: float, out: Floats) -> None:
 
 
 @borrowing
+def nearest_in_scans(ranges: Numbers, earlier: NDArray[np.float32], range_max: float, out: Floats) -> None:
+    """Fill ``out`` (N, 1 + L, S) with the least range of each sector, at most ``range_max`` m, of scans (N, B) and L earlier ones each."""
+    for k in range(len(out)):
+        for scan in range(out.shape[1]):
+            for s in range(out.shape[2]):
+                beams = ranges if scan == 0 else earlier[:, scan - 1]
+                out[k, scan, s] = _nearest_in_sector(beams, k, s, out.shape[2], range_max)
+
+
+@borrowing
 def write_closeness(nearest: Floats, order: NDArray[np.int64], range_max: float, radius: float, decay: float, rows: Numbers) -> None:
     """Write how close the sectors ``order`` (M,) are of scans whose nearest returns are (N, C, S), scan after scan.
 
