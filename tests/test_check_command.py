@@ -43,6 +43,7 @@ def test_everything_installed_holds_its_contract_or_needs_a_file(arena):
         "task=barn",
         "task=dynabarn",
         "task=scenario",
+        "planner=aio_as_released",
         "planner=gring_as_released",
         "planner=navrep_as_released",
         "planner=ros_external",
