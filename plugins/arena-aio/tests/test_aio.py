@@ -308,7 +308,6 @@ def test_switch_is_trained_and_drives_with_the_members_of_its_card(here, capsys)
     assert "allowed: a switch" in capsys.readouterr().err
 
 
-@pytest.mark.xfail(strict=True, reason="trained before its recipe changed: policies trained as they drive come next")
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_policy_is_small_and_its_card_has_what_its_recipe_composes(robot):
     folder = resources.files("arena_aio") / "policies"

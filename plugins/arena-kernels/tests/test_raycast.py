@@ -30,6 +30,24 @@ def test_scan_equals_plain_dda_on_any_grid_from_anywhere(random_grid, seed):
         np.testing.assert_allclose(leaping, plain, atol=1e-3)
 
 
+@pytest.mark.parametrize("beams", [1, 31, 32, 33, 100])
+def test_a_beam_sees_the_same_among_however_many_others(random_grid, beams):
+    stack, _ = stack_grids([random_grid(7)])
+    pose, step = (5.3, 4.1, 0.4), 2 * np.pi / 100
+    every, some = np.empty(100, np.float32), np.empty(beams, np.float32)
+    cast_grid(stack, 0, *pose, make_beams(0.0, step, 100, 9.0), every)
+    cast_grid(stack, 0, *pose, make_beams(0.0, step, beams, 9.0), some)
+    assert np.array_equal(some, every[:beams])
+
+
+def test_a_pose_that_is_no_number_sees_nothing(random_grid):
+    stack, _ = stack_grids([random_grid(7)])
+    for pose in ((np.nan, 4.0, 0.0), (5.0, np.nan, 0.0), (5.0, 4.0, np.nan), (np.inf, 4.0, 0.0)):
+        ranges = np.empty(90, np.float32)
+        cast_grid(stack, 0, *pose, ROUND, ranges)
+        assert not np.isfinite(ranges).any()
+
+
 @given(seeds, st.sampled_from([0.0, np.pi / 4]))
 @settings(derandomize=True, deadline=None)
 def test_scan_along_cell_borders_and_diagonals_equals_plain_dda(make_grid, seed, yaw):

@@ -20,6 +20,7 @@ class GridPool:
 
     def __init__(self) -> None:
         self._grids: list[PlacedGrid] = []  # in the order of the stack; kept, so that no id is used again
+        self._places: dict[int, int] = {}  # of each in the stack, by its id
 
     @property
     def grids(self) -> Sequence[PlacedGrid]:
@@ -28,15 +29,12 @@ class GridPool:
 
     def place(self, grids: Sequence[PlacedGrid]) -> NDArray[np.int64]:
         """Return where in the stack the grids of N worlds are, (N,), packing those that are not there yet."""
-        places = self._places()
-        new = [grid for grid in {id(grid): grid for grid in grids}.values() if id(grid) not in places]
+        new = list({id(grid): grid for grid in grids if id(grid) not in self._places}.values())
         if new and not self._append(new):
             self._repack(grids)
-        places = self._places()
-        return np.array([places[id(grid)] for grid in grids], np.int64)
-
-    def _places(self) -> dict[int, int]:
-        return {id(grid): place for place, grid in enumerate(self._grids)}
+        if new:
+            self._places = {id(grid): place for place, grid in enumerate(self._grids)}
+        return np.array([self._places[id(grid)] for grid in grids], np.int64)
 
     def _append(self, grids: Sequence[PlacedGrid]) -> bool:
         """Write grids behind those in the stack; False if there is no room."""
