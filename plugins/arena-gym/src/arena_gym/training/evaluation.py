@@ -15,6 +15,7 @@ from arena_gym.seeds import check_unseen_seed
 from arena_gym.vector_environment import NavigationVectorEnv
 
 WORLDS = 32  # driven in step in an evaluation
+SWITCHED = 8  # likewise where an action chooses a planner: worlds that wait for the slowest one cost as much as its own
 Act = Callable[[NDArray[np.float32]], NDArray[np.floating]]
 
 
@@ -45,7 +46,7 @@ def unseen_worlds(config: Mapping[str, Any], episodes: int, seed: int, name: str
     if config.get("switch") is not None:
         changed["switch"] = {**config["switch"], "held": 1}
     parts = build_parts({**config, **changed})
-    env = NavigationVectorEnv(min(WORLDS, episodes), parts=parts)
+    env = NavigationVectorEnv(min(WORLDS if parts.switch is None else SWITCHED, episodes), parts=parts)
     if parts.pool.staging is not None:
         env.set_stage(parts.pool.staging.levels - 1)
     return env
