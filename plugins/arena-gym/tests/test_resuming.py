@@ -124,6 +124,16 @@ def test_training_that_was_cut_gives_the_weights_of_one_that_was_not(here, monke
     assert resumed.curve == whole.curve
 
 
+def test_training_that_goes_on_with_fewer_steps_than_it_has_ends_with_what_it_has(here, monkeypatch):
+    with monkeypatch.context() as patch:
+        cut_after(4, patch)
+        with pytest.raises(Cut):
+            trained(here / "cut", *RANDOM, "training.checkpoint=0")
+    found, kept = trained(here / "cut", *RANDOM, "total_steps=512")
+    assert [row["steps"] for row in found.curve] == [768, 1024]
+    assert kept["steps"] == 1024
+
+
 def refused(words, capsys):
     """Return the one line that a command ends with."""
     assert main(list(words)) == 2

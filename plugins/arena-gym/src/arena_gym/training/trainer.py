@@ -12,6 +12,7 @@ from typing import Any
 
 from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.logger import Logger
 
 from arena_core import ArenaError, RunFolderError, write_text_whole
 from arena_gym.training.checkpoint import Weights, all_finite, load_checkpoint, save_checkpoint, weights_of
@@ -218,6 +219,8 @@ def train(
             left = settings.total_steps - learner.num_timesteps
             if left > 0 and not trainer.good_enough:
                 learner.learn(left, trainer, tb_log_name="ppo", reset_num_timesteps=False)
+            else:
+                learner.set_logger(Logger(None, []))  # which `learn` would have made
             trainer.finish()
     assert trainer.choice is not None
     assert trainer.best is not None
