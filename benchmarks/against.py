@@ -48,6 +48,10 @@ COMMANDS = {
 }
 
 
+class WorkerEnded(Exception):
+    """A unit of work ended its worker: what one of two commits cannot do cannot be compared."""
+
+
 class Checkout:
     """A checkout that works when told."""
 
@@ -69,7 +73,7 @@ class Checkout:
         print(json.dumps(unit), file=self._process.stdin, flush=True)
         answer = self._process.stdout.readline()
         if not answer:
-            raise SystemExit(f"the worker ended with status {self._process.wait()} at {unit}")
+            raise WorkerEnded(f"could not be compared: a worker ended with status {self._process.wait()} at {unit}")
         return json.loads(answer)  # type: ignore[no-any-return]
 
     def end(self) -> None:
@@ -167,8 +171,13 @@ def main(words: Sequence[str]) -> int:
         before, after = Checkout(folder), Checkout(HERE)
         print(f"{'CPU time in ms':22}{commit:>9}{'here':>9}{'ratio':>7}")
         for name in given.only:
-            rows.append(compare(name, before, after, given.rounds))
-            print(line(rows[-1]), flush=True)
+            try:
+                rows.append(compare(name, before, after, given.rounds))
+            except WorkerEnded as error:
+                print(f"{name:22}{error}", flush=True)
+                before, after = Checkout(folder), Checkout(HERE)
+            else:
+                print(line(rows[-1]), flush=True)
         before.end()
         after.end()
     if given.keep:
