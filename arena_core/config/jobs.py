@@ -126,12 +126,13 @@ class Jobs:
             sources = deepcopy(master_config.hydra.runtime.config_sources)
             sources._set_parent(None)  # which would bring the whole configuration along
             self._sources = pickle.dumps(sources, pickle.HIGHEST_PROTOCOL)
-        self._loader.repository.told = False
+        elsewhere = any("hydra.searchpath=" in override for override in sweep_overrides)  # whose files come from sources of its own
+        self._loader.repository.told = elsewhere
         try:
             config = self._load_by_hydra(master_config, sweep_overrides)
         finally:
             self._loader.repository.told = True
-        if not any(override.startswith("hydra.searchpath=") for override in sweep_overrides):
+        if not elsewhere:
             runtime = config.hydra.runtime
             with read_write(runtime), open_dict(runtime), flag_override(runtime, "no_deepcopy_set_nodes", True):
                 runtime.config_sources = pickle.loads(self._sources)  # noqa: S301 - made above

@@ -77,8 +77,10 @@ def cast_grid(stack: GridStack, g: Integer, x: float, y: float, theta: float, be
         _aim(beams, first, count, yaw, u, v, rows, columns)
         _find_tables(lanes, count, stack.reach_offsets[g], table_size(rows, columns))
         _find_places(lanes, count, strip)
-        while _read_squares(stack.reach, lanes, count) and _leap(lanes, count, limit, strip):
-            pass
+        moved = True
+        while moved:
+            _read_squares(stack.reach, lanes, count)
+            moved = _leap(lanes, count, limit, strip)
         for i in range(count):
             # a ray that ended within reach, but in no cell of the grid, has left it
             hit = now[T + i] < limit and now[COLUMN + i] < columns and now[ROW + i] < rows
@@ -133,11 +135,10 @@ def _find_places(lanes: Lanes, count: int, strip: Integer) -> None:
 
 
 @inlined
-def _read_squares(reach: NDArray[np.uint8], lanes: Lanes, count: int) -> bool:
+def _read_squares(reach: NDArray[np.uint8], lanes: Lanes, count: int) -> None:
     """Look up the side of the empty square before each ray: the one thing that takes each ray by itself."""
     for i in range(count):
         lanes.places[LANES + i] = reach[lanes.tables[i] + lanes.places[i]]
-    return True
 
 
 @inlined
