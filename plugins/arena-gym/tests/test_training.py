@@ -120,6 +120,17 @@ def test_actions_spread_less_towards_the_end(here):
 
 
 @pytest.mark.slow
+def test_spread_of_the_first_actions_may_be_told_in_si(here):
+    import torch
+
+    words = ("training.network.log_std_init=0.0", "training.network.log_std_unit=si", "training.optimization.learning_rate=1e-9")
+    assert main([*WORDS, "total_steps=2048", "out=si", *words, "training.validation.every=8192"]) == 0
+    spread = torch.load(here / "si" / "checkpoint.pt", weights_only=True)["policy"]["log_std"].exp().numpy()
+    action = json.loads((here / "si" / "policy.json").read_text())["action"]
+    np.testing.assert_allclose([wide * (high - low) / 2 for wide, (low, high) in zip(spread, action.values(), strict=True)], 1.0, atol=1e-5)
+
+
+@pytest.mark.slow
 def test_training_ends_early_at_its_target(here):
     assert main([*WORDS, "total_steps=10000000", "out=early", "training.validation.every=2048", "training.validation.target=0.0"]) == 0
     assert len(curve(here / "early")) == 1

@@ -13,6 +13,9 @@ from numpy.typing import NDArray
 from stable_baselines3 import PPO
 from torch import nn
 
+HALVED_BEYOND = 250_000  # [-] weights of a network beyond which its file keeps each in 16 bits
+TABLE = 1_000  # [-] numbers from which on a tensor of such a network is halved
+
 
 class Actor(nn.Module):
     """What acts, and all that is exported: the mean of the policy's actions, or what it prefers each member by."""
@@ -40,8 +43,17 @@ def to_onnx(learner: PPO, size: int) -> bytes:
     return network_to_onnx(Actor(learner.policy), size, "observation", "action")
 
 
+def round_as_kept(network: nn.Module) -> None:
+    """Give a large network the weights that its file will keep, so that what is tested is what is shipped."""
+    if _is_large(network):
+        with torch.no_grad():
+            for weights in network.parameters():
+                if weights.numel() >= TABLE:
+                    weights.copy_(weights.half())
+
+
 def network_to_onnx(network: nn.Module, size: int, input_name: str, output_name: str) -> bytes:
-    """Return a network that reads (N, ``size``) numbers as an ONNX model."""
+    """Return a network that reads (N, ``size``) numbers as an ONNX model, which says nothing of the machine that it was made on."""
     exporter = logging.getLogger("torch.onnx")
     level = exporter.level
     exporter.setLevel(logging.ERROR)  # it notes every optional package that is not installed
@@ -58,4 +70,35 @@ def network_to_onnx(network: nn.Module, size: int, input_name: str, output_name:
         )
     exporter.setLevel(level)
     assert program is not None
-    return bytes(program.model_proto.SerializeToString())
+    model = program.model_proto
+    strip_origin(model)
+    if _is_large(network):
+        _halve(model)
+    return bytes(model.SerializeToString())
+
+
+def strip_origin(model: Any) -> None:
+    """Take from an ONNX model where its nodes came from: folders and lines of the code that made it."""
+    graph = model.graph
+    for part in (graph, *graph.node, *graph.input, *graph.output, *graph.value_info, *graph.initializer):
+        part.ClearField("metadata_props")
+        part.ClearField("doc_string")
+
+
+def _is_large(network: nn.Module) -> bool:
+    return sum(weights.numel() for weights in network.parameters()) > HALVED_BEYOND
+
+
+def _halve(model: Any) -> None:
+    """Keep large tensors in 16 bits; onnxruntime widens them once, as it opens the file."""
+    from onnx import TensorProto, helper, numpy_helper
+
+    widened = []
+    for tensor in model.graph.initializer:
+        if tensor.data_type == TensorProto.FLOAT and np.prod(tensor.dims) >= TABLE:
+            name, kept = tensor.name, f"{tensor.name}.half"
+            tensor.CopyFrom(numpy_helper.from_array(numpy_helper.to_array(tensor).astype(np.float16), kept))
+            widened.append(helper.make_node("Cast", [kept], [name], to=TensorProto.FLOAT))
+    nodes = [*widened, *model.graph.node]
+    del model.graph.node[:]
+    model.graph.node.extend(nodes)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import torch
 from stable_baselines3 import PPO
 from stable_baselines3.common.vec_env import VecEnv
@@ -13,6 +14,7 @@ from torch import nn
 from arena_core import ConfigurationError, ObservationField
 from arena_gym.training.network import BeamFeatures, TruthSeeingCritic
 from arena_gym.training.settings import Network, TrainingSettings
+from arena_policies.actions import ActionScale
 
 
 def make_learner(env: VecEnv, layout: tuple[ObservationField, ...], settings: TrainingSettings, logs: Path | None) -> PPO:
@@ -89,6 +91,12 @@ def choose_device(name: str) -> torch.device:
     if device.type == "cuda" and not torch.cuda.is_available():
         raise ConfigurationError(f"device is {name}, but this machine has none that torch can use; allowed: device=cpu")
     return device
+
+
+def spread_in_si(learner: PPO, scale: ActionScale) -> None:
+    """Read the spread of the actions that a learner begins with as m/s and rad/s; until now it was in halves of their ranges."""
+    with torch.no_grad():
+        learner.policy.log_std -= torch.as_tensor(np.log((scale.high - scale.low) / 2.0), dtype=torch.float32).to(learner.device)
 
 
 def limit_spread(learner: PPO, log_std: float) -> None:

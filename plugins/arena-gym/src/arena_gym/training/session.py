@@ -27,7 +27,7 @@ from arena_core.statistics import wilson
 from arena_gym.building import Parts, build_parts
 from arena_gym.training.checkpoint import digest_of
 from arena_gym.training.evaluation import check_apart, evaluate, unseen_worlds
-from arena_gym.training.export import Actor, to_onnx
+from arena_gym.training.export import Actor, round_as_kept, to_onnx
 from arena_gym.training.folder import open_folder
 from arena_gym.training.levels import make_levels
 from arena_gym.training.selection import rule
@@ -74,6 +74,7 @@ def _export(config: Mapping[str, Any], parts: Parts, trained: Trained, code: Cod
         told["start"] = sha256(network_content(local_path(begun)))
     _write_policy(config, parts, trained.learner, folder / "last" / "policy.onnx", {**told, "weights": "last", "score": None})
     trained.learner.policy.load_state_dict(trained.best)
+    round_as_kept(Actor(trained.learner.policy))
     score = _tested(config, trained, folder / TESTED)
     choice = {**trained.choice.as_row(), "rule": rule(training_settings(config).validation)}
     path = folder / "policy.onnx"

@@ -22,8 +22,9 @@ class Network:
     """The policy's network: ``convolutions`` over the scans ``beams_field`` of the observation, ``features`` from them, then ``heads``.
 
     The heads, one for the policy and one for the value, see these features and the rest of the observation; all of it where
-    ``beams_field`` is null. The spread of the actions begins at exp(``log_std_init``); unless ``log_std_final`` is null, it has a limit
-    that falls from there to exp(``log_std_final``). ``differs`` tells what is not as published, for the policy's card.
+    ``beams_field`` is null. The spread of the actions begins at exp(``log_std_init``), in halves of each action's range or, where
+    ``log_std_unit`` is si, in m/s and rad/s; unless ``log_std_final`` is null, it has a limit that falls from there to
+    exp(``log_std_final``). ``differs`` tells what is not as published, for the policy's card.
     """
 
     beams_field: str | None
@@ -31,10 +32,13 @@ class Network:
     features: PositiveInt | None
     heads: tuple[PositiveInt, ...]
     log_std_init: float
+    log_std_unit: Literal["range", "si"]
     log_std_final: float | None
     differs: str | None
 
     def __post_init__(self) -> None:
+        if self.log_std_unit == "si" and self.log_std_final is not None:
+            raise ConfigurationError(f"training.network.log_std_final is {self.log_std_final:g}; allowed: null where log_std_unit is si")
         if (self.beams_field is None) != (self.features is None):
             raise ConfigurationError(
                 f"training.network.features is {self.features}; allowed: a number with a beams_field, null without one"

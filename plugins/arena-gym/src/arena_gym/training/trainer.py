@@ -18,7 +18,7 @@ from arena_core import ArenaError, RunFolderError, write_text_whole
 from arena_gym.training.checkpoint import Weights, all_finite, load_checkpoint, save_checkpoint, weights_of
 from arena_gym.training.evaluation import evaluate
 from arena_gym.training.export import Actor
-from arena_gym.training.learning import limit_spread, make_learner
+from arena_gym.training.learning import limit_spread, make_learner, spread_in_si
 from arena_gym.training.levels import Levels
 from arena_gym.training.report import LateEpisodes, TrainingReport
 from arena_gym.training.selection import Choice, candidate, is_better
@@ -197,6 +197,8 @@ def prepare(settings: TrainingSettings, env: NavigationVectorEnv, folder: Path) 
     worlds = WorldsInStep(env, settings.seed, Truth(settings.truth) if settings.critic == "truth" else None)
     parts = env.batch.parts
     learner = make_learner(worlds, parts.encoder.layout(), settings, folder / "tensorboard")
+    if settings.network.log_std_unit == "si":
+        spread_in_si(learner, parts.scale)
     if settings.start.policy is not None:
         take_weights(learner, settings.start.policy, parts.encoder.layout())
     return learner, worlds
