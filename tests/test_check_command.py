@@ -44,10 +44,8 @@ def test_everything_installed_holds_its_contract_or_needs_a_file(arena):
         "task=dynabarn",
         "task=scenario",
         "planner=aio_as_released",
-        "planner=gring_as_released",
         "planner=navrep_as_released",
         "planner=ros_external",
-        "planner=rosnav_as_paper",
         "observation_encoder=navrep",
         "observation_encoder=navrep_v_only",
     }
