@@ -8,7 +8,7 @@ from arena_core import compose, plain
 
 EXPERIMENTS = {
     "paper": (7, 3, 3, 2),
-    "paper_presets": (6, 3, 3, 2),
+    "paper_presets": (4, 3, 3, 2),
     "paper_worlds": (7, 3, 2, 2),
     "paper_lifelike": (7, 3, 3, 2),
     "paper_lab": (3, 2),

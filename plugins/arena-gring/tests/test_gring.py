@@ -180,7 +180,7 @@ def test_planner_as_released_holds_its_contract_on_the_whole_scan(tmp_path, robo
     assert testing.check("planner", planner, body)
 
 
-@pytest.mark.parametrize("robot", ("jackal", "robotino"))
+@pytest.mark.parametrize("robot", ROBOTS)
 def test_policy_as_released_comes_with_the_package_and_is_what_its_recipe_composes(robot):
     from arena_gym.building import compose_environment
 

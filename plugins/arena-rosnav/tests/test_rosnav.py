@@ -57,7 +57,7 @@ def test_robot_reaches_its_goals_among_people_in_a_hall_it_never_saw(tmp_path, r
 
 def test_robot_without_a_policy_is_told_how_to_train_one():
     with pytest.raises(
-        ConfigurationError, match=r"arena train planner=rosnav_as_paper robot=jackal_ackermann.*allowed: planner.policy=FILE"
+        ConfigurationError, match=r"arena train planner=rosnav_as_paper robot=jackal_ackermann.*allowed: jackal, robotino, or planner.policy=FILE"
     ):
         testing.component("planner", "rosnav_as_paper", robot=testing.component("robot", "jackal_ackermann"))
 
