@@ -96,7 +96,7 @@ def choose_device(name: str) -> torch.device:
 def spread_in_si(learner: PPO, scale: ActionScale) -> None:
     """Read the spread of the actions that a learner begins with as m/s and rad/s; until now it was in halves of their ranges."""
     with torch.no_grad():
-        learner.policy.log_std -= torch.as_tensor(np.log((scale.high - scale.low) / 2.0), dtype=torch.float32).to(learner.device)
+        learner.policy.log_std.sub_(torch.as_tensor(np.log((scale.high - scale.low) / 2.0), dtype=torch.float32).to(learner.device))
 
 
 def limit_spread(learner: PPO, log_std: float) -> None:
