@@ -249,7 +249,7 @@ def test_convolutions_read_scans_that_follow_one_another():
     from arena_gym.training.learning import beams_of
     from arena_gym.training.settings import Network
 
-    network = Network("scan", (), 8, (8,), -0.7, None, None)
+    network = Network("scan", (), 8, (8,), -0.7, "range", None, None)
     layout = tuple(
         ObservationField(name, size, "-", 0.0, 1.0, "")
         for name, size in (("way", 2), ("scan", 6), ("scan_1", 6), ("goal", 2), ("scan_2", 6))
