@@ -33,38 +33,6 @@ from arena_core.config.configuration import compose, option_files, plain
 from arena_core.config.furniture import furniture_kind
 from arena_core.config.registry import Registry, load_registry
 from arena_core.contracts.hookspecs import Register, hookimpl
-from arena_core.contracts.interfaces import (
-    OFF_PATH,
-    REPLAN_REASONS,
-    WAYPOINT_FOUND,
-    WAYPOINT_TIMEOUT,
-    Better,
-    Command,
-    Executor,
-    Finished,
-    GlobalPlanner,
-    Job,
-    Listing,
-    Localizer,
-    LocalMap,
-    Lost,
-    Metric,
-    MetricPack,
-    PathBatch,
-    PedestrianModel,
-    Planner,
-    ReferenceLocalizer,
-    Reporter,
-    RobotBatch,
-    Simulator,
-    Snapshot,
-    TaskMode,
-    Tracker,
-    WaypointGenerator,
-    Waypoints,
-    Window,
-    WorldSource,
-)
 from arena_core.contracts.learning import (
     EarlierScans,
     ObservationBatch,
@@ -76,6 +44,24 @@ from arena_core.contracts.learning import (
     Trainer,
     Transition,
 )
+from arena_core.contracts.navigation import (
+    OFF_PATH,
+    REPLAN_REASONS,
+    WAYPOINT_FOUND,
+    WAYPOINT_TIMEOUT,
+    GlobalPlanner,
+    Localizer,
+    LocalMap,
+    PathBatch,
+    Planner,
+    ReferenceLocalizer,
+    Tracker,
+    WaypointGenerator,
+    Waypoints,
+    Window,
+)
+from arena_core.contracts.running import Better, Command, Executor, Finished, Job, Listing, Lost, Metric, MetricPack, Reporter
+from arena_core.contracts.simulation import PedestrianModel, RobotBatch, Simulator, Snapshot, TaskMode, WorldSource
 from arena_core.loop.episode_loop import CommandQueue, EpisodeLoop, Verdicts
 from arena_core.loop.execution import Timing, mission_of, run_episode
 from arena_core.loop.guide import Guide, Mission, ReplanRules, View, pose_at_scan

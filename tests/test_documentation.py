@@ -13,7 +13,7 @@ import yaml
 
 import arena_core
 from arena_core import LIMITS, Observation, load_registry, testing
-from arena_core.contracts import hookspecs, interfaces, learning
+from arena_core.contracts import hookspecs, learning, navigation, running, simulation
 from arena_core.loop.guide import ReplanRules
 from arena_core.loop.record_layout import EXTRAS
 from arena_core.runs.benchmark import RunSettings
@@ -25,7 +25,7 @@ PAGES = sorted([*TOP.glob("*.md"), *DOCS.glob("*.md"), *TOP.glob("plugins/*/READ
 HOOKS = {name: hook for name, hook in vars(hookspecs).items() if hasattr(hook, "arena_spec")}
 INTERFACES = [
     kind
-    for module in (interfaces, learning)
+    for module in (learning, navigation, running, simulation)
     for _, kind in inspect.getmembers(module, inspect.isclass)
     if issubclass(kind, abc.ABC) and kind is not abc.ABC
 ]

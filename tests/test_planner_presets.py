@@ -51,3 +51,10 @@ def test_preset_keeps_the_contract_or_names_what_it_can_drive(preset, robot):
 def test_every_planner_is_in_the_comparison():
     text = PAGE.read_text()
     assert [name for name in load_registry().names("planner") if f"`{name}`" not in text] == []
+
+
+def test_no_shipped_network_tells_where_it_was_made():
+    """Exporters write folders and lines of code into a file unless they are told not to."""
+    networks = sorted(Path(__file__).parents[1].glob("plugins/*/src/*/policies*/*.onnx"))
+    assert networks
+    assert [str(path) for path in networks if b".py" in path.read_bytes()] == []

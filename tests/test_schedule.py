@@ -4,7 +4,7 @@ from time import monotonic
 
 import pytest
 
-from arena_core.contracts.interfaces import Finished, Job
+from arena_core.contracts.running import Finished, Job
 from arena_core.runs.code_digest import Code
 from arena_core.runs.schedule import WRITE_EVERY, WRITE_SHARE, OpenRun
 

@@ -12,7 +12,7 @@ from arena_core.cli.candidates import complete_overrides
 from arena_core.cli.listing import presets
 from arena_core.cli.words import key_value
 from arena_core.config.registry import load_registry, unknown
-from arena_core.contracts.interfaces import Command
+from arena_core.contracts.running import Command
 from arena_core.testing.checks import CHECKS, check
 from arena_core.testing.samples import component, robot
 from arena_core.values.robot import Kinematics, Robot

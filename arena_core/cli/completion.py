@@ -10,7 +10,7 @@ from typing import ClassVar
 
 from arena_core.base.errors import ArenaError
 from arena_core.config.registry import load_registry
-from arena_core.contracts.interfaces import Command
+from arena_core.contracts.running import Command
 
 SHELLS = ("bash", "zsh")
 CANDIDATES = "candidates"  # what the scripts ask for: the words after `arena`, the unfinished one last

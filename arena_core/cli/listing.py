@@ -12,7 +12,7 @@ from arena_core.config.configuration import groups, option_files
 from arena_core.config.plugins import distributions
 from arena_core.config.presets import TUNING, Preset, options_of, read_preset
 from arena_core.config.registry import HOOKS, Registry, load_registry, unknown
-from arena_core.contracts.interfaces import Command, Listing
+from arena_core.contracts.running import Command, Listing
 from arena_core.runs.text_columns import aligned
 
 KINDS = [kind for kind in HOOKS if kind != "listing"]

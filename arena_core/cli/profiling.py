@@ -10,7 +10,7 @@ from arena_core.cli.candidates import complete_overrides
 from arena_core.cli.words import read_words
 from arena_core.config.configuration import compose
 from arena_core.config.registry import load_registry
-from arena_core.contracts.interfaces import Command
+from arena_core.contracts.running import Command
 from arena_core.runs.benchmark import build_benchmark
 from arena_core.runs.profiling import METRICS, TASK, Profile, profile
 from arena_core.values.parameters import Bounds

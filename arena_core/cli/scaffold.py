@@ -14,7 +14,7 @@ from string import Template
 from typing import ClassVar
 
 from arena_core.base.errors import ConfigurationError
-from arena_core.contracts.interfaces import Command
+from arena_core.contracts.running import Command
 from arena_core.loop.recording import write_text_whole
 
 FRAME = "frame"  # the folder of what every package has

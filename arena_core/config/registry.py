@@ -15,7 +15,7 @@ from arena_core.base.errors import ArenaError, BrokenPlugin, ConfigurationError,
 from arena_core.base.suite import whence
 from arena_core.config.binding import Nested, arguments, build, parameters
 from arena_core.config.plugins import broken, distributions, load_plugins
-from arena_core.contracts import interfaces, learning
+from arena_core.contracts import learning, navigation, running, simulation
 from arena_core.contracts.hookspecs import Factory
 from arena_core.loop.navigator import NAVIGATOR_KEYS
 from arena_core.values.robot import Robot
@@ -43,19 +43,19 @@ HOOKS = {
 }
 
 INTERFACES: dict[type, str] = {
-    interfaces.Simulator: "simulator",
+    simulation.Simulator: "simulator",
     Robot: "robot",
-    interfaces.WorldSource: "world",
-    interfaces.PedestrianModel: "pedestrians",
-    interfaces.TaskMode: "task",
-    interfaces.Localizer: "localizer",
-    interfaces.GlobalPlanner: "global_planner",
-    interfaces.WaypointGenerator: "waypoints",
-    interfaces.LocalMap: "local_map",
-    interfaces.Tracker: "tracker",
-    interfaces.Planner: "planner",
-    interfaces.MetricPack: "metrics",
-    interfaces.Executor: "executor",
+    simulation.WorldSource: "world",
+    simulation.PedestrianModel: "pedestrians",
+    simulation.TaskMode: "task",
+    navigation.Localizer: "localizer",
+    navigation.GlobalPlanner: "global_planner",
+    navigation.WaypointGenerator: "waypoints",
+    navigation.LocalMap: "local_map",
+    navigation.Tracker: "tracker",
+    navigation.Planner: "planner",
+    running.MetricPack: "metrics",
+    running.Executor: "executor",
     learning.Reward: "reward",
     learning.ObservationEncoder: "observation_encoder",
     learning.Trainer: "trainer",

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core.contracts.interfaces import PathBatch
+from arena_core.contracts.navigation import PathBatch
 from arena_core.values.geometry import FloatArray, Twist
 from arena_core.values.sensing import Observation
 from arena_core.values.world import OccupancyGrid

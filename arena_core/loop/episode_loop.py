@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core.contracts.interfaces import Simulator, Snapshot
+from arena_core.contracts.simulation import Simulator, Snapshot
 from arena_core.values.episode import Outcome, Scenario
 from arena_core.values.geometry import FloatArray
 from arena_core.values.success import ARRIVAL_SLACK

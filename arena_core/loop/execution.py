@@ -11,7 +11,7 @@ import numpy as np
 from arena_core.base.ctrl_c import interrupts
 from arena_core.base.errors import described
 from arena_core.base.pulse import pulse
-from arena_core.contracts.interfaces import Simulator
+from arena_core.contracts.simulation import Simulator
 from arena_core.loop.episode_loop import EpisodeLoop
 from arena_core.loop.guide import Mission
 from arena_core.loop.live import LiveFile

@@ -15,7 +15,7 @@ from arena_core.base.frozen import frozen
 from arena_core.base.once import Once
 from arena_core.base.random_streams import generator
 from arena_core.base.stopwatch import Timed
-from arena_core.contracts.interfaces import (
+from arena_core.contracts.navigation import (
     REPLAN_REASONS,
     WAYPOINT_FOUND,
     GlobalPlanner,

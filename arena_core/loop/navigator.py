@@ -12,7 +12,7 @@ import numpy as np
 from arena_core.base.errors import InvalidCommand, NoValidCommand
 from arena_core.base.once import Once
 from arena_core.base.stopwatch import NOTHING, Duration, Stopwatch, Timed
-from arena_core.contracts.interfaces import GlobalPlanner, Localizer, LocalMap, Planner, Tracker, WaypointGenerator
+from arena_core.contracts.navigation import GlobalPlanner, Localizer, LocalMap, Planner, Tracker, WaypointGenerator
 from arena_core.loop.extras import kept_candidates
 from arena_core.loop.guide import Guide, Mission, ReplanRules
 from arena_core.loop.recovery import RecoveryRules

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from arena_core.base.frozen import frozen
-from arena_core.contracts.interfaces import PathBatch, Window
+from arena_core.contracts.navigation import PathBatch, Window
 from arena_core.values.geometry import FloatArray, Pose
 from arena_core.values.world import Path
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, overload
 from arena_core.base.errors import ArenaError, ConfigurationError
 from arena_core.config.configuration import PRIMARY, compose, one_line_errors
 from arena_core.config.registry import load_registry
-from arena_core.contracts.interfaces import Reporter
+from arena_core.contracts.running import Reporter
 from arena_core.loop.record_places import record_path
 from arena_core.loop.recording import find_runs, read_record
 from arena_core.runs.provenance import read_provenance

@@ -18,7 +18,9 @@ from arena_core.base.stopwatch import Stopwatch
 from arena_core.config.binding import read_settings
 from arena_core.config.configuration import plain
 from arena_core.config.registry import Registry
-from arena_core.contracts.interfaces import Localizer, Metric, MetricPack, Simulator, TaskMode
+from arena_core.contracts.navigation import Localizer
+from arena_core.contracts.running import Metric, MetricPack
+from arena_core.contracts.simulation import Simulator, TaskMode
 from arena_core.loop.execution import Timing, run_episode
 from arena_core.loop.guide import Guide, ReplanRules
 from arena_core.loop.live import LiveFile

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from importlib import import_module
 from typing import Any
 
-from arena_core.contracts.interfaces import Job
+from arena_core.contracts.running import Job
 from arena_core.runs.benchmark import BRAIN
 
 NAVIGATOR = (*BRAIN, "planner")

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import TypeVar
 
 from arena_core.base.ctrl_c import interrupts
-from arena_core.contracts.interfaces import Executor, Job, Lost
+from arena_core.contracts.running import Executor, Job, Lost
 from arena_core.runs.budgets import Budgets
 from arena_core.runs.supervising import Supervisor
 from arena_core.values.parameters import Workers

@@ -13,7 +13,7 @@ from typing import Any
 
 from arena_core.base.errors import ArenaError, InputFileError, one_line
 from arena_core.config.registry import Registry, load_registry
-from arena_core.contracts.interfaces import Finished, Job, Lost
+from arena_core.contracts.running import Finished, Job, Lost
 from arena_core.loop.record_places import OF_EPISODE, PARTS, record_path, timing_path
 from arena_core.loop.recording import write_bytes_whole
 from arena_core.runs.budgets import Budgets

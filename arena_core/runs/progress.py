@@ -8,7 +8,7 @@ from time import monotonic
 from types import TracebackType
 from typing import Any
 
-from arena_core.contracts.interfaces import Finished, Job
+from arena_core.contracts.running import Finished, Job
 from arena_core.runs.schedule import Block, OpenRun
 
 LINE_EVERY = 30.0  # s between two lines where there is no terminal

@@ -8,7 +8,7 @@ from typing import Any
 
 from arena_core.base.ctrl_c import interrupts
 from arena_core.config.registry import Registry
-from arena_core.contracts.interfaces import Finished, Job, Lost
+from arena_core.contracts.running import Finished, Job, Lost
 from arena_core.runs.working import work
 
 

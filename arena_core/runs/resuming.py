@@ -11,7 +11,7 @@ from arena_core.base.ctrl_c import interrupts
 from arena_core.base.errors import ArenaError, ConfigurationError, InputFileError, RunFolderError
 from arena_core.base.files import read_table
 from arena_core.config.registry import Registry
-from arena_core.contracts.interfaces import Finished, Job, Lost
+from arena_core.contracts.running import Finished, Job, Lost
 from arena_core.loop.record_places import record_path, record_paths
 from arena_core.loop.recording import read_record, remove_half_written
 from arena_core.runs.benchmark import build_metrics, config_hash

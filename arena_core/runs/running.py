@@ -17,7 +17,7 @@ from arena_core.base.folders import locked
 from arena_core.base.notices import tell
 from arena_core.config.configuration import plain
 from arena_core.config.registry import Registry
-from arena_core.contracts.interfaces import Executor, Finished, Job, Lost
+from arena_core.contracts.running import Executor, Finished, Job, Lost
 from arena_core.loop.recording import keep_room, remove_half_written, write_text_whole
 from arena_core.runs.benchmark import build_metrics, check_complete
 from arena_core.runs.progress import Progress

@@ -8,7 +8,7 @@ from pathlib import Path
 from time import monotonic
 from typing import Any
 
-from arena_core.contracts.interfaces import Finished, Job, Metric
+from arena_core.contracts.running import Finished, Job, Metric
 from arena_core.runs.code_digest import Code
 from arena_core.runs.kept_rows import KeptRow
 from arena_core.runs.rows import write_episodes

@@ -12,7 +12,7 @@ from typing import Any
 
 from arena_core.base.errors import described
 from arena_core.base.notices import tell
-from arena_core.contracts.interfaces import Job, Lost
+from arena_core.contracts.running import Job, Lost
 from arena_core.runs.budgets import Budgets, Watch
 from arena_core.runs.compiling import MANY, NOTICE, Turns, Waiting
 from arena_core.runs.workers import Task, Work, Worker

@@ -16,7 +16,7 @@ import psutil
 
 from arena_core.base.errors import RunStopped
 from arena_core.base.pulse import FINISHING, STARTING
-from arena_core.contracts.interfaces import Job
+from arena_core.contracts.running import Job
 from arena_core.runs.budgets import Watch
 from arena_core.runs.serving import LEFT_TO_THE_PARENT, serve
 

@@ -15,7 +15,7 @@ from arena_core.base.errors import ArenaError, ConfigurationError, RunFolderErro
 from arena_core.base.notices import tell, untold
 from arena_core.base.pulse import pulse
 from arena_core.config.registry import Registry, load_registry
-from arena_core.contracts.interfaces import Finished, Job, Metric
+from arena_core.contracts.running import Finished, Job, Metric
 from arena_core.loop import rehearsal
 from arena_core.loop.recording import write_record
 from arena_core.runs.benchmark import Benchmark, build_benchmark, identification

@@ -12,27 +12,10 @@ import numpy as np
 
 from arena_core.base.errors import ArenaError, ContractViolation, NoPath, NoValidCommand
 from arena_core.base.random_streams import generator
-from arena_core.contracts.interfaces import (
-    Better,
-    Executor,
-    GlobalPlanner,
-    Job,
-    Localizer,
-    LocalMap,
-    Lost,
-    Metric,
-    MetricPack,
-    PathBatch,
-    PedestrianModel,
-    Planner,
-    RobotBatch,
-    Simulator,
-    TaskMode,
-    Tracker,
-    WaypointGenerator,
-    WorldSource,
-)
 from arena_core.contracts.learning import ObservationBatch, ObservationEncoder, ObservationField, Reward, ScanMemory
+from arena_core.contracts.navigation import GlobalPlanner, Localizer, LocalMap, PathBatch, Planner, Tracker, WaypointGenerator
+from arena_core.contracts.running import Better, Executor, Job, Lost, Metric, MetricPack
+from arena_core.contracts.simulation import PedestrianModel, RobotBatch, Simulator, TaskMode, WorldSource
 from arena_core.loop.extras import kept_candidates
 from arena_core.loop.navigator import checked
 from arena_core.runs.rows import TEXT

@@ -14,7 +14,7 @@ from arena_core.base.random_streams import generator
 from arena_core.config.configuration import compose, plain
 from arena_core.config.furniture import furniture_kind
 from arena_core.config.registry import load_registry
-from arena_core.contracts.interfaces import Planner
+from arena_core.contracts.navigation import Planner
 from arena_core.loop.execution import Timing
 from arena_core.loop.navigator import NO_TIME, Decision, Spent
 from arena_core.loop.recording import Recorder

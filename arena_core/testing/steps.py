@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from arena_core.contracts.interfaces import PathBatch
 from arena_core.contracts.learning import EarlierScans, ObservationBatch, Situation, Transition
+from arena_core.contracts.navigation import PathBatch
 
 ALL = slice(None)
 PERIOD = 0.1  # s

@@ -268,6 +268,8 @@ def test_training_a_switch_with_a_limited_spread_is_refused(here, capsys):
     words = ("planner=aio", "switch=mine", "robot=jackal", "out=spread", *SMALL, "training.network.log_std_final=-2")
     assert main(["train", *words]) == 2
     assert "training.network.log_std_final is -2; allowed: null for a switch" in capsys.readouterr().err
+    assert main(["train", *words[:-1], "training.network.log_std_unit=si"]) == 2
+    assert "training.network.log_std_unit is si; allowed: range for a switch" in capsys.readouterr().err
 
 
 def test_training_with_one_member_is_refused(here, capsys):

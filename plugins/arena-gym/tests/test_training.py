@@ -130,6 +130,11 @@ def test_spread_of_the_first_actions_may_be_told_in_si(here):
     np.testing.assert_allclose([wide * (high - low) / 2 for wide, (low, high) in zip(spread, action.values(), strict=True)], 1.0, atol=1e-5)
 
 
+def test_spread_in_si_has_no_limit_in_halves_of_the_range(here, capsys):
+    assert main([*WORDS, "out=both", "training.network.log_std_unit=si", "training.network.log_std_final=-2"]) == 2
+    assert "training.network.log_std_final is -2; allowed: null where log_std_unit is si" in capsys.readouterr().err
+
+
 @pytest.mark.slow
 def test_training_ends_early_at_its_target(here):
     assert main([*WORDS, "total_steps=10000000", "out=early", "training.validation.every=2048", "training.validation.target=0.0"]) == 0

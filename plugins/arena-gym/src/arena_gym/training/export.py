@@ -14,7 +14,7 @@ from stable_baselines3 import PPO
 from torch import nn
 
 HALVED_BEYOND = 250_000  # [-] weights of a network beyond which its file keeps each in 16 bits
-TABLE = 1_000  # [-] numbers from which on a tensor of such a network is halved
+HALVED_FROM = 1_000  # [-] numbers of a tensor from which on it is kept so: biases are not
 
 
 class Actor(nn.Module):
@@ -48,7 +48,7 @@ def round_as_kept(network: nn.Module) -> None:
     if _is_large(network):
         with torch.no_grad():
             for weights in network.parameters():
-                if weights.numel() >= TABLE:
+                if weights.numel() >= HALVED_FROM:
                     weights.copy_(weights.half())
 
 
@@ -95,7 +95,7 @@ def _halve(model: Any) -> None:
 
     widened = []
     for tensor in model.graph.initializer:
-        if tensor.data_type == TensorProto.FLOAT and np.prod(tensor.dims) >= TABLE:
+        if tensor.data_type == TensorProto.FLOAT and np.prod(tensor.dims) >= HALVED_FROM:
             name, kept = tensor.name, f"{tensor.name}.half"
             tensor.CopyFrom(numpy_helper.from_array(numpy_helper.to_array(tensor).astype(np.float16), kept))
             widened.append(helper.make_node("Cast", [kept], [name], to=TensorProto.FLOAT))

@@ -49,10 +49,13 @@ def run_training(config: Mapping[str, Any], folder: Path, resume: bool, force: b
     check_apart(config)
     registry = load_registry()
     parts, chosen = build_parts(config, registry), settings.validation
-    if parts.switch is not None and settings.network.log_std_final is not None:
+    network = settings.network
+    if parts.switch is not None and network.log_std_final is not None:
         raise ConfigurationError(
-            f"training.network.log_std_final is {settings.network.log_std_final:g}; allowed: null for a switch, which has no spread"
+            f"training.network.log_std_final is {network.log_std_final:g}; allowed: null for a switch, which has no spread"
         )
+    if parts.switch is not None and network.log_std_unit == "si":
+        raise ConfigurationError("training.network.log_std_unit is si; allowed: range for a switch, whose actions have no unit")
     levels = make_levels(settings.levels, parts.pool.staging, settings.mixture)
     validation = unseen_worlds(config, chosen.episodes, chosen.seed, "training.validation.seed")
     for pool in (parts.pool, validation.batch.parts.pool):

@@ -1,0 +1,209 @@
+"""The interfaces of a robot's brain: it works on single values; what training shares works on N robots at once."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_core.base.errors import ArenaError
+from arena_core.base.once import Once
+from arena_core.values.candidate import Candidate
+from arena_core.values.episode import EpisodeStart
+from arena_core.values.geometry import FloatArray, Pose, Twist
+from arena_core.values.sensing import LaserScan, Observation, PoseEstimate, Sensors, Tracks
+from arena_core.values.world import INSCRIBED, Costmap, OccupancyGrid, Path
+
+_ALONE = np.zeros(1, np.int64)  # the slot of a robot that is alone
+
+
+class Planner(ABC):
+    """A local planner: turns an observation into a velocity command.
+
+    The constructor receives ``robot: Robot`` and, by keyword, exactly the keys of its YAML. A planner whose first command waits for
+    a compiler says so by ``compiles``: it then decides once for nothing before its first episode, and is reset. ``untuned`` are lines,
+    told and kept with the run, on what of it was made for another robot.
+    """
+
+    compiles: ClassVar[bool] = False
+    untuned: tuple[str, ...] = ()
+
+    def reset(self, episode: EpisodeStart) -> None:  # noqa: B027 - a planner without memory has nothing to reset
+        """Forget the episode before; nothing but compiled solvers may survive."""
+
+    @abstractmethod
+    def compute_velocity(self, observation: Observation) -> Twist:
+        """Return the command for the coming control period; raise NoValidCommand when there is none (the robot brakes)."""
+
+    def considered(self) -> Sequence[Candidate] | None:
+        """Return what the last ``compute_velocity`` weighed, None where that is not told; asked only where a run records it.
+
+        It is asked after the command, outside of its time, and changes no later one.
+        """
+        return None
+
+
+class Localizer(ABC):
+    """Estimates the robot's pose in ``map`` from its sensors; one that ``needs_map`` is refused where the robot has none."""
+
+    needs_map: ClassVar[bool] = False
+
+    @abstractmethod
+    def reset(self, grid: OccupancyGrid | None, start: Pose, random: np.random.Generator) -> None:
+        """Begin an episode at the believed pose ``start``; ``grid`` is None in an unknown world."""
+
+    @abstractmethod
+    def update(self, sensors: Sensors) -> PoseEstimate:
+        """Return the estimate at ``sensors.stamp``; the scan is matched at its own stamp."""
+
+
+class ReferenceLocalizer(Localizer):
+    """Estimates from the pose of an external positioning system alone (in simulation: exact), and so for N robots at once.
+
+    ``begin`` and ``estimates`` are for robots that share one localiser, each in a slot of its own; alone, a robot has slot 0 of one.
+    """
+
+    @abstractmethod
+    def begin(self, keys: NDArray[np.uint64], slots: NDArray[np.int64], total: int) -> None:
+        """Begin episodes in K ``slots`` of ``total``, each with the key (K,) of its random stream."""
+
+    @abstractmethod
+    def estimates(self, poses: FloatArray, slots: NDArray[np.int64]) -> FloatArray:
+        """Return new estimates (K, 3) in ``map`` for robots in K ``slots`` that are at ``poses`` (K, 3) now; asked once a control step."""
+
+    def covariance(self, pose: FloatArray) -> FloatArray:
+        """Return the covariance (3, 3) of an estimate (3,)."""
+        return np.zeros((3, 3))
+
+    def reset(self, grid: OccupancyGrid | None, start: Pose, random: np.random.Generator) -> None:
+        """Begin an episode; neither map nor start is used."""
+        self.begin(random.integers(2**64, size=1, dtype=np.uint64), _ALONE, 1)
+
+    def update(self, sensors: Sensors) -> PoseEstimate:
+        """Return the estimate; raise ArenaError when the sensors carry no reference."""
+        if sensors.reference is None:
+            raise ArenaError(f"{type(self).__name__} needs sensors.reference, which only simulators give; use localizer=amcl")
+        estimate = self.estimates(sensors.reference.array()[None], _ALONE)[0]
+        return PoseEstimate(Pose.of(estimate), self.covariance(estimate))
+
+
+class GlobalPlanner(ABC):
+    """Plans a path on a grid."""
+
+    @abstractmethod
+    def plan(self, grid: OccupancyGrid, start: Pose, goal: Pose) -> Path:
+        """Return a path from start to goal; raise NoPath when there is none."""
+
+    def cost(self, grid: OccupancyGrid, path: Path) -> float:
+        """Return what a path costs on a grid, to compare it with others of this planner; inf where it is blocked.
+
+        Unless a planner knows better: its length, inf where a pose lies in an occupied cell.
+        """
+        cells = grid.cells(path.poses[:, :2])
+        inside = cells[grid.contains(cells)]
+        return float("inf") if grid.occupied[inside[:, 0], inside[:, 1]].any() else path.length
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PathBatch:
+    """N paths, packed: ``poses`` (sum of lengths, 3); path k is ``poses[offsets[k]:offsets[k + 1]]``."""
+
+    poses: FloatArray
+    offsets: NDArray[np.int64]
+
+    @staticmethod
+    def of(paths: Sequence[Path]) -> PathBatch:
+        """Pack paths."""
+        offsets = np.cumsum([0, *(len(path.poses) for path in paths)])
+        return PathBatch(np.concatenate([path.poses for path in paths]), offsets)
+
+
+WAYPOINT_FOUND = 0
+OFF_PATH = 1
+WAYPOINT_TIMEOUT = 2
+REPLAN_REASONS = {OFF_PATH: "off_path", WAYPOINT_TIMEOUT: "waypoint_timeout"}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Waypoints:
+    """One waypoint a world: ``poses`` (N, 3) in ``map`` and ``status`` (N,) int8, WAYPOINT_FOUND or why a new path is needed."""
+
+    poses: FloatArray
+    status: NDArray[np.int8]
+
+
+class WaypointGenerator(ABC):
+    """Puts the intermediate goal ahead on the path, for N robots at once."""
+
+    @abstractmethod
+    def reset(self, slots: NDArray[np.int64], total: int) -> None:
+        """Forget what was kept for these slots of ``total`` worlds."""
+
+    @abstractmethod
+    def next(self, paths: PathBatch, poses: FloatArray, stamps: FloatArray, slots: NDArray[np.int64] | None = None) -> Waypoints:
+        """Return the waypoint of each robot at ``poses`` (K, 3), ``stamps`` (K,) s, on K ``paths``: those in ``slots``, None: in all."""
+
+
+class Window:
+    """A local map's window after a scan: what is asked of it is computed then, at the latest before the next scan is taken in."""
+
+    def __init__(self, costmap: Callable[[], Costmap]) -> None:
+        self.costmap = Once(costmap)
+
+    def is_blocked(self, x: FloatArray, y: FloatArray, robot: Pose) -> bool:
+        """Tell whether the robot would touch something on a path through (K,) positions in ``map``, m.
+
+        From the one that is nearest to it, to the first that is outside the window.
+        """
+        first = int(((x - robot.x) ** 2 + (y - robot.y) ** 2).argmin())
+        local_map = self.costmap()
+        (rows, columns), (left, below) = local_map.costs.shape, local_map.origin_xy.tolist()
+        column = ((x[first:] - left) / local_map.resolution).astype(np.int64)
+        row = ((y[first:] - below) / local_map.resolution).astype(np.int64)
+        outside = (column.view(np.uint64) >= columns) | (row.view(np.uint64) >= rows)  # what is below 0 counts as very large
+        end = int(outside.argmax()) if outside.any() else len(outside)
+        return bool((local_map.costs[row[:end], column[:end]] >= INSCRIBED).any())
+
+
+class LocalMap(ABC):
+    """A rolling cost grid around the robot, from scan and map."""
+
+    @abstractmethod
+    def reset(self, grid: OccupancyGrid | None) -> None:
+        """Begin an episode; ``grid`` is the static map or None."""
+
+    @abstractmethod
+    def update(self, scan: LaserScan, pose: Pose) -> Costmap:
+        """Take in one scan seen from ``pose`` (base_link in ``map`` at the scan's stamp) and return the window."""
+
+    def take_in(self, scan: LaserScan, pose: Pose) -> Window:
+        """Take in one scan as ``update`` does; a map that can is to compute no costs that nobody asks for."""
+        costmap = self.update(scan, pose)
+        return Window(lambda: costmap)
+
+    @abstractmethod
+    def planning_grid(self, goal: Pose, all_marks: bool) -> OccupancyGrid:
+        """Return the static map with the window's marks on it; without a map, all that scans have shown so far, unknown cells free.
+
+        Unless ``all_marks``, those that may be walls of the map seen from a pose that is a little off are left out. A grid without a map
+        beneath holds ``goal``.
+        """
+
+    def clear(self, pose: Pose, beyond: float) -> None:  # noqa: B027 - a map without marks has nothing to clear
+        """Forget the marks of the window that are at least ``beyond`` m from ``pose``, as a recovery does; the map beneath stays."""
+
+
+class Tracker(ABC):
+    """Follows moving obstacles, from scan and pose alone."""
+
+    @abstractmethod
+    def reset(self, grid: OccupancyGrid | None) -> None:
+        """Begin an episode without tracks."""
+
+    @abstractmethod
+    def update(self, scan: LaserScan, pose: Pose, stamp: float) -> Tracks:
+        """Return the tracks at ``stamp``."""

@@ -1,0 +1,127 @@
+"""The interfaces of a run: what is measured, who carries out its jobs, and what its users call."""
+
+from __future__ import annotations
+
+import pathlib
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal, TypeVar
+
+from arena_core.values.episode import EpisodeRecord
+
+T = TypeVar("T")
+Better = Literal["higher", "lower", "neither"]  # what a reader wishes of a metric
+
+
+@dataclass(frozen=True, slots=True)
+class Metric:
+    """One figure of an episode: ``compute(record)``, NaN where it is not defined. ``better`` is what a reader wishes for.
+
+    What is true or false has the unit ``0/1``; a text has the unit ``text`` and is empty where it is not defined. ``path_metric`` marks
+    figures that are reported over all *and* over successful episodes.
+    """
+
+    name: str
+    unit: str
+    better: Better
+    description: str
+    compute: Callable[[EpisodeRecord], float | str]
+    path_metric: bool = False
+
+
+class MetricPack(ABC):
+    """A named set of metrics: pure functions of an EpisodeRecord.
+
+    The columns of its metrics begin with its name and a dot, unless it is ``bare``, as one pack of a run may be.
+    """
+
+    bare: bool = False
+
+    @abstractmethod
+    def metrics(self) -> Sequence[Metric]:
+        """Return the metrics of this pack, in the order of their columns."""
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """One episode to run: its run's composed configuration (plain containers), folder, number, and the level of a task that adapts."""
+
+    config: Mapping[str, Any]
+    folder: str
+    episode: int
+    stage: int | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Finished:
+    """What came of a job: its row of ``episodes.csv``, and whether the episode succeeded, which a task that adapts goes by."""
+
+    job: Job
+    row: Mapping[str, Any]
+    succeeded: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Lost:
+    """A job that an executor could not bring to its end, and why, in one line."""
+
+    job: Job
+    reason: str
+
+
+class Executor(ABC):
+    """Runs jobs somewhere, in one call of ``map`` or several; ``work`` is picklable and never raises for a failed episode."""
+
+    @abstractmethod
+    def map(self, work: Callable[[Job], T], jobs: Sequence[Job]) -> Iterator[T | Lost]:
+        """Yield what ``work`` returns of each job, in any order; ``Lost`` where it returns nothing."""
+
+    def prepare(self, check: Callable[[Job], T], jobs: Sequence[Job]) -> Iterator[T | Lost]:
+        """Run the checks that come before any ``map``, one a run: in this process, unless an executor can protect it from them."""
+        return (check(job) for job in jobs)
+
+    def close(self) -> None:  # noqa: B027 - an executor that keeps nothing between two calls has nothing to give back
+        """Give back what was kept warm from one ``map`` to the next."""
+
+
+class Reporter(ABC):
+    """Says what runs have shown: pages for people, comparisons for programs."""
+
+    @abstractmethod
+    def report(self, folders: Sequence[pathlib.Path], target: pathlib.Path, baseline: str | None = None) -> None:
+        """Write tables, pictures and a page over all runs at or below the folders to ``target``, and print what matters."""
+
+    @abstractmethod
+    def compare(self, folders: Sequence[pathlib.Path], baseline: str | None = None) -> Sequence[Mapping[str, Any]]:
+        """Return how each planner differs from the baseline on the same scenarios: a row for each planner, condition and metric."""
+
+
+class Listing(ABC):
+    """Something beside components that ``arena list`` shows."""
+
+    @abstractmethod
+    def names(self) -> Sequence[str]:
+        """Return what can be chosen."""
+
+    @abstractmethod
+    def summary(self) -> Sequence[str]:
+        """Return a few lines for ``arena list``."""
+
+    @abstractmethod
+    def details(self) -> Sequence[str]:
+        """Return the lines of ``arena list NAME``."""
+
+
+class Command(ABC):
+    """A subcommand of ``arena``."""
+
+    help: ClassVar[str]
+
+    @abstractmethod
+    def run(self, arguments: Sequence[str]) -> int:
+        """Run with the remaining arguments and return the exit status."""
+
+    def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
+        """Return what the unfinished ``word`` after ``words`` can become, whole words; none: a shell offers the names of files."""
+        return ()
