@@ -11,6 +11,7 @@ from arena_kernels.compiled import borrowing, compiled
 
 NARROW = 256  # columns, up to which a row's cells are compared with each other
 SQUARED_FITS = 2**15 - 1  # cells, up to which twice a square is a number of 32 bits
+FAR = 2**15 - 1  # [cells^2] stands for infinitely far in numbers of 16 bits: with any square of a small grid it stays one
 
 
 class Grid(Protocol):
@@ -48,10 +49,13 @@ def write_distances(cells: NDArray[np.uint8], resolution: float, field: NDArray[
     rows, columns = cells.shape
     none = rows + columns  # farther than any cell of the grid
     along = _distance_along_columns(cells, none)
+    if (rows - 1) ** 2 + (columns - 1) ** 2 < FAR and columns**2 <= FAR:
+        squares = np.empty((rows, columns), np.uint16)
+        _write_rooted(squares, _nearest_in_rows(along, none, np.uint16(FAR), squares), np.uint16(FAR), resolution, field)
+        return
     if columns <= NARROW and none <= SQUARED_FITS:
-        squares, nearest = np.empty(3 * columns + 2, np.int32), np.empty(columns, np.int32)
-        for row in range(rows):
-            _nearest_in_row(along[row], none, squares, nearest, resolution, field[row])
+        far, squares_of_grid = np.int32(2 * none * none), np.empty((rows, columns), np.int32)
+        _write_rooted(squares_of_grid, _nearest_in_rows(along, none, far, squares_of_grid), far, resolution, field)
         return
     sites = np.empty(columns, np.int64)
     starts = np.empty(columns + 1, np.float64)
@@ -59,39 +63,60 @@ def write_distances(cells: NDArray[np.uint8], resolution: float, field: NDArray[
         _lower_envelope(along[row], none, sites, starts, resolution, field[row])
 
 
+@compiled
+def _nearest_in_rows(along: NDArray[np.int32], none: int, far: Any, squares: NDArray[Any]) -> Any:
+    """Write how far the nearest blocked cell is from each, squared, ``far`` when there is none; return the greatest that is nearer."""
+    row_squares, greatest = np.empty(3 * along.shape[1] + 4, squares.dtype), squares.dtype.type(0)
+    for row in range(len(along)):
+        greatest = max(greatest, _nearest_in_row(along[row], none, far, row_squares, squares[row]))
+    return greatest
+
+
 @borrowing
-def _nearest_in_row(
-    heights: NDArray[np.int32],
-    none: int,
-    squares: NDArray[np.int32],
-    nearest: NDArray[np.int32],
-    resolution: float,
-    out: NDArray[np.float32],
-) -> None:
+def _nearest_in_row(heights: NDArray[np.int32], none: int, far: Any, squares: NDArray[Any], nearest: NDArray[Any]) -> Any:
     """Compare every column with those one, two, three ... columns away, until none of these can be nearer: in vector registers.
 
-    ``squares`` and ``nearest`` are room for three rows and two more columns, and for one row.
+    ``squares`` is room for three rows and four more columns. Numbers are as narrow as ``nearest``: a register holds more of them.
     """
     columns = np.uint64(len(heights))  # unsigned: an index that cannot count from an array's end leaves the loops to vector registers
-    middle, one, far = columns + np.uint64(1), np.uint64(1), np.int32(2 * none * none)
+    middle, one, narrow = columns + np.uint64(1), np.uint64(1), nearest.dtype.type
     squares[:] = far  # what lies beyond the row's ends is no nearer
-    farthest = np.int32(0)
+    farthest = narrow(0)
     for i in range(columns):
-        square = heights[i] * heights[i] if heights[i] < none else far
+        square = narrow(heights[i] * heights[i]) if heights[i] < none else far
         squares[middle + i] = nearest[i] = square
         farthest = max(farthest, square)
     away = one
-    while away < columns and farthest > np.int32(away * away):
-        square, next_square = np.int32(away * away), np.int32((away + one) * (away + one))
-        left, right, farthest = middle - away, middle + away, np.int32(0)
+    while away < columns and farthest > narrow(away * away):
+        square, next_square = narrow(away * away), narrow((away + one) * (away + one))
+        left, right, farthest = middle - away, middle + away, narrow(0)
         for i in range(columns):
-            beside = min(squares[left + i], squares[right + i]) + square
-            further = min(squares[left - one + i], squares[right + one + i]) + next_square
-            nearest[i] = min(nearest[i], min(beside, further))
-            farthest = max(farthest, nearest[i])
+            beside = narrow(min(squares[left + i], squares[right + i]) + square)
+            further = narrow(min(squares[left - one + i], squares[right + one + i]) + next_square)
+            least = min(nearest[i], min(beside, further))
+            nearest[i] = least
+            farthest = max(farthest, least)
         away += one + one
-    for i in range(columns):
-        out[i] = np.inf if nearest[i] >= far else np.sqrt(np.float64(nearest[i])) * resolution
+    return farthest if farthest < far else narrow(0)  # all cells of a row are far, or none is
+
+
+@compiled
+def _write_rooted(squares: NDArray[Any], greatest: Any, far: Any, resolution: float, field: NDArray[np.float32]) -> None:
+    """Write the roots of squares times the resolution, inf for ``far``; of few different squares each root is drawn once."""
+    rows, columns = squares.shape
+    if 2 * np.int64(greatest) > squares.size:
+        for row in range(rows):
+            for column in range(columns):
+                square = squares[row, column]
+                field[row, column] = np.inf if square >= far else np.sqrt(np.float64(square)) * resolution
+        return
+    roots = np.empty(np.int64(greatest) + 1, np.float32)
+    for square in range(len(roots)):
+        roots[square] = np.sqrt(np.float64(square)) * resolution
+    for row in range(rows):
+        for column in range(columns):
+            square = squares[row, column]
+            field[row, column] = np.inf if square >= far else roots[square]
 
 
 @compiled

@@ -8,7 +8,7 @@ import numpy as np
 
 from arena_kernels.compiled import borrowing, compiled, inlined, inner
 from arena_kernels.scalars import Integer
-from arena_teb.problem import REACH, Ends, FloatArray, Penalties, Rows, Shape, Surroundings
+from arena_teb.problem import REACH, Ends, FloatArray, IntArray, Penalties, Rows, Shape, Surroundings
 from arena_teb.terms import evaluate, make_rows
 
 DAMPING = 1.0  # [-] first damping
@@ -16,9 +16,9 @@ SETTLED = 0.1  # [-] damping below which a small gain means that there is little
 TIME_STIFFNESS = 5.0  # [m^2/s^2] how much more a time is damped than a position: times that collapse are slow to come back
 LEAST_SHRINK = 0.1  # [-] a good step divides the damping by no more than 10
 GIVE_UP = 1e12  # [-] damping beyond which no step is worth trying
-WIDE = np.uint64(REACH + 1)  # entries of a column that are worked on: whole vector registers
 ONE, TWO = np.uint64(1), np.uint64(2)
-STRIDE = np.uint64(2 * REACH + 2)  # entries from one column to the next; what lies beyond REACH stays 0
+STRIDE = np.uint64(REACH + 1)  # entries from one column to the next
+NEXT, AFTER_NEXT, ITSELF = 6, 10, 3  # last variable that a pose's first one is joined to: of the next pose, of that after it, of its own
 
 
 @compiled
@@ -38,21 +38,21 @@ def solve(
     """
     count = len(band)
     rows = make_rows(around)
-    room = (4 * count + REACH) * (2 * REACH + 2)
-    normal, gradient = np.zeros(room), np.zeros(4 * count)
-    factor, step, scale = np.zeros(room), np.zeros(4 * count), np.ones(4 * count)
+    room = 4 * count * (REACH + 1)
+    normal, gradient, joined = np.zeros(room), np.zeros(4 * count), np.empty(count, np.int64)
+    factor, step, scale = np.empty(room), np.zeros(4 * count), np.ones(4 * count)
     scale[3::4] = TIME_STIFFNESS
     trial = band.copy()
     cost = evaluate(band, penalties, shape, ends, around, rows)
-    normal_equations(rows, ends, normal, gradient)
+    normal_equations(rows, ends, normal, gradient, joined)
     damping, growth, done = DAMPING, 2.0, 0
     while done < iterations and damping < GIVE_UP:
         done += 1
-        if not factorise(normal, scale, damping, factor):
+        if not factorise(normal, joined, scale, damping, factor):
             damping *= growth
             growth *= 2.0
             continue
-        backsolve(factor, gradient, step)
+        backsolve(factor, joined, gradient, step)
         move(band, step, trial)
         found = evaluate(trial, penalties, shape, ends, around, rows)
         gain = cost - found
@@ -70,28 +70,33 @@ def solve(
         cost = found
         if converged:
             break
-        normal_equations(rows, ends, normal, gradient)
+        normal_equations(rows, ends, normal, gradient, joined)
     return cost, done
 
 
 @borrowing
-def normal_equations(rows: Rows, ends: Ends, normal: FloatArray, gradient: FloatArray) -> None:
-    """Sum up J'J (lower half: column c from its diagonal down at STRIDE c) and J'r; hold what does not move."""
+def normal_equations(rows: Rows, ends: Ends, normal: FloatArray, gradient: FloatArray, joined: IntArray) -> None:
+    """Sum up J'J (lower half: column c from its diagonal down at STRIDE c) and J'r; hold what does not move.
+
+    ``joined`` (N,) becomes how far the first variable of each pose is joined to later ones.
+    """
     for i in range(len(normal)):
         normal[i] = 0.0
     for i in range(len(gradient)):
         gradient[i] = 0.0
-    for row in range(len(rows.residual)):
-        width = rows.width[row]
-        if width == 0:
-            continue
-        first, residual, slopes = rows.first[row], rows.residual[row], rows.jacobian[row]
+    for k in range(len(joined)):
+        joined[k] = NEXT
+    joined[-1] = ITSELF
+    for row in range(rows.count[0]):
+        first, width, residual, slopes = rows.first[row], rows.width[row], rows.residual[row], rows.jacobian[row]
         if width == 7:
             add_seven(slopes, residual, np.uint64(first), normal, gradient)
         elif width == 3:
             add_three(slopes, residual, np.uint64(first), normal, gradient)
         else:
             add_any(slopes, width, residual, first, normal, gradient)
+        if width == REACH:
+            joined[first // 4] = AFTER_NEXT
     size = len(gradient)
     for variable in range(3):
         hold(variable, normal, gradient)
@@ -106,7 +111,7 @@ def normal_equations(rows: Rows, ends: Ends, normal: FloatArray, gradient: Float
 def add_any(slopes: FloatArray, width: int, residual: float, first: int, normal: FloatArray, gradient: FloatArray) -> None:
     """Add a term of any width."""
     for i in range(width):
-        slope, column = slopes[i], (2 * REACH + 2) * (first + i)
+        slope, column = slopes[i], (REACH + 1) * (first + i)
         gradient[first + i] += slope * residual
         for j in range(i, width):
             normal[column + j - i] += slope * slopes[j]
@@ -161,7 +166,7 @@ def add_entries(target: FloatArray, at: Integer, factor: float, values: tuple[fl
 def hold(variable: int, normal: FloatArray, gradient: FloatArray) -> None:
     """Take a variable out of the equations."""
     gradient[variable] = 0.0
-    stride = 2 * REACH + 2
+    stride = REACH + 1
     normal[variable * stride] = 1.0
     for i in range(1, REACH):
         normal[variable * stride + i] = 0.0
@@ -170,62 +175,71 @@ def hold(variable: int, normal: FloatArray, gradient: FloatArray) -> None:
 
 
 @borrowing
-def factorise(normal: FloatArray, scale: FloatArray, damping: float, factor: FloatArray) -> bool:
+def factorise(normal: FloatArray, joined: IntArray, scale: FloatArray, damping: float, factor: FloatArray) -> bool:
     """Write the Cholesky factor of the damped normal matrix, column by column, its diagonal inverted; return whether there is one.
 
-    A column is taken from those behind it as soon as it is known, ten at a time: nothing waits for a sum. Entries beyond the band are
-    zeros, which cost less than their omission.
+    A column is taken from those behind it as soon as it is known: nothing waits for a sum. Only what a pose is joined to is worked on.
     """
     for i in range(len(normal)):
         factor[i] = normal[i]
     for i in range(np.uint64(len(scale))):
         factor[i * STRIDE] += damping * scale[i] + 1e-12
-    for i in range(np.uint64(len(scale))):
-        at = i * STRIDE
-        value = factor[at]
-        if not value > 0.0:
+    sound = True
+    for k in range(len(joined)):
+        at = np.uint64(4 * k) * STRIDE
+        if joined[k] == NEXT:
+            sound = eliminate(factor, at, NEXT) and sound
+        elif joined[k] == AFTER_NEXT:
+            sound = eliminate(factor, at, AFTER_NEXT) and sound
+        else:
+            sound = eliminate(factor, at, ITSELF) and sound
+        if not sound:
             return False
-        inverse = 1.0 / math.sqrt(value)
-        factor[at] = inverse
-        for j in range(ONE, WIDE):
-            factor[at + j] *= inverse
-        lessen(factor, at, 1)
-        lessen(factor, at, 2)
-        lessen(factor, at, 3)
-        lessen(factor, at, 4)
-        lessen(factor, at, 5)
-        lessen(factor, at, 6)
-        lessen(factor, at, 7)
-        lessen(factor, at, 8)
-        lessen(factor, at, 9)
-        lessen(factor, at, 10)
     return True
 
 
 @inlined
-def lessen(factor: FloatArray, at: Integer, behind: int) -> None:
-    """Take the products of the column at ``at`` with its own entry ``behind`` rows down from the column as far behind."""
-    shift = np.uint64(behind)
-    slope = factor[at + shift]
-    for j in range(WIDE):
-        factor[at + shift * STRIDE + j] -= slope * factor[at + shift + j]
+def eliminate(factor: FloatArray, at: Integer, reach: int) -> bool:
+    """Take the four columns of a pose from those behind, the first of them down to ``reach`` rows below it; return whether that can be."""
+    sound = lessen(factor, at, reach)
+    sound = lessen(factor, at + STRIDE, reach - 1) and sound
+    sound = lessen(factor, at + TWO * STRIDE, reach - 2) and sound
+    return lessen(factor, at + (ONE + TWO) * STRIDE, reach - 3) and sound
+
+
+@inlined
+def lessen(factor: FloatArray, at: Integer, reach: int) -> bool:
+    """Finish the column at ``at`` and take its products from ``reach`` columns behind; return whether its diagonal is above 0."""
+    value = factor[at]
+    inverse = 1.0 / math.sqrt(value)
+    factor[at] = inverse
+    for j in range(1, reach + 1):
+        factor[at + np.uint64(j)] *= inverse
+    for behind in range(1, reach + 1):
+        shift = np.uint64(behind)
+        slope = factor[at + shift]
+        for j in range(reach + 1 - behind):
+            factor[at + shift * STRIDE + np.uint64(j)] -= slope * factor[at + shift + np.uint64(j)]
+    return value > 0.0
 
 
 @borrowing
-def backsolve(factor: FloatArray, gradient: FloatArray, step: FloatArray) -> None:
+def backsolve(factor: FloatArray, joined: IntArray, gradient: FloatArray, step: FloatArray) -> None:
     """Write the step that the factor and the gradient give."""
-    size = len(gradient)
-    stride = 2 * REACH + 2
-    for i in range(size):
+    stride, count = REACH + 1, len(joined)
+    for i in range(len(gradient)):
         step[i] = -gradient[i]
-    for i in range(size):
-        step[i] *= factor[i * stride]
-        for j in range(1, min(REACH, size - i)):
-            step[i + j] -= factor[i * stride + j] * step[i]
-    for i in range(size - 1, -1, -1):
-        step[i] *= factor[i * stride]
-        for j in range(1, min(REACH, i + 1)):
-            step[i - j] -= factor[(i - j) * stride + j] * step[i]
+    for k in range(count):
+        for i in range(4 * k, 4 * k + 4):
+            step[i] *= factor[i * stride]
+            for j in range(1, joined[k] + 4 * k - i + 1):
+                step[i + j] -= factor[i * stride + j] * step[i]
+    for k in range(count - 1, -1, -1):
+        for i in range(4 * k + 3, 4 * k - 1, -1):
+            value = step[i]
+            for j in range(joined[k] + 4 * k - i, 0, -1):
+                value -= factor[i * stride + j] * step[i + j]
+            step[i] = value * factor[i * stride]
 
 
 @borrowing

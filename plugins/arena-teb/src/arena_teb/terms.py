@@ -20,14 +20,16 @@ ROTATION_INTERVALS = 3  # how many intervals a preferred direction of turning ho
 
 @compiled
 def make_rows(around: Surroundings) -> Rows:
-    """Return room for the terms of a band in its surroundings."""
+    """Return room for all the terms of a band in its surroundings."""
     count, near = len(around.points), around.points.shape[1] + len(around.radii)
     total = (count - 1) * INTERVAL_ROWS + count * JOINT_ROWS + (count - 2) * POINT_ROWS * near + len(around.via_poses)
     return Rows(
-        np.zeros(total),
-        np.zeros((total, REACH)),
-        np.zeros(total, np.int64),
-        np.zeros(total, np.int64),
+        np.zeros(1, np.int64),
+        np.empty(total),
+        np.empty((total, REACH)),
+        np.empty(total, np.int64),
+        np.empty(total, np.int64),
+        np.empty(total, np.int64),
         np.zeros((count, 3)),
         np.zeros((count, 3, 7)),
     )
@@ -37,14 +39,22 @@ def make_rows(around: Surroundings) -> Rows:
 def evaluate(band: FloatArray, penalties: Penalties, shape: Shape, ends: Ends, around: Surroundings, rows: Rows) -> float:
     """Fill ``rows`` for a band (N, 4) and return half the sum of the squared residuals."""
     measure_motion(band, rows)
-    at = interval_rows(band, penalties, ends, around, rows)
-    at = acceleration_rows(band, penalties, ends, rows, at)
-    at = obstacle_rows(band, penalties, shape, around, rows, at)
-    via_rows(band, penalties, around, rows, at)
+    count = interval_rows(band, penalties, ends, around, rows)
+    count = acceleration_rows(band, penalties, ends, rows, count)
+    count = obstacle_rows(band, penalties, shape, around, rows, count)
+    count = via_rows(band, penalties, around, rows, count)
+    rows.count[0] = count
     total = 0.0
-    for i in range(len(rows.residual)):
+    for i in range(count):
         total += rows.residual[i] * rows.residual[i]
     return 0.5 * total
+
+
+@inlined
+def enter(rows: Rows, count: int, term: int, first: int, width: int, residual: float) -> int:
+    """Give a term the row ``count``, whose derivatives its caller has written; return how many rows there are then."""
+    rows.residual[count], rows.first[count], rows.width[count], rows.term[count] = residual, first, width, term
+    return count + 1
 
 
 @inlined
@@ -75,28 +85,24 @@ def measure_motion(band: FloatArray, rows: Rows) -> None:
 
 @inner
 def interval_rows(band: FloatArray, penalties: Penalties, ends: Ends, around: Surroundings, rows: Rows) -> int:
-    """Write the terms of every interval; return the next free row."""
-    at = 0
+    """Write the terms of every interval; return how many rows there are."""
+    count = 0
     for k in range(len(band) - 1):
+        term = INTERVAL_ROWS * k
         for axis in range(3):
             cap = around.caps[k] if axis < 2 else 1.0
             speed, root = rows.speeds[k, axis], penalties.root_speed[axis]
-            excess = beyond(speed, cap * penalties.speed_min[axis], cap * penalties.speed_max[axis])
-            rows.residual[at] = root * excess
-            rows.first[at] = 4 * k
-            rows.width[at] = 7 if root * excess != 0.0 else 0
-            if root * excess != 0.0:
+            residual = root * beyond(speed, cap * penalties.speed_min[axis], cap * penalties.speed_max[axis])
+            if residual != 0.0:
                 for i in range(7):
-                    rows.jacobian[at, i] = root * rows.slopes[k, axis, i]
-            at += 1
-        kinematic_rows(band, k, penalties, rows, at)
-        rows.residual[at + 3] = penalties.root_time * band[k, 3]
-        rows.first[at + 3], rows.width[at + 3] = 4 * k + 3, 1
-        rows.jacobian[at + 3, 0] = penalties.root_time
-        path_row(band, k, penalties, rows, at + 4)
-        rotation_row(band, k, penalties, ends, rows, at + 5)
-        at += INTERVAL_ROWS - 3
-    return at
+                    rows.jacobian[count, i] = root * rows.slopes[k, axis, i]
+                count = enter(rows, count, term + axis, 4 * k, 7, residual)
+        count = kinematic_rows(band, k, penalties, rows, count)
+        rows.jacobian[count, 0] = penalties.root_time
+        count = enter(rows, count, term + 6, 4 * k + 3, 1, penalties.root_time * band[k, 3])
+        count = path_row(band, k, penalties, rows, count)
+        count = rotation_row(band, k, penalties, ends, rows, count)
+    return count
 
 
 @inlined
@@ -106,97 +112,97 @@ def beyond(value: float, low: float, high: float) -> float:
 
 
 @inner
-def kinematic_rows(band: FloatArray, k: int, penalties: Penalties, rows: Rows, at: int) -> None:
+def kinematic_rows(band: FloatArray, k: int, penalties: Penalties, rows: Rows, count: int) -> int:
     """Write that both poses lie on one arc (RAS 2017, eq. 13), that it is driven forwards, and that its radius is large enough."""
-    dt = band[k, 3]
+    dt, term = band[k, 3], INTERVAL_ROWS * k + 3
     forward, sideways, turn = dt * rows.speeds[k, 0], dt * rows.speeds[k, 1], dt * rows.speeds[k, 2]
     slopes = rows.slopes[k]
     root = penalties.root_nonholonomic
-    rows.residual[at] = 0.0
-    rows.first[at], rows.width[at] = 4 * k, 7 if root > 0.0 else 0
     if root > 0.0:
         half_c, half_s = math.cos(0.5 * turn), math.sin(0.5 * turn)
-        rows.residual[at] = root * 2.0 * half_c * sideways
+        jacobian = rows.jacobian[count]
         for i in range(7):
-            rows.jacobian[at, i] = root * 2.0 * half_c * dt * slopes[1, i]
-        rows.jacobian[at, 2] += root * half_s * sideways
-        rows.jacobian[at, 6] -= root * half_s * sideways
-        rows.jacobian[at, 3] = 0.0
+            jacobian[i] = root * 2.0 * half_c * dt * slopes[1, i]
+        jacobian[2] += root * half_s * sideways
+        jacobian[6] -= root * half_s * sideways
+        jacobian[3] = 0.0
+        count = enter(rows, count, term, 4 * k, 7, root * 2.0 * half_c * sideways)
 
     root = penalties.root_forward
-    backward = min(forward, 0.0)
-    rows.residual[at + 1] = root * backward
-    rows.first[at + 1], rows.width[at + 1] = 4 * k, 7 if root * backward != 0.0 else 0
-    if root * backward != 0.0:
+    residual = root * min(forward, 0.0)
+    if residual != 0.0:
         for i in range(7):
-            rows.jacobian[at + 1, i] = root * dt * slopes[0, i]
-        rows.jacobian[at + 1, 3] = 0.0
+            rows.jacobian[count, i] = root * dt * slopes[0, i]
+        rows.jacobian[count, 3] = 0.0
+        count = enter(rows, count, term + 1, 4 * k, 7, residual)
 
     root = penalties.root_turn_radius
-    lack = max(penalties.turn_radius * abs(turn) - abs(forward), 0.0)
-    rows.residual[at + 2] = root * lack
-    rows.first[at + 2], rows.width[at + 2] = 4 * k, 7 if root * lack != 0.0 else 0
-    if root * lack != 0.0:
+    residual = root * max(penalties.turn_radius * abs(turn) - abs(forward), 0.0)
+    if residual != 0.0:
         by_turn, by_forward = math.copysign(penalties.turn_radius, turn) * dt, -math.copysign(1.0, forward) * dt
         for i in range(7):
-            rows.jacobian[at + 2, i] = root * (by_turn * slopes[2, i] + by_forward * slopes[0, i])
-        rows.jacobian[at + 2, 3] = 0.0
+            rows.jacobian[count, i] = root * (by_turn * slopes[2, i] + by_forward * slopes[0, i])
+        rows.jacobian[count, 3] = 0.0
+        count = enter(rows, count, term + 2, 4 * k, 7, residual)
+    return count
 
 
 @inner
-def path_row(band: FloatArray, k: int, penalties: Penalties, rows: Rows, at: int) -> None:
+def path_row(band: FloatArray, k: int, penalties: Penalties, rows: Rows, count: int) -> int:
     """Write the distance between two poses."""
-    dx, dy, root = band[k + 1, 0] - band[k, 0], band[k + 1, 1] - band[k, 1], penalties.root_path
+    root = penalties.root_path
+    if root == 0.0:
+        return count
+    dx, dy = band[k + 1, 0] - band[k, 0], band[k + 1, 1] - band[k, 1]
     length = math.hypot(dx, dy)
-    rows.residual[at] = root * length
-    rows.first[at], rows.width[at] = 4 * k, 6 if root * length > 0.0 else 0
-    if rows.width[at] > 0:
-        ux, uy = root * dx / length, root * dy / length
-        jacobian = rows.jacobian[at]
-        jacobian[0], jacobian[1], jacobian[2], jacobian[3], jacobian[4], jacobian[5] = -ux, -uy, 0.0, 0.0, ux, uy
+    if length == 0.0:
+        return count
+    ux, uy = root * dx / length, root * dy / length
+    jacobian = rows.jacobian[count]
+    jacobian[0], jacobian[1], jacobian[2], jacobian[3], jacobian[4], jacobian[5] = -ux, -uy, 0.0, 0.0, ux, uy
+    return enter(rows, count, INTERVAL_ROWS * k + 7, 4 * k, 6, root * length)
 
 
 @inner
-def rotation_row(band: FloatArray, k: int, penalties: Penalties, ends: Ends, rows: Rows, at: int) -> None:
+def rotation_row(band: FloatArray, k: int, penalties: Penalties, ends: Ends, rows: Rows, count: int) -> int:
     """Write a turn against the preferred direction of turning."""
     against = min(ends.rotation * band[k, 3] * rows.speeds[k, 2], 0.0) if k < ROTATION_INTERVALS else 0.0
-    rows.residual[at] = penalties.root_rotation * against
-    rows.first[at], rows.width[at] = 4 * k + 2, 5 if rows.residual[at] != 0.0 else 0
-    if rows.residual[at] == 0.0:
-        return
+    residual = penalties.root_rotation * against
+    if residual == 0.0:
+        return count
     slope = penalties.root_rotation * ends.rotation
-    jacobian = rows.jacobian[at]
+    jacobian = rows.jacobian[count]
     jacobian[0], jacobian[1], jacobian[2], jacobian[3], jacobian[4] = -slope, 0.0, 0.0, 0.0, slope
+    return enter(rows, count, INTERVAL_ROWS * k + 8, 4 * k + 2, 5, residual)
 
 
 @inner
-def acceleration_rows(band: FloatArray, penalties: Penalties, ends: Ends, rows: Rows, at: int) -> int:
+def acceleration_rows(band: FloatArray, penalties: Penalties, ends: Ends, rows: Rows, count: int) -> int:
     """Write the accelerations from the start's velocity, between intervals, and to the goal's velocity."""
     last = len(band) - 2
+    term = INTERVAL_ROWS * (last + 1)
     for axis in range(3):
-        edge_acceleration_row(band, 0, axis, 1.0, ends.start[axis], penalties, rows, at + axis)
-    at += 3
+        count = edge_acceleration_row(band, 0, axis, 1.0, ends.start[axis], penalties, rows, count, term + axis)
     for k in range(last):
+        term += JOINT_ROWS
         for axis in range(3):
-            joint_acceleration_row(band, k, axis, penalties, rows, at + axis)
-        at += 3
+            count = joint_acceleration_row(band, k, axis, penalties, rows, count, term + axis)
+    term += JOINT_ROWS
     for axis in range(3):
-        edge_acceleration_row(band, last, axis, -ends.stops, ends.goal[axis], penalties, rows, at + axis)
-    return at + 3
+        count = edge_acceleration_row(band, last, axis, -ends.stops, ends.goal[axis], penalties, rows, count, term + axis)
+    return count
 
 
 @inner
-def joint_acceleration_row(band: FloatArray, k: int, axis: int, penalties: Penalties, rows: Rows, at: int) -> None:
+def joint_acceleration_row(band: FloatArray, k: int, axis: int, penalties: Penalties, rows: Rows, count: int, term: int) -> int:
     """Write the acceleration between two intervals."""
     rate = 2.0 / (band[k, 3] + band[k + 1, 3])
     acceleration = rate * (rows.speeds[k + 1, axis] - rows.speeds[k, axis])
     root = penalties.root_acceleration[axis]
     residual = root * beyond(acceleration, -penalties.acceleration[axis], penalties.acceleration[axis])
-    rows.residual[at] = residual
-    rows.first[at], rows.width[at] = 4 * k, 11 if residual != 0.0 else 0
     if residual == 0.0:
-        return
-    jacobian = rows.jacobian[at]
+        return count
+    jacobian = rows.jacobian[count]
     jacobian[7:11] = 0.0
     for i in range(7):
         jacobian[i] = -root * rate * rows.slopes[k, axis, i]
@@ -204,63 +210,56 @@ def joint_acceleration_row(band: FloatArray, k: int, axis: int, penalties: Penal
         jacobian[i + 4] += root * rate * rows.slopes[k + 1, axis, i]
     jacobian[3] -= 0.5 * root * rate * acceleration
     jacobian[7] -= 0.5 * root * rate * acceleration
+    return enter(rows, count, term, 4 * k, REACH, residual)
 
 
 @inner
 def edge_acceleration_row(
-    band: FloatArray, k: int, axis: int, sign: float, other: float, penalties: Penalties, rows: Rows, at: int
-) -> None:
+    band: FloatArray, k: int, axis: int, sign: float, other: float, penalties: Penalties, rows: Rows, count: int, term: int
+) -> int:
     """Write the acceleration between an interval and a velocity at an end of the band."""
     rate = 1.0 / band[k, 3]
     acceleration = sign * rate * (rows.speeds[k, axis] - other)
     root = penalties.root_acceleration[axis]
     residual = root * beyond(acceleration, -penalties.acceleration[axis], penalties.acceleration[axis])
-    rows.residual[at] = residual
-    rows.first[at], rows.width[at] = 4 * k, 7 if residual != 0.0 else 0
     if residual == 0.0:
-        return
+        return count
     for i in range(7):
-        rows.jacobian[at, i] = root * sign * rate * rows.slopes[k, axis, i]
-    rows.jacobian[at, 3] -= root * rate * acceleration
+        rows.jacobian[count, i] = root * sign * rate * rows.slopes[k, axis, i]
+    rows.jacobian[count, 3] -= root * rate * acceleration
+    return enter(rows, count, term, 4 * k, 7, residual)
 
 
 @inner
-def obstacle_rows(band: FloatArray, penalties: Penalties, shape: Shape, around: Surroundings, rows: Rows, at: int) -> int:
+def obstacle_rows(band: FloatArray, penalties: Penalties, shape: Shape, around: Surroundings, rows: Rows, count: int) -> int:
     """Write how near every pose between start and goal is to static points and to moving discs."""
     static = max(penalties.near, penalties.inflated) + around.point_radius + shape.radius
     dynamic = max(penalties.dynamic_near, penalties.dynamic_inflated)
+    term = INTERVAL_ROWS * (len(band) - 1) + JOINT_ROWS * len(band)
     for k in range(1, len(band) - 1):
         c, s, turned = 1.0, 0.0, False
         for i in range(around.points.shape[1]):
             x, y = around.points[k, i, 0] - band[k, 0], around.points[k, i, 1] - band[k, 1]
-            leave_out(rows, at)
             if x * x + y * y < static * static:
                 if not turned:
                     c, s, turned = math.cos(band[k, 2]), math.sin(band[k, 2]), True
-                roots = penalties.root_obstacle, penalties.root_inflation
-                distance_rows(k, x, y, c, s, around.point_radius, (penalties.near, penalties.inflated), roots, shape, rows, at)
-                if penalties.exponent != 1.0 and rows.width[at] > 0:
-                    raise_row(at, roots[0], penalties, rows)
-            at += POINT_ROWS
+                bounds, roots = (penalties.near, penalties.inflated), (penalties.root_obstacle, penalties.root_inflation)
+                before = count
+                count = distance_rows(k, x, y, c, s, around.point_radius, bounds, roots, shape, rows, count, term)
+                if penalties.exponent != 1.0 and count > before and rows.term[before] == term:
+                    raise_row(before, roots[0], penalties, rows)
+            term += POINT_ROWS
         for j in range(len(around.radii)):
             x, y = around.moving[k, j, 0] - band[k, 0], around.moving[k, j, 1] - band[k, 1]
             far = dynamic + around.radii[j] + shape.radius
-            leave_out(rows, at)
             if x * x + y * y < far * far:
                 if not turned:
                     c, s, turned = math.cos(band[k, 2]), math.sin(band[k, 2]), True
-                roots = penalties.root_dynamic, penalties.root_dynamic_inflation
                 bounds = penalties.dynamic_near, penalties.dynamic_inflated
-                distance_rows(k, x, y, c, s, around.radii[j], bounds, roots, shape, rows, at)
-            at += POINT_ROWS
-    return at
-
-
-@inlined
-def leave_out(rows: Rows, at: int) -> None:
-    """Take the terms of an obstacle out of action."""
-    rows.residual[at], rows.residual[at + 1] = 0.0, 0.0
-    rows.width[at], rows.width[at + 1] = 0, 0
+                roots = penalties.root_dynamic, penalties.root_dynamic_inflation
+                count = distance_rows(k, x, y, c, s, around.radii[j], bounds, roots, shape, rows, count, term)
+            term += POINT_ROWS
+    return count
 
 
 @inner
@@ -275,21 +274,22 @@ def distance_rows(
     roots: tuple[float, float],
     shape: Shape,
     rows: Rows,
-    at: int,
-) -> None:
-    """Write two terms for a disc at (x, y) from a pose whose heading has cosine and sine (c, s): nearer than each of ``bounds``."""
+    count: int,
+    term: int,
+) -> int:
+    """Write up to two terms for a disc at (x, y) from a pose whose heading has cosine and sine (c, s): nearer than each of ``bounds``."""
     bx, by = c * x + s * y, c * y - s * x
     gap, nx, ny = hull_distance(shape, bx, by)
     gap -= radius
     for i in range(2):
         lack = bounds[i] - gap
         if lack > 0.0 and roots[i] > 0.0:
-            root, row = roots[i], at + i
-            rows.residual[row] = root * lack
-            rows.first[row], rows.width[row] = 4 * k, 3
-            rows.jacobian[row, 0] = root * (c * nx - s * ny)
-            rows.jacobian[row, 1] = root * (s * nx + c * ny)
-            rows.jacobian[row, 2] = root * (ny * bx - nx * by)
+            root = roots[i]
+            rows.jacobian[count, 0] = root * (c * nx - s * ny)
+            rows.jacobian[count, 1] = root * (s * nx + c * ny)
+            rows.jacobian[count, 2] = root * (ny * bx - nx * by)
+            count = enter(rows, count, term + i, 4 * k, 3, root * lack)
+    return count
 
 
 @inner
@@ -315,13 +315,15 @@ def hull_distance(shape: Shape, x: float, y: float) -> tuple[float, float, float
 
 
 @inner
-def via_rows(band: FloatArray, penalties: Penalties, around: Surroundings, rows: Rows, at: int) -> None:
+def via_rows(band: FloatArray, penalties: Penalties, around: Surroundings, rows: Rows, count: int) -> int:
     """Write how far the pose of each via point lies from it."""
+    near = around.points.shape[1] + len(around.radii)
+    term = INTERVAL_ROWS * (len(band) - 1) + JOINT_ROWS * len(band) + POINT_ROWS * near * (len(band) - 2)
     for j in range(len(around.via_poses)):
         k, root = around.via_poses[j], penalties.root_via
         dx, dy = band[k, 0] - around.vias[j, 0], band[k, 1] - around.vias[j, 1]
         distance = math.hypot(dx, dy)
-        rows.residual[at + j] = root * distance
-        rows.first[at + j], rows.width[at + j] = 4 * k, 2 if root * distance > 0.0 else 0
-        if distance > 0.0:
-            rows.jacobian[at + j, 0], rows.jacobian[at + j, 1] = root * dx / distance, root * dy / distance
+        if root * distance != 0.0:
+            rows.jacobian[count, 0], rows.jacobian[count, 1] = root * dx / distance, root * dy / distance
+            count = enter(rows, count, term + j, 4 * k, 2, root * distance)
+    return count
