@@ -96,12 +96,12 @@ def scipys(band: np.ndarray, around: Surroundings, cost: float) -> float:
     def residuals(values: np.ndarray) -> np.ndarray:
         at(values)
         found = np.zeros(len(rows.residual))
-        found[rows.term[: rows.count[0]]] = rows.residual[: rows.count[0]]
+        found[rows.term[: rows.used[0]]] = rows.residual[: rows.used[0]]
         return found
 
     def jacobian(values: np.ndarray) -> csr_matrix:
         at(values)
-        row, column = np.nonzero(np.arange(REACH) < rows.width[: rows.count[0], None])
+        row, column = np.nonzero(np.arange(REACH) < rows.width[: rows.used[0], None])
         entries = rows.jacobian[row, column], (rows.term[row], rows.first[row] + column)
         return csr_matrix(entries, shape=(len(rows.width), band.size))[:, free.ravel()]
 

@@ -69,7 +69,7 @@ def drawn(seed, count=40, tracks=10, noise=0.02):
 
 def sparse(rows, variables):
     """Return the Jacobian of all terms, also of those that are out of action."""
-    row, column = np.nonzero(np.arange(REACH) < rows.width[: rows.count[0], None])
+    row, column = np.nonzero(np.arange(REACH) < rows.width[: rows.used[0], None])
     entries = rows.jacobian[row, column], (rows.term[row], rows.first[row] + column)
     return csr_matrix(entries, shape=(len(rows.width), variables))
 
@@ -77,13 +77,13 @@ def sparse(rows, variables):
 def residuals_of(rows):
     """Return the residuals of all terms, 0 of those that are out of action."""
     residuals = np.zeros(len(rows.residual))
-    residuals[rows.term[: rows.count[0]]] = rows.residual[: rows.count[0]]
+    residuals[rows.term[: rows.used[0]]] = rows.residual[: rows.used[0]]
     return residuals
 
 
 def in_action(rows):
     active = np.zeros(len(rows.term), np.bool_)
-    active[rows.term[: rows.count[0]]] = True
+    active[rows.term[: rows.used[0]]] = True
     return active
 
 

@@ -13,16 +13,24 @@ TURN_FIRST = 1.0  # rad, bearing of the path from which the drive turns on the s
 AHEAD = 0.4  # m, how far along the path the drive steers to
 
 
+@compiled
 def shifted(states: FloatArray, step: float, elapsed: float, end: FloatArray, stages: int, new_step: float) -> FloatArray:
     """Return a plan (N + 1, S) as it looks ``elapsed`` s later, in ``stages`` intervals of ``new_step`` s.
 
     Past its end it goes to ``end``.
     """
-    knots = np.arange(len(states)) * step
-    times = elapsed + np.arange(stages + 1) * new_step
-    finish = max(float(times[-1]), float(knots[-1]) + 1e-6)
-    rows = np.vstack((states, end))
-    return np.column_stack([np.interp(times, np.append(knots, finish), column) for column in rows.T])
+    last = len(states) - 1
+    finish = max(elapsed + stages * new_step, last * step + 1e-6)
+    moved, k = np.empty((stages + 1, states.shape[1])), 0
+    for stage in range(stages + 1):
+        time = elapsed + stage * new_step
+        while k < last and (k + 1) * step <= time:
+            k += 1
+        begins, ends = k * step, (k + 1) * step if k < last else finish
+        for i in range(states.shape[1]):
+            to = states[k + 1, i] if k < last else end[i]
+            moved[stage, i] = to if time >= finish else (to - states[k, i]) / (ends - begins) * (time - begins) + states[k, i]
+    return moved
 
 
 @compiled

@@ -40,8 +40,10 @@ def _spanned(low: tuple[float, ...], high: tuple[float, ...]) -> tuple[FloatArra
     return np.where(narrow, lows - LEAST_SPAN, lows), np.where(narrow, highs + LEAST_SPAN, highs)
 
 
-def state_of(model: ModelName, drive: Drive, pose: Pose, twist: Twist, steering: float) -> FloatArray:
-    """Return the state of a robot; ``steering`` is a car's angle where its speed is too low to tell."""
+def state_of(
+    model: ModelName, drive: Drive, bounds: tuple[FloatArray, FloatArray], pose: Pose, twist: Twist, steering: float
+) -> FloatArray:
+    """Return the state of a robot, its velocities within ``bounds``; ``steering`` is a car's angle where its speed is too low to tell."""
     if model == "omnidirectional":
         velocities = [twist.vx, twist.vy, twist.wz]
     elif model == "unicycle":
@@ -49,8 +51,7 @@ def state_of(model: ModelName, drive: Drive, pose: Pose, twist: Twist, steering:
     else:
         told = math.atan(twist.wz * drive.wheelbase / twist.vx) if abs(twist.vx) > 0.1 else steering
         velocities = [twist.vx, told]
-    low, high = velocity_bounds(model, drive)
-    return np.concatenate((pose.array(), np.clip(velocities, low, high)))
+    return np.concatenate((pose.array(), np.clip(velocities, *bounds)))
 
 
 def twist_of(model: ModelName, drive: Drive, velocities: FloatArray) -> Twist:

@@ -7,8 +7,9 @@ import math
 import numpy as np
 
 from arena_core import Tracks
+from arena_kernels.compiled import borrowing, compiled
 from arena_mpc.arrays import FloatArray
-from arena_mpc.footprint import Discs, placed
+from arena_mpc.footprint import Discs
 from arena_mpc.plan import Plan
 from arena_mpc.terms import MOVER
 
@@ -22,17 +23,7 @@ def relevant_movers(tracks: Tracks, positions: FloatArray, step: float, distance
 
     Position k is reached ``k * step`` s from now. Rows without a track stand far away.
     """
-    rows = np.tile((FAR, FAR, 0.0, 0.0, 0.0), (count, 1))
-    if len(tracks.ids) == 0 or count == 0:
-        return rows
-    times = np.arange(len(positions)) * step
-    predicted = tracks.positions[:, None] + times[:, None] * tracks.velocities[:, None]
-    gaps = np.hypot(*(predicted - positions).transpose(2, 0, 1)).min(axis=1) - tracks.radii
-    order = np.argsort(gaps, kind="stable")[:count]
-    chosen = np.column_stack((tracks.positions, tracks.velocities, tracks.radii + distance))[order]
-    rows[: len(order)] = chosen
-    assert rows.shape == (count, MOVER)
-    return rows
+    return _movers(tracks.positions, tracks.velocities, tracks.radii, positions, step, distance, count)
 
 
 def first_hit(tracks: Tracks, plan: Plan, discs: Discs, deeper: float) -> float:
@@ -40,31 +31,104 @@ def first_hit(tracks: Tracks, plan: Plan, discs: Discs, deeper: float) -> float:
 
     A track that would touch a robot that stands counts when it is touched by ``deeper`` m more: standing is then no better.
     """
-    if len(tracks.ids) == 0:
-        return math.inf
-    tracks = _within_reach(tracks, plan, discs)
-    if len(tracks.ids) == 0:
-        return math.inf
-    times = np.arange(0.0, plan.duration + 1e-9, SPACING)
-    knots = np.arange(len(plan.states)) * plan.step
-    poses = np.column_stack([np.interp(times, knots, column) for column in plan.states[:, :3].T])
-    predicted = tracks.positions[:, None] + times[:, None] * tracks.velocities[:, None]
-    touched = tracks.radii[:, None] + discs.radius
-    standing = _apart(predicted, placed(discs, poses[:1])) - touched
-    allowed = np.where(standing > 0.0, 0.0, standing - deeper)
-    touching = (_apart(predicted, placed(discs, poses)) - touched < allowed).any(axis=0)
-    return float(times[int(np.argmax(touching))]) if touching.any() else math.inf
+    return _first_hit(tracks.positions, tracks.velocities, tracks.radii, plan.states, plan.step, discs.centres_xy, discs.radius, deeper)
 
 
-def _within_reach(tracks: Tracks, plan: Plan, discs: Discs) -> Tracks:
-    """Return the tracks that may touch the robot on a plan: wherever both are within its duration, they are no farther apart."""
-    first = plan.states[0, :2]
-    driven = np.hypot(*(plan.states[:, :2] - first).T).max() + np.hypot(*discs.centres_xy.T).max() + discs.radius + NEAR
-    away = np.hypot(*(tracks.positions - first).T) - tracks.radii
-    near = ~(away - np.hypot(*tracks.velocities.T) * plan.duration > driven)
-    return Tracks(tracks.ids[near], tracks.positions[near], tracks.velocities[near], tracks.radii[near], tracks.covariances[near])
+@compiled
+def _movers(
+    positions: FloatArray, velocities: FloatArray, radii: FloatArray, places: FloatArray, step: float, distance: float, count: int
+) -> FloatArray:
+    """Return the movers among tracks (K, 2), (K, 2), (K,), the one that comes nearest first."""
+    rows = np.zeros((count, MOVER))
+    rows[:, :2] = FAR
+    gaps, filled = np.empty(count), 0
+    for track in range(len(radii) if count > 0 else 0):
+        nearest = math.inf
+        for k in range(len(places)):
+            time = k * step
+            x, y = positions[track, 0] + time * velocities[track, 0], positions[track, 1] + time * velocities[track, 1]
+            nearest = min(nearest, math.hypot(x - places[k, 0], y - places[k, 1]))
+        gap, row = nearest - radii[track], filled
+        while row > 0 and gap < gaps[row - 1]:
+            row -= 1
+        if row == count:
+            continue
+        filled = min(filled + 1, count)
+        for below in range(filled - 1, row, -1):
+            gaps[below] = gaps[below - 1]
+            rows[below] = rows[below - 1]
+        gaps[row] = gap
+        rows[row, 0], rows[row, 1] = positions[track, 0], positions[track, 1]
+        rows[row, 2], rows[row, 3], rows[row, 4] = velocities[track, 0], velocities[track, 1], radii[track] + distance
+    return rows
 
 
-def _apart(positions: FloatArray, centres: FloatArray) -> FloatArray:
-    """Return (K, T) how far ``positions`` (K, T, 2) are from the nearest of ``centres`` (T or 1, C, 2), m."""
-    return np.asarray(np.hypot(*(positions[:, :, None] - centres).transpose(3, 0, 1, 2)).min(axis=2))
+@borrowing
+def _first_hit(
+    positions: FloatArray,
+    velocities: FloatArray,
+    radii: FloatArray,
+    states: FloatArray,
+    step: float,
+    centres: FloatArray,
+    radius: float,
+    deeper: float,
+) -> float:
+    """Look at every ``SPACING`` of a plan (N + 1, 3 or more) where discs round ``centres`` (C, 2) and tracks are."""
+    duration = (len(states) - 1) * step
+    first, hit = (states[0, 0], states[0, 1], states[0, 2]), math.ceil((duration + 1e-9) / SPACING)
+    moments = hit
+    driven = _reach(states, centres) + radius + NEAR
+    for track in range(len(radii)):
+        away = math.hypot(positions[track, 0] - first[0], positions[track, 1] - first[1]) - radii[track]
+        if away - math.hypot(velocities[track, 0], velocities[track, 1]) * duration > driven:
+            continue  # wherever both are within the duration, they are farther apart
+        touched = radii[track] + radius
+        for moment in range(hit):
+            time = moment * SPACING
+            x, y = positions[track, 0] + time * velocities[track, 0], positions[track, 1] + time * velocities[track, 1]
+            standing = _apart(x, y, first, centres) - touched
+            allowed = 0.0 if standing > 0.0 else standing - deeper
+            if _apart(x, y, _pose_at(states, step, time), centres) - touched < allowed:
+                hit = moment
+                break
+    return hit * SPACING if hit < moments else math.inf
+
+
+@borrowing
+def _reach(states: FloatArray, centres: FloatArray) -> float:
+    """Return how far a plan leads away from its beginning, and how far the outermost disc's centre is from the robot's, m, together."""
+    driven, outermost = 0.0, 0.0
+    for k in range(len(states)):
+        driven = max(driven, math.hypot(states[k, 0] - states[0, 0], states[k, 1] - states[0, 1]))
+    for i in range(len(centres)):
+        outermost = max(outermost, math.hypot(centres[i, 0], centres[i, 1]))
+    return driven + outermost
+
+
+@borrowing
+def _pose_at(states: FloatArray, step: float, time: float) -> tuple[float, float, float]:
+    """Return x, y and theta of a plan at a time, linear between its states."""
+    k = int(time / step)
+    while k * step > time:
+        k -= 1
+    while k + 1 < len(states) and (k + 1) * step <= time:
+        k += 1
+    if k >= len(states) - 1:
+        return states[-1, 0], states[-1, 1], states[-1, 2]
+    since, wide = time - k * step, (k + 1) * step - k * step
+    return (
+        (states[k + 1, 0] - states[k, 0]) / wide * since + states[k, 0],
+        (states[k + 1, 1] - states[k, 1]) / wide * since + states[k, 1],
+        (states[k + 1, 2] - states[k, 2]) / wide * since + states[k, 2],
+    )
+
+
+@borrowing
+def _apart(x: float, y: float, pose: tuple[float, float, float], centres: FloatArray) -> float:
+    """Return how far (x, y) is from the nearest disc's centre of a robot at a pose, m."""
+    c, s, nearest = math.cos(pose[2]), math.sin(pose[2]), math.inf
+    for i in range(len(centres)):
+        px, py = pose[0] + c * centres[i, 0] - s * centres[i, 1], pose[1] + s * centres[i, 0] + c * centres[i, 1]
+        nearest = min(nearest, math.hypot(x - px, y - py))
+    return nearest

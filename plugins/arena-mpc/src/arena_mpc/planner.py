@@ -15,7 +15,7 @@ from arena_mpc.arrays import FloatArray
 from arena_mpc.detours import detours
 from arena_mpc.footprint import covering_discs, free_until
 from arena_mpc.guess import drive_along, shifted
-from arena_mpc.models import state_of, twist_of
+from arena_mpc.models import state_of, twist_of, velocity_bounds
 from arena_mpc.moving import first_hit
 from arena_mpc.optimiser import Optimiser
 from arena_mpc.parameters import Form, Grid, Limits, ModelName, Obstacles, SolverSettings, Weights, drive_of, model_of
@@ -72,6 +72,7 @@ class MpcPlanner(Planner):
         solver: SolverSettings,
     ) -> None:
         self._model, self._drive = model_of(robot, model), drive_of(robot, limits)
+        self._bounds = velocity_bounds(self._model, self._drive)
         self._form, self._grid, self._obstacles = form, grid, obstacles
         self._look_ahead, self._reinit_distance = look_ahead, reinit_distance
         self._detour = detour
@@ -109,13 +110,13 @@ class MpcPlanner(Planner):
         scene = scene_of(observation, self._obstacles.moving > 0, self._obstacles.moving_margin)
         reference = self._reference(observation, scene)
         self._prepare(scene, reference)
-        state = state_of(self._model, self._drive, observation.pose, observation.twist, self._steering)
+        state = state_of(self._model, self._drive, self._bounds, observation.pose, observation.twist, self._steering)
         last = self._last_plan(reference, state, observation.stamp)
         plan = self._freest_plan(scene, reference, state, last)
         if plan is not None:
             self.counts.optimised += 1
             return self._driven(plan, observation.stamp)
-        if last is not None and self._safe(last, scene):
+        if last is not None and self._safe(last, scene, self._free_for(last, scene)):
             self._weighed.append((last, math.nan))
             self.counts.shifted += 1
             return self._driven(last, observation.stamp)
@@ -216,19 +217,25 @@ class MpcPlanner(Planner):
 
     def _rated(self, found: Solution, scene: Scene) -> Rated | None:
         """Return a plan that is safe with the share of it that touches nothing that stands."""
-        if found.plan is None or not self._safe(found.plan, scene):
+        if found.plan is None:
             return None
-        share = self._free_for(found.plan, scene) / found.plan.duration
+        free = self._free_for(found.plan, scene)
+        if not self._safe(found.plan, scene, free):
+            return None
+        share = free / found.plan.duration
         return Rated(found.plan, 1.0 if share >= 1.0 - 1e-9 else share, found.cost)
 
     def _arrives(self, plan: Plan, aim: Reference) -> bool:
         """Tell whether a plan ends near enough to where it should: one that ends before is stopped by something."""
         return math.dist(plan.states[-1, :2], aim.goal[:2]) < ARRIVED
 
-    def _safe(self, plan: Plan, scene: Scene) -> bool:
-        """Tell whether the robot touches nothing that stands, and nobody who keeps walking, on this plan until it could have stopped."""
+    def _safe(self, plan: Plan, scene: Scene, free: float) -> bool:
+        """Tell whether the robot touches nothing that stands, and nobody who keeps walking, on this plan until it could have stopped.
+
+        For ``free`` s it touches nothing that stands.
+        """
         needed = min(self._braking(plan), plan.duration) - 1e-9
-        return self._free_for(plan, scene) >= needed and first_hit(scene.tracks, plan, self._discs, DEEPER) >= needed
+        return free >= needed and first_hit(scene.tracks, plan, self._discs, DEEPER) >= needed
 
     def _free_for(self, plan: Plan, scene: Scene) -> float:
         """Return for how long the robot's outline touches nothing that stands on this plan, s."""

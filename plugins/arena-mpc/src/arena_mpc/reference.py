@@ -6,9 +6,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from arena_kernels.compiled import borrowing, compiled
+from arena_kernels.compiled import borrowing, compiled, inner
 from arena_kernels.window import Window, distance_at
 from arena_mpc.arrays import FloatArray
 
@@ -46,13 +45,24 @@ class PathProgress:
     def pruned(self, path: FloatArray, position: FloatArray) -> FloatArray:
         """Return the rest of ``path`` (M, 3) from the pose that is nearest to ``position`` (2,)."""
         if path is not self._path:
-            self._path, self._place = path, 0
-            candidates = path
+            self._path, self._place = path, nearest_pose(path, 0, math.inf, *position.tolist())
         else:
-            along = np.cumsum(np.hypot(*np.diff(path[self._place :, :2], axis=0).T))
-            candidates = path[self._place : self._place + 1 + int(np.searchsorted(along, SEARCH))]
-        self._place += int(np.argmin(((candidates[:, :2] - position) ** 2).sum(axis=1)))
+            self._place = nearest_pose(path, self._place, SEARCH, *position.tolist())
         return path[self._place :]
+
+
+@borrowing
+def nearest_pose(path: FloatArray, place: int, search: float, x: float, y: float) -> int:
+    """Return the pose of ``path`` (M, 3) that is nearest to (x, y), among those up to ``search`` m along it from number ``place`` on."""
+    best, nearest, along = math.inf, place, 0.0
+    for i in range(place, len(path)):
+        dx, dy = path[i, 0] - x, path[i, 1] - y
+        if dx * dx + dy * dy < best:
+            best, nearest = dx * dx + dy * dy, i
+        if along >= search or i + 1 == len(path):
+            break
+        along += math.hypot(path[i + 1, 0] - path[i, 0], path[i + 1, 1] - path[i, 1])
+    return nearest
 
 
 def ahead(rest: FloatArray, look_ahead: float, via_separation: float | None, window: Window) -> Reference:
@@ -60,19 +70,26 @@ def ahead(rest: FloatArray, look_ahead: float, via_separation: float | None, win
 
     Every ``via_separation`` m of it is a via point; None: there are none.
     """
-    steps = np.hypot(*np.diff(rest[:, :2], axis=0).T)
-    along = np.concatenate(((0.0,), np.cumsum(steps)))
-    count = int(np.searchsorted(along, look_ahead + 1e-9))
-    inside = _inside(rest[:count, :2], window)
-    if not inside.all():
-        count = int(np.argmin(inside))
-    count = min(max(count, 1), len(rest))
-    path = rest[:count].copy()
-    if count > 1:
-        pieces = np.diff(path[:, :2], axis=0)
-        headings = np.arctan2(pieces[:, 1], pieces[:, 0])
-        path[:, 2] = np.append(headings, headings[-1])
-    return Reference(path, count == len(rest), _via_points(path, along[:count], via_separation))
+    path, along = cut(rest, look_ahead, window)
+    return Reference(path, len(path) == len(rest), _via_points(path, along, via_separation))
+
+
+@compiled
+def cut(rest: FloatArray, look_ahead: float, window: Window) -> tuple[FloatArray, FloatArray]:
+    """Return the poses (N, 3), at least one, of the first ``look_ahead`` m that lie within the window, and how far along each is, m."""
+    along, count = np.zeros(len(rest)), 0
+    while count < len(rest):
+        if count > 0:
+            along[count] = along[count - 1] + math.hypot(rest[count, 0] - rest[count - 1, 0], rest[count, 1] - rest[count - 1, 1])
+        if not (along[count] < look_ahead + 1e-9 and within(window, rest[count, 0], rest[count, 1])):
+            break
+        count += 1
+    path = rest[: max(count, 1)].copy()
+    for i in range(len(path) - 1):
+        path[i, 2] = math.atan2(path[i + 1, 1] - path[i, 1], path[i + 1, 0] - path[i, 0])
+    if len(path) > 1:
+        path[-1, 2] = path[-2, 2]
+    return path, along[: len(path)].copy()
 
 
 def _via_points(path: FloatArray, along: FloatArray, separation: float | None) -> FloatArray:
@@ -98,11 +115,12 @@ def free_poses(window: Window, path: FloatArray, radius: float) -> int:
     return len(path)
 
 
-def _inside(positions: FloatArray, window: Window) -> NDArray[np.bool_]:
+@inner
+def within(window: Window, x: float, y: float) -> bool:
+    """Tell whether a position lies inside the window, ``EDGE`` m from its sides."""
     rows, columns = window.costs.shape
-    u, v = positions[:, 0] - window.origin_x, positions[:, 1] - window.origin_y
-    width, height = columns * window.resolution, rows * window.resolution
-    return np.asarray((u >= EDGE) & (u <= width - EDGE) & (v >= EDGE) & (v <= height - EDGE))
+    u, v = x - window.origin_x, y - window.origin_y
+    return bool(EDGE <= u <= columns * window.resolution - EDGE and EDGE <= v <= rows * window.resolution - EDGE)
 
 
 @compiled

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from arena_core import wrap_angle
+from arena_kernels.compiled import compiled
 from arena_teb.problem import FloatArray
 
 SPACING = 0.1  # m between the poses of a new band
@@ -14,6 +15,7 @@ TURN_FROM = 1.0  # rad between the robot's heading and the line's from which a n
 TURN_STEP = 0.5  # rad between the poses of that turn
 TURN_ARM = 0.2  # m by which a turn is compared with a way
 LEAST_TIME = 0.02  # s between two poses of a new band
+LEAST_WAY = 1e-6  # m between two corners of a line: nearer ones are one
 PRUNE_AHEAD = 10  # poses that the robot may have passed since the last step (teb_local_planner)
 
 
@@ -46,13 +48,31 @@ def turn_on_spot(start: FloatArray, angle: float, turn: float) -> FloatArray:
     return np.column_stack((np.tile(start[:2], (parts, 1)), headings, np.full(parts, abs(angle) / turn / parts)))
 
 
+@compiled
 def evenly(points: FloatArray) -> FloatArray:
     """Return positions at most SPACING apart along a polyline (M, 2), ends included."""
-    along = np.concatenate(((0.0,), np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
-    kept = np.append(np.diff(along) > 1e-6, True)
+    along, kept, corners = np.zeros(len(points)), np.empty(len(points), np.int64), 0
+    for i in range(len(points)):
+        if i + 1 < len(points):
+            along[i + 1] = along[i] + math.hypot(points[i + 1, 0] - points[i, 0], points[i + 1, 1] - points[i, 1])
+        if i + 1 == len(points) or along[i + 1] - along[i] > LEAST_WAY:
+            kept[corners] = i
+            corners += 1
     count = max(2, math.ceil(along[-1] / SPACING) + 1)
-    at = np.linspace(0.0, along[-1], count)
-    return np.column_stack([np.interp(at, along[kept], points[kept, axis]) for axis in range(2)])
+    found, corner = np.empty((count, 2)), 0
+    for i in range(count):
+        at = i * (along[-1] / (count - 1)) if i + 1 < count else along[-1]
+        while corner + 1 < corners and along[kept[corner + 1]] <= at:
+            corner += 1
+        before = kept[corner]
+        if corner + 1 == corners or at <= along[before]:
+            found[i] = points[before]
+            continue
+        behind = kept[corner + 1]
+        for axis in range(2):
+            slope = (points[behind, axis] - points[before, axis]) / (along[behind] - along[before])
+            found[i, axis] = slope * (at - along[before]) + points[before, axis]
+    return found
 
 
 def carried_over(band: FloatArray, start: FloatArray, goal: FloatArray, fewest: int) -> FloatArray:

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from arena_core import NoValidCommand, Pose
+from arena_kernels.compiled import borrowing
 from arena_kernels.window import Window, distance_at
 from arena_teb.problem import FloatArray
 
@@ -21,22 +22,41 @@ def local_plan(path: FloatArray, pose: Pose, window: Window, lookahead: float, i
     """
     if len(path) == 0:
         raise NoValidCommand("teb: the path is empty")
-    ahead = path[_nearest(path, pose) :]
-    along = np.concatenate(((0.0,), np.cumsum(np.hypot(*np.diff(ahead[:, :2], axis=0).T))))
+    ahead = path[nearest_pose(path, pose.x, pose.y) :]
+    last = last_reached(ahead, window, lookahead, inscribed_radius)
+    return ahead[: last + 1], last + 1 == len(ahead)
+
+
+@borrowing
+def nearest_pose(path: FloatArray, x: float, y: float) -> int:
+    """Return the first of the poses of a path (M, 3) that are nearest to (x, y)."""
+    best, nearest = math.inf, 0
+    for i in range(len(path)):
+        squared = (path[i, 0] - x) ** 2 + (path[i, 1] - y) ** 2
+        if squared < best:
+            best, nearest = squared, i
+    return nearest
+
+
+@borrowing
+def last_reached(ahead: FloatArray, window: Window, lookahead: float, inscribed_radius: float) -> int:
+    """Return the last pose of ``ahead`` (M, 3) within ``lookahead`` m and the window whose middle can be reached."""
     rows, columns = window.costs.shape
-    low = np.array((window.origin_x, window.origin_y)) + BORDER
-    high = low + np.array((columns, rows)) * window.resolution - 2.0 * BORDER
-    inside = ((ahead[:, :2] >= low) & (ahead[:, :2] <= high)).all(axis=1) & (along <= lookahead)
-    end = len(ahead) if inside.all() else max(1, int(np.argmin(inside)))
-    free = _last_free(ahead[:end], window, inscribed_radius)
-    return ahead[: free + 1], free + 1 == len(ahead)
+    left, below = window.origin_x + BORDER, window.origin_y + BORDER
+    right, above = left + columns * window.resolution - 2.0 * BORDER, below + rows * window.resolution - 2.0 * BORDER
+    along, end = 0.0, 0
+    while end < len(ahead):
+        x, y = ahead[end, 0], ahead[end, 1]
+        if end > 0:
+            along += math.hypot(x - ahead[end - 1, 0], y - ahead[end - 1, 1])
+        if not (left <= x <= right and below <= y <= above and along <= lookahead):
+            break
+        end += 1
+    return last_free(ahead[: max(1, end)], window, inscribed_radius)
 
 
-def _nearest(path: FloatArray, pose: Pose) -> int:
-    return int(np.argmin((path[:, 0] - pose.x) ** 2 + (path[:, 1] - pose.y) ** 2))
-
-
-def _last_free(poses: FloatArray, window: Window, inscribed_radius: float) -> int:
+@borrowing
+def last_free(poses: FloatArray, window: Window, inscribed_radius: float) -> int:
     """Return the last pose whose middle can be reached, the last of all if there is none."""
     for k in range(len(poses) - 1, 0, -1):
         if distance_at(window, poses[k, 0], poses[k, 1]) > inscribed_radius:
@@ -53,7 +73,15 @@ def headings_along(positions: FloatArray, last: float) -> FloatArray:
 def heading_of_end(plan: FloatArray, pose: Pose, over: float) -> float:
     """Return the direction in which a plan (M, 3) ends, taken over its last ``over`` m; from the robot where it is shorter."""
     x, y = plan[-1, :2].tolist()
-    away = np.hypot(plan[:, 0] - x, plan[:, 1] - y)
-    before = np.flatnonzero(away > over)
-    fx, fy = plan[before[-1], :2].tolist() if len(before) else (pose.x, pose.y)
+    before = last_beyond(plan, over)
+    fx, fy = plan[before, :2].tolist() if before >= 0 else (pose.x, pose.y)
     return math.atan2(y - fy, x - fx) if math.hypot(x - fx, y - fy) > 1e-3 else pose.theta
+
+
+@borrowing
+def last_beyond(plan: FloatArray, over: float) -> int:
+    """Return the last pose of a plan (M, 3) that is more than ``over`` m away from its end, -1 if there is none."""
+    for i in range(len(plan) - 1, -1, -1):
+        if math.hypot(plan[i, 0] - plan[-1, 0], plan[i, 1] - plan[-1, 1]) > over:
+            return i
+    return -1

@@ -7,20 +7,23 @@ import math
 import numpy as np
 
 from arena_core import Twist
+from arena_kernels.compiled import compiled
 from arena_teb.problem import FloatArray
 from arena_teb.terms import wrapped
 
 
+@compiled
 def first_velocity(band: FloatArray, period: float) -> FloatArray:
     """Return the body velocity (3,) that leads to where a band (N, 4) is after about a control period."""
-    times = np.cumsum(band[:-1, 3])
-    k = min(int(np.searchsorted(times, period - 1e-9)), len(times) - 1)
-    turn = wrapped(float(band[k + 1, 2] - band[0, 2]))
+    k, time = 0, band[0, 3]
+    while time < period - 1e-9 and k + 2 < len(band):
+        k += 1
+        time += band[k, 3]
+    turn = wrapped(band[k + 1, 2] - band[0, 2])
     heading = band[0, 2] + 0.5 * turn
-    dx, dy = band[k + 1, :2] - band[0, :2]
+    dx, dy = band[k + 1, 0] - band[0, 0], band[k + 1, 1] - band[0, 1]
     c, s = math.cos(heading), math.sin(heading)
-    velocity: FloatArray = np.array((c * dx + s * dy, c * dy - s * dx, turn)) / times[k]
-    return velocity
+    return np.array(((c * dx + s * dy) / time, (c * dy - s * dx) / time, turn / time))
 
 
 def saturated(velocity: FloatArray, least: FloatArray, most: FloatArray, turn_radius: float, holonomic: bool) -> Twist:

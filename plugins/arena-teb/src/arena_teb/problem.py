@@ -91,14 +91,14 @@ class Surroundings(NamedTuple):
 
 
 class Rows(NamedTuple):
-    """Weighted residuals of the terms that are in action with their derivatives, row by row: the first ``count[0]`` of R rows.
+    """Weighted residuals of the terms that are in action with their derivatives, row by row: the first ``used[0]`` of R rows.
 
     ``jacobian`` (R, 11) holds the derivatives by the ``width`` (R,) variables from ``first`` (R,) on, variable 4 k + i being
     ``band[k, i]``; ``term`` (R,) says which of all R terms a row is of. ``speeds`` (N, 3) and ``slopes`` (N, 3, 7) are the body velocity
     of each interval and its derivatives by (x, y, theta, dt, next x, next y, next theta).
     """
 
-    count: IntArray
+    used: IntArray
     residual: FloatArray
     jacobian: FloatArray
     first: IntArray

@@ -87,7 +87,7 @@ def normal_equations(rows: Rows, ends: Ends, normal: FloatArray, gradient: Float
     for k in range(len(joined)):
         joined[k] = NEXT
     joined[-1] = ITSELF
-    for row in range(rows.count[0]):
+    for row in range(rows.used[0]):
         first, width, residual, slopes = rows.first[row], rows.width[row], rows.residual[row], rows.jacobian[row]
         if width == 7:
             add_seven(slopes, residual, np.uint64(first), normal, gradient)
@@ -220,7 +220,7 @@ def lessen(factor: FloatArray, at: Integer, reach: int) -> bool:
         slope = factor[at + shift]
         for j in range(reach + 1 - behind):
             factor[at + shift * STRIDE + np.uint64(j)] -= slope * factor[at + shift + np.uint64(j)]
-    return value > 0.0
+    return bool(value > 0.0)
 
 
 @borrowing

@@ -43,7 +43,7 @@ def evaluate(band: FloatArray, penalties: Penalties, shape: Shape, ends: Ends, a
     count = acceleration_rows(band, penalties, ends, rows, count)
     count = obstacle_rows(band, penalties, shape, around, rows, count)
     count = via_rows(band, penalties, around, rows, count)
-    rows.count[0] = count
+    rows.used[0] = count
     total = 0.0
     for i in range(count):
         total += rows.residual[i] * rows.residual[i]
