@@ -11,7 +11,7 @@ from arena_core.cli.listing import presets
 from arena_core.testing import check, component
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "planners.md"
-WITHOUT_POLICY = ("aio_as_released", "navrep_as_released")  # nobody trained one yet
+WITHOUT_POLICY = ("navrep_as_released",)  # nobody trained one yet
 OUTSIDE = ("ros_external",)  # its commands come from another process: arena-ros has tests of its own
 KINEMATICS = ("differential", "omnidirectional", "ackermann")
 
