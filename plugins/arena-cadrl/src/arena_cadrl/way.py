@@ -6,20 +6,10 @@ import math
 
 from arena_cadrl.parameters import Floats
 from arena_kernels.compiled import borrowing
+from arena_kernels.paths import nearest_index
 from arena_kernels.window import Outline, Window, distance_at
 
 STEP = 0.1  # m between two looks along a line of sight
-
-
-@borrowing
-def nearest_index(path: Floats, x: float, y: float) -> int:
-    """Return the row of ``path`` (M, 3) nearest to (x, y)."""
-    best, best_squared = 0, math.inf
-    for i in range(len(path)):
-        squared = (path[i, 0] - x) ** 2 + (path[i, 1] - y) ** 2
-        if squared < best_squared:
-            best, best_squared = i, squared
-    return best
 
 
 @borrowing

@@ -9,21 +9,11 @@ from numpy.typing import NDArray
 
 from arena_dwa.settings import Body, FieldArray, FloatArray, MapGrids, Scales
 from arena_kernels.compiled import borrowing, compiled, inlined
+from arena_kernels.paths import nearest_index
 from arena_kernels.window import Window
 
 UNSEEN = -1
 WALL = -2
-
-
-@borrowing
-def nearest_index(path: FloatArray, x: float, y: float) -> int:
-    """Return the row of ``path`` (M, 3) nearest to (x, y)."""
-    best, best_squared = 0, np.inf
-    for i in range(len(path)):
-        squared = (path[i, 0] - x) ** 2 + (path[i, 1] - y) ** 2
-        if squared < best_squared:
-            best, best_squared = i, squared
-    return best
 
 
 @borrowing

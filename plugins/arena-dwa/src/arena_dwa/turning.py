@@ -7,10 +7,10 @@ import math
 import numpy as np
 
 from arena_core import Pose, wrap_angle
-from arena_dwa.map_grid import nearest_index
 from arena_dwa.parameters import TurnParameters
 from arena_dwa.settings import FloatArray
 from arena_kernels.compiled import borrowing
+from arena_kernels.paths import nearest_index
 
 
 class TurnInPlace:

@@ -14,6 +14,17 @@ Integers = NDArray[np.int64]
 
 
 @borrowing
+def nearest_index(path: Floats, x: float, y: float) -> int:
+    """Return the first of the rows of one ``path`` (M, 2 or more) that are nearest to (x, y)."""
+    best, best_squared = 0, math.inf
+    for i in range(len(path)):
+        squared = (path[i, 0] - x) ** 2 + (path[i, 1] - y) ** 2
+        if squared < best_squared:
+            best, best_squared = i, squared
+    return best
+
+
+@borrowing
 def lengths_left(poses: Floats, offsets: Integers, left: Floats) -> None:
     """Fill ``left`` (M,) with the way from each pose to the end of its path, m."""
     for k in range(len(offsets) - 1):
@@ -55,7 +66,7 @@ def points_ahead(poses: Floats, offsets: Integers, robots: Floats, spacing: floa
     """Fill ``points`` (N, K, 2) with positions every ``spacing`` m along each path ahead of its pose nearest to the robot; then the end."""
     for k in range(len(robots)):
         last = offsets[k + 1] - 1
-        i = _nearest_pose(poses, offsets[k], last, robots[k, 0], robots[k, 1])
+        i = offsets[k] + nearest_index(poses[offsets[k] : last + 1], robots[k, 0], robots[k, 1])
         way, due = 0.0, spacing
         for j in range(points.shape[1]):
             points[k, j, 0], points[k, j, 1] = poses[last, 0], poses[last, 1]
@@ -69,16 +80,6 @@ def points_ahead(poses: Floats, offsets: Integers, robots: Floats, spacing: floa
                 way += step
                 i += 1
             due += spacing
-
-
-@inner
-def _nearest_pose(poses: Floats, first: int, last: int, x: float, y: float) -> int:
-    nearest, best = first, math.inf
-    for i in range(first, last + 1):
-        away = (poses[i, 0] - x) ** 2 + (poses[i, 1] - y) ** 2
-        if away < best:
-            nearest, best = i, away
-    return nearest
 
 
 @inner

@@ -76,8 +76,8 @@ def _first_hit(
 ) -> float:
     """Look at every ``SPACING`` of a plan (N + 1, 3 or more) where discs round ``centres`` (C, 2) and tracks are."""
     duration = (len(states) - 1) * step
-    first, hit = (states[0, 0], states[0, 1], states[0, 2]), math.ceil((duration + 1e-9) / SPACING)
-    moments = hit
+    first, moments = (states[0, 0], states[0, 1], states[0, 2]), math.ceil((duration + 1e-9) / SPACING)
+    hit = moments  # that of the tracks looked at so far
     driven = _reach(states, centres) + radius + NEAR
     for track in range(len(radii)):
         away = math.hypot(positions[track, 0] - first[0], positions[track, 1] - first[1]) - radii[track]

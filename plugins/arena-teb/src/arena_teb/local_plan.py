@@ -8,6 +8,7 @@ import numpy as np
 
 from arena_core import NoValidCommand, Pose
 from arena_kernels.compiled import borrowing
+from arena_kernels.paths import nearest_index
 from arena_kernels.window import Window, distance_at
 from arena_teb.problem import FloatArray
 
@@ -22,20 +23,9 @@ def local_plan(path: FloatArray, pose: Pose, window: Window, lookahead: float, i
     """
     if len(path) == 0:
         raise NoValidCommand("teb: the path is empty")
-    ahead = path[nearest_pose(path, pose.x, pose.y) :]
+    ahead = path[nearest_index(path, pose.x, pose.y) :]
     last = last_reached(ahead, window, lookahead, inscribed_radius)
     return ahead[: last + 1], last + 1 == len(ahead)
-
-
-@borrowing
-def nearest_pose(path: FloatArray, x: float, y: float) -> int:
-    """Return the first of the poses of a path (M, 3) that are nearest to (x, y)."""
-    best, nearest = math.inf, 0
-    for i in range(len(path)):
-        squared = (path[i, 0] - x) ** 2 + (path[i, 1] - y) ** 2
-        if squared < best:
-            best, nearest = squared, i
-    return nearest
 
 
 @borrowing

@@ -184,15 +184,14 @@ def factorise(normal: FloatArray, joined: IntArray, scale: FloatArray, damping: 
         factor[i] = normal[i]
     for i in range(np.uint64(len(scale))):
         factor[i * STRIDE] += damping * scale[i] + 1e-12
-    sound = True
     for k in range(len(joined)):
         at = np.uint64(4 * k) * STRIDE
-        if joined[k] == NEXT:
-            sound = eliminate(factor, at, NEXT) and sound
+        if joined[k] == NEXT:  # each with its constant: loops of known length are unrolled
+            sound = eliminate(factor, at, NEXT)
         elif joined[k] == AFTER_NEXT:
-            sound = eliminate(factor, at, AFTER_NEXT) and sound
+            sound = eliminate(factor, at, AFTER_NEXT)
         else:
-            sound = eliminate(factor, at, ITSELF) and sound
+            sound = eliminate(factor, at, ITSELF)
         if not sound:
             return False
     return True
