@@ -13,7 +13,6 @@ from pathlib import Path
 
 PROGRAM = (sys.executable, "-m", "arena_core.cli.main")
 LOG_TAIL = 8_000  # bytes of what a run printed that are shown
-_children: dict[int, subprocess.Popen[bytes]] = {}
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,12 +23,11 @@ class Process:
     created: float
 
     def is_alive(self) -> bool:
-        """Tell whether it runs."""
+        """Tell whether it runs; a process that this studio has started runs until its exit status is known."""
         import psutil
 
-        child = _children.get(self.pid)
-        if child is not None and child.poll() is not None:
-            return False
+        if (child := self._child()) is not None:
+            return child.poll() is None  # nothing else: one that is ending has no command line any more, and no exit status yet
         try:
             found = psutil.Process(self.pid)
             is_same = bool(abs(found.create_time() - self.created) < 1.0)
@@ -39,7 +37,7 @@ class Process:
 
     def status(self) -> int | None:
         """Return the exit status of a process that this studio has started and that has ended."""
-        child = _children.get(self.pid)
+        child = self._child()
         return None if child is None else child.poll()
 
     def workers(self) -> int:
@@ -57,6 +55,12 @@ class Process:
             with suppress(OSError):
                 os.kill(self.pid, signal.SIGINT)
 
+    def _child(self) -> subprocess.Popen[bytes] | None:
+        return _children.get(self)
+
+
+_children: dict[Process, subprocess.Popen[bytes]] = {}
+
 
 def start(words: Sequence[str], folder: Path, log: Path) -> Process:
     """Start ``arena WORDS`` in a folder; what it prints goes to ``log``."""
@@ -73,8 +77,9 @@ def start(words: Sequence[str], folder: Path, log: Path) -> Process:
             start_new_session=True,
             env={**os.environ, "PYTHONUNBUFFERED": "1"},
         )
-    _children[child.pid] = child
-    return Process(child.pid, psutil.Process(child.pid).create_time())
+    process = Process(child.pid, psutil.Process(child.pid).create_time())
+    _children[process] = child
+    return process
 
 
 def log_tail(log: Path) -> list[str]:
