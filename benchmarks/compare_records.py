@@ -46,6 +46,8 @@ RUNS: Mapping[str, str] = {
     "orca": "planner=orca robot=robotino pedestrians=replay world=empty episodes=2 task.time_limit=12",
     "orca_latency": "planner=orca robot=jackal pedestrians=none task.obstacles.count=4|task.obstacles=4 timing.mode=latency"
     " timing.latency=0.2 recording.scans=true replan.period=1.0 episodes=2 task.time_limit=10",
+    "cadrl": "planner=cadrl robot=jackal world=indoor_as_released task.pedestrians=6 episodes=1 task.time_limit=12",
+    "sarl": "planner=sarl robot=robotino people=lifelike episodes=1 task.time_limit=12",
     "rosnav": "planner=rosnav robot=turtlebot3 people=lifelike episodes=2 task.time_limit=12",
     "gring": "planner=gring robot=jackal global_planner=ompl world=rooms episodes=1 task.time_limit=10",
     "navrep": "planner=navrep robot=robotino world=mixed episodes=1 task.time_limit=10",
