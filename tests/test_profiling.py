@@ -52,8 +52,10 @@ def test_time_inside_a_part_counts_for_that_part_alone(monkeypatch):
 
 def test_the_command_prints_parts_and_functions(capsys):
     assert main(["profile", *SHORT, "first=1", "functions=4"]) == 0
-    told = capsys.readouterr().out.splitlines()
-    assert told[0].startswith("1 episodes, ")
+    printed, said = capsys.readouterr()
+    told = printed.splitlines()
+    assert [line.split(":")[1].strip() for line in said.splitlines() if line.startswith("arena: ")] == ["1 of 3", "2 of 3", "3 of 3"]
+    assert told[0].startswith("1 episode, ")
     assert any(line.startswith("planner ") for line in told)
     assert len(told[told.index("ms a step  calls  most time in (Python as the profiler slows it)") + 1 :]) == 4
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, ClassVar
@@ -28,7 +29,8 @@ class ProfileCommand(Command):
         """Print a table of parts, and the functions that take most."""
         words = read_words(USAGE, arguments, keys=("first", "functions"), overrides=None)
         episodes, most = words.value("first", Number, 3), words.value("functions", Number, 15)
-        print("\n".join(told(profile(build_benchmark(compose(words.overrides), load_registry()), episodes), most)))
+        benchmark = build_benchmark(compose(words.overrides), load_registry())
+        print("\n".join(told(profile(benchmark, episodes, _announce), most)))
         return 0
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
@@ -36,12 +38,16 @@ class ProfileCommand(Command):
         return [*(key for key in ("first=", "functions=") if key.startswith(word)), *complete_overrides(words, word)]
 
 
+def _announce(what: str) -> None:
+    print(f"arena: {what}", file=sys.stderr, flush=True)
+
+
 def told(found: Profile, most: int) -> list[str]:
     """Return the lines of a profile."""
     in_steps = {part: spent for part, spent in found.parts.items() if part not in (TASK, METRICS)}
     whole = sum(spent.cpu for spent in in_steps.values())
     times = f"{found.simulated:.1f} s simulated in {whole:.2f} s of CPU time, {found.simulated / whole:.0f} x real time"
-    lines = [f"{found.episodes} episodes, {found.steps} control steps: {times}", ""]
+    lines = [f"{found.episodes} episode{'s' * (found.episodes != 1)}, {found.steps} control steps: {times}", ""]
     lines += [f"{'ms a control step':24}{'all':>9}{'compiled':>10}{'libraries':>11}{'Python':>9}"]
     each = 1e3 / found.steps
     for part, spent in sorted(in_steps.items(), key=lambda item: -item[1].cpu):

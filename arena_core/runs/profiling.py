@@ -63,12 +63,15 @@ class Profile:
     functions: Sequence[Called]
 
 
-def profile(benchmark: Benchmark, episodes: int) -> Profile:
-    """Run the first episodes three times: to compile and fill caches, to time, and to look inside."""
+def profile(benchmark: Benchmark, episodes: int, announce: Callable[[str], None] = lambda _: None) -> Profile:
+    """Run the first episodes three times: to compile and fill caches, to time, and to look inside; each is announced."""
     with TemporaryDirectory() as folder:
+        announce("1 of 3: compiling what is not compiled yet, and filling caches")
         _run(benchmark, episodes, Path(folder), Clock())
         clock, looking = Clock(), Profilers()
+        announce("2 of 3: timing")
         steps, simulated = _run(benchmark, episodes, Path(folder), clock)
+        announce("3 of 3: looking inside")
         _run(benchmark, episodes, Path(folder), looking)
     inside = {part: pstats.Stats(profiler).stats for part, profiler in looking.profilers.items()}  # type: ignore[attr-defined]
     compiled, own = compiled_places(), own_folders()
