@@ -43,7 +43,6 @@ def test_everything_installed_holds_its_contract_or_needs_a_file(arena):
         "task=barn",
         "task=dynabarn",
         "task=scenario",
-        "planner=navrep_as_released",
         "planner=ros_external",
         "observation_encoder=navrep",
         "observation_encoder=navrep_v_only",

@@ -11,7 +11,6 @@ from arena_core.cli.listing import presets
 from arena_core.testing import check, component
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "planners.md"
-WITHOUT_POLICY = ("navrep_as_released",)  # nobody trained one yet
 OUTSIDE = ("ros_external",)  # its commands come from another process: arena-ros has tests of its own
 KINEMATICS = ("differential", "omnidirectional", "ackermann")
 
@@ -40,9 +39,6 @@ def test_preset_keeps_the_contract_or_names_what_it_can_drive(preset, robot):
         assert check("planner", planner, body(robot))
     else:
         _, _, allowed = refusal.partition("allowed:")
-        if preset in WITHOUT_POLICY:
-            assert allowed.strip() == "planner.policy=FILE", refusal
-            return
         drivable = set(re.findall(r"\w+", allowed))
         assert drivable & {*KINEMATICS, *presets(load_registry(), "robot")}, refusal
         assert not drivable & {body(robot).kinematics, robot}, refusal

@@ -30,6 +30,16 @@ def test_policy_is_small_and_its_card_has_what_its_recipe_composes(planner, robo
         assert training["config"][key] == composed[key], key
 
 
+def test_policy_as_released_is_what_its_recipe_composes():
+    card = json.loads((resources.files("arena_navrep") / "policies_as_released" / "jackal.json").read_text("utf-8"))
+    training = card["training"]
+    composed = json.loads(json.dumps(compose_environment(["recipe=navrep_as_released", "robot=jackal"], primary="train")))
+    assert card["parts"] == {}
+    assert training["steps"] >= composed["total_steps"]
+    for key in ("action", "observation_encoder", "randomization", "reward", "total_steps", "training"):
+        assert training["config"][key] == composed[key], key
+
+
 @pytest.mark.parametrize("robot", ROBOTS)
 @pytest.mark.parametrize("part", ["vision", "memory"])
 def test_part_has_what_a_world_model_of_its_robot_composes(robot, part):
