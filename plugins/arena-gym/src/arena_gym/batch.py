@@ -71,7 +71,6 @@ class NavigationBatch:
         self._noise = RangeNoise(parts.robot.lidar, worlds)
         self._memory = ScanMemory(parts.encoder.lookback, worlds, parts.robot.lidar.beams)
         self._recalled = parts.encoder.blank(worlds)
-        self._maps: list[OccupancyGrid | None] = [None] * worlds
         self._commands = np.zeros((worlds, 3))
         self._nearest = np.zeros(worlds)
         self._standing = np.zeros(worlds)
@@ -163,8 +162,6 @@ class NavigationBatch:
     def _begin(self, slots: Slots, snapshot: Snapshot) -> NDArray[np.float32]:
         """Note how the episodes of these slots begin; return what is seen there."""
         begun = [self.episodes[slot] for slot in slots.tolist()]
-        for slot, episode in zip(slots.tolist(), begun, strict=True):
-            self._maps[slot] = _map_of(episode)
         self._commands = self._commands.copy()
         self._commands[slots], self.steps[slots] = 0.0, 0
         self._tracking.begin(slots, [episode.problem for episode in begun])
@@ -189,20 +186,20 @@ class NavigationBatch:
     def _observed(
         self, snapshot: Snapshot, ranges: NDArray[np.float32], guided: Guided, earlier: EarlierScans, slots: Slots | None = None
     ) -> ObservationBatch:
-        """Return what the robots in these slots see, all of them where none are named; only what will be written to is copied for that."""
-        rows = slice(None) if slots is None else slots
+        """Return what the robots in these slots see, all of them where none are named."""
+        rows = np.arange(self.worlds) if slots is None else slots
         return ObservationBatch(
             snapshot.stamps[rows],
             ranges[rows],
             guided.poses,
             snapshot.odometry_twists[rows],
-            np.array(self._loop.goals[rows]),
+            self._loop.goals[rows],
             guided.waypoints,
             self._commands[rows],
             guided.paths,
             earlier,
-            tuple(self._maps) if slots is None else tuple(self._maps[slot] for slot in slots.tolist()),
-            np.array(self._recalled[rows]),
+            tuple(_map_of(self.episodes[slot]) for slot in rows.tolist()),
+            self._recalled[rows],
             None if snapshot.depths is None else snapshot.depths[rows],
         )
 
