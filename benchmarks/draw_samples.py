@@ -11,6 +11,7 @@ import sys
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 EPISODE = "execution.py"  # below its last frame an episode is driven
 PASSED_THROUGH = re.compile(r"<(lambda|listcomp|genexpr)>|^(Once|Entered|Stopwatch)\.|^(Navigator\.decide|_run)$")  # they say nothing
@@ -21,7 +22,7 @@ COLOURS = {
     "arena_pedsim": "#a9d18e",
     "arena_navigation": "#f4c27a",
     "arena_kernels": "#e8927c",
-    "planner": "#c39bd3",
+    "planner and others": "#c39bd3",
 }
 LEAST = 0.004  # share of the widest graph below which a block is left out
 NAMED = 0.045  # share from which on its name has room
@@ -66,7 +67,7 @@ def shown(frames: Iterable[str]) -> Iterator[tuple[str, str]]:
         if KERNEL in place:
             yield "kernel", "arena_kernels"
         elif not PASSED_THROUGH.search(name):
-            yield name, package if package in COLOURS else "planner" if package.startswith("arena_") else "library"
+            yield name, package if package in COLOURS else "planner and others" if package.startswith("arena_") else "library"
 
 
 def draw(graphs: list[tuple[str, Block, float]], target: Path) -> None:
@@ -90,7 +91,7 @@ def draw(graphs: list[tuple[str, Block, float]], target: Path) -> None:
     small.save(target, optimize=True)
 
 
-def _draw(axes, block: Block, left: float, depth: int, scale: float, widest: float) -> None:  # type: ignore[no-untyped-def]
+def _draw(axes: Any, block: Block, left: float, depth: int, scale: float, widest: float) -> None:
     width = scale * block.samples
     if width < LEAST * widest:
         return
@@ -110,9 +111,11 @@ def main(words: list[str]) -> None:
     target, *told = words
     graphs = []
     for word in told:
-        name, _, rest = word.partition("=")
-        samples, _, ms = rest.rpartition(":")
-        graphs.append((name, read(Path(samples)), float(ms)))
+        found = re.fullmatch(r"([^=]+)=(.+):(\d+\.?\d*)", word)
+        if not found or not Path(found[2]).is_file():
+            print(f"draw_samples: {word}; allowed: NAME=SAMPLES:MILLISECONDS, SAMPLES a file", file=sys.stderr)
+            sys.exit(2)
+        graphs.append((found[1], read(Path(found[2])), float(found[3])))
     draw(graphs, Path(target))
     print(target)
 

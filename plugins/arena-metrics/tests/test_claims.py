@@ -65,6 +65,16 @@ def test_a_difference_that_pairs_show_holds_and_its_opposite_does_not():
     assert states(Contrast("jerk", {"planner": "teb"}, "lower", {"planner": "dwa"}), *near) == ["not tested"]
 
 
+def test_success_averaged_over_planners_is_no_proportion():
+    """One of three planners fails in two thirds of the problems: the mean is .22 lower, not lower in two thirds of all pairs."""
+    groups = rows("dwa", success=lambda i: i % 3 == 0), rows("teb"), rows("mpc"), rows("rosnav")
+    (one,) = found(Contrast("success", {"planner": ["dwa", "teb", "mpc"]}, "higher", {"planner": "rosnav"}), *groups)
+    assert one.estimate.mean == pytest.approx(-2.0 / 9.0)
+    assert -1.0 / 3.0 < one.estimate.low < one.estimate.mean < one.estimate.high < 0.0
+    (alone,) = found(Contrast("success", {"planner": "dwa"}, "higher", {"planner": "rosnav"}), *groups)
+    assert (alone.estimate.method, one.estimate.method) == ("Bonett-Price", "studentised bootstrap")
+
+
 def test_a_margin_asks_for_more_than_a_difference():
     groups = rows("teb", length=9.8), rows("dwa", length=10.0)
     by = {margin: Contrast("path_length", {"planner": "teb"}, "lower", {"planner": "dwa"}, margin=margin) for margin in (0.1, 0.5)}

@@ -26,7 +26,7 @@ def in_sight(window: Window, x: float, y: float, to_x: float, to_y: float, neede
 
 @borrowing
 def farthest_in_sight(path: NDArray[np.float64], window: Window, needed: float, x: float, y: float, lookahead: float, step: float) -> int:
-    """Return the row of ``path`` (M, 2 or more) to drive to from (x, y): at most ``lookahead`` m on, all up to it in sight."""
+    """Return the row of ``path`` (M, 2 or more) to drive to from (x, y): at most ``lookahead`` m on, and beyond NEAR all in sight."""
     first = nearest_index(path, x, y)
     found, along = first, 0.0
     for i in range(first + 1, len(path)):

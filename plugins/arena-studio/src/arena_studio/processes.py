@@ -13,6 +13,7 @@ from pathlib import Path
 
 PROGRAM = (sys.executable, "-m", "arena_core.cli.main")
 LOG_TAIL = 8_000  # bytes of what a run printed that are shown
+_children: dict[Process, subprocess.Popen[bytes]] = {}
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,10 +25,10 @@ class Process:
 
     def is_alive(self) -> bool:
         """Tell whether it runs; a process that this studio has started runs until its exit status is known."""
+        if (child := _children.get(self)) is not None:
+            return child.poll() is None  # nothing else: one that is ending has no command line any more, and no exit status yet
         import psutil
 
-        if (child := self._child()) is not None:
-            return child.poll() is None  # nothing else: one that is ending has no command line any more, and no exit status yet
         try:
             found = psutil.Process(self.pid)
             is_same = bool(abs(found.create_time() - self.created) < 1.0)
@@ -37,7 +38,7 @@ class Process:
 
     def status(self) -> int | None:
         """Return the exit status of a process that this studio has started and that has ended."""
-        child = self._child()
+        child = _children.get(self)
         return None if child is None else child.poll()
 
     def workers(self) -> int:
@@ -54,12 +55,6 @@ class Process:
         if self.is_alive():
             with suppress(OSError):
                 os.kill(self.pid, signal.SIGINT)
-
-    def _child(self) -> subprocess.Popen[bytes] | None:
-        return _children.get(self)
-
-
-_children: dict[Process, subprocess.Popen[bytes]] = {}
 
 
 def start(words: Sequence[str], folder: Path, log: Path) -> Process:

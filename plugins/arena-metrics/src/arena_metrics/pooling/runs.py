@@ -65,10 +65,10 @@ class Column:
         return self.unit == TEXT
 
     def kind(self, values: Iterable[float]) -> Kind:
-        """Return what the values of all cells are: proportions, numbers of events where all are whole, else figures."""
-        if self.proportion:
-            return "proportion"
+        """Return what the values of all cells are: proportions, numbers of events, or figures, such as means of several of either."""
         whole = all(value >= 0.0 and value == int(value) for value in values if math.isfinite(value))
+        if self.proportion and whole:
+            return "proportion"
         return "count" if self.unit == "-" and whole else "figure"
 
     @property
