@@ -166,7 +166,7 @@ class Jobs:
         """Return what a file adds, in its package, as plain containers."""
         name = _name(default)
         if name not in self._contents:
-            result = self._loader._load_single_config(default, CachingConfigRepository(files.sources))
+            result = self._loader._load_single_config(default, files.sources)
             content: Any = OmegaConf.to_container(result.config, resolve=False)
             package = default.package if default.package is not None else result.header["package"]
             _at(content, package).pop("defaults", None)

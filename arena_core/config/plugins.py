@@ -43,7 +43,7 @@ def _loaded(disabled: str, path: tuple[str, ...]) -> pluggy.PluginManager:
 def enabled_entry_points() -> list[EntryPoint]:
     """Return the entry points of the plugins that are not switched off, sorted by name."""
     disabled = {name.strip() for name in os.environ.get(DISABLED, "").split(",")}
-    return [point for point in _installed(tuple((place, _changed(place)) for place in sys.path)) if point.name not in disabled]
+    return [point for point in _installed(_places()) if point.name not in disabled]
 
 
 @lru_cache(maxsize=1)
@@ -51,8 +51,12 @@ def _installed(places: tuple[tuple[str, int], ...]) -> list[EntryPoint]:
     return sorted(entry_points(group=GROUP), key=lambda point: point.name)
 
 
+def _places() -> tuple[tuple[str, int], ...]:
+    """Return the folders of the path, each with when something was last installed in it, ns; 0 where there is none."""
+    return tuple((place, _changed(place)) for place in sys.path)
+
+
 def _changed(place: str) -> int:
-    """Return when something was last installed in a folder of the path, ns; 0 where there is none."""
     try:
         return os.stat(place or ".").st_mtime_ns
     except OSError:
@@ -60,8 +64,14 @@ def _changed(place: str) -> int:
 
 
 def distributions() -> dict[str, tuple[str, str]]:
-    """Return name and version of the distribution that brought each plugin."""
-    return {point.name: (point.dist.name, point.dist.version) for point in enabled_entry_points() if point.dist}
+    """Return name and version of the distribution that brought each plugin, switched off ones among them."""
+    return _distributions(_places())
+
+
+@lru_cache(maxsize=1)
+def _distributions(places: tuple[tuple[str, int], ...]) -> dict[str, tuple[str, str]]:
+    read = {point.name: point.dist.metadata for point in _installed(places) if point.dist}
+    return {plugin: (metadata["Name"], metadata["Version"]) for plugin, metadata in read.items()}
 
 
 def config_packages(manager: pluggy.PluginManager) -> dict[str, str]:
