@@ -130,6 +130,18 @@ def test_spread_of_the_first_actions_may_be_told_in_si(here):
     np.testing.assert_allclose([wide * (high - low) / 2 for wide, (low, high) in zip(spread, action.values(), strict=True)], 1.0, atol=1e-5)
 
 
+@pytest.mark.slow
+def test_spread_in_si_is_half_the_range_of_a_slow_robot_at_most(here):
+    import torch
+
+    words = ("training.network.log_std_init=0.0", "training.network.log_std_unit=si", "training.optimization.learning_rate=1e-9")
+    assert main([*WORDS, "robot=turtlebot3", "total_steps=2048", "out=slow", *words, "training.validation.every=8192"]) == 0
+    spread = torch.load(here / "slow" / "checkpoint.pt", weights_only=True)["policy"]["log_std"].exp().numpy()
+    (low, high), turning = json.loads((here / "slow" / "policy.json").read_text())["action"].values()
+    assert high - low < 1.0
+    np.testing.assert_allclose(spread, [1.0, 2.0 / (turning[1] - turning[0])], atol=1e-5)  # 1 m/s is beyond it, 1 rad/s is not
+
+
 def test_spread_in_si_has_no_limit_in_halves_of_the_range(here, capsys):
     assert main([*WORDS, "out=both", "training.network.log_std_unit=si", "training.network.log_std_final=-2"]) == 2
     assert "training.network.log_std_final is -2; allowed: null where log_std_unit is si" in capsys.readouterr().err

@@ -94,9 +94,13 @@ def choose_device(name: str) -> torch.device:
 
 
 def spread_in_si(learner: PPO, scale: ActionScale) -> None:
-    """Read the spread of the actions that a learner begins with as m/s and rad/s; until now it was in halves of their ranges."""
+    """Read the spread of the actions that a learner begins with as m/s and rad/s, at most half of their ranges.
+
+    Until now it was in halves of their ranges. A slow robot's actions would else be at its limits nearly always.
+    """
+    halves = torch.as_tensor(np.log((scale.high - scale.low) / 2.0), dtype=torch.float32).to(learner.device)
     with torch.no_grad():
-        learner.policy.log_std.sub_(torch.as_tensor(np.log((scale.high - scale.low) / 2.0), dtype=torch.float32).to(learner.device))
+        learner.policy.log_std.sub_(halves).clamp_(max=0.0)
 
 
 def limit_spread(learner: PPO, log_std: float) -> None:

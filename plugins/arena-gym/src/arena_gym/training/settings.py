@@ -23,8 +23,8 @@ class Network:
 
     The heads, one for the policy and one for the value, see these features and the rest of the observation; all of it where
     ``beams_field`` is null. The spread of the actions begins at exp(``log_std_init``), in halves of each action's range or, where
-    ``log_std_unit`` is si, in m/s and rad/s; unless ``log_std_final`` is null, it has a limit that falls from there to
-    exp(``log_std_final``). ``differs`` tells what is not as published, for the policy's card.
+    ``log_std_unit`` is si, in m/s and rad/s, at most such a half; unless ``log_std_final`` is null, it has a limit that falls from
+    there to exp(``log_std_final``). ``differs`` tells what is not as published, for the policy's card.
     """
 
     beams_field: str | None
