@@ -12,7 +12,7 @@ import psutil
 import pytest
 
 from arena_core.base.errors import RunFolderError
-from arena_core.base.folders import locked
+from arena_core.base.folders import KEPT, locked
 from arena_core.loop.recording import keep_room, remove_half_written
 
 pytestmark = pytest.mark.slow
@@ -63,7 +63,7 @@ def test_a_signal_ends_a_run_whose_planner_hangs_and_the_table_is_complete(misbe
     os.killpg(process.pid, number)
     _, errors = process.communicate(timeout=WAY_BEYOND)
     assert process.returncode == 128 + number
-    assert errors.splitlines(keepends=True)[-1] == f"arena: {said}; finished episodes are kept, resume=true hydra.run.dir=DIR continues\n"
+    assert errors.splitlines(keepends=True)[-1] == f"arena: {said}; {KEPT}\n"
     assert not psutil.wait_procs(workers, timeout=WAY_BEYOND)[1]
     assert len(misbehaving.whole.of("run").records) == 9
     assert table_is_complete(misbehaving)
@@ -110,7 +110,7 @@ def test_of_two_runs_that_start_in_one_folder_one_is_refused_in_one_line(misbeha
     assert said[0] == ""
     assert said[2].startswith("arena: ")
     assert said[2].count("\n") == 1
-    assert "another run is under way there; allowed: its end, or another folder, hydra.run.dir=DIR" in said[2]
+    assert "another run is under way there; allowed: its end, or another folder, hydra.run.dir=DIR (with -m hydra.sweep.dir=DIR)" in said[2]
     assert is_whole(misbehaving)
 
 
@@ -122,7 +122,7 @@ def test_a_disk_that_is_full_ends_a_run_that_can_be_continued(misbehaving):
     try:
         answer = misbehaving.run("run", "executor.workers=2")
         assert answer.status == 1
-        assert answer.line.endswith("No space left on device; finished episodes are kept, resume=true hydra.run.dir=DIR continues")
+        assert answer.line.endswith("No space left on device; " + KEPT)
         assert 0 < len(misbehaving.whole.of("run").records) < 10
         assert table_is_complete(misbehaving)
         assert not hidden_files()

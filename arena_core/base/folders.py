@@ -9,6 +9,8 @@ from pathlib import Path
 from arena_core.base.errors import RunFolderError
 
 LOCK = ".lock"
+ITS_FOLDER = "hydra.run.dir=DIR (with -m hydra.sweep.dir=DIR)"  # which messages name
+KEPT = f"finished episodes are kept, resume=true {ITS_FOLDER} continues"
 
 
 @contextmanager
@@ -25,7 +27,7 @@ def locked(folder: Path) -> Iterator[None]:
         folder.mkdir(parents=True, exist_ok=True)
         lock.acquire(timeout=0)
     except Timeout:
-        raise RunFolderError(f"{folder}: another run is under way there; allowed: its end, or another folder, hydra.run.dir=DIR") from None
+        raise RunFolderError(f"{folder}: another run is under way there; allowed: its end, or another folder, {ITS_FOLDER}") from None
     except OSError as error:
         raise RunFolderError(f"cannot use the run's folder {folder}: {error.strerror or error}") from error
     try:

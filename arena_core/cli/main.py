@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 from arena_core.base.ctrl_c import SIGNAL_STATUS
 from arena_core.base.errors import ArenaError, UnknownComponent
+from arena_core.base.folders import KEPT
 from arena_core.config.registry import Registry, load_registry, unknown
 
 CUT_OFF = 141  # the same, when nobody reads its output any more (arena list | head)
@@ -28,7 +29,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt as interrupt:
         came = signal.Signals(interrupt.args[0] if interrupt.args else signal.SIGINT)
         said = "interrupted" if came == signal.SIGINT else f"ended by {came.name}"
-        print(f"arena: {said}; finished episodes are kept, resume=true hydra.run.dir=DIR continues", file=sys.stderr)
+        print(f"arena: {said}; {KEPT}", file=sys.stderr)
         return SIGNAL_STATUS + came
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python complains again when it flushes at its end

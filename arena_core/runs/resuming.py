@@ -10,6 +10,7 @@ from typing import Any
 from arena_core.base.ctrl_c import interrupts
 from arena_core.base.errors import ArenaError, ConfigurationError, InputFileError, RunFolderError
 from arena_core.base.files import read_table
+from arena_core.base.folders import ITS_FOLDER
 from arena_core.config.registry import Registry
 from arena_core.contracts.running import Finished, Job, Lost
 from arena_core.loop.record_places import record_path, record_paths
@@ -27,7 +28,7 @@ def take_over(run: OpenRun) -> None:
     if not (run.folder / NAME).exists():
         return
     if not run.config["resume"]:
-        raise ConfigurationError(f"{run.folder} holds a run already; resume=true continues it, hydra.run.dir=DIR takes another folder")
+        raise ConfigurationError(f"{run.folder} holds a run already; resume=true continues it, {ITS_FOLDER} takes another folder")
     before = read_provenance(run.folder)
     now = {"config_hash": config_hash(run.config), "seed": run.config["seed"]}
     if any(before.get(key) != value for key, value in now.items()):
@@ -79,7 +80,7 @@ def _other_code(run: OpenRun, before: Mapping[str, Any]) -> str:
     what = f": {', '.join(run.code.changed(then)) or 'changed while it ran'}" if then else ", which it does not name"
     count = len(run.superseded)
     held = f"{run.folder} holds {count} episode{'s' * (count > 1)} of other code{what}"
-    return f"{held}; resume=force runs these anew and keeps the rest, hydra.run.dir=DIR takes another folder"
+    return f"{held}; resume=force runs these anew and keeps the rest, {ITS_FOLDER} takes another folder"
 
 
 def re_evaluate(folder: Path, registry: Registry, metrics: Mapping[str, Any] | None = None) -> int:

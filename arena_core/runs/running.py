@@ -13,7 +13,7 @@ from typing import Any
 
 from arena_core.base.ctrl_c import interrupts
 from arena_core.base.errors import ConfigurationError, RunFolderError, RunStopped
-from arena_core.base.folders import locked
+from arena_core.base.folders import KEPT, locked
 from arena_core.base.notices import tell
 from arena_core.config.configuration import plain
 from arena_core.config.registry import Registry
@@ -95,7 +95,7 @@ def _drive(runs: Sequence[OpenRun], executor: Executor, staff: ExitStack) -> Non
         complete(runs)
         if not isinstance(error, RunFolderError):
             raise
-        raise RunStopped(f"{error}; finished episodes are kept, resume=true hydra.run.dir=DIR continues") from error
+        raise RunStopped(f"{error}; {KEPT}") from error
 
 
 def _take(answer: Finished | Lost, runs: Iterable[OpenRun]) -> Finished:
