@@ -5,6 +5,7 @@ import subprocess
 import sys
 import time
 from contextlib import closing
+from dataclasses import replace
 
 import pytest
 
@@ -21,7 +22,6 @@ from arena_core.testing.checks import echo
 JOBS = [Job({}, "", episode) for episode in range(5)]
 BUDGETS = ("first_command", "command", "episode", "memory")
 GENEROUS = Budgets(600.0, 60.0, 600.0, 4.0)
-TIGHT = Budgets(8.0, 5.0, 15.0, 0.6)
 
 
 def processes(workers=2, budgets=GENEROUS):
@@ -204,23 +204,23 @@ def gone(pid):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("bad", "workers", "reason"),
+    ("bad", "workers", "tight", "reason"),
     [
-        ("exit", 1, "worker died: exit status 3"),
-        ("exit as if all were well", 2, "worker died: exit status 0"),
-        ("segfault", 1, "worker died: SIGSEGV"),
-        ("abort", 2, "worker died: SIGABRT"),
-        ("pipe", 1, "worker died: exit status 1"),
-        ("hang", 1, "no first command within 8 s"),
-        ("deadlock", 2, "no first command within 8 s"),
-        ("hang later", 2, "no command within 5 s"),
-        ("never end", 1, "not over within 15 s"),
-        ("grow", 2, "more than 0.6 GB"),
-        ("ignore", 1, "no first command within 8 s"),
+        ("exit", 1, {}, "worker died: exit status 3"),
+        ("exit as if all were well", 2, {}, "worker died: exit status 0"),
+        ("segfault", 1, {}, "worker died: SIGSEGV"),
+        ("abort", 2, {}, "worker died: SIGABRT"),
+        ("pipe", 1, {}, "worker died: exit status 1"),
+        ("hang", 1, {"first_command": 8.0}, "no first command within 8 s"),
+        ("deadlock", 2, {"first_command": 8.0}, "no first command within 8 s"),
+        ("hang later", 2, {"command": 5.0}, "no command within 5 s"),
+        ("never end", 1, {"episode": 15.0}, "not over within 15 s"),
+        ("grow", 2, {"memory": 0.6}, "more than 0.6 GB"),
+        ("ignore", 1, {"first_command": 8.0}, "no first command within 8 s"),
     ],
 )
-def test_whatever_a_job_does_costs_that_job_alone(working, workers, bad, reason):
-    answers = rows(processes(workers, TIGHT), working.bad, of(bad))
+def test_whatever_a_job_does_costs_that_job_alone(working, workers, bad, tight, reason):
+    answers = rows(processes(workers, replace(GENEROUS, **tight)), working.bad, of(bad))
     assert [answer.reason for answer in answers if isinstance(answer, Lost)] == [reason]
     assert [answer.job.episode for answer in answers if isinstance(answer, Lost)] == [2]
     assert sorted(answer["episode"] for answer in answers if not isinstance(answer, Lost)) == [0, 1, 3, 4]

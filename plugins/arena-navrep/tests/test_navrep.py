@@ -30,10 +30,11 @@ def test_policy_is_small_and_its_card_has_what_its_recipe_composes(planner, robo
         assert training["config"][key] == composed[key], key
 
 
-def test_policy_as_released_is_what_its_recipe_composes():
-    card = json.loads((resources.files("arena_navrep") / "policies_as_released" / "jackal.json").read_text("utf-8"))
+@pytest.mark.parametrize("robot", ["jackal", "robotino"])
+def test_policy_as_released_is_what_its_recipe_composes(robot):
+    card = json.loads((resources.files("arena_navrep") / "policies_as_released" / f"{robot}.json").read_text("utf-8"))
     training = card["training"]
-    composed = json.loads(json.dumps(compose_environment(["recipe=navrep_as_released", "robot=jackal"], primary="train")))
+    composed = json.loads(json.dumps(compose_environment(["recipe=navrep_as_released", f"robot={robot}"], primary="train")))
     assert card["parts"] == {}
     assert training["steps"] >= composed["total_steps"]
     for key in ("action", "observation_encoder", "randomization", "reward", "total_steps", "training"):
