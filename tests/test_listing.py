@@ -1,9 +1,12 @@
+from collections import Counter
+from importlib.metadata import PathDistribution
 from pathlib import Path
 
 import pytest
 import yaml
 
 from arena_core import InputFileError
+from arena_core.config.plugins import _distributions
 from arena_core.config.presets import read_preset
 
 PLUGIN = """
@@ -129,6 +132,21 @@ def test_listing_parses_each_file_once_or_twice_and_by_the_compiled_parser(arena
     assert len({text for text, _ in parsed}) > 50
     assert len(parsed) < 2 * len({text for text, _ in parsed})  # a base again for each option that inherits from it
     assert {loader for _, loader in parsed} == {yaml.CSafeLoader}
+
+
+def test_metadata_of_each_distribution_is_read_once(arena, monkeypatch):
+    read, read_text = Counter(), PathDistribution.read_text
+
+    def counted(distribution, name):
+        if name == "METADATA":
+            read[distribution._path] += 1
+        return read_text(distribution, name)
+
+    monkeypatch.setattr(PathDistribution, "read_text", counted)
+    _distributions.cache_clear()
+    assert arena("list").status == 0
+    assert len(read) > 10
+    assert max(read.values()) == 1
 
 
 def test_names_alone_come_one_a_line(steady, arena):
