@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from arena_core.contracts.navigation import PathBatch
 from arena_core.values.geometry import FloatArray, Twist
-from arena_core.values.sensing import Observation
+from arena_core.values.sensing import Observation, Tracks
 from arena_core.values.world import OccupancyGrid
 
 if TYPE_CHECKING:
@@ -69,7 +69,7 @@ class ObservationBatch:
     ``base_link``; ``goals`` and ``waypoints`` (N, 3) in ``map``; ``last_commands`` (N, 3), the velocities commanded a step before, zero at
     first; ``paths`` in ``map``; ``earlier`` scans as many as the encoder looks back at; ``maps`` (N), None where a robot has none;
     ``recalled`` (N, D), what a recurrent encoder made of the step before, zeros at first, (N, 0) for all others; ``depths`` (N, H, W)
-    float32 m, the newest images of depth cameras, None where robots have none.
+    float32 m, the newest images of depth cameras, None where robots have none; ``tracks`` (N), none where the encoder does not ask for them.
     """
 
     stamps: FloatArray
@@ -84,6 +84,7 @@ class ObservationBatch:
     maps: tuple[OccupancyGrid | None, ...]
     recalled: NDArray[np.float32]
     depths: NDArray[np.float32] | None = None
+    tracks: tuple[Tracks, ...] = ()
 
     @staticmethod
     def of(
@@ -91,8 +92,12 @@ class ObservationBatch:
         last_command: Twist,
         memory: ScanMemory | None = None,
         recalled: NDArray[np.float32] | None = None,
+        tracked: bool = False,
     ) -> ObservationBatch:
-        """Make the batch of one that a planner sees; it keeps ``memory`` and ``recalled`` where its encoder looks back or is recurrent."""
+        """Make the batch of one that a planner sees; it keeps ``memory`` and ``recalled`` where its encoder looks back or is recurrent.
+
+        The tracks are asked for where its encoder is ``tracked``.
+        """
         return ObservationBatch(
             np.array((observation.stamp,)),
             np.ascontiguousarray(observation.scan.ranges, np.float32)[None],
@@ -106,6 +111,7 @@ class ObservationBatch:
             (observation.map,),
             np.zeros((1, 0), np.float32) if recalled is None else recalled,
             None if observation.depth is None else observation.depth.depths[None],
+            (observation.tracks,) if tracked else (),
         )
 
 
@@ -125,11 +131,13 @@ class ObservationEncoder(ABC):
     """Turns observations into the numbers that a policy reads, alike in training and on the robot. The constructor receives ``robot``.
 
     ``lookback`` lists how many control steps ago the earlier scans were taken that it wants to see. A ``recurrent`` one sees its own
-    numbers of the step before as ``recalled``: they are all the state that it has, so that whoever keeps them keeps it.
+    numbers of the step before as ``recalled``: they are all the state that it has, so that whoever keeps them keeps it. A ``tracked`` one
+    sees what the robot's tracker believes in.
     """
 
     lookback: tuple[int, ...] = ()
     recurrent: bool = False
+    tracked: bool = False
 
     @abstractmethod
     def layout(self) -> tuple[ObservationField, ...]:

@@ -233,7 +233,7 @@ def check_observation_encoder(encoder: ObservationEncoder, body: Robot) -> Facts
     batches, rows, recalled = [], [], encoder.blank(1)
     for k, view in enumerate(views):
         command = Twist(0.1, 0.0, 0.05 * k)
-        batches.append(ObservationBatch.of(view, command, _remembered(encoder, views[:k], view), recalled))
+        batches.append(ObservationBatch.of(view, command, _remembered(encoder, views[:k], view), recalled, encoder.tracked))
         rows.append(encoder.encode(batches[-1]))
         recalled = rows[-1] if encoder.recurrent else recalled
     size = sum(field.size for field in fields)

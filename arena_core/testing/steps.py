@@ -22,9 +22,10 @@ def joined(batches: Sequence[ObservationBatch]) -> ObservationBatch:
     paths = PathBatch(np.concatenate([batch.paths.poses for batch in batches]), offsets)
     ranges, poses = (np.concatenate([getattr(batch.earlier, name) for batch in batches]) for name in ("ranges", "poses"))
     maps = tuple(grid for batch in batches for grid in batch.maps)
+    tracks = tuple(seen for batch in batches for seen in batch.tracks)
     images = [batch.depths for batch in batches if batch.depths is not None]
     arrays["depths"] = np.concatenate(images) if len(images) == len(batches) else None
-    return ObservationBatch(**arrays, paths=paths, earlier=EarlierScans(ranges, poses), maps=maps)
+    return ObservationBatch(**arrays, paths=paths, earlier=EarlierScans(ranges, poses), maps=maps, tracks=tracks)
 
 
 def transition(robots: int, chosen: slice = ALL, seed: int = 0) -> Transition:

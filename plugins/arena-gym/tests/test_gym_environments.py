@@ -219,3 +219,23 @@ def test_who_stands_for_too_long_is_out_of_time():
         _, _, terminated, truncated, _ = env.step(np.array((1.0 if k % 4 == 3 else -1.0, 0.0), np.float32))
         assert not terminated
         assert not truncated
+
+
+def test_action_that_holds_for_three_control_steps_is_three_times_the_same_action():
+    overrides = [*SHORT, *ALL, "task.time_limit=3.0"]
+    holding, alone = (NavigationVectorEnv(4, reward="progress", overrides=[*overrides, f"environment.every={every}"]) for every in (3, 1))
+    actions = np.random.default_rng(2).uniform(-1.0, 1.0, (10, 4, 2)).astype(np.float32)
+    seen = [env.reset(seed=3)[0] for env in (holding, alone)]
+    running = np.ones(4, bool)
+    for action in actions:
+        assert (seen[0] == seen[1])[running].all()
+        once = holding.step(action)
+        earned, ended = np.zeros(4), ~running
+        for _ in range(3):
+            thrice = alone.step(action)
+            earned += np.where(ended, 0.0, thrice[1])
+            ended |= thrice[2] | thrice[3]
+        assert (once[1] == earned)[running].all()
+        assert ((once[2] | once[3]) == ended)[running].all()
+        seen, running = [once[0], thrice[0]], running & ~ended
+    assert not running.all(), "episodes end on the way"

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from arena_core import ConfigurationError
 from arena_gym.batch import NavigationBatch
 from arena_gym.building import build_parts, compose_environment
 from arena_gym.guidance import NavigatorGuidance
@@ -17,11 +18,11 @@ RULES = {
 }
 
 
-def batch_of(rules):
+def batch_of(rules, encoder="gring"):
     overrides = ["guide=driving", "world.width=10", "world.height=10", "task.pedestrians=6", "task.time_limit=15", *rules]
     overrides += ["environment.worlds=2", "environment.problems_per_world=4", "environment.collisions_to_end=null"]
     overrides += ["randomization.lidar_noise.high=0.05"]
-    config = compose_environment(overrides, robot="turtlebot3", observation_encoder="gring", reward="progress")
+    config = compose_environment(overrides, robot="turtlebot3", observation_encoder=encoder, reward="progress")
     return NavigationBatch(build_parts(config), WORLDS)
 
 
@@ -42,12 +43,28 @@ def driven(batch, steps):
 def test_robots_led_together_know_what_each_would_alone(rules):
     together, apart = batch_of(RULES[rules]), batch_of(RULES[rules])
     assert isinstance(together._guidance, SharedGuidance)
-    apart._guidance = NavigatorGuidance(apart.parts.make_guide, WORLDS)
+    apart._guidance = NavigatorGuidance(apart.parts.make_guide, WORLDS, apart.parts.encoder.tracked)
     anew = False
     for here, there in zip(driven(together, 180), driven(apart, 180), strict=True):
         assert (here == there).all()
         anew = anew or any(guide._planned_at > 0.0 for guide in together._guidance._guides)
     assert anew == (rules != "never")
+
+
+def test_robots_led_together_track_whom_each_would_alone():
+    rules = ["observation_encoder.foreseen=[1.0,3.0]", "tracker@guide.tracker=kalman"]
+    together, apart = (batch_of(rules, "rosnav_sectors") for _ in range(2))
+    apart._guidance = NavigatorGuidance(apart.parts.make_guide, WORLDS, tracked=True)
+    tracks = 0
+    for here, there in zip(driven(together, 120), driven(apart, 120), strict=True):
+        assert (here == there).all()
+        tracks += sum(len(seen.ids) for seen in together.seen.tracks)
+    assert tracks > 100
+
+
+def test_tracks_need_a_guide():
+    with pytest.raises(ConfigurationError, match=r"guide is null; allowed: driving or navigator"):
+        NavigationBatch(build_parts(compose_environment(["observation_encoder.foreseen=[1.0]"], observation_encoder="rosnav_sectors")), 1)
 
 
 def test_a_filter_of_its_own_needs_a_guide_of_its_own():

@@ -1,3 +1,4 @@
+import math
 from dataclasses import replace
 from functools import cache
 
@@ -6,9 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_core import ConfigurationError, ObservationBatch, Pose, ScanMemory, Twist
+from arena_core import ConfigurationError, ObservationBatch, Pose, ScanMemory, Tracks, Twist
 from arena_core.testing import check, component, joined, observation, robot
 from arena_policies.encoding import nearest_in_sectors
+from arena_policies.looking_ahead import bodies_of, nearest_then, sectors_of
 from arena_policies.looking_back import beams_of, nearest_now
 
 LOOKING_BACK = ["observation_encoder.lookback=[0.1,0.3]"]
@@ -43,7 +45,7 @@ def batch_of(encoder, view, command=None, earlier=None):
     memory = ScanMemory(encoder.lookback, 1, len(view.scan.ranges))
     first = earlier or view
     memory.begin(np.zeros(1, np.int64), first.scan.ranges[None], first.pose.array()[None])
-    return ObservationBatch.of(view, command or Twist(0.0), memory)
+    return ObservationBatch.of(view, command or Twist(0.0), memory, tracked=encoder.tracked)
 
 
 def seen(preset, view, command=None, *overrides):
@@ -281,3 +283,74 @@ def test_range_that_is_no_number_stays_none(preset, beam):
 def test_impossible_numbers_are_refused(override):
     with pytest.raises(ConfigurationError, match=f"observation_encoder.{override.split('=')[0]}"):
         component("observation_encoder", "rosnav_sectors", [f"observation_encoder.{override}"], robot=robot())
+
+
+def tracked(*bodies):
+    """Return tracks of bodies (x, y, vx, vy, radius)."""
+    x, y, vx, vy, radii = np.array(bodies, np.float64).reshape(-1, 5).T
+    return Tracks(np.arange(len(x), dtype=np.int32), np.stack((x, y), 1), np.stack((vx, vy), 1), radii.copy(), np.zeros((len(x), 4, 4)))
+
+
+def test_encoder_that_foresees_holds_its_contract():
+    body = robot()
+    encoder = component("observation_encoder", "rosnav_sectors", ["observation_encoder.foreseen=[1,2.5]", *LOOKING_BACK], robot=body)
+    assert encoder.tracked
+    assert [field.name for field in encoder.layout()][:5] == ["closeness", *(f"closeness_{k}" for k in range(1, 5))]
+    assert check("observation_encoder", encoder, body)
+
+
+@pytest.mark.parametrize("name", BEAMS)
+def test_without_tracks_the_scan_stays_as_it_is(name):
+    lidar, random = BEAMS[name], np.random.default_rng(1)
+    ranges, poses = random.uniform(0.2, 9.0, (3, lidar.beams)).astype(np.float32), random.uniform(-3.0, 3.0, (3, 3))
+    now, then = np.empty((3, 90)), np.empty((3, 2, 90))
+    nearest_in_sectors(ranges, 8.0, now)
+    nearest_then(ranges, poses, bodies_of([tracked()] * 3), np.array((1.0, 2.0)), sectors_of(lidar, 90), 8.0, then)
+    assert (then == now[:, None]).all()
+
+
+@given(st.floats(-3.0, 3.0), st.floats(-3.0, 3.0), st.floats(-math.pi, math.pi), st.floats(1.0, 4.0), st.floats(-math.pi, math.pi))
+@settings(max_examples=60, deadline=None)
+def test_body_is_seen_where_it_will_be(x, y, heading, way, bearing):
+    """A disc that comes from where it leaves a gap is shown as rays meet it there, wherever the robot looks."""
+    lidar = replace(BEAMS["turtlebot3"], mount=Pose(0.1, 0.05, 0.4))
+    c, s = math.cos(heading), math.sin(heading)
+    sensor = np.array((x + c * 0.1 - s * 0.05, y + s * 0.1 + c * 0.05))
+    at = sensor + way * np.array((math.cos(bearing + heading + 0.4), math.sin(bearing + heading + 0.4)))
+    speed = np.array((0.3, -0.2))
+    bodies = bodies_of([tracked((*(at - 2.0 * speed), *speed, 0.3))])
+    then = np.empty((1, 1, 90))
+    empty = np.full((1, lidar.beams), np.inf, np.float32)
+    nearest_then(empty, np.array(((x, y, heading),)), bodies, np.array((2.0,)), sectors_of(lidar, 90), 8.0, then)
+    assert then.min() == pytest.approx(way - 0.3, abs=0.01)
+    shown = np.flatnonzero(then[0, 0] < 8.0)
+    assert len(shown) >= 1
+    off = (lidar.angle_min + (4.0 * shown + 1.5) * lidar.angle_increment - bearing + math.pi) % (2.0 * math.pi) - math.pi
+    assert np.abs(off).max() <= math.asin(0.3 / way) + 0.05
+
+
+def test_body_that_goes_leaves_what_is_behind_it():
+    body, view = robot(), observation()
+    ranges = ranges_of(view)
+    ranges[:] = np.inf
+    beam = body.lidar.beams // 2
+    angle = body.lidar.angles()[beam]
+    ranges[beam] = 2.0
+    heading, mount = view.pose.theta + body.lidar.mount.theta, body.lidar.mount
+    c, s = math.cos(view.pose.theta), math.sin(view.pose.theta)
+    sensor = view.pose.x + c * mount.x - s * mount.y, view.pose.y + s * mount.x + c * mount.y
+    at = sensor[0] + 2.3 * math.cos(angle + heading), sensor[1] + 2.3 * math.sin(angle + heading)
+    encoder = built("rosnav_sectors", "differential", "foreseen=[1.0]")
+    away = tracked((*at, 100.0, 0.0, 0.3))
+    row = fields(encoder, encoder.encode(replace(batch_of(encoder, view), tracks=(away,)))[0])
+    assert np.ptp(row["closeness"]) > 0.0
+    assert np.ptp(row["closeness_1"]) == 0.0
+
+
+def test_body_that_will_stand_on_the_sensor_is_seen_all_round():
+    body, view = robot(), observation()
+    ranges_of(view)[:] = np.inf
+    encoder = built("rosnav_sectors", "differential", "foreseen=[1.0]")
+    upon = tracked((view.pose.x - 1.0, view.pose.y, 1.0, 0.0, 0.5))
+    row = fields(encoder, encoder.encode(replace(batch_of(encoder, view), tracks=(upon,)))[0])["closeness_1"]
+    assert row == pytest.approx(2.0 * math.exp(body.footprint.radius) + body.footprint.radius / 8.0, rel=1e-5)

@@ -227,6 +227,29 @@ def test_robot_without_a_command_remembers_that_it_braked(tmp_path):
     assert planner.compute_velocity(seen) == alone.command(seen, Twist(0.0))
 
 
+def test_answer_holds_for_as_many_control_steps_as_the_card_says(tmp_path):
+    robot = testing.robot()
+    path = write_policy(tmp_path, robot, every=3)
+    planner, alone = PolicyPlanner("rosnav", robot, str(path), "pkg://none"), load_policy(str(path), "rosnav", robot)
+    start = testing.samples.episode_start(robot)
+    views = [testing.observation(pose=Pose(0.1 * k, 0.0, 0.3 * k), body=robot) for k in range(7)]
+    planner.reset(start)
+    driven = [planner.compute_velocity(view) for view in views]
+    alone.begin()
+    last = Twist(0.0)
+    for k, view in enumerate(views):  # it sees every scan, and answers to every third
+        if k % 3:
+            alone.look(view, last)
+        else:
+            last = alone.command(view, last)
+        assert driven[k] == last
+    assert len(set(driven)) == 3
+    planner.reset(start)
+    assert planner.compute_velocity(views[0]) == driven[0]
+    planner.reset(start)
+    assert planner.compute_velocity(views[6]) != driven[0], "a new episode begins with a new answer"
+
+
 def test_policy_that_answers_no_number_gives_no_command(tmp_path):
     robot = testing.robot()
     size = sum(field.size for field in built_encoder(robot).layout())

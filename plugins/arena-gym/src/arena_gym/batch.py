@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import (
+    ConfigurationError,
     EarlierScans,
     EpisodeLoop,
     ObservationBatch,
@@ -49,6 +50,7 @@ class NavigationBatch:
     """Drives N robots by the actions of a policy; slot k is bit for bit what it is alone.
 
     An episode ends when the robot believes to be within its goal's radius, when it has collided too often, or when its time is over.
+    A robot whose episode ends while its action still holds stands until all have driven so long.
     ``steps`` (N,) count since the episodes began. ``stage`` is the level of a task that has any; ``keys`` are what the running episodes
     were drawn from. ``seen`` is what was encoded last: a row for each robot after a step, for each that began anew after a reset.
     """
@@ -63,6 +65,7 @@ class NavigationBatch:
         self.episodes: list[Episode] = []
         self.keys: list[EpisodeKey] = []
         self.steps = np.zeros(worlds, np.int64)
+        self._steps_of_action = parts.settings.every
         self._loop = EpisodeLoop(parts.simulator, parts.robot.control_period, worlds, parts.settings.collisions_to_end)
         self._stage_weights: tuple[float, ...] | None = None
         self._guidance = _guidance(parts, worlds)
@@ -120,8 +123,29 @@ class NavigationBatch:
         self._stage_weights = tuple(weights)
 
     def step(self, actions: NDArray[Any]) -> Step:
-        """Drive for one control period by actions (N, A) in [-1, 1]."""
-        return self.drive(self.parts.scale.commands(actions))
+        """Drive by actions (N, A) in [-1, 1] for as many control steps as one holds; rewards add up."""
+        self._take(actions)
+        total = self._control(np.ones(self.worlds, bool))
+        for _ in range(self._steps_of_action - 1):
+            goes_on = ~(total.terminated | total.truncated)
+            if goes_on.any():
+                total = _joined(total, self._control(goes_on), goes_on)
+        return total
+
+    def _take(self, actions: NDArray[Any]) -> None:
+        """Take in the actions that hold from now on."""
+        self._wanted = self.parts.scale.commands(actions)
+
+    def _velocities(self, driving: Flags) -> Floats:
+        """Return the velocities (N, 3) that the actions ask for at one control step, of use for those that are ``driving`` (N,)."""
+        return self._wanted
+
+    def _control(self, driving: Flags) -> Step:
+        """Let the robots that are ``driving`` (N,) do so for one control step; return what came of it, of use for those alone."""
+        steps, collisions = self.steps.copy(), self.collisions.copy()
+        step = self.drive(np.where(driving[:, None], self._velocities(driving), 0.0))
+        self.steps, self._loop.collisions = np.where(driving, self.steps, steps), np.where(driving, self.collisions, collisions)
+        return step
 
     def drive(self, commands: Floats) -> Step:
         """Drive for one control period by velocities (N, 3) in ``base_link``."""
@@ -201,6 +225,7 @@ class NavigationBatch:
             tuple(_map_of(self.episodes[slot]) for slot in rows.tolist()),
             self._recalled[rows],
             None if snapshot.depths is None else snapshot.depths[rows],
+            guided.tracks,
         )
 
     def _seen(self, snapshot: Snapshot) -> Situation:
@@ -227,10 +252,12 @@ class NavigationBatch:
 def _guidance(parts: Parts, worlds: int) -> Guidance:
     """Return what leads the robots: their first paths, or guides, which share what they can."""
     if parts.make_guide is None:
+        if parts.encoder.tracked:
+            raise ConfigurationError("guide is null; allowed: driving or navigator, for the observation has tracks (guide.tracker)")
         return PathGuidance(parts.waypoints, worlds)
     if SharedGuidance.suits(parts.make_guide()):
-        return SharedGuidance(parts.make_guide, parts.waypoints, worlds)
-    return NavigatorGuidance(parts.make_guide, worlds)
+        return SharedGuidance(parts.make_guide, parts.waypoints, worlds, parts.encoder.tracked)
+    return NavigatorGuidance(parts.make_guide, worlds, parts.encoder.tracked)
 
 
 def _on_new_paths(before: Situation, after: Situation, guided: Guided) -> Situation:
@@ -246,3 +273,13 @@ def _on_new_paths(before: Situation, after: Situation, guided: Guided) -> Situat
 def _map_of(episode: Episode) -> OccupancyGrid | None:
     world = episode.problem.scenario.world
     return world.grid if world.known else None
+
+
+def _joined(first: Step, then: Step, goes_on: Flags) -> Step:
+    """Return two steps in a row as one, of which only those that go on took the second."""
+    flags = {
+        name: getattr(first, name) | (getattr(then, name) & goes_on)
+        for name in ("arrived", "collided", "timed_out", "terminated", "truncated")
+    }
+    observations = np.where(goes_on[:, None], then.observations, first.observations)
+    return replace(first, observations=observations, rewards=first.rewards + goes_on * then.rewards, **flags)

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Guide, NoPath, Path, PathBatch, Sensors, Snapshot, View, WaypointGenerator, mission_of
+from arena_core import NO_TRACKS, Guide, NoPath, Path, PathBatch, Sensors, Snapshot, Tracks, View, WaypointGenerator, mission_of
 from arena_gym.pool import Problem
 
 Floats = NDArray[np.float64]
@@ -22,7 +22,8 @@ Ranges = NDArray[np.float32]
 class Guided:
     """What K robots know of their way: estimated ``poses`` and ``waypoints`` (K, 3) in ``map``, and ``paths``.
 
-    ``arrived`` (K,) is their belief; ``new_paths`` holds, by slot, the paths that were planned in this step.
+    ``arrived`` (K,) is their belief; ``new_paths`` holds, by slot, the paths that were planned in this step; ``tracks`` (K), none where
+    nobody asks for them.
     """
 
     poses: Floats
@@ -30,6 +31,7 @@ class Guided:
     paths: PathBatch
     arrived: Flags
     new_paths: dict[int, Path]
+    tracks: tuple[Tracks, ...] = ()
 
 
 class Guidance(ABC):
@@ -74,8 +76,9 @@ class PathGuidance(Guidance):
 class NavigatorGuidance(Guidance):
     """Robots that localise themselves and plan anew as they do in a benchmark, each by a guide of its own."""
 
-    def __init__(self, make_guide: Callable[[], Guide], worlds: int) -> None:
+    def __init__(self, make_guide: Callable[[], Guide], worlds: int, tracked: bool) -> None:
         self._guides = [make_guide() for _ in range(worlds)]
+        self._tracked = tracked
         self._problems: list[Problem | None] = [None] * worlds
         self._paths: list[Path | None] = [None] * worlds
 
@@ -99,7 +102,8 @@ class NavigatorGuidance(Guidance):
         poses = [snapshot.poses[slot] if view is None else view.estimate.pose.array() for slot, view in views.items()]
         waypoints = [self._first_waypoint(slot) if view is None else view.waypoint.array() for slot, view in views.items()]
         arrived = [view is not None and view.arrived for view in views.values()]
-        return Guided(np.array(poses), np.array(waypoints), paths, np.array(arrived), new)
+        tracks = tuple(map(_tracks_of, views.values())) if self._tracked else ()
+        return Guided(np.array(poses), np.array(waypoints), paths, np.array(arrived), new, tracks)
 
     def _view(self, slot: int, snapshot: Snapshot, ranges: Ranges) -> View | None:
         """Return what one robot knows; None where it finds no first path, as its estimate may lie too near to a wall."""
@@ -112,6 +116,11 @@ class NavigatorGuidance(Guidance):
         problem = self._problems[slot]
         assert problem is not None
         return problem.waypoint
+
+
+def _tracks_of(view: View | None) -> Tracks:
+    """Return whom a robot tracks; nobody where it sees nothing any more."""
+    return NO_TRACKS if view is None or view.tracks is None else view.tracks()
 
 
 def seen_by(snapshot: Snapshot, slot: int, ranges: Ranges) -> Sensors:

@@ -45,13 +45,17 @@ class CrowdKind:
 
 @dataclass(frozen=True, slots=True)
 class EnvironmentSettings:
-    """The pool of problems; how many collisions end an episode, and for how long a robot may stand (s); None: any."""
+    """The pool of problems; how many collisions end an episode, and for how long a robot may stand (s); None: any.
+
+    An action is a velocity for ``every`` control steps; that of a switch lasts as long as the switch says.
+    """
 
     seed: NonNegativeInt
     worlds: PositiveInt
     problems_per_world: PositiveInt
     collisions_to_end: PositiveInt | None
     standing_to_end: Positive | None
+    every: PositiveInt
 
 
 @dataclass(frozen=True, slots=True)

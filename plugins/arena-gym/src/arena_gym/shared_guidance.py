@@ -19,6 +19,7 @@ from arena_core import (
     Pose,
     ReferenceLocalizer,
     Snapshot,
+    Tracks,
     Twist,
     WaypointGenerator,
     Window,
@@ -34,11 +35,13 @@ class SharedGuidance(Guidance):
     """Robots that localise and plan anew as in a benchmark, bit for bit, at a fraction of the cost of N guides.
 
     They share a localiser that needs the true pose alone, and a waypoint generator. Each has its own guide for its plans and its local map,
-    which takes in scans only where the rules of replanning look at it. There are no recoveries.
+    which takes in scans only where the rules of replanning look at it, and where robots are ``tracked`` its own tracker. There are no
+    recoveries.
     """
 
-    def __init__(self, make_guide: Callable[[], Guide], waypoints: WaypointGenerator, worlds: int) -> None:
+    def __init__(self, make_guide: Callable[[], Guide], waypoints: WaypointGenerator, worlds: int, tracked: bool) -> None:
         self._guides = [make_guide() for _ in range(worlds)]
+        self._tracked = tracked
         for guide in self._guides:  # plans depend on what is asked alone: one planner needs the memory of one
             guide.global_planner = self._guides[0].global_planner
         localizer = self._guides[0].localizer
@@ -58,7 +61,9 @@ class SharedGuidance(Guidance):
         """Plan each robot's first path from where it believes to stand."""
         for slot, problem in zip(slots.tolist(), problems, strict=True):
             scenario = problem.scenario
-            self._guides[slot].begin(mission_of(scenario))
+            mission = mission_of(scenario)
+            self._guides[slot].begin(mission)
+            self._guides[slot].tracker.reset(mission.map)
             self._goals[slot], self._radii[slot] = (scenario.goal.x, scenario.goal.y), scenario.goal_radius
         keys = [generator(p.scenario.seed, p.scenario.name, "localizer").integers(2**64, size=1, dtype=np.uint64)[0] for p in problems]
         self._localizer.begin(np.array(keys), slots, len(self._guides))
@@ -69,7 +74,7 @@ class SharedGuidance(Guidance):
         self._paths = PathBatch.of([guide.path for guide in self._guides if guide.path is not None])
         paths = PathBatch.of([guide.path for guide in (self._guides[slot] for slot in slots) if guide.path is not None])
         waypoints = self._waypoints.next(paths, poses, snapshot.stamps[slots], slots).poses
-        return Guided(poses, waypoints, paths, self._arrived(poses, slots), {})
+        return Guided(poses, waypoints, paths, self._arrived(poses, slots), {}, self._tracks(slots, snapshot, ranges, poses))
 
     def look(self, snapshot: Snapshot, ranges: Ranges) -> Guided:
         """Localise all robots, let those plan that have to, and choose the waypoints of all in one call."""
@@ -96,7 +101,7 @@ class SharedGuidance(Guidance):
             assert path is not None
             found.poses[slot] = self._waypoints.next(PathBatch.of([path]), poses[at], snapshot.stamps[at], at).poses[0]
         new = {slot: path for slot in planned if (path := self._guides[slot].path) is not None}
-        return Guided(poses, found.poses, self._paths, arrived, new)
+        return Guided(poses, found.poses, self._paths, arrived, new, self._tracks(self._all, snapshot, ranges, poses))
 
     def _arrived(self, poses: Floats, slots: Slots) -> NDArray[np.bool_]:
         """Tell who believes to be within the goal's radius, as guides do."""
@@ -129,24 +134,32 @@ class SharedGuidance(Guidance):
 
     def _window(self, slot: int, snapshot: Snapshot, ranges: Ranges, poses: Floats) -> Callable[[], Window]:
         """Return what lets a robot's local map take in its scan, once, when it is asked for."""
-        guide, head = self._guides[slot], snapshot.scan_header
+        return cache(lambda: self._guides[slot].local_map.take_in(*_scan_of(slot, snapshot, ranges[slot], Pose.of(poses[slot]))))
 
-        def window() -> Window:
-            stamp = float(snapshot.scan_stamps[slot])
-            beams = head.angle_min, head.angle_increment, head.range_min, head.range_max, ranges[slot]
-            age = float(snapshot.stamps[slot]) - stamp
-            pose = Pose.of(poses[slot])
-            if age > 0.0:
-                pose = pose_at_scan(pose, Twist.of(snapshot.odometry_twists[slot]), age)
-            return guide.local_map.take_in(LaserScan(stamp, *beams, head.mount), pose)
-
-        return cache(window)
+    def _tracks(self, slots: Slots, snapshot: Snapshot, ranges: Ranges, poses: Floats) -> tuple[Tracks, ...]:
+        """Show the trackers of these slots, which believe to stand at poses (K, 3), their scans; nothing where nobody asks."""
+        if not self._tracked:
+            return ()
+        places = ((slot, Pose.of(pose)) for slot, pose in zip(slots.tolist(), poses, strict=True))
+        return tuple(
+            self._guides[slot].tracker.update(*_scan_of(slot, snapshot, ranges[slot], pose), float(snapshot.stamps[slot]))
+            for slot, pose in places
+        )
 
     def _renew(self, slots: Sequence[int]) -> None:
         """Take these robots' new paths for theirs."""
         if slots:
             self._waypoints.reset(np.array(slots), len(self._guides))
             self._paths = PathBatch.of([guide.path for guide in self._guides if guide.path is not None])
+
+
+def _scan_of(slot: int, snapshot: Snapshot, ranges: Ranges, pose: Pose) -> tuple[LaserScan, Pose]:
+    """Return a robot's scan with these ranges (B,), and where it believes to have been then, now being at ``pose``."""
+    head, stamp = snapshot.scan_header, float(snapshot.scan_stamps[slot])
+    age = float(snapshot.stamps[slot]) - stamp
+    if age > 0.0:
+        pose = pose_at_scan(pose, Twist.of(snapshot.odometry_twists[slot]), age)
+    return LaserScan(stamp, head.angle_min, head.angle_increment, head.range_min, head.range_max, ranges, head.mount), pose
 
 
 def _no_window() -> Window:

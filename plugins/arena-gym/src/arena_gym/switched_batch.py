@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import ConfigurationError, ObservationBatch, Snapshot
-from arena_gym.batch import Flags, NavigationBatch, Slots, Step
+from arena_gym.batch import Flags, Floats, NavigationBatch, Slots, Step
 from arena_gym.building import Parts
 
 
 class SwitchedBatch(NavigationBatch):
-    """Drives N robots by members that a policy chooses among, for some control steps at a time; slot k is what it is alone.
-
-    A robot whose episode ends in between stands until all have driven so long.
-    """
+    """Drives N robots by members that a policy chooses among, for some control steps at a time; slot k is what it is alone."""
 
     def __init__(self, parts: Parts, worlds: int) -> None:
         super().__init__(parts, worlds)
@@ -27,28 +23,23 @@ class SwitchedBatch(NavigationBatch):
         self._drivers = [parts.switch.make_driver() for _ in range(worlds)]
         self._places: list[tuple[ObservationBatch, int] | None] = [None] * worlds
 
-    def step(self, actions: NDArray[Any]) -> Step:
-        """Drive by the members ``actions`` (N,), for so many control steps as an action holds; rewards add up."""
-        chosen = np.asarray(actions).reshape(self.worlds)
-        if not np.isin(chosen, np.arange(self._members)).all():
-            raise ConfigurationError(f"an action is {chosen.tolist()}; allowed: 0 .. {self._members - 1} each, the places of members")
-        total = self._control(chosen, np.ones(self.worlds, bool))
-        for _ in range(self._steps_of_action - 1):
-            goes_on = ~(total.terminated | total.truncated)
-            if goes_on.any():
-                total = _joined(total, self._control(chosen, goes_on), goes_on)
-        return total
+    def _take(self, actions: NDArray[Any]) -> None:
+        """Take in the places of the members that drive from now on, (N,)."""
+        self._chosen = np.asarray(actions).reshape(self.worlds)
+        if not np.isin(self._chosen, np.arange(self._members)).all():
+            raise ConfigurationError(f"an action is {self._chosen.tolist()}; allowed: 0 .. {self._members - 1} each, the places of members")
 
-    def _control(self, chosen: NDArray[Any], driving: Flags) -> Step:
-        """Let the robots that are ``driving`` (N,) do so for one control step; return what came of it, of use for those alone."""
-        steps, collisions = self.steps.copy(), self.collisions.copy()
+    def _velocities(self, driving: Flags) -> Floats:
+        """Let the chosen members of those that are ``driving`` say how."""
         commands = np.zeros((self.worlds, 3))
         for slot in np.flatnonzero(driving).tolist():
             place = self._places[slot]
             assert place is not None
-            commands[slot] = self._drivers[slot].drive(int(chosen[slot]), *place)
-        step = self.drive(commands)
-        self.steps, self._loop.collisions = np.where(driving, self.steps, steps), np.where(driving, self.collisions, collisions)
+            commands[slot] = self._drivers[slot].drive(int(self._chosen[slot]), *place)
+        return commands
+
+    def _control(self, driving: Flags) -> Step:
+        step = super()._control(driving)
         self._places = [(self.seen, slot) for slot in range(self.worlds)]
         return step
 
@@ -63,13 +54,3 @@ class SwitchedBatch(NavigationBatch):
 def make_batch(parts: Parts, worlds: int) -> NavigationBatch:
     """Return worlds whose actions are velocities, or choose planners where the environment has a switch."""
     return NavigationBatch(parts, worlds) if parts.switch is None else SwitchedBatch(parts, worlds)
-
-
-def _joined(first: Step, then: Step, goes_on: Flags) -> Step:
-    """Return two steps in a row as one, of which only those that go on took the second."""
-    flags = {
-        name: getattr(first, name) | (getattr(then, name) & goes_on)
-        for name in ("arrived", "collided", "timed_out", "terminated", "truncated")
-    }
-    observations = np.where(goes_on[:, None], then.observations, first.observations)
-    return replace(first, observations=observations, rewards=first.rewards + goes_on * then.rewards, **flags)

@@ -11,7 +11,7 @@ from arena_policies.policy import load_policy
 
 
 class PolicyPlanner(Planner):
-    """Asks a policy at every control step; it remembers its last command, and scans where the policy looks back.
+    """Asks a policy at every ``card.every``-th control step; it remembers its last command, and scans where the policy looks back.
 
     ``policy`` is an ONNX file with its card beside it; None takes ``robot.name``'s from the folder ``shipped``.
     """
@@ -23,6 +23,7 @@ class PolicyPlanner(Planner):
         self._policy = load_policy(policy or shipped_policy(name, robot, shipped), name, robot)
         self.untuned = trained_otherwise(name, self._policy.card.training, robot)
         self._last = Twist(0.0)
+        self._held = 0  # control steps for which the last command still holds
 
     def reset(self, episode: EpisodeStart) -> None:
         """Begin at rest; raise ConfigurationError for another control period than the policy was trained with."""
@@ -31,7 +32,7 @@ class PolicyPlanner(Planner):
             raise ConfigurationError(
                 f"{self._name}: planner.control_period is {episode.control_period:g}; allowed: {trained:g}, as the policy was trained"
             )
-        self._last = Twist(0.0)
+        self._last, self._held = Twist(0.0), 0
         self._policy.begin()
 
     @property
@@ -42,12 +43,16 @@ class PolicyPlanner(Planner):
     def look_on(self, observation: Observation, command: Twist) -> None:
         """See a control step at which another planner drove, by ``command``."""
         self._policy.look(observation, self._last)
-        self._last = command
+        self._last, self._held = command, 0
 
     def compute_velocity(self, observation: Observation) -> Twist:
         """Return the policy's velocity; raise NoValidCommand where the observation is no number."""
-        last, self._last = self._last, Twist(0.0)  # where there is no command, the robot brakes
-        self._last = self._policy.command(observation, last)
+        if self._held:
+            self._policy.look(observation, self._last)
+        else:
+            last, self._last = self._last, Twist(0.0)  # where there is no command, the robot brakes
+            self._last, self._held = self._policy.command(observation, last), self._policy.card.every
+        self._held -= 1
         return self._last
 
 

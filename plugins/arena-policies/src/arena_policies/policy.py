@@ -67,7 +67,7 @@ class PolicyNetwork:
         return answers
 
     def _seen(self, observation: Observation, last_command: Twist) -> ObservationBatch:
-        return batch_of_one(observation, last_command, self._earlier_scans(observation), self._recalled)
+        return batch_of_one(observation, last_command, self._earlier_scans(observation), self._recalled, self._encoder.tracked)
 
     def _earlier_scans(self, observation: Observation) -> EarlierScans:
         """Return the scans that the encoder looks back at, and remember the one now."""

@@ -18,6 +18,7 @@ from arena_policies.encoding import (
     write_speeds,
     write_way,
 )
+from arena_policies.looking_ahead import bodies_of, nearest_then, sectors_of
 from arena_policies.looking_back import beams_of, nearest_now, steps_back
 
 
@@ -26,8 +27,9 @@ class RosnavSectorsEncoder(BoundedEncoder):
 
     Sectors go counter-clockwise; those of a scan all round begin behind the robot, and the first ``overlap`` of them follow the last
     once more, so that a convolution over them has no seam. Earlier scans, ``lookback`` seconds ago, are shown as they would be seen
-    from where the robot is now: what stands still coincides, people do not. The waypoint's direction comes as cosine and sine, which
-    have no jump behind the robot. ``ahead`` further points of the path, ``spacing`` m of it apart, show where it turns.
+    from where the robot is now: what stands still coincides, people do not. Scans ``foreseen`` seconds from now show where the bodies
+    that the robot tracks will be. The waypoint's direction comes as cosine and sine, which have no jump behind the robot. ``ahead``
+    further points of the path, ``spacing`` m of it apart, show where it turns.
     """
 
     def __init__(
@@ -41,10 +43,13 @@ class RosnavSectorsEncoder(BoundedEncoder):
         distance_unit: Positive,
         ahead: NonNegativeInt = 0,  # policies whose cards say nothing of it were trained without
         spacing: Positive = 1.0,
+        foreseen: tuple[Positive, ...] = (),
     ) -> None:
         lidar = robot.lidar
         self.lookback = steps_back(lookback, robot)
         self._sectors = min(sectors, lidar.beams)
+        self.tracked = bool(foreseen)
+        self._times, self._pooled = np.array(foreseen), sectors_of(lidar, self._sectors)
         self._order = sectors_shown(self._sectors, overlap, lidar)
         self._beams = beams_of(lidar)
         self._range_max = min(range_max, lidar.range_max)
@@ -53,7 +58,8 @@ class RosnavSectorsEncoder(BoundedEncoder):
         self._spacing, self._ways = spacing, spacing * np.arange(1.0, ahead + 1.0)
         names = ("vx", "vy", "wz") if robot.holonomic else ("vx", "wz")
         ago = [f", {seconds:g} s ago, seen from here" for seconds in lookback]
-        shown = [("closeness", ""), *((f"closeness_{k}", when) for k, when in enumerate(ago, 1))]
+        on = [f", in {seconds:g} s, where tracked bodies will be, seen from here" for seconds in foreseen]
+        shown = [("closeness", ""), *((f"closeness_{k}", when) for k, when in enumerate([*ago, *on], 1))]
         super().__init__(
             (
                 *(closeness_field(name, len(self._order), self._range_max, robot, decay, when) for name, when in shown),
@@ -69,11 +75,15 @@ class RosnavSectorsEncoder(BoundedEncoder):
     def write(self, observations: ObservationBatch, rows: Numbers) -> None:
         """Fill ``rows`` (N, D)."""
         size = len(self._order)
-        nearest = np.empty((len(rows), 1 + len(self.lookback), self._sectors))
+        past = 1 + len(self.lookback)
+        nearest = np.empty((len(rows), past + len(self._times), self._sectors))
         nearest_in_sectors(observations.ranges, self._range_max, nearest[:, 0])
         earlier = observations.earlier
         if self.lookback:
-            nearest_now(earlier.ranges, earlier.poses, observations.poses, self._beams, self._range_max, nearest[:, 1:])
+            nearest_now(earlier.ranges, earlier.poses, observations.poses, self._beams, self._range_max, nearest[:, 1:past])
+        if self.tracked:
+            bodies = bodies_of(observations.tracks)
+            nearest_then(observations.ranges, observations.poses, bodies, self._times, self._pooled, self._range_max, nearest[:, past:])
         state = size * nearest.shape[1]
         write_closeness(nearest, self._order, self._range_max, self._radius, self._decay, rows)
         write_way(observations.waypoints, observations.poses, self._distance_unit, state, rows)

@@ -8,7 +8,9 @@ from numpy.typing import NDArray
 from arena_core import EarlierScans, Observation, ObservationBatch, PathBatch, Twist
 
 
-def batch_of_one(observation: Observation, last_command: Twist, earlier: EarlierScans, recalled: NDArray[np.float32]) -> ObservationBatch:
+def batch_of_one(
+    observation: Observation, last_command: Twist, earlier: EarlierScans, recalled: NDArray[np.float32], tracked: bool = False
+) -> ObservationBatch:
     """Return what ``ObservationBatch.of`` does."""
     pose, twist, goal, waypoint = observation.pose, observation.twist, observation.goal, observation.waypoint
     poses, twists, goals, waypoints, last = np.array(
@@ -34,4 +36,5 @@ def batch_of_one(observation: Observation, last_command: Twist, earlier: Earlier
         maps=(observation.map,),
         recalled=recalled,
         depths=None if observation.depth is None else observation.depth.depths[None],
+        tracks=(observation.tracks,) if tracked else (),
     )

@@ -148,5 +148,5 @@ def _card(config: Mapping[str, Any], parts: Parts, content: bytes, told: Mapping
         sha256=sha256(content),
         training=told,
         members=switch.members if switch else {},
-        every=switch.every if switch else 1,
+        every=switch.every if switch else parts.settings.every,
     )
