@@ -69,7 +69,7 @@ class ObservationBatch:
     ``base_link``; ``goals`` and ``waypoints`` (N, 3) in ``map``; ``last_commands`` (N, 3), the velocities commanded a step before, zero at
     first; ``paths`` in ``map``; ``earlier`` scans as many as the encoder looks back at; ``maps`` (N), None where a robot has none;
     ``recalled`` (N, D), what a recurrent encoder made of the step before, zeros at first, (N, 0) for all others; ``depths`` (N, H, W)
-    float32 m, the newest images of depth cameras, None where robots have none; ``tracks`` (N), none where the encoder does not ask for them.
+    float32 m, the newest images of depth cameras, None where robots have none; ``tracks`` (N), none where no encoder asks for them.
     """
 
     stamps: FloatArray
