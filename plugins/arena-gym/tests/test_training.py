@@ -120,6 +120,20 @@ def test_actions_spread_less_towards_the_end(here):
 
 
 @pytest.mark.slow
+def test_reward_changes_after_its_share_of_the_steps_and_not_before(here):
+    import torch
+
+    words = [*WORDS, "training.validation.every=2048", "training.validation.episodes=8", "environment.collisions_to_end=null"]
+    ends = {}
+    for name, later in (("always", "later.share=1"), ("late", "later.share=0.5"), ("soon", "later.share=0")):
+        assert main([*words, "total_steps=4096", f"out={name}", later, "later.reward={time: 1.0}"]) == 0
+        ends[name] = torch.load(here / name / "checkpoint.pt", weights_only=True)["policy"]
+    assert curve(here / "late")[0] == curve(here / "always")[0]
+    for one, other in (("late", "always"), ("late", "soon")):
+        assert any(not torch.equal(weights, ends[other][part]) for part, weights in ends[one].items()), (one, other)
+
+
+@pytest.mark.slow
 def test_spread_of_the_first_actions_may_be_told_in_si(here):
     import torch
 
@@ -159,6 +173,7 @@ def test_training_that_was_killed_ends_with_the_weights_of_one_that_was_not(here
     import torch
 
     words = [*WORDS, "total_steps=12288", "training.validation.every=2048", "training.validation.episodes=8", "training.checkpoint=0"]
+    words += ["later.share=0.3", "later.reward={collision: 40}"]
     arena = str(Path(sys.executable).with_name("arena"))
     killed = subprocess.Popen([arena, *words, "out=killed"], stdout=subprocess.DEVNULL)
     try:
@@ -212,6 +227,9 @@ def test_checkpoint_that_is_none_is_refused(here, capsys):
         ("training.network.beams_field=nothing", "beams_field"),
         ("training.optimization.gamma=2", "gamma"),
         ("resume=perhaps", "resume"),
+        ("later.share=2", "later.share"),
+        ("later.reward={unheard_of: 1}", "unheard_of"),
+        ("later.reward={collision: much}", "collision"),
     ],
 )
 def test_impossible_request_is_one_line(here, capsys, word, said):

@@ -51,8 +51,9 @@ class NavigationBatch:
 
     An episode ends when the robot believes to be within its goal's radius, when it has collided too often, or when its time is over.
     A robot whose episode ends while its action still holds stands until all have driven so long.
-    ``steps`` (N,) count since the episodes began. ``stage`` is the level of a task that has any; ``keys`` are what the running episodes
-    were drawn from. ``seen`` is what was encoded last: a row for each robot after a step, for each that began anew after a reset.
+    ``reward`` judges the steps, and may be changed. ``steps`` (N,) count since the episodes began. ``stage`` is the level of a task that
+    has any; ``keys`` are what the running episodes were drawn from. ``seen`` is what was encoded last: a row for each robot after a step,
+    for each that began anew after a reset.
     """
 
     seen: ObservationBatch
@@ -69,6 +70,7 @@ class NavigationBatch:
         self._loop = EpisodeLoop(parts.simulator, parts.robot.control_period, worlds, parts.settings.collisions_to_end)
         self._stage_weights: tuple[float, ...] | None = None
         self._guidance = _guidance(parts, worlds)
+        self.reward = parts.reward
         self._tracking = PathTracking(worlds)
         self._delays = np.zeros(worlds, np.int64)
         self._noise = RangeNoise(parts.robot.lidar, worlds)
@@ -169,7 +171,7 @@ class NavigationBatch:
         self._memory.remember(ranges, guided.poses)
         self.seen = self._observed(snapshot, ranges, guided, self._memory.earlier())
         period = parts.robot.control_period
-        rewards = parts.reward.reward(
+        rewards = self.reward.reward(
             Transition(before, self._situation, self._commands, last_commands, arrived, collided, timed_out, period)
         )
         return Step(self._encoded(), rewards, arrived, collided, timed_out, terminated, timed_out & ~terminated)

@@ -61,10 +61,12 @@ def run_training(config: Mapping[str, Any], folder: Path, resume: bool, force: b
     for pool in (parts.pool, validation.batch.parts.pool):
         (pool.at_stage(pool.staging.start) if pool.staging else pool).problem(0)  # a world in which none can be drawn is told now
     env = NavigationVectorEnv(settings.optimization.environments, parts=parts)
+    changed = settings.later.reward
+    later = None if changed is None else registry.build("reward", {**config["reward"], **changed}, robot=parts.robot)
     learner, worlds = prepare(settings, env, folder)
     code = code_of(config, registry, apart=NO_PART, besides=("gym",))
     open_folder(folder, config, resume, code, force)  # once all is built: a request that is refused leaves nothing behind
-    trained = train(settings, learner, worlds, validation, levels, folder)
+    trained = train(settings, learner, worlds, validation, levels, folder, later)
     _export(config, parts, trained, code, folder)
     return 0
 
@@ -115,7 +117,7 @@ def _write_policy(config: Mapping[str, Any], parts: Parts, learner: PPO, path: P
 
 def training_settings(config: Mapping[str, Any]) -> TrainingSettings:
     """Return the settings of a composed configuration; raise ConfigurationError."""
-    shared = {key: config[key] for key in ("planner", "seed", "total_steps", "device")}
+    shared = {key: config[key] for key in ("planner", "seed", "total_steps", "device", "later")}
     return read_settings({**shared, **config["training"]}, TrainingSettings, "training")
 
 

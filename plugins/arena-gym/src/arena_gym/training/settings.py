@@ -116,6 +116,14 @@ class Start:
 
 
 @dataclass(frozen=True, slots=True)
+class Later:
+    """What changes after this ``share`` of the steps: numbers of the reward; None: nothing does."""
+
+    share: Fraction
+    reward: dict[str, float] | None
+
+
+@dataclass(frozen=True, slots=True)
 class TrainingSettings:
     """What a training is beside its environment; ``checkpoint`` is the time in s after which one is written."""
 
@@ -123,6 +131,7 @@ class TrainingSettings:
     seed: NonNegativeInt
     total_steps: PositiveInt
     device: str
+    later: Later
     threads: PositiveInt
     network: Network
     start: Start

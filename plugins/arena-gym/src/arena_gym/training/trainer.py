@@ -14,7 +14,7 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import Logger
 
-from arena_core import ArenaError, RunFolderError, write_text_whole
+from arena_core import ArenaError, Reward, RunFolderError, write_text_whole
 from arena_gym.training.checkpoint import Weights, all_finite, load_checkpoint, save_checkpoint, weights_of
 from arena_gym.training.evaluation import evaluate
 from arena_gym.training.export import Actor
@@ -62,10 +62,11 @@ class Trainer(BaseCallback):
         validation: NavigationVectorEnv,
         folder: Path,
         report: TrainingReport,
+        later: Reward | None = None,
     ) -> None:
         super().__init__()
         self._learner, self._settings, self._levels = learner, settings, levels
-        self._worlds, self._validation = worlds, validation
+        self._worlds, self._validation, self._later = worlds, validation, later
         self._folder, self._report = folder, report
         self._late = LateEpisodes()
         self._next_validation = settings.validation.every
@@ -90,6 +91,8 @@ class Trainer(BaseCallback):
         self._after_update()
         if self._settings.start.policy is not None:
             hold_policy(self._learner, self._learner.num_timesteps < self._settings.start.value_steps)
+        if self._later is not None and self._learner.num_timesteps >= self._settings.later.share * self._settings.total_steps:
+            self._worlds.env.batch.reward = self._later
         initial, final = self._settings.network.log_std_init, self._settings.network.log_std_final
         if final is not None:
             limit_spread(self._learner, initial + min(self._learner.num_timesteps / self._settings.total_steps, 1.0) * (final - initial))
@@ -205,15 +208,21 @@ def prepare(settings: TrainingSettings, env: NavigationVectorEnv, folder: Path) 
 
 
 def train(
-    settings: TrainingSettings, learner: PPO, worlds: WorldsInStep, validation: NavigationVectorEnv, levels: Levels, folder: Path
+    settings: TrainingSettings,
+    learner: PPO,
+    worlds: WorldsInStep,
+    validation: NavigationVectorEnv,
+    levels: Levels,
+    folder: Path,
+    later: Reward | None = None,
 ) -> Trained:
-    """Train until the steps are spent or the target is reached.
+    """Train until the steps are spent or the target is reached, from ``settings.later.share`` of them on by the reward ``later``, if there is one.
 
     ``folder`` keeps checkpoint, curve and logs; where there is a checkpoint, its training goes on as if it had never stopped. Raises
     ConfigurationError for one of another training, TrainingStopped where it cannot go on.
     """
     with TrainingReport(settings.total_steps) as report:
-        trainer = Trainer(learner, settings, levels, worlds, validation, folder, report)
+        trainer = Trainer(learner, settings, levels, worlds, validation, folder, report, later)
         with trainer.stopping_in_one_line():
             _go_on(trainer, learner, settings, worlds, folder)
             levels.apply(worlds.env.batch)
