@@ -216,7 +216,7 @@ def train(
     folder: Path,
     later: Reward | None = None,
 ) -> Trained:
-    """Train until the steps are spent or the target is reached, from ``settings.later.share`` of them on by the reward ``later``, if there is one.
+    """Train until the steps are spent or the target is reached; from ``settings.later.share`` of them on by the reward ``later``, if any.
 
     ``folder`` keeps checkpoint, curve and logs; where there is a checkpoint, its training goes on as if it had never stopped. Raises
     ConfigurationError for one of another training, TrainingStopped where it cannot go on.
