@@ -62,9 +62,11 @@ def test_robots_led_together_track_whom_each_would_alone():
     assert tracks > 100
 
 
-def test_tracks_need_a_guide():
-    with pytest.raises(ConfigurationError, match=r"guide is null; allowed: driving or navigator"):
+def test_tracks_need_a_guide_with_a_tracker():
+    with pytest.raises(ConfigurationError, match=r"guide is null; allowed: a guide"):
         NavigationBatch(build_parts(compose_environment(["observation_encoder.foreseen=[1.0]"], observation_encoder="rosnav_sectors")), 1)
+    with pytest.raises(ConfigurationError, match=r"guide.tracker is none; allowed: .*tracker@guide.tracker=kalman"):
+        batch_of(["observation_encoder.foreseen=[1.0]"], "rosnav_sectors")
 
 
 def test_a_filter_of_its_own_needs_a_guide_of_its_own():

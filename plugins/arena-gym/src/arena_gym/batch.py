@@ -126,26 +126,21 @@ class NavigationBatch:
 
     def step(self, actions: NDArray[Any]) -> Step:
         """Drive by actions (N, A) in [-1, 1] for as many control steps as one holds; rewards add up."""
-        self._take(actions)
-        total = self._control(np.ones(self.worlds, bool))
+        total = self._control(actions, np.ones(self.worlds, bool))
         for _ in range(self._steps_of_action - 1):
             goes_on = ~(total.terminated | total.truncated)
             if goes_on.any():
-                total = _joined(total, self._control(goes_on), goes_on)
+                total = _joined(total, self._control(actions, goes_on), goes_on)
         return total
 
-    def _take(self, actions: NDArray[Any]) -> None:
-        """Take in the actions that hold from now on."""
-        self._wanted = self.parts.scale.commands(actions)
+    def _velocities(self, actions: NDArray[Any], driving: Flags) -> Floats:
+        """Return the velocities (N, 3) that ``actions`` ask for at one control step, of use for those that are ``driving`` (N,)."""
+        return self.parts.scale.commands(actions)
 
-    def _velocities(self, driving: Flags) -> Floats:
-        """Return the velocities (N, 3) that the actions ask for at one control step, of use for those that are ``driving`` (N,)."""
-        return self._wanted
-
-    def _control(self, driving: Flags) -> Step:
+    def _control(self, actions: NDArray[Any], driving: Flags) -> Step:
         """Let the robots that are ``driving`` (N,) do so for one control step; return what came of it, of use for those alone."""
         steps, collisions = self.steps.copy(), self.collisions.copy()
-        step = self.drive(np.where(driving[:, None], self._velocities(driving), 0.0))
+        step = self.drive(np.where(driving[:, None], self._velocities(actions, driving), 0.0))
         self.steps, self._loop.collisions = np.where(driving, self.steps, steps), np.where(driving, self.collisions, collisions)
         return step
 
@@ -252,10 +247,16 @@ class NavigationBatch:
 
 
 def _guidance(parts: Parts, worlds: int) -> Guidance:
-    """Return what leads the robots: their first paths, or guides, which share what they can."""
+    """Return what leads the robots: their first paths, or guides, which share what they can.
+
+    Raises ConfigurationError where the observation has tracks and nobody tracks.
+    """
+    if parts.encoder.tracked and (parts.make_guide is None or parts.config["guide"]["tracker"]["name"] == "none"):
+        said = "guide is null" if parts.make_guide is None else "guide.tracker is none"
+        raise ConfigurationError(
+            f"{said}; allowed: a guide (driving or navigator) with a tracker (tracker@guide.tracker=kalman), whose tracks are observed"
+        )
     if parts.make_guide is None:
-        if parts.encoder.tracked:
-            raise ConfigurationError("guide is null; allowed: driving or navigator, for the observation has tracks (guide.tracker)")
         return PathGuidance(parts.waypoints, worlds)
     if SharedGuidance.suits(parts.make_guide()):
         return SharedGuidance(parts.make_guide, parts.waypoints, worlds, parts.encoder.tracked)

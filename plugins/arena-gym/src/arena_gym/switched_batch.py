@@ -23,23 +23,20 @@ class SwitchedBatch(NavigationBatch):
         self._drivers = [parts.switch.make_driver() for _ in range(worlds)]
         self._places: list[tuple[ObservationBatch, int] | None] = [None] * worlds
 
-    def _take(self, actions: NDArray[Any]) -> None:
-        """Take in the places of the members that drive from now on, (N,)."""
-        self._chosen = np.asarray(actions).reshape(self.worlds)
-        if not np.isin(self._chosen, np.arange(self._members)).all():
-            raise ConfigurationError(f"an action is {self._chosen.tolist()}; allowed: 0 .. {self._members - 1} each, the places of members")
-
-    def _velocities(self, driving: Flags) -> Floats:
-        """Let the chosen members of those that are ``driving`` say how."""
+    def _velocities(self, actions: NDArray[Any], driving: Flags) -> Floats:
+        """Let the members in the places ``actions`` (N,) say how, for those that are ``driving``."""
+        chosen = np.asarray(actions).reshape(self.worlds)
+        if not np.isin(chosen, np.arange(self._members)).all():
+            raise ConfigurationError(f"an action is {chosen.tolist()}; allowed: 0 .. {self._members - 1} each, the places of members")
         commands = np.zeros((self.worlds, 3))
         for slot in np.flatnonzero(driving).tolist():
             place = self._places[slot]
             assert place is not None
-            commands[slot] = self._drivers[slot].drive(int(self._chosen[slot]), *place)
+            commands[slot] = self._drivers[slot].drive(int(chosen[slot]), *place)
         return commands
 
-    def _control(self, driving: Flags) -> Step:
-        step = super()._control(driving)
+    def _control(self, actions: NDArray[Any], driving: Flags) -> Step:
+        step = super()._control(actions, driving)
         self._places = [(self.seen, slot) for slot in range(self.worlds)]
         return step
 
