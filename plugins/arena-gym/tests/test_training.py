@@ -195,6 +195,43 @@ def test_training_that_was_killed_ends_with_the_weights_of_one_that_was_not(here
     assert (here / "killed" / "test.json").read_bytes() == (here / "whole" / "test.json").read_bytes()
 
 
+TAUGHT = [*WORDS, "teacher.planner=pure_pursuit", "teacher.rounds=3", "teacher.decisions=128", "teacher.minibatch=128", "teacher.epochs=16"]
+
+
+@pytest.mark.slow
+def test_policy_imitates_its_teacher_before_it_learns_from_rewards(here, capsys):
+    words = [*TAUGHT, "total_steps=2048", "training.start.value_steps=1000000"]
+    assert main([*words, "out=taught"]) == 0
+    assert curve(here / "taught")[-1]["success"] >= 0.8, "the policy is held: all it knows is from its teacher"
+    assert "lesson 3 of 3, the teacher drives 0.00 of the worlds" in capsys.readouterr().out
+    assert not list((here / "taught" / "lessons").iterdir())
+
+
+@pytest.mark.slow
+def test_lessons_that_were_cut_off_go_on_to_the_same_weights(here, capsys, monkeypatch):
+    import torch
+
+    from arena_gym.training import teaching
+
+    words = [*TAUGHT, "total_steps=4096", "training.validation.episodes=8"]
+    with monkeypatch.context() as cut:
+
+        def full(folder, actor, optimizer, rounds):
+            raise OSError(28, "No space left on device")
+
+        keep = teaching._keep
+        cut.setattr(teaching, "_keep", lambda *of: keep(*of) if of[-1] < 2 else full(*of))
+        assert "No space left on device" in refused([*words, "out=cut"], capsys)
+    assert torch.load(here / "cut" / "taught.pt", weights_only=True)["rounds"] == 1
+    assert main([*words, "out=cut", "resume=true"]) == 0
+    assert main([*words, "out=whole"]) == 0
+    ends = [torch.load(here / name / "checkpoint.pt", weights_only=True)["policy"] for name in ("cut", "whole")]
+    assert all(torch.equal(weights, ends[1][part]) for part, weights in ends[0].items())
+    (here / "whole" / "checkpoint.pt").unlink()
+    (here / "whole" / "taught.pt").write_bytes(b"nothing")
+    assert "taught.pt: is not of this training" in refused([*words, "out=whole", "resume=true"], capsys)
+
+
 def refused(words, capsys):
     assert main(list(words)) == 2
     lines = capsys.readouterr().err.strip().splitlines()
@@ -228,6 +265,8 @@ def test_checkpoint_that_is_none_is_refused(here, capsys):
         ("training.optimization.gamma=2", "gamma"),
         ("resume=perhaps", "resume"),
         ("later.share=2", "later.share"),
+        ("teacher.planner=unheard_of", "unheard_of"),
+        ("teacher.rounds=0", "teacher.rounds"),
         ("later.reward={unheard_of: 1}", "unheard_of"),
         ("later.reward={collision: much}", "collision"),
     ],

@@ -61,3 +61,18 @@ def test_range_beyond_the_robots_limits_is_refused(wrong):
     numbers = {"vx_min": None, "vx_max": None, "vy_max": None, "wz_max": None, "steering_max": None} | wrong
     with pytest.raises(ConfigurationError, match=rf"action\.{next(iter(wrong))} is .*; allowed: "):
         ActionScale.of(robot(), ActionRange(**numbers))
+
+
+@pytest.mark.parametrize("drive", ["differential", "omnidirectional", "ackermann"])
+@settings(derandomize=True, deadline=None)
+@given(numbers=st.lists(st.floats(-0.9, 0.9), min_size=12, max_size=12))
+def test_action_of_a_command_gives_that_command(drive, numbers):
+    scale = ActionScale.of(robot(drive), WHOLE)
+    commands = scale.commands(np.array(numbers).reshape(4, 3)[:, : len(scale.names)])
+    assert scale.commands(scale.actions(commands)) == pytest.approx(commands, abs=1e-9)
+
+
+def test_command_beyond_the_range_is_met_as_far_as_it_goes():
+    scale = ActionScale.of(robot(), FORWARDS)
+    assert scale.actions(np.array([(-1.0, 0.0, 99.0)])).tolist() == [[-1.0, 1.0]]
+    assert ActionScale.of(robot("ackermann"), WHOLE).actions(np.array([(0.0, 0.0, 1.0)]))[0, 1] == 0.0, "a car that stands: straight on"

@@ -30,9 +30,12 @@ CERTAIN = np.zeros((3, 3))
 
 
 class Driver:
-    """Members with the local map and the tracker that a benchmark's navigator would have; the pose is the truth."""
+    """Members with the local map and the tracker that a benchmark's navigator would have; the pose is the truth.
 
-    def __init__(self, robot: Robot, members: Members, local_map: LocalMap, tracker: Tracker) -> None:
+    Without a tracker of its own it has the tracks that the environment shows to its encoder.
+    """
+
+    def __init__(self, robot: Robot, members: Members, local_map: LocalMap, tracker: Tracker | None) -> None:
         self._robot, self._members = robot, members
         self._local_map, self._tracker = local_map, tracker
 
@@ -41,7 +44,8 @@ class Driver:
         scenario = problem.scenario
         grid = scenario.world.grid if scenario.world.known else None
         self._local_map.reset(grid)
-        self._tracker.reset(grid)
+        if self._tracker is not None:
+            self._tracker.reset(grid)
         random = generator(scenario.seed, scenario.name, "planner")
         self._members.reset(EpisodeStart(grid, scenario.goal, self._robot.control_period, random))
 
@@ -63,7 +67,7 @@ class Driver:
             return self._local_map.update(scan, pose)
 
         def tracks() -> Tracks:
-            return self._tracker.update(scan, pose, stamp)
+            return seen.tracks[row] if self._tracker is None else self._tracker.update(scan, pose, stamp)
 
         return Observation(
             stamp,

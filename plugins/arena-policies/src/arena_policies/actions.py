@@ -68,6 +68,14 @@ class ActionScale:
             raise InvalidCommand("an action is not finite; allowed: numbers in [-1, 1]")
         return commands
 
+    def actions(self, commands: FloatArray) -> FloatArray:
+        """Return the actions (N, A) in [-1, 1] that come nearest to velocities (N, 3) in ``base_link``."""
+        wanted = np.ascontiguousarray(commands[:, [0, 2]] if len(self.names) == 2 else commands, np.float64)
+        if "steering" in self.names:  # which says nothing of a turn at a stand
+            speeds = np.where(np.abs(wanted[:, 0]) < 1e-6, np.inf, wanted[:, 0])
+            wanted[:, 1] = np.arctan(wanted[:, 1] * self.wheelbase / speeds)
+        return np.clip(2.0 * (wanted - self.low) / (self.high - self.low) - 1.0, -1.0, 1.0)
+
 
 def _check_within(name: str, value: float | None, low: float, high: float) -> None:
     if value is not None and not (math.isfinite(value) and low <= value <= high):

@@ -27,8 +27,13 @@ class Actor(nn.Module):
 
     def forward(self, observation: torch.Tensor) -> torch.Tensor:
         """Return the actions (N, A), or what each member is preferred by, for observations (N, D)."""
-        actions: torch.Tensor = self.action(self.body(self.features(observation)))
+        actions = self.means(observation)
         return actions if self._chooses else actions.clamp(-1.0, 1.0)
+
+    def means(self, observation: torch.Tensor) -> torch.Tensor:
+        """Return the actions (N, A) before they are cut to their ranges."""
+        actions: torch.Tensor = self.action(self.body(self.features(observation)))
+        return actions
 
     def act(self, observations: NDArray[np.float32]) -> NDArray[np.floating[Any]]:
         """Return the actions (N, A), or the members chosen (N,), for observations (N, D)."""

@@ -32,6 +32,7 @@ from arena_gym.training.folder import open_folder
 from arena_gym.training.levels import make_levels
 from arena_gym.training.selection import rule
 from arena_gym.training.settings import TrainingSettings
+from arena_gym.training.teaching import Classroom
 from arena_gym.training.trainer import Trained, prepare, train
 from arena_gym.vector_environment import NavigationVectorEnv
 from arena_policies.actions import ActionRange, ActionScale
@@ -63,10 +64,13 @@ def run_training(config: Mapping[str, Any], folder: Path, resume: bool, force: b
     env = NavigationVectorEnv(settings.optimization.environments, parts=parts)
     changed = settings.later.reward
     later = None if changed is None else registry.build("reward", {**config["reward"], **changed}, robot=parts.robot)
+    teacher = settings.teacher.planner
+    classroom = None if teacher is None else Classroom(env.batch, teacher, registry)
     learner, worlds = prepare(settings, env, folder)
-    code = code_of(config, registry, apart=NO_PART, besides=("gym",))
+    besides = () if teacher is None else (registry.component("planner", teacher).plugin,)
+    code = code_of(config, registry, apart=NO_PART, besides=("gym", *besides))
     open_folder(folder, config, resume, code, force)  # once all is built: a request that is refused leaves nothing behind
-    trained = train(settings, learner, worlds, validation, levels, folder, later)
+    trained = train(settings, learner, worlds, validation, levels, folder, later, classroom)
     _export(config, parts, trained, code, folder)
     return 0
 
@@ -117,7 +121,7 @@ def _write_policy(config: Mapping[str, Any], parts: Parts, learner: PPO, path: P
 
 def training_settings(config: Mapping[str, Any]) -> TrainingSettings:
     """Return the settings of a composed configuration; raise ConfigurationError."""
-    shared = {key: config[key] for key in ("planner", "seed", "total_steps", "device", "later")}
+    shared = {key: config[key] for key in ("planner", "seed", "total_steps", "device", "teacher", "later")}
     return read_settings({**shared, **config["training"]}, TrainingSettings, "training")
 
 

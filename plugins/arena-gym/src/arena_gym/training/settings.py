@@ -108,11 +108,28 @@ class Mixture:
 class Start:
     """What a training begins with: the weights of ``policy``, a file with its card beside it or pkg://; drawn ones where it is null.
 
-    A policy's file has no value: for ``value_steps`` control steps the value alone is learned, and the policy drives as it did.
+    Neither a policy's file nor a teacher tells a value: for ``value_steps`` control steps it alone is learned, and the policy drives as
+    it did.
     """
 
     policy: str | None
     value_steps: NonNegativeInt
+
+
+@dataclass(frozen=True, slots=True)
+class Teacher:
+    """A ``planner``, tuned for the robot, whom the policy imitates at first; None: nobody teaches.
+
+    There are ``rounds`` of so many ``decisions`` of each world. In the first the teacher drives all worlds, in the last the policy does.
+    After each all rounds are learned from ``epochs`` times.
+    """
+
+    planner: str | None
+    rounds: PositiveInt
+    decisions: PositiveInt
+    epochs: PositiveInt
+    minibatch: PositiveInt
+    learning_rate: Positive
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,6 +148,7 @@ class TrainingSettings:
     seed: NonNegativeInt
     total_steps: PositiveInt
     device: str
+    teacher: Teacher
     later: Later
     threads: PositiveInt
     network: Network
@@ -143,3 +161,12 @@ class TrainingSettings:
     validation: Validation
     test: Test
     optimization: Optimization
+
+    def __post_init__(self) -> None:
+        if self.teacher.planner is not None and self.start.policy is not None:
+            raise ConfigurationError(f"teacher.planner is {self.teacher.planner}; allowed: null with training.start.policy")
+
+    @property
+    def begins_able(self) -> bool:
+        """Tell whether the policy can drive when it begins to learn from rewards."""
+        return self.teacher.planner is not None or self.start.policy is not None

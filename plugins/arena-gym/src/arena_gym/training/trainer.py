@@ -24,6 +24,7 @@ from arena_gym.training.report import LateEpisodes, TrainingReport
 from arena_gym.training.selection import Choice, candidate, is_better
 from arena_gym.training.settings import TrainingSettings
 from arena_gym.training.starting import hold_policy, take_weights
+from arena_gym.training.teaching import Classroom, teach
 from arena_gym.training.truth import Truth
 from arena_gym.training.worlds_in_step import WorldsInStep
 from arena_gym.vector_environment import NavigationVectorEnv
@@ -89,7 +90,7 @@ class Trainer(BaseCallback):
 
     def _on_rollout_start(self) -> None:
         self._after_update()
-        if self._settings.start.policy is not None:
+        if self._settings.begins_able:
             hold_policy(self._learner, self._learner.num_timesteps < self._settings.start.value_steps)
         if self._later is not None and self._learner.num_timesteps >= self._settings.later.share * self._settings.total_steps:
             self._worlds.env.batch.reward = self._later
@@ -186,7 +187,7 @@ class Trainer(BaseCallback):
             raise TrainingStopped(self._said(f"it {error}")) from error
         except OSError as error:  # of what writes the logs
             raise TrainingStopped(self._said(f"it cannot write to {self._folder}: {error.strerror or error}")) from error
-        except ValueError as error:  # of what draws actions, where a weight is no number
+        except (ValueError, FloatingPointError) as error:  # of what draws actions, where a weight is no number
             if all_finite(self._learner):
                 raise
             raise TrainingStopped(self._said(NO_NUMBER)) from error
@@ -215,15 +216,19 @@ def train(
     levels: Levels,
     folder: Path,
     later: Reward | None = None,
+    classroom: Classroom | None = None,
 ) -> Trained:
     """Train until the steps are spent or the target is reached; from ``settings.later.share`` of them on by the reward ``later``, if any.
 
+    Where there is a ``classroom``, the policy imitates its teacher at first.
     ``folder`` keeps checkpoint, curve and logs; where there is a checkpoint, its training goes on as if it had never stopped. Raises
     ConfigurationError for one of another training, TrainingStopped where it cannot go on.
     """
     with TrainingReport(settings.total_steps) as report:
         trainer = Trainer(learner, settings, levels, worlds, validation, folder, report, later)
         with trainer.stopping_in_one_line():
+            if classroom is not None and not (folder / CHECKPOINT).exists():
+                teach(learner, classroom, settings.teacher, settings.seed, folder)
             _go_on(trainer, learner, settings, worlds, folder)
             levels.apply(worlds.env.batch)
             report.begin(learner.num_timesteps)

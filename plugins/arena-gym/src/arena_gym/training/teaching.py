@@ -1,0 +1,183 @@
+"""A planner that teaches: a policy begins by imitating it, before it learns from rewards.
+
+Dataset aggregation (S. Ross, G. Gordon, D. Bagnell, A reduction of imitation learning and structured prediction to no-regret online
+learning, AISTATS 2011): the policy drives more and more of the worlds itself, and the teacher says what it would have done there.
+"""
+
+from __future__ import annotations
+
+import io
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from stable_baselines3 import PPO
+
+from arena_core import ConfigurationError, Registry, compose, generator, plain, write_bytes_whole
+from arena_gym.batch import NavigationBatch
+from arena_gym.driver import Driver
+from arena_gym.reports import outcome
+from arena_gym.seeds import training_seed
+from arena_gym.training.checkpoint import all_finite
+from arena_gym.training.export import Actor
+from arena_gym.training.settings import Teacher
+from arena_gym.training.worlds_in_step import SEEDS_APART
+from arena_policies.members import Members
+
+TAUGHT = "taught.pt"
+_FIRST_SEED = SEEDS_APART // 2  # of the worlds of lessons, which no rollout has
+Rows = NDArray[np.float32]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Lesson:
+    """What was seen in a round, (M, D), and the actions of the teacher there, (M, A) in [-1, 1]; how its episodes ended."""
+
+    seen: Rows
+    shown: Rows
+    ends: Mapping[str, int]
+
+
+class Classroom:
+    """Worlds in step with a teacher beside each robot, as it would drive in a benchmark."""
+
+    def __init__(self, batch: NavigationBatch, teacher: str, registry: Registry) -> None:
+        parts = batch.parts
+        if parts.switch is not None:
+            raise ConfigurationError(f"teacher.planner is {teacher}; allowed: null for a switch, which chooses planners")
+        self.batch = batch
+        nodes = plain(compose([f"planner={teacher}", f"robot={parts.robot.name}"]))
+
+        def make_driver() -> Driver:
+            planner = registry.build("planner", nodes["planner"], robot=parts.robot)
+            local_map = registry.build("local_map", nodes["local_map"], robot=parts.robot)
+            tracker = None if parts.encoder.tracked else registry.build("tracker", nodes["tracker"], robot=parts.robot)
+            return Driver(parts.robot, Members({teacher: planner}), local_map, tracker)
+
+        self._drivers = [make_driver() for _ in range(batch.worlds)]
+
+    def hold(self, actor: Actor, decisions: int, share: float, first_seed: int) -> Lesson:
+        """Drive new episodes for so many decisions, the first ``share`` of the worlds by the teacher, the rest by the policy."""
+        batch, count = self.batch, self.batch.worlds
+        seen, shown = [], []
+        by_teacher = np.arange(count) < round(share * count)
+        ends: Counter[str] = Counter()
+        now = batch.reset([first_seed + k for k in range(count)])
+        places = [(batch.seen, slot) for slot in range(count)]
+        self._begin(range(count))
+        for _ in range(decisions):
+            commands = np.array([driver.drive(0, *place) for driver, place in zip(self._drivers, places, strict=True)])
+            wanted = batch.parts.scale.actions(commands).astype(np.float32)
+            seen.append(now.copy())
+            shown.append(wanted)
+            step = batch.step(np.where(by_teacher[:, None], wanted, actor.act(now)))
+            now, places = step.observations, [(batch.seen, slot) for slot in range(count)]
+            ended = np.flatnonzero(step.terminated | step.truncated)
+            ends.update(outcome(step, slot) for slot in ended.tolist())
+            if len(ended):
+                now[ended] = batch.restart(ended)
+                for row, slot in enumerate(ended.tolist()):
+                    places[slot] = (batch.seen, row)
+                self._begin(ended.tolist())
+        return Lesson(np.concatenate(seen), np.concatenate(shown), ends)
+
+    def _begin(self, slots: range | list[int]) -> None:
+        for slot in slots:
+            self._drivers[slot].begin(self.batch.episodes[slot].problem)
+
+
+def teach(learner: PPO, classroom: Classroom, settings: Teacher, seed: int, folder: Path) -> None:
+    """Let the learner's policy imitate the teacher for all rounds that ``folder`` does not hold yet; each is kept there when it is over."""
+    actor = Actor(learner.policy)
+    optimizer = torch.optim.Adam(actor.parameters(), lr=settings.learning_rate)
+    done = _take_up(folder, actor, optimizer)
+    for number in range(done, settings.rounds):
+        share = 1.0 - number / max(settings.rounds - 1, 1)
+        first_seed = seed * SEEDS_APART + _FIRST_SEED + number * classroom.batch.worlds
+        lesson = classroom.hold(actor, settings.decisions, share, first_seed)
+        _write_lesson(_lesson_file(folder, number), lesson)
+        lessons = [_read_lesson(_lesson_file(folder, k)) for k in range(number)] + [(lesson.seen, lesson.shown)]
+        left = 1.0 - number / settings.rounds
+        loss = _learn(actor, optimizer, lessons, settings, left, generator(training_seed(seed), f"lesson/{number}", "minibatches"))
+        print(f"lesson {number + 1} of {settings.rounds}, {_told(lesson, share)}; off by {loss:.3f} of half the action's range", flush=True)
+        if not all_finite(learner):
+            raise FloatingPointError
+        _keep(folder, actor, optimizer, number + 1)
+    for number in range(settings.rounds):
+        _lesson_file(folder, number).unlink(missing_ok=True)
+
+
+def _told(lesson: Lesson, share: float) -> str:
+    total = max(sum(lesson.ends.values()), 1)
+    ends = ", ".join(f"{kind.replace('_', ' ')} {lesson.ends[kind] / total:.2f}" for kind in ("goal_reached", "collision", "time_out"))
+    return f"the teacher drives {share:.2f} of the worlds: {ends} of {total}"
+
+
+def _learn(
+    actor: Actor,
+    optimizer: torch.optim.Optimizer,
+    lessons: list[tuple[Rows, Rows]],
+    settings: Teacher,
+    left: float,
+    random: np.random.Generator,
+) -> float:
+    """Learn from all lessons ``settings.epochs`` times; return the root mean square of what is left, in halves of the actions' ranges."""
+    device = next(actor.parameters()).device
+    seen, shown = (torch.from_numpy(np.concatenate(parts)).to(device) for parts in zip(*lessons, strict=True))
+    for group in optimizer.param_groups:
+        group["lr"] = settings.learning_rate * max(left, 0.1)
+    total = 0.0
+    for _ in range(settings.epochs):
+        total = 0.0
+        order = torch.from_numpy(random.permutation(len(seen))).to(device)
+        for first in range(0, len(order), settings.minibatch):
+            chosen = order[first : first + settings.minibatch]
+            off = actor.means(seen[chosen]) - shown[chosen]
+            loss = (off * off).mean()
+            optimizer.zero_grad()
+            loss.backward()  # type: ignore[no-untyped-call]
+            optimizer.step()
+            total += float(loss.detach()) * len(chosen)
+    return float(np.sqrt(total / len(seen)))
+
+
+def _lesson_file(folder: Path, number: int) -> Path:
+    return folder / "lessons" / f"{number}.npz"
+
+
+def _write_lesson(file: Path, lesson: Lesson) -> None:
+    content = io.BytesIO()
+    np.savez(content, seen=lesson.seen, shown=lesson.shown)
+    file.parent.mkdir(exist_ok=True)
+    write_bytes_whole(file, content.getvalue())
+
+
+def _read_lesson(file: Path) -> tuple[Rows, Rows]:
+    with np.load(file, allow_pickle=False) as content:
+        return content["seen"], content["shown"]
+
+
+def _keep(folder: Path, actor: Actor, optimizer: torch.optim.Optimizer, rounds: int) -> None:
+    content = io.BytesIO()
+    torch.save({"rounds": rounds, "actor": actor.state_dict(), "optimizer": optimizer.state_dict()}, content)
+    write_bytes_whole(folder / TAUGHT, content.getvalue())
+
+
+def _take_up(folder: Path, actor: Actor, optimizer: torch.optim.Optimizer) -> int:
+    """Give the policy what a folder's lessons have taught it; return how many there were."""
+    file = folder / TAUGHT
+    if not file.exists():
+        return 0
+    try:
+        content: dict[str, Any] = torch.load(file, weights_only=True)
+        actor.load_state_dict(content["actor"])
+        optimizer.load_state_dict(content["optimizer"])
+        return int(content["rounds"])
+    except Exception as error:  # whatever a damaged or foreign file raises
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise ConfigurationError(f"{file}: is not of this training ({reason}); remove the folder to begin anew") from error
