@@ -357,6 +357,8 @@ def test_robot_and_map_of_ones_own_take_two_lines(here, capsys):
     site = ["robot=scout", "world=ros_map", "world.path=site.yaml", "task.pedestrians=1"]
     small = [
         "total_steps=512",
+        "teacher.rounds=1",
+        "teacher.decisions=8",
         "environment.worlds=1",
         "environment.problems_per_world=4",
         "training.optimization.environments=4",
