@@ -105,7 +105,7 @@ dist: setup
 	for folder in . plugins/*/; do (cd $$folder && $(CURDIR)/$(BIN)/python -m hatchling build -t wheel -d $(CURDIR)/dist) || exit 1; done
 
 policies: setup
-	for planner in rosnav rosnav_as_paper gring gring_as_released navrep navrep_as_released cadrl sarl; do printf "$$planner %s\n" $(ROBOTS); done | OMP_NUM_THREADS=1 xargs -P 2 -L 1 scripts/train_policy
+	{ echo rosnav jackal_ackermann; for planner in rosnav rosnav_as_paper gring gring_as_released navrep navrep_as_released cadrl sarl; do printf "$$planner %s\n" $(ROBOTS); done; } | OMP_NUM_THREADS=1 xargs -P 2 -L 1 scripts/train_policy
 	for planner in navrep_v_only aio aio_as_released; do printf "$$planner %s\n" $(ROBOTS); done | OMP_NUM_THREADS=1 xargs -P 2 -L 1 scripts/train_policy  # last: they use the world models and the policies of others
 
 clean:
