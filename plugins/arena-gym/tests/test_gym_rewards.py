@@ -97,6 +97,11 @@ def test_progress_counts_the_way_left_and_undoes_what_is_lost():
     assert earned("progress", after_clearances=0.5 * robot().footprint.radius) == pytest.approx(-0.2 * 0.17)
 
 
+def test_progress_may_make_each_metre_cost():
+    there = {"both_poses": (0.0, 0.0, 0.0), "after_poses": (0.3, 0.4, 0.0)}
+    assert earned("progress", "differential", "reward.way=0.3", **there) == pytest.approx(earned("progress", **there) - 0.2 * 0.3 * 0.5)
+
+
 def test_progress_counts_people_nearby_in_proportion():
     caring = "progress", "differential", "reward.near_people=0.15"
     near = [earned(*caring, after_clearances_people=clearance) for clearance in (0.0, 0.25, 0.5, np.inf)]

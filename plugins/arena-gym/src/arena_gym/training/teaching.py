@@ -103,7 +103,7 @@ def teach(learner: PPO, classroom: Classroom, settings: Teacher, seed: int, fold
         _write_lesson(_lesson_file(folder, number), lesson)
         lessons = [_read_lesson(_lesson_file(folder, k)) for k in range(number)] + [(lesson.seen, lesson.shown)]
         left = 1.0 - number / settings.rounds
-        loss = _learn(actor, optimizer, lessons, settings, left, generator(training_seed(seed), f"lesson/{number}", "minibatches"))
+        loss = imitate(actor, optimizer, lessons, settings, left, generator(training_seed(seed), f"lesson/{number}", "minibatches"))
         print(f"lesson {number + 1} of {settings.rounds}, {_told(lesson, share)}; off by {loss:.3f} of half the action's range", flush=True)
         if not all_finite(learner):
             raise FloatingPointError
@@ -118,7 +118,7 @@ def _told(lesson: Lesson, share: float) -> str:
     return f"the teacher drives {share:.2f} of the worlds: {ends} of {total}"
 
 
-def _learn(
+def imitate(
     actor: Actor,
     optimizer: torch.optim.Optimizer,
     lessons: list[tuple[Rows, Rows]],

@@ -1,0 +1,139 @@
+"""What an observation has to show: how nearly a network can do what TEB does, by parts of ROSNAV's observation.
+
+TEB and a policy that imitates it drive a robot among people, in lessons as a training begins with. Networks of ROSNAV's structure then
+learn what TEB would have done from what they are shown; worlds of which they saw nothing say how far off they are (root mean square, in
+halves of the actions' ranges; mean over three seeds). Nothing is learned from rewards: this takes minutes, trainings of each take hours.
+usage: python benchmarks/what_to_show.py [ROBOT [LESSONS]]
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import nn
+
+from arena_core import ObservationField, generator, load_registry
+from arena_gym.building import build_parts, compose_training
+from arena_gym.training.export import Actor
+from arena_gym.training.session import training_settings
+from arena_gym.training.settings import Network
+from arena_gym.training.teaching import Classroom, imitate
+from arena_gym.training.trainer import prepare
+from arena_gym.vector_environment import NavigationVectorEnv
+
+SEEDS = (0, 1, 2)  # of first weights and minibatches
+EPOCHS, MINIBATCH, LEARNING_RATE = 12, 512, 1e-3
+HELD_OUT = 4  # of so many worlds one is kept apart
+LOOKBACK = (0.5, 1.0)  # [s]
+Rows = NDArray[np.float32]
+
+
+class Imitator(nn.Module):
+    """ROSNAV's structure over some ``scans`` (each of so many sectors) and some other ``columns`` of the observation."""
+
+    def __init__(self, network: Network, sectors: int, scans: Sequence[int], columns: Sequence[int], actions: int) -> None:
+        super().__init__()
+        self._sectors, self._scans, self._columns = sectors, list(scans), list(columns)
+        layers: list[nn.Module] = []
+        channels = len(scans)
+        for layer in network.convolutions:
+            layers += [nn.Conv1d(channels, layer.channels, layer.kernel, layer.stride), nn.ReLU()]
+            channels = layer.channels
+        self._convolutions = nn.Sequential(*layers, nn.Flatten())
+        width = self._convolutions(torch.zeros(1, len(scans), sectors)).shape[1]
+        assert network.features is not None
+        self._features = nn.Sequential(nn.Linear(width, network.features), nn.ReLU())
+        sizes = [network.features + len(columns), *network.heads]
+        heads = [part for a, b in pairwise(sizes) for part in (nn.Linear(a, b), nn.ReLU())]
+        self._heads = nn.Sequential(*heads, nn.Linear(sizes[-1], actions))
+
+    def forward(self, seen: torch.Tensor) -> torch.Tensor:
+        """Return actions (N, A) for whole observations (N, D)."""
+        beams = torch.stack([seen[:, k * self._sectors : (k + 1) * self._sectors] for k in self._scans], 1)
+        answer: torch.Tensor = self._heads(torch.cat((self._features(self._convolutions(beams)), seen[:, self._columns]), 1))
+        return answer
+
+
+def lessons(robot: str, count: int) -> tuple[list[tuple[Rows, Rows]], tuple[ObservationField, ...], Network, int, tuple[str, ...]]:
+    """Hold lessons; return what was seen and shown in each, the observation's layout, ROSNAV's network, worlds, and the actions' names."""
+    shown = [f"observation_encoder.lookback={list(LOOKBACK)}", "observation_encoder.ahead=4", f"teacher.rounds={count}"]
+    config = compose_training("rosnav", [f"robot={robot}", *shown])
+    settings, registry = training_settings(config), load_registry()
+    env = NavigationVectorEnv(settings.optimization.environments, parts=build_parts(config, registry))
+    classroom = Classroom(env.batch, "teb", registry)
+    held: list[tuple[Rows, Rows]] = []
+    with TemporaryDirectory() as folder:
+        actor = Actor(prepare(settings, env, Path(folder))[0].policy)
+        optimizer = torch.optim.Adam(actor.parameters(), lr=settings.teacher.learning_rate)
+        for k in range(count):
+            lesson = classroom.hold(actor, settings.teacher.decisions, 1.0 - k / max(count - 1, 1), k * env.num_envs)
+            held.append((lesson.seen, lesson.shown))
+            imitate(actor, optimizer, held, settings.teacher, 1.0 - k / count, generator(k, "lesson", "minibatches"))
+            print(f"lesson {k + 1} of {count}: {dict(lesson.ends)}", file=sys.stderr, flush=True)
+    parts = env.batch.parts
+    return held, parts.encoder.layout(), settings.network, env.num_envs, parts.scale.names
+
+
+def fitted(net: nn.Module, seen: torch.Tensor, shown: torch.Tensor, seed: int) -> nn.Module:
+    """Let a network learn the actions."""
+    optimizer = torch.optim.Adam(net.parameters(), lr=LEARNING_RATE)
+    random = torch.Generator().manual_seed(seed)
+    for epoch in range(EPOCHS):
+        for group in optimizer.param_groups:
+            group["lr"] = LEARNING_RATE * (1.0 - epoch / EPOCHS)
+        order = torch.randperm(len(seen), generator=random)
+        for first in range(0, len(order), MINIBATCH):
+            chosen = order[first : first + MINIBATCH]
+            loss = ((net(seen[chosen]) - shown[chosen]) ** 2).mean()
+            optimizer.zero_grad()
+            loss.backward()
+            optimizer.step()
+    return net
+
+
+def ways(layout: Sequence[ObservationField]) -> Iterator[tuple[str, list[int], list[int]]]:
+    """Yield what is shown: its name, the scans and the other columns."""
+    scans = sum(field.name.startswith("closeness") for field in layout)
+    ends = np.cumsum([field.size for field in layout])
+    path = list(range(int(ends[-2]), int(ends[-1])))  # the points ahead stand last
+    state = list(range(int(ends[scans - 1]), int(ends[-2])))
+    past, foreseen = [1, 2], list(range(1 + len(LOOKBACK), scans))
+    yield "the scan", [0], state
+    yield "and half a second and a second ago", [0, *past], state
+    yield "and the first and third foreseen", [0, foreseen[0], foreseen[2]], state
+    yield "and all four foreseen", [0, *foreseen], state
+    yield "and four points of the path", [0], state + path
+    yield "foreseen, and the path", [0, *foreseen], state + path
+    yield "all of it", [0, *past, *foreseen], state + path
+
+
+def main(robot: str, count: int) -> None:
+    """Print a row for each way."""
+    torch.set_num_threads(1)
+    held, layout, network, worlds, names = lessons(robot, count)
+    place = np.concatenate([np.arange(len(seen)) % worlds for seen, _ in held])
+    seen, shown = (torch.from_numpy(np.concatenate(rows)) for rows in zip(*held, strict=True))
+    apart = torch.from_numpy(place % HELD_OUT == HELD_OUT - 1)
+    spread = shown[apart].std(0)
+    print(f"| {robot} is shown | {' | '.join(names)} |\n| --- |{' --- |' * len(names)}")
+    print(f"| nothing (what TEB's actions spread by) | {' | '.join(f'{value:.3f}' for value in spread)} |")
+    for name, scans, columns in ways(layout):
+        off = []
+        for seed in SEEDS:
+            torch.manual_seed(seed)
+            net = fitted(Imitator(network, layout[0].size, scans, columns, len(names)), seen[~apart], shown[~apart], seed)
+            with torch.no_grad():
+                off.append(((net(seen[apart]) - shown[apart]) ** 2).mean(0).sqrt().numpy())
+        told = [f"{np.mean(one):.3f} ({min(one):.3f} .. {max(one):.3f})" for one in zip(*off, strict=True)]
+        print(f"| {name} | {' | '.join(told)} |", flush=True)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1] if len(sys.argv) > 1 else "jackal", int(sys.argv[2]) if len(sys.argv) > 2 else 4)
