@@ -148,11 +148,13 @@ def test_a_policy_drives_the_same_episode_in_training_and_in_a_run(robot):
     card = run.navigator.planner.card
     encoder = [f"observation_encoder.{key}={json.dumps(value)}" for key, value in card.encoder.items() if key != "name"]
     action = [f"action.{key}={json.dumps(value)}" for key, value in card.action_range.items()]
+    tracker = "kalman" if card.encoder.get("foreseen") else "none"
     overrides = [
         *shared,
         *encoder,
         *action,
         "guide=driving",
+        f"tracker@guide.tracker={tracker}",
         "environment.collisions_to_end=null",
         f"environment.every={card.every}",
         "randomization.latency={low: 1, high: 1}",
