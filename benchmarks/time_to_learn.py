@@ -3,7 +3,7 @@
 Same environment (halls like the release's, ten people at 0.3 m/s who ignore the robot), one thread, in turn. Prints CPU seconds, those of
 the recipe's lessons among them, until 50, 80 and 90 % of the latest 300 episodes of training, driven with exploration, reached their goal
 without a collision.
-usage: python benchmarks/time_to_learn.py [SECONDS each, at most]
+usage: python benchmarks/time_to_learn.py [SECONDS each, at most, behind the lessons]
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ def main(seconds: float) -> None:
         learner = make_learner(worlds, batch.parts.encoder.layout(), settings, None)
         if settings.teacher.planner is not None:
             with TemporaryDirectory() as folder:
-                teach(learner, Classroom(batch, settings.teacher.planner, load_registry()), settings.teacher, 0, Path(folder))
+                teach(learner, Classroom(batch, settings.teacher.planner, "jackal", load_registry()), settings.teacher, 0, Path(folder))
         return learner
 
     def by_default(worlds: WorldsInStep) -> PPO:

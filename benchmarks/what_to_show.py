@@ -1,7 +1,7 @@
 """What an observation has to show: how nearly a network can do what TEB does, by parts of ROSNAV's observation.
 
 TEB and a policy that imitates it drive a robot among people, in lessons as a training begins with. Networks of ROSNAV's structure then
-learn what TEB would have done from what they are shown; worlds of which they saw nothing say how far off they are (root mean square, in
+learn what TEB would have done from what they are shown; a last lesson in other worlds says how far off they are (root mean square, in
 halves of the actions' ranges; mean over three seeds). Nothing is learned from rewards: this takes minutes, trainings of each take hours.
 usage: python benchmarks/what_to_show.py [ROBOT [LESSONS]]
 """
@@ -30,7 +30,6 @@ from arena_gym.vector_environment import NavigationVectorEnv
 
 SEEDS = (0, 1, 2)  # of first weights and minibatches
 EPOCHS, MINIBATCH, LEARNING_RATE = 12, 512, 1e-3
-HELD_OUT = 4  # of so many worlds one is kept apart
 LOOKBACK = (0.5, 1.0)  # [s]
 Rows = NDArray[np.float32]
 
@@ -61,13 +60,18 @@ class Imitator(nn.Module):
         return answer
 
 
-def lessons(robot: str, count: int) -> tuple[list[tuple[Rows, Rows]], tuple[ObservationField, ...], Network, int, tuple[str, ...]]:
-    """Hold lessons; return what was seen and shown in each, the observation's layout, ROSNAV's network, worlds, and the actions' names."""
+def lessons(robot: str, count: int) -> tuple[list[tuple[Rows, Rows]], tuple[ObservationField, ...], Network, tuple[str, ...]]:
+    """Hold lessons, the last one in other worlds.
+
+    Return what was seen and shown in each, the observation's layout, ROSNAV's network, and the actions' names.
+    """
     shown = [f"observation_encoder.lookback={list(LOOKBACK)}", "observation_encoder.ahead=4", f"teacher.rounds={count}"]
     config = compose_training("rosnav", [f"robot={robot}", *shown])
     settings, registry = training_settings(config), load_registry()
-    env = NavigationVectorEnv(settings.optimization.environments, parts=build_parts(config, registry))
-    classroom = Classroom(env.batch, "teb", registry)
+    parts = build_parts(config, registry)
+    others = build_parts({**config, "environment": {**config["environment"], "seed": 1}}, registry)
+    env = NavigationVectorEnv(settings.optimization.environments, parts=parts)
+    classroom = Classroom(env.batch, "teb", robot, registry)
     held: list[tuple[Rows, Rows]] = []
     with TemporaryDirectory() as folder:
         actor = Actor(prepare(settings, env, Path(folder))[0].policy)
@@ -77,8 +81,10 @@ def lessons(robot: str, count: int) -> tuple[list[tuple[Rows, Rows]], tuple[Obse
             held.append((lesson.seen, lesson.shown))
             imitate(actor, optimizer, held, settings.teacher, 1.0 - k / count, generator(k, "lesson", "minibatches"))
             print(f"lesson {k + 1} of {count}: {dict(lesson.ends)}", file=sys.stderr, flush=True)
-    parts = env.batch.parts
-    return held, parts.encoder.layout(), settings.network, env.num_envs, parts.scale.names
+        elsewhere = Classroom(NavigationVectorEnv(env.num_envs, parts=others).batch, "teb", robot, registry)
+        lesson = elsewhere.hold(actor, settings.teacher.decisions, 0.5, 0)
+        held.append((lesson.seen, lesson.shown))
+    return held, parts.encoder.layout(), settings.network, parts.scale.names
 
 
 def fitted(net: nn.Module, seen: torch.Tensor, shown: torch.Tensor, seed: int) -> nn.Module:
@@ -117,20 +123,19 @@ def ways(layout: Sequence[ObservationField]) -> Iterator[tuple[str, list[int], l
 def main(robot: str, count: int) -> None:
     """Print a row for each way."""
     torch.set_num_threads(1)
-    held, layout, network, worlds, names = lessons(robot, count)
-    place = np.concatenate([np.arange(len(seen)) % worlds for seen, _ in held])
-    seen, shown = (torch.from_numpy(np.concatenate(rows)) for rows in zip(*held, strict=True))
-    apart = torch.from_numpy(place % HELD_OUT == HELD_OUT - 1)
-    spread = shown[apart].std(0)
+    held, layout, network, names = lessons(robot, count)
+    seen, shown = (torch.from_numpy(np.concatenate(rows)) for rows in zip(*held[:-1], strict=True))
+    seen_apart, shown_apart = (torch.from_numpy(rows) for rows in held[-1])
+    spread = shown_apart.std(0)
     print(f"| {robot} is shown | {' | '.join(names)} |\n| --- |{' --- |' * len(names)}")
     print(f"| nothing (what TEB's actions spread by) | {' | '.join(f'{value:.3f}' for value in spread)} |")
     for name, scans, columns in ways(layout):
         off = []
         for seed in SEEDS:
             torch.manual_seed(seed)
-            net = fitted(Imitator(network, layout[0].size, scans, columns, len(names)), seen[~apart], shown[~apart], seed)
+            net = fitted(Imitator(network, layout[0].size, scans, columns, len(names)), seen, shown, seed)
             with torch.no_grad():
-                off.append(((net(seen[apart]) - shown[apart]) ** 2).mean(0).sqrt().numpy())
+                off.append(((net(seen_apart) - shown_apart) ** 2).mean(0).sqrt().numpy())
         told = [f"{np.mean(one):.3f} ({min(one):.3f} .. {max(one):.3f})" for one in zip(*off, strict=True)]
         print(f"| {name} | {' | '.join(told)} |", flush=True)
 

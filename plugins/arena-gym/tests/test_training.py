@@ -204,7 +204,7 @@ def test_policy_imitates_its_teacher_before_it_learns_from_rewards(here, capsys)
     assert main([*words, "out=taught"]) == 0
     assert curve(here / "taught")[-1]["success"] >= 0.8, "the policy is held: all it knows is from its teacher"
     assert "lesson 3 of 3, the teacher drives 0.00 of the worlds" in capsys.readouterr().out
-    assert not list((here / "taught" / "lessons").iterdir())
+    assert not (here / "taught" / "lessons").exists()
 
 
 @pytest.mark.slow
@@ -221,8 +221,16 @@ def test_lessons_that_were_cut_off_go_on_to_the_same_weights(here, capsys, monke
 
         keep = teaching._keep
         cut.setattr(teaching, "_keep", lambda *of: keep(*of) if of[-1] < 2 else full(*of))
-        assert "No space left on device" in refused([*words, "out=cut"], capsys)
+        said = refused([*words, "out=cut"], capsys)
+        assert "No space left on device" in said
+        assert "taught.pt holds what the lessons taught that are over" in said
     assert torch.load(here / "cut" / "taught.pt", weights_only=True)["rounds"] == 1
+    lesson = here / "cut" / "lessons" / "0.npz"
+    whole = lesson.read_bytes()
+    for spoilt in (b"", whole[: len(whole) // 2], b"nothing"):
+        lesson.write_bytes(spoilt)
+        assert "0.npz: is not of this training" in refused([*words, "out=cut", "resume=true"], capsys)
+    lesson.write_bytes(whole)
     assert main([*words, "out=cut", "resume=true"]) == 0
     assert main([*words, "out=whole"]) == 0
     ends = [torch.load(here / name / "checkpoint.pt", weights_only=True)["policy"] for name in ("cut", "whole")]
@@ -274,6 +282,11 @@ def test_checkpoint_that_is_none_is_refused(here, capsys):
 def test_impossible_request_is_one_line(here, capsys, word, said):
     words = [w for w in WORDS if w.split("=")[0] != word.split("=")[0]]
     assert said in refused([*words, word, "out=none"], capsys)
+
+
+def test_policy_begins_with_a_teacher_or_with_weights(here, capsys):
+    words = [*WORDS, "teacher.planner=teb_as_released", "training.start.policy=some.onnx", "out=none"]
+    assert "teacher.planner is teb_as_released; allowed: null with training.start.policy" in refused(words, capsys)
 
 
 def test_missing_torch_is_said_with_what_to_install(here, capsys, monkeypatch):

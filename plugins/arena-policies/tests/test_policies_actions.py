@@ -76,3 +76,7 @@ def test_command_beyond_the_range_is_met_as_far_as_it_goes():
     scale = ActionScale.of(robot(), FORWARDS)
     assert scale.actions(np.array([(-1.0, 0.0, 99.0)])).tolist() == [[-1.0, 1.0]]
     assert ActionScale.of(robot("ackermann"), WHOLE).actions(np.array([(0.0, 0.0, 1.0)]))[0, 1] == 0.0, "a car that stands: straight on"
+
+
+def test_range_of_no_width_gives_a_number():
+    assert ActionScale.of(robot("omnidirectional"), ActionRange(0.0, None, 0.0, None, None)).actions(np.ones((1, 3)))[0, 1] == 1.0

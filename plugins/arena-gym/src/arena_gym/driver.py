@@ -30,14 +30,16 @@ CERTAIN = np.zeros((3, 3))
 
 
 class Driver:
-    """Members with the local map and the tracker that a benchmark's navigator would have; the pose is the truth.
+    """Members with the local map and the tracker that a benchmark's navigator would have; the pose is what the environment believes.
 
-    Without a tracker of its own it has the tracks that the environment shows to its encoder.
+    Without a tracker of its own it has the tracks that the environment shows to its encoder. ``period`` is the time in s between two
+    decisions, the robot's control period where it is None.
     """
 
-    def __init__(self, robot: Robot, members: Members, local_map: LocalMap, tracker: Tracker | None) -> None:
+    def __init__(self, robot: Robot, members: Members, local_map: LocalMap, tracker: Tracker | None, period: float | None = None) -> None:
         self._robot, self._members = robot, members
         self._local_map, self._tracker = local_map, tracker
+        self._period = robot.control_period if period is None else period
 
     def begin(self, problem: Problem) -> None:
         """Begin an episode."""
@@ -47,7 +49,7 @@ class Driver:
         if self._tracker is not None:
             self._tracker.reset(grid)
         random = generator(scenario.seed, scenario.name, "planner")
-        self._members.reset(EpisodeStart(grid, scenario.goal, self._robot.control_period, random))
+        self._members.reset(EpisodeStart(grid, scenario.goal, self._period, random))
 
     def drive(self, chosen: int, seen: ObservationBatch, row: int) -> NDArray[np.float64]:
         """Return the velocity (3,) that this member wants, the brake where it has none."""

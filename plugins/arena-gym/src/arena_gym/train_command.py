@@ -45,7 +45,8 @@ class TrainCommand(Command):
         from arena_gym.training.session import run_training
 
         for config in configs:
-            folder = Path(words.keys.get("out", f"trainings/{config['planner']}_{_robot(words.overrides, config)}_{config['seed']}"))
+            robot = _robot(words.overrides, config)
+            folder = Path(words.keys.get("out", f"trainings/{config['planner']}_{robot}_{config['seed']}"))
             if len(configs) > 1 and "out" in words.keys:
                 folder = folder.with_name(f"{folder.name}_{config['seed']}")
             if len(configs) > 1:
@@ -53,7 +54,7 @@ class TrainCommand(Command):
             if config["trainer"] is not None:
                 load_registry().build("trainer", config["trainer"]).train(config, folder, RESUME[resume][0])
             else:
-                run_training(config, folder, *RESUME[resume])
+                run_training(config, folder, *RESUME[resume], robot)
         return 0
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:

@@ -74,7 +74,8 @@ class ActionScale:
         if "steering" in self.names:  # which says nothing of a turn at a stand
             speeds = np.where(np.abs(wanted[:, 0]) < 1e-6, np.inf, wanted[:, 0])
             wanted[:, 1] = np.arctan(wanted[:, 1] * self.wheelbase / speeds)
-        return np.clip(2.0 * (wanted - self.low) / (self.high - self.low) - 1.0, -1.0, 1.0)
+        widths = np.where(self.high > self.low, self.high - self.low, 1.0)  # 0 where a robot shall not drive sideways
+        return np.clip(2.0 * (wanted - self.low) / widths - 1.0, -1.0, 1.0)
 
 
 def _check_within(name: str, value: float | None, low: float, high: float) -> None:

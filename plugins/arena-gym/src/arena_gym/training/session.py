@@ -33,7 +33,7 @@ from arena_gym.training.levels import make_levels
 from arena_gym.training.selection import rule
 from arena_gym.training.settings import TrainingSettings
 from arena_gym.training.teaching import Classroom
-from arena_gym.training.trainer import Trained, prepare, train
+from arena_gym.training.trainer import CHECKPOINT, Trained, prepare, train
 from arena_gym.vector_environment import NavigationVectorEnv
 from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.card import PolicyCard, part_path, sha256, write_card
@@ -44,8 +44,11 @@ TESTED = "test.json"
 NO_PART = ("metrics", "executor", "command", "listing")  # kinds that have no part in a training
 
 
-def run_training(config: Mapping[str, Any], folder: Path, resume: bool, force: bool = False) -> int:
-    """Train by a composed configuration; write the best weights to ``folder``, which may hold its beginning, the last to ``last`` in it."""
+def run_training(config: Mapping[str, Any], folder: Path, resume: bool, force: bool = False, robot: str | None = None) -> int:
+    """Train by a composed configuration; write the best weights to ``folder``, which may hold its beginning, the last to ``last`` in it.
+
+    ``robot`` is the name of its file, by which a teacher is tuned; its own where it is None.
+    """
     settings = training_settings(config)
     check_apart(config)
     registry = load_registry()
@@ -65,11 +68,13 @@ def run_training(config: Mapping[str, Any], folder: Path, resume: bool, force: b
     changed = settings.later.reward
     later = None if changed is None else registry.build("reward", {**config["reward"], **changed}, robot=parts.robot)
     teacher = settings.teacher.planner
-    classroom = None if teacher is None else Classroom(env.batch, teacher, registry)
+    classroom = None if teacher is None else Classroom(env.batch, teacher, robot or parts.robot.name, registry)
     learner, worlds = prepare(settings, env, folder)
-    besides = () if teacher is None else (registry.component("planner", teacher).plugin,)
-    code = code_of(config, registry, apart=NO_PART, besides=("gym", *besides))
+    besides = ("gym",) if classroom is None else ("gym", classroom.plugin)
+    code = code_of(config, registry, apart=NO_PART, besides=besides)
     open_folder(folder, config, resume, code, force)  # once all is built: a request that is refused leaves nothing behind
+    if (folder / CHECKPOINT).exists():
+        classroom = None  # it has taught
     trained = train(settings, learner, worlds, validation, levels, folder, later, classroom)
     _export(config, parts, trained, code, folder)
     return 0

@@ -108,7 +108,7 @@ class Mixture:
 class Start:
     """What a training begins with: the weights of ``policy``, a file with its card beside it or pkg://; drawn ones where it is null.
 
-    Neither a policy's file nor a teacher tells a value: for ``value_steps`` control steps it alone is learned, and the policy drives as
+    Neither a policy's file nor a teacher tells a value: for ``value_steps`` steps it alone is learned, and the policy drives as
     it did.
     """
 
@@ -118,7 +118,7 @@ class Start:
 
 @dataclass(frozen=True, slots=True)
 class Teacher:
-    """A ``planner``, tuned for the robot, whom the policy imitates at first; None: nobody teaches.
+    """A ``planner``, tuned for the robot where it can be, whom the policy imitates at first; None: nobody teaches.
 
     There are ``rounds`` of so many ``decisions`` of each world. In the first the teacher drives all worlds, in the last the policy does.
     After each all rounds are learned from ``epochs`` times.

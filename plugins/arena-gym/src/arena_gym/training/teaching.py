@@ -7,8 +7,8 @@ learning, AISTATS 2011): the policy drives more and more of the worlds itself, a
 from __future__ import annotations
 
 import io
+import shutil
 from collections import Counter
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,7 @@ import torch
 from numpy.typing import NDArray
 from stable_baselines3 import PPO
 
-from arena_core import ConfigurationError, Registry, compose, generator, plain, write_bytes_whole
+from arena_core import ConfigurationError, Registry, compose, generator, one_line, plain, write_bytes_whole
 from arena_gym.batch import NavigationBatch
 from arena_gym.driver import Driver
 from arena_gym.reports import outcome
@@ -29,8 +29,8 @@ from arena_gym.training.settings import Teacher
 from arena_gym.training.worlds_in_step import SEEDS_APART
 from arena_policies.members import Members
 
-TAUGHT = "taught.pt"
-_FIRST_SEED = SEEDS_APART // 2  # of the worlds of lessons, which no rollout has
+TAUGHT, LESSONS = "taught.pt", "lessons"
+_FIRST_SEED = SEEDS_APART // 2  # of the worlds of lessons, which no rollout has; they come again after so many
 Rows = NDArray[np.float32]
 
 
@@ -40,24 +40,31 @@ class Lesson:
 
     seen: Rows
     shown: Rows
-    ends: Mapping[str, int]
+    ends: Counter[str]
 
 
 class Classroom:
-    """Worlds in step with a teacher beside each robot, as it would drive in a benchmark."""
+    """Worlds in step with a teacher beside each robot, with the tuning for ``robot``, by the name of its file, if there is one.
 
-    def __init__(self, batch: NavigationBatch, teacher: str, registry: Registry) -> None:
+    It decides as often as the policy does. ``plugin`` is the entry point that it comes from.
+    """
+
+    def __init__(self, batch: NavigationBatch, teacher: str, robot: str, registry: Registry) -> None:
         parts = batch.parts
         if parts.switch is not None:
             raise ConfigurationError(f"teacher.planner is {teacher}; allowed: null for a switch, which chooses planners")
+        if batch.worlds > _FIRST_SEED:
+            raise ConfigurationError(f"training.optimization.environments is {batch.worlds}; allowed: {_FIRST_SEED} at most with a teacher")
         self.batch = batch
-        nodes = plain(compose([f"planner={teacher}", f"robot={parts.robot.name}"]))
+        nodes = plain(compose([f"planner={teacher}", f"robot={robot}"]))
+        self.plugin = registry.component("planner", nodes["planner"]["name"]).plugin
+        period = parts.robot.control_period * parts.settings.every
 
         def make_driver() -> Driver:
             planner = registry.build("planner", nodes["planner"], robot=parts.robot)
             local_map = registry.build("local_map", nodes["local_map"], robot=parts.robot)
             tracker = None if parts.encoder.tracked else registry.build("tracker", nodes["tracker"], robot=parts.robot)
-            return Driver(parts.robot, Members({teacher: planner}), local_map, tracker)
+            return Driver(parts.robot, Members({teacher: planner}), local_map, tracker, period)
 
         self._drivers = [make_driver() for _ in range(batch.worlds)]
 
@@ -96,20 +103,21 @@ def teach(learner: PPO, classroom: Classroom, settings: Teacher, seed: int, fold
     actor = Actor(learner.policy)
     optimizer = torch.optim.Adam(actor.parameters(), lr=settings.learning_rate)
     done = _take_up(folder, actor, optimizer)
+    lessons = [_read_lesson(_lesson_file(folder, number)) for number in range(done)] if done < settings.rounds else []
     for number in range(done, settings.rounds):
         share = 1.0 - number / max(settings.rounds - 1, 1)
-        first_seed = seed * SEEDS_APART + _FIRST_SEED + number * classroom.batch.worlds
+        first_seed = seed * SEEDS_APART + _FIRST_SEED + number % (_FIRST_SEED // classroom.batch.worlds) * classroom.batch.worlds
         lesson = classroom.hold(actor, settings.decisions, share, first_seed)
         _write_lesson(_lesson_file(folder, number), lesson)
-        lessons = [_read_lesson(_lesson_file(folder, k)) for k in range(number)] + [(lesson.seen, lesson.shown)]
+        lessons.append((lesson.seen, lesson.shown))
         left = 1.0 - number / settings.rounds
         loss = imitate(actor, optimizer, lessons, settings, left, generator(training_seed(seed), f"lesson/{number}", "minibatches"))
-        print(f"lesson {number + 1} of {settings.rounds}, {_told(lesson, share)}; off by {loss:.3f} of half the action's range", flush=True)
         if not all_finite(learner):
-            raise FloatingPointError
+            rate = f"teacher.learning_rate is {settings.learning_rate:g}"
+            raise ConfigurationError(f"{rate}, and the loss of lesson {number + 1} is no number; allowed: a smaller one, with out=DIR")
+        print(f"lesson {number + 1} of {settings.rounds}, {_told(lesson, share)}; off by {loss:.3f} of half the action's range", flush=True)
         _keep(folder, actor, optimizer, number + 1)
-    for number in range(settings.rounds):
-        _lesson_file(folder, number).unlink(missing_ok=True)
+    shutil.rmtree(folder / LESSONS, ignore_errors=True)
 
 
 def _told(lesson: Lesson, share: float) -> str:
@@ -126,7 +134,10 @@ def imitate(
     left: float,
     random: np.random.Generator,
 ) -> float:
-    """Learn from all lessons ``settings.epochs`` times; return the root mean square of what is left, in halves of the actions' ranges."""
+    """Learn from all lessons ``settings.epochs`` times; return how far off it was the last time.
+
+    That is a root mean square, in halves of the actions' ranges.
+    """
     device = next(actor.parameters()).device
     seen, shown = (torch.from_numpy(np.concatenate(parts)).to(device) for parts in zip(*lessons, strict=True))
     for group in optimizer.param_groups:
@@ -147,19 +158,26 @@ def imitate(
 
 
 def _lesson_file(folder: Path, number: int) -> Path:
-    return folder / "lessons" / f"{number}.npz"
+    return folder / LESSONS / f"{number}.npz"
 
 
 def _write_lesson(file: Path, lesson: Lesson) -> None:
     content = io.BytesIO()
     np.savez(content, seen=lesson.seen, shown=lesson.shown)
-    file.parent.mkdir(exist_ok=True)
     write_bytes_whole(file, content.getvalue())
 
 
 def _read_lesson(file: Path) -> tuple[Rows, Rows]:
-    with np.load(file, allow_pickle=False) as content:
-        return content["seen"], content["shown"]
+    try:
+        with np.load(io.BytesIO(file.read_bytes()), allow_pickle=False) as content:
+            return content["seen"], content["shown"]
+    except Exception as error:  # whatever a missing, damaged or foreign file raises
+        raise _foreign(file, error) from error
+
+
+def _foreign(file: Path, error: Exception) -> ConfigurationError:
+    reason = one_line(str(error) or type(error).__name__)
+    return ConfigurationError(f"{file}: is not of this training ({reason}); remove the folder to begin anew")
 
 
 def _keep(folder: Path, actor: Actor, optimizer: torch.optim.Optimizer, rounds: int) -> None:
@@ -174,10 +192,9 @@ def _take_up(folder: Path, actor: Actor, optimizer: torch.optim.Optimizer) -> in
     if not file.exists():
         return 0
     try:
-        content: dict[str, Any] = torch.load(file, weights_only=True)
+        content: dict[str, Any] = torch.load(file, weights_only=True, map_location="cpu")
         actor.load_state_dict(content["actor"])
         optimizer.load_state_dict(content["optimizer"])
         return int(content["rounds"])
     except Exception as error:  # whatever a damaged or foreign file raises
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise ConfigurationError(f"{file}: is not of this training ({reason}); remove the folder to begin anew") from error
+        raise _foreign(file, error) from error

@@ -24,7 +24,7 @@ from arena_gym.training.report import LateEpisodes, TrainingReport
 from arena_gym.training.selection import Choice, candidate, is_better
 from arena_gym.training.settings import TrainingSettings
 from arena_gym.training.starting import hold_policy, take_weights
-from arena_gym.training.teaching import Classroom, teach
+from arena_gym.training.teaching import TAUGHT, Classroom, teach
 from arena_gym.training.truth import Truth
 from arena_gym.training.worlds_in_step import WorldsInStep
 from arena_gym.vector_environment import NavigationVectorEnv
@@ -175,7 +175,12 @@ class Trainer(BaseCallback):
         return f", level {self._levels.mean:.3g}" if self._levels.state() else ""
 
     def _said(self, what: str) -> str:
-        there = f"{self._folder / CHECKPOINT} holds the training up to {self.kept} steps" if self.kept else "there is no checkpoint as yet"
+        if self.kept:
+            there = f"{self._folder / CHECKPOINT} holds the training up to {self.kept} steps"
+        elif (self._folder / TAUGHT).exists():
+            there = f"{self._folder / TAUGHT} holds what the lessons taught that are over"
+        else:
+            there = "there is no checkpoint as yet"
         return f"after {self._learner.num_timesteps} steps {what}; {there}"
 
     @contextmanager
@@ -187,7 +192,7 @@ class Trainer(BaseCallback):
             raise TrainingStopped(self._said(f"it {error}")) from error
         except OSError as error:  # of what writes the logs
             raise TrainingStopped(self._said(f"it cannot write to {self._folder}: {error.strerror or error}")) from error
-        except (ValueError, FloatingPointError) as error:  # of what draws actions, where a weight is no number
+        except ValueError as error:  # of what draws actions, where a weight is no number
             if all_finite(self._learner):
                 raise
             raise TrainingStopped(self._said(NO_NUMBER)) from error
@@ -227,7 +232,8 @@ def train(
     with TrainingReport(settings.total_steps) as report:
         trainer = Trainer(learner, settings, levels, worlds, validation, folder, report, later)
         with trainer.stopping_in_one_line():
-            if classroom is not None and not (folder / CHECKPOINT).exists():
+            if classroom is not None:
+                levels.apply(worlds.env.batch)
                 teach(learner, classroom, settings.teacher, settings.seed, folder)
             _go_on(trainer, learner, settings, worlds, folder)
             levels.apply(worlds.env.batch)
