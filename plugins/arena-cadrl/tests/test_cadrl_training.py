@@ -65,6 +65,8 @@ def refused(words, capsys):
         ("trainer.network.kind=oracle", "trainer.network.kind"),
         ("trainer.worth.discount=2", "trainer.worth.discount"),
         ("trainer.teacher=nobody", "nobody"),
+        ("teacher.planner=teb", "teacher.planner is teb; allowed: null for "),
+        ("later.reward={collision: 40}", "later.reward"),
         ("robot=jackal_ackermann", "ackermann"),
     ],
 )

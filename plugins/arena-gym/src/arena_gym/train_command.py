@@ -52,6 +52,7 @@ class TrainCommand(Command):
             if len(configs) > 1:
                 print(f"seed {config['seed']}: {folder}", flush=True)
             if config["trainer"] is not None:
+                _check_unused(config)
                 load_registry().build("trainer", config["trainer"]).train(config, folder, RESUME[resume][0])
             else:
                 run_training(config, folder, *RESUME[resume], robot)
@@ -68,6 +69,15 @@ def _robot(overrides: Sequence[str], config: Mapping[str, Any]) -> str:
     """Return the robot by the name of its file, which may derive from another's."""
     chosen = dict(map(key_value, overrides)).get("robot", "")
     return chosen if re.fullmatch(r"[\w-]+", chosen) else str(config["robot"]["name"])
+
+
+def _check_unused(config: Mapping[str, Any]) -> None:
+    """Refuse what a way of training of its own does not read."""
+    for key, name in (("teacher", "planner"), ("later", "reward")):
+        if config[key][name] is not None:
+            raise ConfigurationError(
+                f"{key}.{name} is {config[key][name]}; allowed: null for {config['planner']}, which trains in a way of its own"
+            )
 
 
 def _check_installed() -> None:
