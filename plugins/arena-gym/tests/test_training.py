@@ -205,6 +205,10 @@ def test_policy_imitates_its_teacher_before_it_learns_from_rewards(here, capsys)
     assert curve(here / "taught")[-1]["success"] >= 0.8, "the policy is held: all it knows is from its teacher"
     assert "lesson 3 of 3, the teacher drives 0.00 of the worlds" in capsys.readouterr().out
     assert not (here / "taught" / "lessons").exists()
+    teacher = json.loads((here / "taught" / "policy.json").read_text())["training"]["teacher"]
+    assert teacher["name"] == "pure_pursuit"
+    assert teacher["code"]["arena-pure-pursuit"].startswith("0.1.0 ")
+    assert len(teacher) > 2, "its numbers"
 
 
 @pytest.mark.slow

@@ -71,19 +71,24 @@ def run_training(config: Mapping[str, Any], folder: Path, resume: bool, force: b
     classroom = None if teacher is None else Classroom(env.batch, teacher, robot or parts.robot.name, registry)
     learner, worlds = prepare(settings, env, folder)
     besides = ("gym",) if classroom is None else ("gym", classroom.plugin)
+    taught_by = None if classroom is None else classroom.node
     code = code_of(config, registry, apart=NO_PART, besides=besides)
     open_folder(folder, config, resume, code, force)  # once all is built: a request that is refused leaves nothing behind
     if (folder / CHECKPOINT).exists():
         classroom = None  # it has taught
     trained = train(settings, learner, worlds, validation, levels, folder, later, classroom)
-    _export(config, parts, trained, code, folder)
+    _export(config, parts, trained, code, folder, taught_by)
     return 0
 
 
-def _export(config: Mapping[str, Any], parts: Parts, trained: Trained, code: Code, folder: Path) -> None:
+def _export(
+    config: Mapping[str, Any], parts: Parts, trained: Trained, code: Code, folder: Path, taught_by: Mapping[str, Any] | None
+) -> None:
     """Write the last weights, then those that were chosen, with what a test says of them."""
     told = {"seed": config["seed"], "steps": trained.steps, "curve": trained.curve, "config": dict(config), "code": code.digest}
     told |= {"versions": {name: version(name) for name in PACKAGES}}
+    if taught_by is not None:
+        told["teacher"] = {"code": code.parts, **taught_by}
     if (begun := training_settings(config).start.policy) is not None:
         told["start"] = sha256(network_content(local_path(begun)))
     _write_policy(config, parts, trained.learner, folder / "last" / "policy.onnx", {**told, "weights": "last", "score": None})

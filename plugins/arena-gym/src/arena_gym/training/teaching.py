@@ -46,7 +46,7 @@ class Lesson:
 class Classroom:
     """Worlds in step with a teacher beside each robot, with the tuning for ``robot``, by the name of its file, if there is one.
 
-    It decides as often as the policy does. ``plugin`` is the entry point that it comes from.
+    It decides as often as the policy does. ``node`` is its configuration, ``plugin`` the entry point that it comes from.
     """
 
     def __init__(self, batch: NavigationBatch, teacher: str, robot: str, registry: Registry) -> None:
@@ -57,7 +57,8 @@ class Classroom:
             raise ConfigurationError(f"training.optimization.environments is {batch.worlds}; allowed: {_FIRST_SEED} at most with a teacher")
         self.batch = batch
         nodes = plain(compose([f"planner={teacher}", f"robot={robot}"]))
-        self.plugin = registry.component("planner", nodes["planner"]["name"]).plugin
+        self.node: dict[str, Any] = nodes["planner"]
+        self.plugin = registry.component("planner", self.node["name"]).plugin
         period = parts.robot.control_period * parts.settings.every
 
         def make_driver() -> Driver:
