@@ -233,7 +233,7 @@ def test_lessons_that_were_cut_off_go_on_to_the_same_weights(here, capsys, monke
     whole = lesson.read_bytes()
     for spoilt in (b"", whole[: len(whole) // 2], b"nothing"):
         lesson.write_bytes(spoilt)
-        assert "0.npz: is not of this training" in refused([*words, "out=cut", "resume=true"], capsys)
+        assert "0.npz: is no checkpoint of this training" in refused([*words, "out=cut", "resume=true"], capsys)
     lesson.write_bytes(whole)
     assert main([*words, "out=cut", "resume=true"]) == 0
     assert main([*words, "out=whole"]) == 0
@@ -241,7 +241,7 @@ def test_lessons_that_were_cut_off_go_on_to_the_same_weights(here, capsys, monke
     assert all(torch.equal(weights, ends[1][part]) for part, weights in ends[0].items())
     (here / "whole" / "checkpoint.pt").unlink()
     (here / "whole" / "taught.pt").write_bytes(b"nothing")
-    assert "taught.pt: is not of this training" in refused([*words, "out=whole", "resume=true"], capsys)
+    assert "taught.pt: is no checkpoint of this training" in refused([*words, "out=whole", "resume=true"], capsys)
 
 
 def refused(words, capsys):

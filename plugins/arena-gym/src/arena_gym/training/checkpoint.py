@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from hashlib import blake2b
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ import numpy as np
 import torch
 from stable_baselines3 import PPO
 
-from arena_core import ConfigurationError, write_bytes_whole
+from arena_core import ConfigurationError, one_line, write_bytes_whole
 from arena_gym.training.worlds_in_step import WorldsInStep
 
 Weights = dict[str, torch.Tensor]
@@ -34,6 +35,16 @@ def digest_of(weights: Weights) -> str:
 def all_finite(learner: PPO) -> bool:
     """Tell whether all weights are numbers."""
     return all(bool(torch.isfinite(values).all()) for values in learner.policy.parameters())
+
+
+@contextmanager
+def of_this_training(path: Path) -> Iterator[None]:
+    """Say in one line that a file is none of this training's, whatever a missing, damaged or foreign one raises."""
+    try:
+        yield
+    except Exception as error:
+        reason = one_line(str(error) or type(error).__name__)
+        raise ConfigurationError(f"{path}: is no checkpoint of this training ({reason}); remove the folder to begin anew") from error
 
 
 def save_checkpoint(path: Path, learner: PPO, worlds: WorldsInStep, progress: Mapping[str, Any], best: Weights | None) -> None:
@@ -59,16 +70,13 @@ def load_checkpoint(path: Path, learner: PPO, worlds: WorldsInStep | None = None
     Without ``worlds`` only weights and optimiser are taken. Reads tensors and plain numbers, never code. Raises ConfigurationError for a
     file that is no checkpoint of this training.
     """
-    try:
+    with of_this_training(path):
         content = torch.load(path, weights_only=True, map_location=learner.device)
         learner.policy.load_state_dict(content["policy"])
         learner.policy.optimizer.load_state_dict(content["optimizer"])
         learner._n_updates, learner.num_timesteps = int(content["updates"]), int(content["steps"])
         progress, best = dict(content["progress"]), content["best"]
         episodes, streams = _with_arrays(content["episodes"]), content["random"]
-    except Exception as error:  # whatever a damaged or foreign file raises
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise ConfigurationError(f"{path}: is no checkpoint of this training ({reason}); remove the folder to begin anew") from error
     if worlds is not None:
         learner._last_obs, learner._last_episode_starts = worlds.restore(episodes)
         _restore_random(streams)

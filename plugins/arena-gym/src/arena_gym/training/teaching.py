@@ -18,12 +18,12 @@ import torch
 from numpy.typing import NDArray
 from stable_baselines3 import PPO
 
-from arena_core import ConfigurationError, Registry, compose, generator, one_line, plain, write_bytes_whole
+from arena_core import ConfigurationError, Registry, compose, generator, plain, write_bytes_whole
 from arena_gym.batch import NavigationBatch
 from arena_gym.driver import Driver
 from arena_gym.reports import outcome
 from arena_gym.seeds import training_seed
-from arena_gym.training.checkpoint import all_finite
+from arena_gym.training.checkpoint import all_finite, of_this_training
 from arena_gym.training.export import Actor
 from arena_gym.training.settings import Teacher
 from arena_gym.training.worlds_in_step import SEEDS_APART
@@ -169,16 +169,8 @@ def _write_lesson(file: Path, lesson: Lesson) -> None:
 
 
 def _read_lesson(file: Path) -> tuple[Rows, Rows]:
-    try:
-        with np.load(io.BytesIO(file.read_bytes()), allow_pickle=False) as content:
-            return content["seen"], content["shown"]
-    except Exception as error:  # whatever a missing, damaged or foreign file raises
-        raise _foreign(file, error) from error
-
-
-def _foreign(file: Path, error: Exception) -> ConfigurationError:
-    reason = one_line(str(error) or type(error).__name__)
-    return ConfigurationError(f"{file}: is not of this training ({reason}); remove the folder to begin anew")
+    with of_this_training(file), np.load(io.BytesIO(file.read_bytes()), allow_pickle=False) as content:
+        return content["seen"], content["shown"]
 
 
 def _keep(folder: Path, actor: Actor, optimizer: torch.optim.Optimizer, rounds: int) -> None:
@@ -192,10 +184,8 @@ def _take_up(folder: Path, actor: Actor, optimizer: torch.optim.Optimizer) -> in
     file = folder / TAUGHT
     if not file.exists():
         return 0
-    try:
-        content: dict[str, Any] = torch.load(file, weights_only=True, map_location="cpu")
+    with of_this_training(file):
+        content = torch.load(file, weights_only=True, map_location="cpu")
         actor.load_state_dict(content["actor"])
         optimizer.load_state_dict(content["optimizer"])
         return int(content["rounds"])
-    except Exception as error:  # whatever a damaged or foreign file raises
-        raise _foreign(file, error) from error

@@ -6,12 +6,12 @@ import io
 import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 import torch
 from torch import nn
 
-from arena_core import ConfigurationError, write_bytes_whole, write_text_whole
+from arena_core import write_bytes_whole, write_text_whole
+from arena_gym.training.checkpoint import of_this_training
 
 FINAL_SHARE = 0.05  # of the learning rate, at the end
 CHECKPOINT, CURVE = "checkpoint.pt", "curve.json"
@@ -63,11 +63,8 @@ def _resumed(path: Path, network: nn.Module, optimizer: torch.optim.Optimizer) -
     """Give network and optimiser what a checkpoint holds, if there is one, and return its curve."""
     if not path.exists():
         return []
-    try:
-        content: dict[str, Any] = torch.load(path, weights_only=True, map_location="cpu")
+    with of_this_training(path):
+        content = torch.load(path, weights_only=True, map_location="cpu")
         network.load_state_dict(content["network"])
         optimizer.load_state_dict(content["optimizer"])
         return list(content["curve"])
-    except Exception as error:  # whatever a damaged or foreign file raises
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise ConfigurationError(f"{path}: is no checkpoint of this training ({reason}); remove the folder to begin anew") from error
