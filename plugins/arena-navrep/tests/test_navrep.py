@@ -42,6 +42,7 @@ def test_policy_as_released_is_what_its_recipe_composes(robot):
         assert trained[key] == composed[key], key
 
 
+@pytest.mark.xfail(strict=True, reason="of roll-outs recorded level by level, before its controller's grounds changed")
 @pytest.mark.parametrize("robot", ROBOTS)
 @pytest.mark.parametrize("part", ["vision", "memory"])
 def test_part_has_what_a_world_model_of_its_robot_composes(robot, part):
@@ -50,7 +51,7 @@ def test_part_has_what_a_world_model_of_its_robot_composes(robot, part):
     if part == "vision":
         trained["vision"] = {"near": 0.0} | trained["vision"]  # a card without the key is of a V whose noise was the same at all ranges
     composed = json.loads(json.dumps(compose_environment([f"robot={robot}"], primary="world_model")))
-    for key in ("action", "observation_encoder", "randomization", "recording", part):
+    for key in ("action", "observation_encoder", "randomization", "recording", "task", "world", part):
         assert composed[key] | trained[key] == composed[key], key  # a card is older than some keys
 
 

@@ -71,18 +71,18 @@ def compose_environment(overrides: Sequence[str] = (), primary: str = "environme
     return plain(compose([*chosen, *overrides], primary))
 
 
-def compose_training(recipe: str | None, overrides: Sequence[str]) -> dict[str, Any]:
+def compose_training(recipe: str | None, overrides: Sequence[str], primary: str = "train") -> dict[str, Any]:
     """Return the configuration of a training by a recipe (None: the default one) with overrides; raise ConfigurationError in one line.
 
     A component that the overrides choose in place of the recipe's (``world=ros_map``) is as it is by itself: what the recipe says of its
-    own choice is not for another.
+    own choice is not for another. ``primary`` is the file that all is composed from.
     """
     chosen = [f"recipe={recipe}"] if recipe is not None else []
-    config = compose_environment([*chosen, *overrides], primary="train")
+    config = compose_environment([*chosen, *overrides], primary=primary)
     given = dict(map(key_value, overrides))
     for kind in (key for key in given if key in REPLACED and "{" not in given[key]):
         others = [word for word in overrides if key_value(word)[0] != kind and not key_value(word)[0].startswith(f"{kind}.")]
-        by_recipe = compose_environment([*chosen, *others], primary="train")[kind]
+        by_recipe = compose_environment([*chosen, *others], primary=primary)[kind]
         if by_recipe is None or config[kind] is None or by_recipe["name"] == config[kind]["name"]:
             continue
         own = [word for word in overrides if key_value(word)[0].partition(".")[0] in (kind, "robot")]

@@ -7,7 +7,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
-from arena_core import Bounds, Command, ConfigurationError, NonNegativeInt, complete_overrides, compose, plain, read_words
+from arena_core import Bounds, Command, ConfigurationError, NonNegativeInt, complete_overrides, read_words
 
 STAGES = ("record", "vision", "memory")
 NEEDS = {"vision": "rollouts/config.json", "memory": "vision.onnx"}  # what the stage before has written
@@ -36,7 +36,9 @@ class NavrepCommand(Command):
         _check_installed(NEEDED)
         given = read_words(USAGE, words, keys=OWN, overrides=None)
         resume = given.value("resume", bool, False)
-        config = plain(compose(given.overrides, "world_model"))
+        from arena_gym.building import compose_training
+
+        config = compose_training(None, given.overrides, "world_model")
         folder = Path(given.keys.get("out", f"trainings/world_model_{config['robot']['name']}"))
         for chosen in STAGES if stage == "all" else (stage,):
             _run_stage(chosen, config, folder, resume)

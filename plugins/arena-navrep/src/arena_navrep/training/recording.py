@@ -52,11 +52,7 @@ def _check_scan(parts: Parts) -> None:
 
 
 def _recorded(env: NavigationVectorEnv, settings: Recording, seed: int, kind: str, index: int) -> Rollouts:
-    """Return roll-outs ``index``, on the level of the task that is its turn."""
-    staging = env.batch.parts.pool.staging
-    if staging is not None:
-        files = settings.files if kind == "train" else settings.test_files
-        env.set_stage(index * staging.levels // files)
+    """Return roll-outs ``index``."""
     layout, first = env.batch.parts.encoder.layout(), seed * WORLDS_APART * 64 + index * WORLDS_APART
     random = generator(training_seed(seed), f"rollouts/{kind}/{index}", "wanderer")
     wanderer = Wanderer(layout, env.batch.parts.scale, settings.worlds, settings.wander, random)
