@@ -30,7 +30,7 @@ from arena_gym.vector_environment import NavigationVectorEnv
 
 SEEDS = (0, 1, 2)  # of first weights and minibatches
 EPOCHS, MINIBATCH, LEARNING_RATE = 12, 512, 1e-3
-LOOKBACK = (0.5, 1.0)  # [s]
+LOOKBACK, FORESEEN = (0.5, 1.0), (0.75, 1.5, 2.5, 4.0)  # [s]
 Rows = NDArray[np.float32]
 
 
@@ -65,8 +65,9 @@ def lessons(robot: str, count: int) -> tuple[list[tuple[Rows, Rows]], tuple[Obse
 
     Return what was seen and shown in each, the observation's layout, ROSNAV's network, and the actions' names.
     """
-    shown = [f"observation_encoder.lookback={list(LOOKBACK)}", "observation_encoder.ahead=4", f"teacher.rounds={count}"]
-    config = compose_training("rosnav", [f"robot={robot}", *shown])
+    times = [f"observation_encoder.lookback={list(LOOKBACK)}", f"observation_encoder.foreseen={list(FORESEEN)}"]
+    path = ["observation_encoder.ahead=4", "observation_encoder.spacing=0.5"]
+    config = compose_training("rosnav", [f"robot={robot}", *times, *path, f"teacher.rounds={count}"])
     settings, registry = training_settings(config), load_registry()
     parts = build_parts(config, registry)
     others = build_parts({**config, "environment": {**config["environment"], "seed": 1}}, registry)
