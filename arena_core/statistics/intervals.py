@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -53,10 +53,7 @@ def estimate(values: ArrayLike, kind: Kind | bool = "figure", problems: Labels |
         return Estimate(float(kept.mean()) if n else math.nan, math.nan, math.nan, n, "none", sample.problems)
     if kind is True or kind == "proportion":
         return _agresti_coull(kept, sample)
-    if kind == "count":
-        return _garwood(kept, sample)
-    found = figure(sample, n, sample.error())
-    return replace(found, low=max(found.low, 0.0)) if kept.min() >= 0.0 else found  # what is never negative has no negative mean
+    return _garwood(kept, sample) if kind == "count" else figure(sample, n, sample.error())
 
 
 def defined(values: ArrayLike, problems: Labels | None, worlds: Labels | None) -> tuple[FloatArray, Clusters]:
