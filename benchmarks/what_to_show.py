@@ -1,8 +1,9 @@
 """What an observation has to show: how nearly a network can do what TEB does, by parts of ROSNAV's observation.
 
 TEB and a policy that imitates it drive a robot among people, in lessons as a training begins with. Networks of ROSNAV's structure then
-learn what TEB would have done from what they are shown; a last lesson in other worlds says how far off they are (root mean square, in
-halves of the actions' ranges; mean over three seeds). Nothing is learned from rewards: this takes minutes, trainings of each take hours.
+learn what TEB would have done from what they are shown, as in lessons; a last lesson in other worlds says how far off they are (mean of
+absolute values, in halves of the actions' ranges; mean over three seeds). Nothing is learned from rewards: this takes minutes, trainings of
+each take hours.
 usage: python benchmarks/what_to_show.py [ROBOT [LESSONS]]
 """
 
@@ -10,6 +11,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -23,13 +25,13 @@ from arena_core import ObservationField, generator, load_registry
 from arena_gym.building import build_parts, compose_training
 from arena_gym.training.export import Actor
 from arena_gym.training.session import training_settings
-from arena_gym.training.settings import Network
+from arena_gym.training.settings import Network, Teacher
 from arena_gym.training.teaching import Classroom, imitate
 from arena_gym.training.trainer import prepare
 from arena_gym.vector_environment import NavigationVectorEnv
 
 SEEDS = (0, 1, 2)  # of first weights and minibatches
-EPOCHS, MINIBATCH, LEARNING_RATE = 12, 512, 1e-3
+EPOCHS = 12
 LOOKBACK, FORESEEN = (0.5, 1.0), (0.75, 1.5, 2.5, 4.0)  # [s]
 Rows = NDArray[np.float32]
 
@@ -53,17 +55,17 @@ class Imitator(nn.Module):
         heads = [part for a, b in pairwise(sizes) for part in (nn.Linear(a, b), nn.ReLU())]
         self._heads = nn.Sequential(*heads, nn.Linear(sizes[-1], actions))
 
-    def forward(self, seen: torch.Tensor) -> torch.Tensor:
+    def means(self, seen: torch.Tensor) -> torch.Tensor:
         """Return actions (N, A) for whole observations (N, D)."""
         beams = torch.stack([seen[:, k * self._sectors : (k + 1) * self._sectors] for k in self._scans], 1)
         answer: torch.Tensor = self._heads(torch.cat((self._features(self._convolutions(beams)), seen[:, self._columns]), 1))
         return answer
 
 
-def lessons(robot: str, count: int) -> tuple[list[tuple[Rows, Rows]], tuple[ObservationField, ...], Network, tuple[str, ...]]:
+def lessons(robot: str, count: int) -> tuple[list[tuple[Rows, Rows]], tuple[ObservationField, ...], Network, Teacher, tuple[str, ...]]:
     """Hold lessons, the last one in other worlds.
 
-    Return what was seen and shown in each, the observation's layout, ROSNAV's network, and the actions' names.
+    Return what was seen and shown in each, the observation's layout, ROSNAV's network, how it is taught, and the actions' names.
     """
     times = [f"observation_encoder.lookback={list(LOOKBACK)}", f"observation_encoder.foreseen={list(FORESEEN)}"]
     path = ["observation_encoder.ahead=4", "observation_encoder.spacing=0.5"]
@@ -85,24 +87,15 @@ def lessons(robot: str, count: int) -> tuple[list[tuple[Rows, Rows]], tuple[Obse
         elsewhere = Classroom(NavigationVectorEnv(env.num_envs, parts=others).batch, "teb", robot, registry)
         lesson = elsewhere.hold(actor, settings.teacher.decisions, 0.5, 0)
         held.append((lesson.seen, lesson.shown))
-    return held, parts.encoder.layout(), settings.network, parts.scale.names
+    return held, parts.encoder.layout(), settings.network, settings.teacher, parts.scale.names
 
 
-def fitted(net: nn.Module, seen: torch.Tensor, shown: torch.Tensor, seed: int) -> nn.Module:
-    """Let a network learn the actions."""
-    optimizer = torch.optim.Adam(net.parameters(), lr=LEARNING_RATE)
-    random = torch.Generator().manual_seed(seed)
+def learn(net: Imitator, held: list[tuple[Rows, Rows]], settings: Teacher, seed: int) -> None:
+    """Let a network imitate, more slowly from epoch to epoch."""
+    optimizer = torch.optim.Adam(net.parameters(), lr=settings.learning_rate)
+    random = generator(seed, "what to show", "minibatches")
     for epoch in range(EPOCHS):
-        for group in optimizer.param_groups:
-            group["lr"] = LEARNING_RATE * (1.0 - epoch / EPOCHS)
-        order = torch.randperm(len(seen), generator=random)
-        for first in range(0, len(order), MINIBATCH):
-            chosen = order[first : first + MINIBATCH]
-            loss = ((net(seen[chosen]) - shown[chosen]) ** 2).mean()
-            optimizer.zero_grad()
-            loss.backward()
-            optimizer.step()
-    return net
+        imitate(net, optimizer, held, replace(settings, epochs=1), 1.0 - epoch / EPOCHS, random)
 
 
 def ways(layout: Sequence[ObservationField]) -> Iterator[tuple[str, list[int], list[int]]]:
@@ -124,19 +117,19 @@ def ways(layout: Sequence[ObservationField]) -> Iterator[tuple[str, list[int], l
 def main(robot: str, count: int) -> None:
     """Print a row for each way."""
     torch.set_num_threads(1)
-    held, layout, network, names = lessons(robot, count)
-    seen, shown = (torch.from_numpy(np.concatenate(rows)) for rows in zip(*held[:-1], strict=True))
+    held, layout, network, teacher, names = lessons(robot, count)
     seen_apart, shown_apart = (torch.from_numpy(rows) for rows in held[-1])
-    spread = shown_apart.std(0)
+    spread = (shown_apart - shown_apart.median(0).values).abs().mean(0)
     print(f"| {robot} is shown | {' | '.join(names)} |\n| --- |{' --- |' * len(names)}")
     print(f"| nothing (what TEB's actions spread by) | {' | '.join(f'{value:.3f}' for value in spread)} |")
     for name, scans, columns in ways(layout):
         off = []
         for seed in SEEDS:
             torch.manual_seed(seed)
-            net = fitted(Imitator(network, layout[0].size, scans, columns, len(names)), seen, shown, seed)
+            net = Imitator(network, layout[0].size, scans, columns, len(names))
+            learn(net, held[:-1], teacher, seed)
             with torch.no_grad():
-                off.append(((net(seen_apart) - shown_apart) ** 2).mean(0).sqrt().numpy())
+                off.append((net.means(seen_apart) - shown_apart).abs().mean(0).numpy())
         told = [f"{np.mean(one):.3f} ({min(one):.3f} .. {max(one):.3f})" for one in zip(*off, strict=True)]
         print(f"| {name} | {' | '.join(told)} |", flush=True)
 

@@ -9,9 +9,10 @@ from __future__ import annotations
 import io
 import shutil
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import torch
@@ -41,6 +42,18 @@ class Lesson:
     seen: Rows
     shown: Rows
     ends: Counter[str]
+
+
+class Learns(Protocol):
+    """A network that can imitate."""
+
+    def parameters(self) -> Iterator[torch.nn.Parameter]:
+        """Return its weights."""
+        ...
+
+    def means(self, observation: torch.Tensor) -> torch.Tensor:
+        """Return the actions (N, A) for observations (N, D), before they are cut to their ranges."""
+        ...
 
 
 class Classroom:
@@ -128,7 +141,7 @@ def _told(lesson: Lesson, share: float) -> str:
 
 
 def imitate(
-    actor: Actor,
+    actor: Learns,
     optimizer: torch.optim.Optimizer,
     lessons: list[tuple[Rows, Rows]],
     settings: Teacher,
