@@ -212,6 +212,24 @@ def test_policy_imitates_its_teacher_before_it_learns_from_rewards(here, capsys)
 
 
 @pytest.mark.slow
+def test_lessons_alone_make_a_policy_and_rewards_can_go_on_with_it(here):
+    import torch
+
+    words = [*TAUGHT, "training.validation.episodes=8", "training.start.value_steps=0"]
+    assert main([*words, "out=alone", "total_steps=0"]) == 0
+    card = json.loads((here / "alone" / "policy.json").read_text())["training"]
+    assert card["steps"] == card["choice"]["steps"] == 0
+    assert [row["steps"] for row in card["curve"]] == [0]
+    taught = torch.load(here / "alone" / "taught.pt", weights_only=True)["actor"]
+    best = torch.load(here / "alone" / "checkpoint.pt", weights_only=True)["best"]
+    assert all(any(torch.equal(weights, kept) for kept in best.values()) for weights in taught.values())
+    assert main([*words, "out=whole", "total_steps=2048"]) == 0
+    assert main([*words, "out=alone", "total_steps=2048", "resume=true"]) == 0
+    ends = [torch.load(here / name / "checkpoint.pt", weights_only=True)["policy"] for name in ("alone", "whole")]
+    assert all(torch.equal(weights, ends[1][part]) for part, weights in ends[0].items())
+
+
+@pytest.mark.slow
 def test_lessons_that_were_cut_off_go_on_to_the_same_weights(here, capsys, monkeypatch):
     import torch
 
@@ -269,7 +287,8 @@ def test_checkpoint_that_is_none_is_refused(here, capsys):
     [
         ("planner=unheard_of", "unheard_of"),
         ("robot=unheard_of", "unheard_of"),
-        ("total_steps=0", "total_steps"),
+        ("total_steps=0", "total_steps is 0; allowed: 1 or more without a teacher"),
+        ("total_steps=-1", "total_steps"),
         ("device=abacus", "device"),
         ("device=cuda:77", "device"),
         ("training.validation.seed=0", "validation.seed"),

@@ -142,11 +142,14 @@ class Later:
 
 @dataclass(frozen=True, slots=True)
 class TrainingSettings:
-    """What a training is beside its environment; ``checkpoint`` is the time in s after which one is written."""
+    """What a training is beside its environment; ``checkpoint`` is the time in s after which one is written.
+
+    With 0 ``total_steps`` a policy is what its teacher taught it.
+    """
 
     planner: str
     seed: NonNegativeInt
-    total_steps: PositiveInt
+    total_steps: NonNegativeInt
     device: str
     teacher: Teacher
     later: Later
@@ -165,6 +168,8 @@ class TrainingSettings:
     def __post_init__(self) -> None:
         if self.teacher.planner is not None and self.start.policy is not None:
             raise ConfigurationError(f"teacher.planner is {self.teacher.planner}; allowed: null with training.start.policy")
+        if self.teacher.planner is None and self.total_steps == 0:
+            raise ConfigurationError("total_steps is 0; allowed: 1 or more without a teacher")
 
     @property
     def begins_able(self) -> bool:

@@ -243,6 +243,8 @@ def train(
                 learner.learn(left, trainer, tb_log_name="ppo", reset_num_timesteps=False)
             else:
                 learner.set_logger(Logger(None, []))  # which `learn` would have made
+                if not trainer.curve:
+                    worlds.reset()  # to the episodes that a checkpoint goes on with
             trainer.finish()
     assert trainer.choice is not None
     assert trainer.best is not None
