@@ -1,20 +1,21 @@
-"""What an observation has to show: how nearly a network can do what TEB does, by parts of ROSNAV's observation.
+"""What an observation has to show: how nearly a network can do what TEB does, by parts of ROSNAV's observation, and how well it drives.
 
 TEB and a policy that imitates it drive a robot among people, in lessons as a training begins with. Networks of ROSNAV's structure then
-learn what TEB would have done from what they are shown, as in lessons; a last lesson in other worlds says how far off they are (mean of
-absolute values, in halves of the actions' ranges; mean over three seeds). Nothing is learned from rewards: this takes minutes, trainings of
-each take hours.
-usage: python benchmarks/what_to_show.py [ROBOT [LESSONS]]
+learn what TEB would have done from what they are shown, as in lessons. A last lesson in other worlds says how far off they are (mean of
+absolute values, in halves of the actions' ranges), the test of a training how often they arrive without a collision; means over three
+seeds. Nothing is learned from rewards: a row takes minutes, not hours.
+usage: python benchmarks/what_to_show.py [ROBOT [LESSONS [EPISODES]]]
 """
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 import torch
@@ -23,15 +24,17 @@ from torch import nn
 
 from arena_core import ObservationField, generator, load_registry
 from arena_gym.building import build_parts, compose_training
+from arena_gym.training.evaluation import evaluate, unseen_worlds
 from arena_gym.training.export import Actor
 from arena_gym.training.session import training_settings
-from arena_gym.training.settings import Network, Teacher
+from arena_gym.training.settings import Network, Teacher, TrainingSettings
 from arena_gym.training.teaching import Classroom, imitate
 from arena_gym.training.trainer import prepare
 from arena_gym.vector_environment import NavigationVectorEnv
 
 SEEDS = (0, 1, 2)  # of first weights and minibatches
 EPOCHS = 12
+WIDE = 2.0  # times as many features and neurons
 LOOKBACK, FORESEEN = (0.5, 1.0), (0.75, 1.5, 2.5, 4.0)  # [s]
 Rows = NDArray[np.float32]
 
@@ -62,11 +65,23 @@ class Imitator(nn.Module):
         return answer
 
 
-def lessons(robot: str, count: int) -> tuple[list[tuple[Rows, Rows]], tuple[ObservationField, ...], Network, Teacher, tuple[str, ...]]:
-    """Hold lessons, the last one in other worlds.
+@dataclass(frozen=True, slots=True, eq=False)
+class Held:
+    """Lessons: their training's ``config`` and ``settings``, what was ``seen`` and shown in each, and ``apart``, in other worlds.
 
-    Return what was seen and shown in each, the observation's layout, ROSNAV's network, how it is taught, and the actions' names.
+    ``layout`` is the observation's, ``actions`` are their names.
     """
+
+    config: dict[str, Any]
+    settings: TrainingSettings
+    seen: list[tuple[Rows, Rows]]
+    apart: tuple[Rows, Rows]
+    layout: tuple[ObservationField, ...]
+    actions: tuple[str, ...]
+
+
+def hold(robot: str, count: int) -> Held:
+    """Hold so many lessons, and one more in other worlds."""
     times = [f"observation_encoder.lookback={list(LOOKBACK)}", f"observation_encoder.foreseen={list(FORESEEN)}"]
     path = ["observation_encoder.ahead=4", "observation_encoder.spacing=0.5"]
     config = compose_training("rosnav", [f"robot={robot}", *times, *path, f"teacher.rounds={count}"])
@@ -86,8 +101,7 @@ def lessons(robot: str, count: int) -> tuple[list[tuple[Rows, Rows]], tuple[Obse
             print(f"lesson {k + 1} of {count}: {dict(lesson.ends)}", file=sys.stderr, flush=True)
         elsewhere = Classroom(NavigationVectorEnv(env.num_envs, parts=others).batch, "teb", robot, registry)
         lesson = elsewhere.hold(actor, settings.teacher.decisions, 0.5, 0)
-        held.append((lesson.seen, lesson.shown))
-    return held, parts.encoder.layout(), settings.network, settings.teacher, parts.scale.names
+    return Held(config, settings, held, (lesson.seen, lesson.shown), parts.encoder.layout(), parts.scale.names)
 
 
 def learn(net: Imitator, held: list[tuple[Rows, Rows]], settings: Teacher, seed: int) -> None:
@@ -98,41 +112,58 @@ def learn(net: Imitator, held: list[tuple[Rows, Rows]], settings: Teacher, seed:
         imitate(net, optimizer, held, replace(settings, epochs=1), 1.0 - epoch / EPOCHS, random)
 
 
-def ways(layout: Sequence[ObservationField]) -> Iterator[tuple[str, list[int], list[int]]]:
-    """Yield what is shown: its name, the scans and the other columns."""
+def arrives(net: Imitator, held: Held, episodes: int) -> float:
+    """Return the share of a training's test that a network arrives in without a collision."""
+
+    def act(observations: Rows) -> Rows:
+        with torch.no_grad():
+            return net.means(torch.from_numpy(observations)).clamp(-1.0, 1.0).numpy()
+
+    chosen = held.settings.test
+    return evaluate(unseen_worlds(held.config, episodes, chosen.seed, "training.test.seed"), act, episodes, chosen.seed).success
+
+
+def ways(layout: Sequence[ObservationField]) -> Iterator[tuple[str, list[int], list[int], float]]:
+    """Yield what is shown: its name, the scans, the other columns, and how many times as wide the network is."""
     scans = sum(field.name.startswith("closeness") for field in layout)
     ends = np.cumsum([field.size for field in layout])
     path = list(range(int(ends[-2]), int(ends[-1])))  # the points ahead stand last
     state = list(range(int(ends[scans - 1]), int(ends[-2])))
     past, foreseen = [1, 2], list(range(1 + len(LOOKBACK), scans))
-    yield "the scan", [0], state
-    yield "and half a second and a second ago", [0, *past], state
-    yield "and the first and third foreseen", [0, foreseen[0], foreseen[2]], state
-    yield "and all four foreseen", [0, *foreseen], state
-    yield "and four points of the path", [0], state + path
-    yield "foreseen, and the path", [0, *foreseen], state + path
-    yield "all of it", [0, *past, *foreseen], state + path
+    yield "the scan", [0], state, 1.0
+    yield "and half a second and a second ago", [0, *past], state, 1.0
+    yield "and the first and third foreseen", [0, foreseen[0], foreseen[2]], state, 1.0
+    yield "and all four foreseen", [0, *foreseen], state, 1.0
+    yield "and four points of the path", [0], state + path, 1.0
+    yield "foreseen, and the path", [0, *foreseen], state + path, 1.0
+    yield "the same, by a network twice as wide", [0, *foreseen], state + path, WIDE
+    yield "all of it", [0, *past, *foreseen], state + path, 1.0
 
 
-def main(robot: str, count: int) -> None:
+def main(robot: str, count: int, episodes: int) -> None:
     """Print a row for each way."""
     torch.set_num_threads(1)
-    held, layout, network, teacher, names = lessons(robot, count)
-    seen_apart, shown_apart = (torch.from_numpy(rows) for rows in held[-1])
+    held = hold(robot, count)
+    seen_apart, shown_apart = (torch.from_numpy(rows) for rows in held.apart)
     spread = (shown_apart - shown_apart.median(0).values).abs().mean(0)
-    print(f"| {robot} is shown | {' | '.join(names)} |\n| --- |{' --- |' * len(names)}")
-    print(f"| nothing (what TEB's actions spread by) | {' | '.join(f'{value:.3f}' for value in spread)} |")
-    for name, scans, columns in ways(layout):
+    print(f"| {robot} is shown | {' | '.join(held.actions)} | arrives |\n| --- |{' --- |' * (len(held.actions) + 1)}")
+    print(f"| nothing (what TEB's actions spread by) | {' | '.join(f'{value:.3f}' for value in spread)} | |")
+    network = held.settings.network
+    assert network.features is not None
+    for name, scans, columns, times in ways(held.layout):
+        wide = replace(network, features=int(times * network.features), heads=tuple(int(times * size) for size in network.heads))
         off = []
         for seed in SEEDS:
             torch.manual_seed(seed)
-            net = Imitator(network, layout[0].size, scans, columns, len(names))
-            learn(net, held[:-1], teacher, seed)
+            net = Imitator(wide, held.layout[0].size, scans, columns, len(held.actions))
+            learn(net, held.seen, held.settings.teacher, seed)
             with torch.no_grad():
-                off.append((net.means(seen_apart) - shown_apart).abs().mean(0).numpy())
+                apart = (net.means(seen_apart) - shown_apart).abs().mean(0).tolist()
+            off.append([*apart, arrives(net, held, episodes)])
         told = [f"{np.mean(one):.3f} ({min(one):.3f} .. {max(one):.3f})" for one in zip(*off, strict=True)]
         print(f"| {name} | {' | '.join(told)} |", flush=True)
 
 
 if __name__ == "__main__":
-    main(sys.argv[1] if len(sys.argv) > 1 else "jackal", int(sys.argv[2]) if len(sys.argv) > 2 else 4)
+    robot, count, episodes = (*sys.argv[1:], *("jackal", "8", "300")[len(sys.argv) - 1 :])
+    main(robot, int(count), int(episodes))
