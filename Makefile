@@ -55,9 +55,10 @@ test-slow: setup
 	$(PYTEST) -m "slow and not long and not browser and not ros1 and not ros2 and not pictures"
 
 test-browser: node_modules/.complete  # axe, which looks whether pages are accessible
+test-browser: SPREAD := -n $(WORKERS) --dist loadfile  # a browser for each file
 
 $(APART:%=test-%): test-%: .venv/.%
-	$(BIN)/pytest -m $* $(wildcard tests/$* plugins/*/tests/$*)
+	$(BIN)/pytest $(SPREAD) -m $* $(wildcard tests/$* plugins/*/tests/$*)
 
 coverage: setup
 	$(PYTEST) --cov --cov-report=term --cov-report=html:build/coverage $(PLUGIN:%=plugins/%)
