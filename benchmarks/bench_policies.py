@@ -1,4 +1,4 @@
-"""Time a call of each learned planner's policy, encoding and scaling included, against its bare networks in PyTorch."""
+"""Time a call of each learned planner's policy among ten people, with encoding and scaling, against its bare networks in PyTorch."""
 
 from __future__ import annotations
 
@@ -17,13 +17,14 @@ from arena_policies.policy import load_policy
 CALLS, REPEATS, GOAL = 500, 9, 0.25  # [-], [-], ms
 ROBOTS = ("turtlebot3", "jackal", "robotino")
 PLANNERS = ("rosnav", "gring", "navrep")
+PEOPLE = testing.tracked(*((1.0 + 0.2 * k, 0.4 * k - 1.8, 0.0, 0.3) for k in range(10)))
 
 
 def calls(planner: str, robot: str) -> Callable[[], None]:
     """Return calls of a planner's policy for a robot."""
     body = testing.component("robot", robot)
     policy = load_policy(str(resources.files(f"arena_{planner}") / "policies" / f"{robot}.onnx"), planner, body)
-    view, last = testing.observation(body=body), Twist(0.1)
+    view, last = testing.observation(body=body, tracks=PEOPLE), Twist(0.1)
 
     def run() -> None:
         for _ in range(CALLS):
@@ -57,7 +58,7 @@ class Peer(nn.Module):
 
 
 PEERS: Mapping[str, Mapping[str, Any]] = {
-    "rosnav": {"scans": 1, "convolutions": ((16, 5), (32, 5), (32, 3)), "features": 96, "heads": (64, 64, 2)},
+    "rosnav": {"scans": 3, "convolutions": ((16, 5), (32, 5), (32, 3)), "features": 96, "heads": (64, 64, 2)},
     "gring": {"scans": 3, "convolutions": ((16, 5), (32, 3)), "features": 128, "heads": (64, 2)},
     "navrep": {"scans": 1, "convolutions": ((32, 5), (64, 5), (64, 3)), "features": 32, "memory": 64, "heads": (64, 64, 2)},
 }

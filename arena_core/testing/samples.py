@@ -23,7 +23,7 @@ from arena_core.loop.shown import shown
 from arena_core.values.episode import Contact, EpisodeRecord, EpisodeStart, Event, Scenario, WorldState
 from arena_core.values.geometry import FloatArray, Footprint, Pose, Twist
 from arena_core.values.robot import Kinematics, Lidar, OdometryModel, Robot, VelocityLimits
-from arena_core.values.sensing import NO_TRACKS, LaserScan, Observation, Odometry, PoseEstimate, Sensors
+from arena_core.values.sensing import NO_TRACKS, LaserScan, Observation, Odometry, PoseEstimate, Sensors, Tracks
 from arena_core.values.world import ABSENT, LETHAL, Costmap, Furniture, OccupancyGrid, Path, Pedestrians, PedestrianSpec, World
 
 IDEAL = Timing("ideal", 0.0, 1.0)
@@ -106,6 +106,7 @@ def observation(
     costmap: Costmap | None = None,
     stamp: float = 0.0,
     known: bool = True,
+    tracks: Tracks = NO_TRACKS,
 ) -> Observation:
     """Return what a planner sees in the walled room: by default at its centre, the goal 3 m ahead, the waypoint 2 m ahead."""
     body, pose = body or robot(), pose or Pose(0.0, 0.0, 0.0)
@@ -120,7 +121,7 @@ def observation(
         Path(frozen(straight_path(pose, goal).poses)),
         room() if known else None,
         lambda: window,
-        lambda: NO_TRACKS,
+        lambda: tracks,
     )
 
 

@@ -318,43 +318,6 @@ def test_missing_torch_is_said_with_what_to_install(here, capsys, monkeypatch):
     assert "arena-gym[train]" in refused(WORDS, capsys)
 
 
-def test_evaluation_never_meets_the_problems_of_training(here):
-    from arena_gym.building import compose_environment
-    from arena_gym.training.evaluation import unseen_worlds
-
-    config = compose_environment(["recipe=beginner", "robot=jackal"], primary="train")
-    with pytest.raises(ConfigurationError, match=r"validation\.seed"):
-        unseen_worlds(config, 1, config["environment"]["seed"], "training.validation.seed")
-
-
-def test_goal_after_a_collision_is_no_success():
-    from arena_gym.training.worlds_in_step import WorldsInStep
-    from arena_gym.vector_environment import NavigationVectorEnv
-
-    near = ["task.trip.min_distance=3.05", "task.trip.max_distance=4.0", "task.goal_radius=3.0", "task.pedestrians=0", "action.vx_min=null"]
-    small = ["world.width=8", "world.height=8", "environment.worlds=2", "environment.collisions_to_end=null"]
-    env = NavigationVectorEnv(2, overrides=[*near, *small])
-    worlds, ends = WorldsInStep(env, 0), {}
-    worlds.reset()
-    for step in range(200):
-        env.batch.collisions[1] = max(env.batch.collisions[1], 1)  # as if it had touched something before
-        infos = worlds.step(np.full((2, 2), (1.0, 0.3) if step % 40 < 20 else (-1.0, 0.3), np.float32))[3]
-        for slot, info in enumerate(infos):
-            if info.get("episode", {}).get("o") == "goal_reached":
-                ends.setdefault((slot, info["episode"]["c"] > 0), info["is_success"])
-    assert ends[0, False]
-    assert not ends[1, True]
-    assert all(success == (not touched) for (_, touched), success in ends.items())
-
-
-def test_evaluation_ends_at_the_first_collision_whatever_training_does(here):
-    from arena_gym.building import compose_environment
-    from arena_gym.training.evaluation import unseen_worlds
-
-    config = compose_environment(["recipe=beginner", "robot=jackal", "environment.collisions_to_end=null"], primary="train")
-    assert unseen_worlds(config, 1, 7, "seed").batch.parts.settings.collisions_to_end == 1
-
-
 def test_convolutions_read_scans_that_follow_one_another():
     from arena_gym.training.learning import beams_of
     from arena_gym.training.settings import Network
@@ -413,24 +376,3 @@ def test_robot_and_map_of_ones_own_take_two_lines(here, capsys):
     other = [word for word in drive if not word.startswith("hydra")]
     assert "robotino" in refused([*other, "robot=robotino", "hydra.run.dir=other"], capsys)
     assert "actions are" in refused([*other, "robot=jackal", "hydra.run.dir=faster"], capsys)
-
-
-def test_no_two_trainings_meet_the_same_episodes():
-    from arena_gym.building import compose_environment
-    from arena_gym.training.learning import make_learner
-    from arena_gym.training.session import training_settings
-    from arena_gym.training.worlds_in_step import WorldsInStep
-    from arena_gym.vector_environment import NavigationVectorEnv
-
-    env = NavigationVectorEnv(
-        2, overrides=["world=empty", "environment.worlds=1", "environment.problems_per_world=2", "task.pedestrians=0"]
-    )
-    met = []
-    for seed in (0, 1):
-        config = compose_environment(["recipe=rosnav", f"seed={seed}", "training.optimization.minibatch=512"], primary="train")
-        config["training"]["network"] |= {"beams_field": None, "features": None}
-        worlds = WorldsInStep(env, seed)
-        learner = make_learner(worlds, env.batch.parts.encoder.layout(), training_settings(config), None)
-        learner.env.reset()  # after the library has seeded all that it knows
-        met += [key.seed for key in env.batch.keys]
-    assert len(set(met)) == 4
