@@ -8,7 +8,7 @@ from arena_core.testing import component, robot, room, scenario
 from arena_gym.building import build_parts, compose_environment
 from arena_gym.environment import NavigationEnv
 from arena_gym.episodes import draw_episode
-from arena_gym.pool import TRIES, PooledWorlds, ProblemPool
+from arena_gym.pool import CHECKED, TRIES, PooledWorlds, ProblemPool
 from arena_gym.seeds import FIRST_TRAINING_SEED, check_evaluation_seed, training_seed
 from arena_gym.settings import CountSpan, CrowdKind, Randomization, Span
 
@@ -47,9 +47,9 @@ class Walk(TaskMode):
         return Walk(self.impossible, stage, self.levels)
 
 
-def pool_of(task, size=4):
+def pool_of(task, size=4, worlds=4):
     body = robot()
-    return ProblemPool(task, component("global_planner", "astar", robot=body), waypoints(), simulator(), 0, size)
+    return ProblemPool(task, component("global_planner", "astar", robot=body), waypoints(), simulator(), 0, worlds, size)
 
 
 def waypoints():
@@ -91,8 +91,24 @@ def test_impossible_problem_is_replaced_by_the_next_in_its_world():
     pool = pool_of(Walk(impossible=(1, 5)), 4)
     assert pool.problem(1).scenario.name == "walk/9"
     assert pool.problem(2).scenario.name == "walk/2"
-    with pytest.raises(ImpossibleScenario, match=f"problem 0 and {TRIES - 1} more like it cannot be trained on: no room"):
-        pool_of(Walk(impossible=range(1000))).problem(0)
+
+
+def test_problem_of_a_world_that_has_none_is_replaced_by_that_of_the_next():
+    """In whatever order they are drawn: a training that goes on draws in another one."""
+    shut = [*range(1, 20000, 4), *(6 + 8 * attempt for attempt in range(TRIES))]  # world 1, and the second problem of world 2
+    expected = ["walk/0", "walk/2", "walk/2", "walk/3", "walk/4", "walk/7", "walk/7", "walk/7"]
+    for order in (range(8), range(7, -1, -1), (5, 1, 6, 2, 0, 7, 4, 3)):
+        pool = pool_of(Walk(impossible=shut), 8)
+        found = {index: pool.problem(index).scenario.name for index in order}
+        assert [found[index] for index in range(8)] == expected, order
+
+
+def test_worlds_without_any_problem_are_told_of():
+    pool = pool_of(Walk(impossible=range(10000)))
+    with pytest.raises(ImpossibleScenario, match=f"problem 0 and those of {CHECKED - 1} more worlds cannot be trained on: no room"):
+        pool.check()
+    with pytest.raises(ImpossibleScenario, match=f"problem 3 and those of {TRIES - 1} more worlds"):
+        pool.problem(3)
 
 
 def test_problem_without_a_way_is_replaced_too():
@@ -100,7 +116,7 @@ def test_problem_without_a_way_is_replaced_too():
         def plan(self, grid, start, goal):
             raise NoPath("shut in")
 
-    pool = ProblemPool(Walk(), Shut(), waypoints(), simulator(), 0, 2)
+    pool = ProblemPool(Walk(), Shut(), waypoints(), simulator(), 0, 2, 2)
     with pytest.raises(ImpossibleScenario, match="shut in"):
         pool.problem(0)
 

@@ -82,10 +82,10 @@ def compose_training(recipe: str | None, overrides: Sequence[str], primary: str 
     given = dict(map(key_value, overrides))
     for kind in (key for key in given if key in REPLACED and "{" not in given[key]):
         others = [word for word in overrides if key_value(word)[0] != kind and not key_value(word)[0].startswith(f"{kind}.")]
-        by_recipe = compose_environment([*chosen, *others], primary=primary)[kind]
-        if by_recipe is None or config[kind] is None or by_recipe["name"] == config[kind]["name"]:
+        by_recipe = compose([*chosen, *others], primary, hydra=True).hydra.runtime.choices[kind]
+        if by_recipe is None or config[kind] is None or by_recipe == given[kind]:
             continue
-        own = [word for word in overrides if key_value(word)[0].partition(".")[0] in (kind, "robot")]
+        own = [word for word in overrides if key_value(word)[0].partition(".")[0] in (kind, "robot", "people")]
         config[kind] = compose_environment(own)[kind]
     return config
 
@@ -145,7 +145,7 @@ def _pool(config: Mapping[str, Any], registry: Registry, robot: Robot, settings:
     planner = registry.build("global_planner", config["global_planner"], robot=robot)
     waypoints = registry.build("waypoints", config["waypoints"], robot=robot)
     size = settings.worlds * settings.problems_per_world
-    return ProblemPool(task, planner, waypoints, _simulator(config, registry, robot), settings.seed, size)
+    return ProblemPool(task, planner, waypoints, _simulator(config, registry, robot), settings.seed, settings.worlds, size)
 
 
 def _simulator(config: Mapping[str, Any], registry: Registry, robot: Robot) -> Simulator:

@@ -26,7 +26,8 @@ from arena_core import (
 from arena_gym.seeds import FIRST_TRAINING_SEED, training_seed
 from arena_kernels.paths import lengths_left
 
-TRIES = 20
+TRIES = 20  # of problems in a world, and of worlds
+CHECKED = 3  # worlds that have no problem before a training says so at its start
 Floats = NDArray[np.float64]
 _SLOT = np.zeros(1, np.int64)
 
@@ -61,18 +62,19 @@ class Problem:
 
 
 class ProblemPool:
-    """``size`` problems of a training seed, drawn when first asked for.
+    """``size`` problems of a training seed in so many ``worlds``, drawn when first asked for.
 
     ``waypoints`` and ``simulator`` are the pool's own: each problem begins in them once, so that it cannot fail in training.
     """
 
     def __init__(
-        self, task: TaskMode, planner: GlobalPlanner, waypoints: WaypointGenerator, simulator: Simulator, seed: int, size: int
+        self, task: TaskMode, planner: GlobalPlanner, waypoints: WaypointGenerator, simulator: Simulator, seed: int, worlds: int, size: int
     ) -> None:
         self._task, self._planner, self._waypoints, self._simulator = task, planner, waypoints, simulator
-        self._seed = seed
+        self._seed, self._worlds = seed, worlds
         self.size = min(size, task.count() or size)
         self._problems: dict[int, Problem] = {}
+        self._reasons: dict[int, str] = {}  # why problems were not drawn
         self._levels: dict[int, ProblemPool] = {}
 
     @property
@@ -87,14 +89,18 @@ class ProblemPool:
             raise ConfigurationError(f"stage is {stage}; allowed: {f'0 .. {levels - 1}' if levels else 'none, this task has no levels'}")
         if stage not in self._levels:
             parts = self._planner, self._waypoints, self._simulator
-            self._levels[stage] = ProblemPool(self._task.at_stage(stage), *parts, self._seed, self.size)
+            self._levels[stage] = ProblemPool(self._task.at_stage(stage), *parts, self._seed, self._worlds, self.size)
         return self._levels[stage]
 
     def problem(self, index: int) -> Problem:
-        """Return problem ``index``; raise ImpossibleScenario when many in a row cannot be drawn."""
+        """Return problem ``index``, or that of the next world which has one; raise ImpossibleScenario when many in a row have none."""
         if index not in self._problems:
-            self._problems[index] = self._first_possible(index)
+            self._problems[index] = self._first_possible(index, TRIES)
         return self._problems[index]
+
+    def check(self) -> None:
+        """Raise ImpossibleScenario where the first worlds have no problem: nobody waits for all of them to be tried."""
+        self._first_possible(0, CHECKED)
 
     def fill(self, progress: Callable[[int], None] = lambda drawn: None) -> None:
         """Draw all problems now; ``progress`` hears how many there are."""
@@ -102,16 +108,32 @@ class ProblemPool:
             self.problem(index)
             progress(index + 1)
 
-    def _first_possible(self, index: int) -> Problem:
-        """Return this problem, or the next one in its world that has a solution."""
-        count = self._task.count()
+    def _first_possible(self, index: int, worlds: int) -> Problem:
+        """Return this problem, or one of the next world that has any, of so many; which one depends on nothing that was drawn before."""
+        reason = ""
+        for place in range(index, index + worlds):
+            first = place % self._worlds
+            if first not in self._problems and first not in self._reasons:
+                self._try(first)
+            if first not in self._reasons and (place in self._problems or self._try(place)):
+                return self._problems[place]
+            reason = self._reasons[first if first in self._reasons else place]
+        raise ImpossibleScenario(f"problem {index} and those of {worlds - 1} more worlds cannot be trained on: {reason}")
+
+    def _try(self, index: int) -> bool:
+        """Draw this problem, or the next one in its world that has a solution; keep it, or the reason why there is none."""
+        if index in self._reasons:
+            return False
+        count, reason = self._task.count(), ""
         for attempt in range(TRIES):
             number = index + attempt * self.size
             try:
-                return self._draw(number if count is None else number % count)
+                self._problems[index] = self._draw(number if count is None else number % count)
+                return True
             except (ImpossibleScenario, NoPath) as error:
-                reason = error
-        raise ImpossibleScenario(f"problem {index} and {TRIES - 1} more like it cannot be trained on: {reason}")
+                reason = str(error)
+        self._reasons[index] = reason
+        return False
 
     def _draw(self, index: int) -> Problem:
         scenario = self._task.scenario(training_seed(self._seed), index)

@@ -63,7 +63,7 @@ def run_training(config: Mapping[str, Any], folder: Path, resume: bool, force: b
     levels = make_levels(settings.levels, parts.pool.staging, settings.mixture)
     validation = unseen_worlds(config, chosen.episodes, chosen.seed, "training.validation.seed")
     for pool in (parts.pool, validation.batch.parts.pool):
-        (pool.at_stage(pool.staging.start) if pool.staging else pool).problem(0)  # a world in which none can be drawn is told now
+        (pool.at_stage(pool.staging.start) if pool.staging else pool).check()  # worlds in which none can be drawn are told of now
     env = NavigationVectorEnv(settings.optimization.environments, parts=parts)
     changed = settings.later.reward
     later = None if changed is None else registry.build("reward", {**config["reward"], **changed}, robot=parts.robot)
