@@ -5,7 +5,6 @@ import sys
 import pytest
 
 import arena_core
-from arena_core.base.folders import KEPT
 from arena_core.cli.main import main
 
 ELSEWHERE = ("numba", "torch", "casadi", "pandas", "matplotlib", "scipy", "shapely", "seaborn", "hydra")
@@ -16,6 +15,7 @@ LOUD = """
 
     class Loud(Command):
         help = "says what it is told"
+        kept = "what was said is said"
 
         def run(self, arguments):
             match arguments:
@@ -49,7 +49,7 @@ def arena_process(*words, **settings):
         (("one",), 1, None),
         (("fail",), 2, "arena: no such thing; allowed: things"),
         (("stop",), 1, "arena: the disk is full"),
-        (("interrupt",), 130, f"arena: interrupted; {KEPT}"),
+        (("interrupt",), 130, "arena: interrupted; what was said is said"),
     ],
 )
 def test_the_exit_status_says_how_it_went_and_an_error_is_one_line(loud, arena, words, status, line):

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from arena_core.base.errors import ArenaError, ConfigurationError, RunStopped
-from arena_core.base.folders import locked, new_folders
+from arena_core.base.folders import KEPT, locked, new_folders
 from arena_core.base.limits import LIMITS
 from arena_core.cli.candidates import complete_overrides
 from arena_core.cli.words import MARKS, is_key_value, key_value, read_words
@@ -107,6 +107,7 @@ class RunCommand(Command):
     """Compose a configuration from Hydra overrides and run it."""
 
     help: ClassVar[str] = "run a benchmark: arena run [-m] [KEY=VALUE ...]"
+    kept: ClassVar[str] = KEPT
 
     def run(self, arguments: Sequence[str]) -> int:
         """Hand the overrides to Hydra; raise ArenaError (one line) when the request is wrong, and leave nothing of it behind."""

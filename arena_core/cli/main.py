@@ -9,7 +9,6 @@ from collections.abc import Sequence
 
 from arena_core.base.ctrl_c import SIGNAL_STATUS
 from arena_core.base.errors import ArenaError, UnknownComponent
-from arena_core.base.folders import KEPT
 from arena_core.config.registry import Registry, load_registry, unknown
 
 CUT_OFF = 141  # the same, when nobody reads its output any more (arena list | head)
@@ -29,7 +28,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt as interrupt:
         came = signal.Signals(interrupt.args[0] if interrupt.args else signal.SIGINT)
         said = "interrupted" if came == signal.SIGINT else f"ended by {came.name}"
-        print(f"arena: {said}; {KEPT}", file=sys.stderr)
+        print("; ".join([f"arena: {said}", *_kept(arguments)]), file=sys.stderr)
         return SIGNAL_STATUS + came
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python complains again when it flushes at its end
@@ -50,6 +49,14 @@ def _dispatch(registry: Registry, arguments: list[str]) -> int:
         raise UnknownComponent(unknown("command", name, registry.names("command")))
     command = registry.component("command", name).resolve()()
     return int(command.run(rest))
+
+
+def _kept(arguments: Sequence[str]) -> list[str]:
+    """Return what the command that was interrupted leaves, if it leaves anything."""
+    registry = load_registry()
+    known = arguments and arguments[0] in registry.names("command")
+    kept = registry.component("command", arguments[0]).resolve().kept if known else ""  # type: ignore[attr-defined]
+    return [kept] if kept else []
 
 
 def _usage(registry: Registry) -> str:

@@ -114,9 +114,10 @@ class Listing(ABC):
 
 
 class Command(ABC):
-    """A subcommand of ``arena``."""
+    """A subcommand of ``arena``; ``kept`` is said when Ctrl-C ended it: what is not lost, and how it goes on."""
 
     help: ClassVar[str]
+    kept: ClassVar[str] = ""
 
     @abstractmethod
     def run(self, arguments: Sequence[str]) -> int:

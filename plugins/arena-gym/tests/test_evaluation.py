@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
+import numpy as np
 import pytest
 
 from arena_core import ConfigurationError
@@ -26,3 +29,17 @@ def test_evaluation_ends_at_the_first_collision_whatever_training_does():
 
     config = compose_environment([*SMALL, "environment.collisions_to_end=null"], primary="train")
     assert unseen_worlds(config, 1, 7, "seed").batch.parts.settings.collisions_to_end == 1
+
+
+def test_an_episode_with_a_collision_is_no_success_even_if_it_reached_the_goal_in_that_step():
+    from arena_gym.training.evaluation import evaluate
+
+    ends = {"outcome": np.array(["goal_reached", "goal_reached", "time_out", "false_arrival"]), "collisions": np.array([0, 1, 0, 0])}
+    over = np.ones(4, bool)
+    env = SimpleNamespace(
+        num_envs=4,
+        reset=lambda seed: (np.zeros((4, 1)), {}),
+        step=lambda actions: (np.zeros((4, 1)), np.zeros(4), over, ~over, {"final_info": ends}),
+    )
+    score = evaluate(env, lambda seen: seen, 4, 0)
+    assert (score.episodes, score.success, score.collision, score.time_out) == (4, 0.25, 0.25, 0.25)

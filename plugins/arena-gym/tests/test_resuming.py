@@ -197,8 +197,8 @@ def test_folder_of_other_code_is_refused_unless_forced(here, capsys):
     (here / "mine" / "code.json").write_text(json.dumps(told))
     with pytest.raises(ConfigurationError, match=r"other code: arena-sim2d; resume=force"):
         open_folder(here / "mine", config, resume=True, code=code)
-    open_folder(here / "mine", config, resume=True, code=code, force=True)
-    open_folder(here / "mine", config, resume=True, code=code)
+    assert open_folder(here / "mine", config, resume=True, code=code, force=True) == ["00000000"]
+    assert open_folder(here / "mine", config, resume=True, code=code) == ["00000000"]  # the card tells of it ever after
     (here / "mine" / "code.json").unlink()
     with pytest.raises(ConfigurationError, match="which it does not name"):
         open_folder(here / "mine", config, resume=True, code=code)
@@ -230,6 +230,14 @@ def test_folder_of_another_configuration_names_the_key(here):
         ("resume=perhaps", "resume"),
         ("seed=0,0", "seed"),
         ("seed=0,x", "seed"),
+        ("seed=4294967296", "seed is 4294967296; allowed: 0 .. 4294967295"),
+        ("training.optimization.minibatch=1", "training.optimization.minibatch is 1; allowed: 2 or more"),
+        (
+            "training.network={beams_field: closeness, features: 8, convolutions: [{channels: 4, kernel: 5, stride: 3}, "
+            "{channels: 4, kernel: 5, stride: 1}]}",
+            "training.network.convolutions leave nothing of 16 beams",
+        ),
+        ("hydra.run.dir=mine", "hydra.run.dir is for `arena run`; allowed: out=DIR"),
     ],
 )
 def test_impossible_training_is_one_line_and_leaves_nothing_behind(here, capsys, word, said):

@@ -43,7 +43,7 @@ def classroom(robot, *overrides, worlds=4):
         compasses.append(Compass(env.batch.parts.robot.limits))
         return compasses[-1]
 
-    registry = SimpleNamespace(build=build, component=load_registry().component)
+    registry = SimpleNamespace(build=build, component=load_registry().component, manager=load_registry().manager)
     return Classroom(env.batch, "teb", robot, registry), env.batch, compasses
 
 

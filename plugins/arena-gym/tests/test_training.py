@@ -386,8 +386,10 @@ def test_robot_and_map_of_ones_own_take_two_lines(here, capsys):
         "task.time_limit=4.0",
     ]
     assert main(["train", "planner=rosnav", *site, *small]) == 0
+    assert "note: teb: untuned for scout\n" in capsys.readouterr().out
     policy = here / "trainings" / "rosnav_scout_0" / "policy.onnx"
-    assert json.loads(policy.with_suffix(".json").read_text())["action"]["vx"] == [0.0, 0.8]
+    card = json.loads(policy.with_suffix(".json").read_text())
+    assert (card["robot"], card["action"]["vx"]) == ("scout", [0.0, 0.8])
     drive = ["run", "planner=rosnav", f"planner.policy={policy}", "episodes=1", "executor=serial", "report=false", "hydra.run.dir=run"]
     assert main([*drive, *site, "task.time_limit=4.0"]) == 0
     capsys.readouterr()

@@ -183,6 +183,25 @@ def test_fit_that_was_cut_off_ends_as_if_it_had_not_been(tmp_path):
     assert (ends[0] == ends[1]).all()
 
 
+def test_fit_whose_loss_is_no_number_is_one_line_and_keeps_the_epochs_before(tmp_path):
+    network = torch.nn.Linear(1, 1)
+    factors = iter([1.0, 1.0, float("inf"), 1.0])
+
+    def batches(random):
+        yield (network(torch.rand(8, 1, generator=random)) * next(factors)).square().mean()
+
+    with pytest.raises(
+        ConfigurationError, match=r"the learning rate of vision is 0\.003, and in epoch 3 it is no number .* allowed: a smaller one"
+    ):
+        fitted(network, batches, tmp_path / "vision")
+    kept = json.loads((tmp_path / "vision" / "curve.json").read_text())
+    assert [row["epoch"] for row in kept] == [1, 2]
+    again = torch.nn.Linear(1, 1)
+    curve = fitted(again, lambda random: iter([again(torch.rand(8, 1, generator=random)).square().mean()]), tmp_path / "vision")
+    assert curve[:2] == kept
+    assert all(torch.isfinite(weights).all() for weights in again.parameters())
+
+
 def test_checkpoint_that_is_none_is_refused(tmp_path):
     (tmp_path / "checkpoint.pt").write_bytes(b"no checkpoint")
     with pytest.raises(ConfigurationError, match=r"checkpoint\.pt"):

@@ -40,6 +40,7 @@ class Step:
     observations: NDArray[np.float32]
     rewards: Floats
     arrived: Flags
+    mistaken: Flags
     collided: Flags
     timed_out: Flags
     terminated: Flags
@@ -169,7 +170,7 @@ class NavigationBatch:
         rewards = self.reward.reward(
             Transition(before, self._situation, self._commands, last_commands, arrived, collided, timed_out, period)
         )
-        return Step(self._encoded(), rewards, arrived, collided, timed_out, terminated, timed_out & ~terminated)
+        return Step(self._encoded(), rewards, arrived, verdicts.mistaken, collided, timed_out, terminated, timed_out & ~terminated)
 
     def _key(self, seed: int, number: int) -> EpisodeKey:
         """Return what episode ``number`` of a seed is drawn from, as levels are now."""
@@ -282,7 +283,7 @@ def _joined(first: Step, then: Step, goes_on: Flags) -> Step:
     """Return two steps in a row as one, of which only those that go on took the second."""
     flags = {
         name: getattr(first, name) | (getattr(then, name) & goes_on)
-        for name in ("arrived", "collided", "timed_out", "terminated", "truncated")
+        for name in ("arrived", "mistaken", "collided", "timed_out", "terminated", "truncated")
     }
     observations = np.where(goes_on[:, None], then.observations, first.observations)
     return replace(first, observations=observations, rewards=first.rewards + goes_on * then.rewards, **flags)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from arena_core import (
+    ConfigurationError,
     Guide,
     ObservationEncoder,
     Registry,
@@ -80,6 +81,8 @@ def compose_training(recipe: str | None, overrides: Sequence[str], primary: str 
     chosen = [f"recipe={recipe}"] if recipe is not None else []
     config = compose_environment([*chosen, *overrides], primary=primary)
     given = dict(map(key_value, overrides))
+    if hydras := [key for key in given if key.startswith("hydra.")]:
+        raise ConfigurationError(f"{hydras[0]} is for `arena run`; allowed: out=DIR takes another folder")
     for kind in (key for key in given if key in REPLACED and "{" not in given[key]):
         others = [word for word in overrides if key_value(word)[0] != kind and not key_value(word)[0].startswith(f"{kind}.")]
         by_recipe = compose([*chosen, *others], primary, hydra=True).hydra.runtime.choices[kind]

@@ -33,4 +33,6 @@ def outcome(step: Step, slot: int) -> str:
     """Return the outcome in the words of episodes.csv."""
     if step.arrived[slot]:
         return "goal_reached"
+    if step.mistaken[slot]:
+        return "false_arrival"
     return "collision" if step.terminated[slot] else "time_out"

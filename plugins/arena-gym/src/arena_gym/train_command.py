@@ -24,6 +24,7 @@ class TrainCommand(Command):
     """Train a learned planner for a robot."""
 
     help: ClassVar[str] = "train a learned planner: arena train planner=rosnav robot=jackal"
+    kept: ClassVar[str] = "the last checkpoint and all lessons are kept, resume=true (with the same words) goes on from there"
 
     def run(self, arguments: Sequence[str]) -> int:
         """Train, and write policy, card, curve and logs to a folder; one training after the other where there are several seeds."""

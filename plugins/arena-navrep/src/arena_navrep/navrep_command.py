@@ -22,6 +22,7 @@ class NavrepCommand(Command):
     """Train the world model that NAVREP's controller is trained on, or show what it is worth."""
 
     help: ClassVar[str] = "train NAVREP's world model: arena navrep record|vision|memory|all robot=jackal"
+    kept: ClassVar[str] = "files of roll-outs and epochs that are over are kept, resume=true (with the same words) goes on from there"
 
     def run(self, arguments: Sequence[str]) -> int:
         """Run one stage, or all; write roll-outs, networks, cards and curves to a folder."""

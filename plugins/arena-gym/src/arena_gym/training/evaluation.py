@@ -70,6 +70,8 @@ def evaluate(env: NavigationVectorEnv, act: Act, episodes: int, seed: int) -> Sc
 def outcomes(env: NavigationVectorEnv, act: Act, episodes: int, seed: int) -> list[str]:
     """Drive the first episodes of each world until there are ``episodes`` of them; return how they ended, world by world.
 
+    One with a collision, even in the step that reached the goal, ended by that.
+
     Each world contributes its first episodes, however long they take: the fastest to end would be the easy ones. Episodes at one place
     of two answers are the same problem, whoever drives.
     """
@@ -81,5 +83,6 @@ def outcomes(env: NavigationVectorEnv, act: Act, episodes: int, seed: int) -> li
         observations, _, terminated, truncated, ends = env.step(act(observations))
         for slot in np.flatnonzero(terminated | truncated).tolist():
             if len(ended[slot]) < quota[slot]:
-                ended[slot].append(str(ends["final_info"]["outcome"][slot]))
+                info = ends["final_info"]
+                ended[slot].append("collision" if info["collisions"][slot] else str(info["outcome"][slot]))
     return [outcome for world in ended for outcome in world]

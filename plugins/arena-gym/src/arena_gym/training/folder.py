@@ -14,17 +14,16 @@ CODE = "code.json"
 MAY_DIFFER = ("total_steps", "device")  # between a training and what goes on with it
 
 
-def open_folder(folder: Path, config: Mapping[str, Any], resume: bool, code: Code | None = None, force: bool = False) -> None:
+def open_folder(folder: Path, config: Mapping[str, Any], resume: bool, code: Code | None = None, force: bool = False) -> list[str]:
     """Write ``config`` and the ``code`` that trains to a new folder, or check them against those of a training that is gone on with.
 
-    Raises ConfigurationError for a folder that holds a training (unless ``resume``), that of another configuration, or of other code
-    (unless ``force``).
+    Returns the digests of the other code that trained there before, which ``force`` allows. Raises ConfigurationError for a folder that
+    holds a training (unless ``resume``), that of another configuration, or of other code (unless ``force``).
     """
     file = folder / CONFIG
     if not file.exists():
         write_text_whole(file, json.dumps(config, indent=1, sort_keys=True) + "\n")
-        _write_code(folder, code)
-        return
+        return _write_code(folder, code)
     if not resume:
         raise ConfigurationError(f"{folder} holds a training already; resume=true goes on with it, out=DIR takes another folder")
     differing = _differing(_read(file), json.loads(json.dumps(config)))
@@ -32,7 +31,7 @@ def open_folder(folder: Path, config: Mapping[str, Any], resume: bool, code: Cod
         raise ConfigurationError(f"{folder} holds a training with another {differing}; resume=true goes on only with the same one")
     if code is not None and not force:
         _check_code(folder, code)
-    _write_code(folder, code)
+    return _write_code(folder, code)
 
 
 def _check_code(folder: Path, code: Code) -> None:
@@ -46,10 +45,16 @@ def _check_code(folder: Path, code: Code) -> None:
     )
 
 
-def _write_code(folder: Path, code: Code | None) -> None:
-    if code is not None:
-        content = {"digest": code.digest, "parts": dict(code.parts)}
-        write_text_whole(folder / CODE, json.dumps(content, indent=1, sort_keys=True) + "\n")
+def _write_code(folder: Path, code: Code | None) -> list[str]:
+    """Write the code that trains from now on, with what trained before; return that."""
+    if code is None:
+        return []
+    before = _read(folder / CODE) if (folder / CODE).exists() else {}
+    digests = [*map(str, before.get("before") or ()), str(before.get("digest", code.digest))]
+    others = [digest for digest in dict.fromkeys(digests) if digest != code.digest]
+    content = {"digest": code.digest, "parts": dict(code.parts), "before": others}
+    write_text_whole(folder / CODE, json.dumps(content, indent=1, sort_keys=True) + "\n")
+    return others
 
 
 def _read(file: Path) -> dict[str, Any]:

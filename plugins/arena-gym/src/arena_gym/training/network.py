@@ -10,6 +10,7 @@ from stable_baselines3.common.policies import ActorCriticPolicy
 from stable_baselines3.common.torch_layers import BaseFeaturesExtractor, MlpExtractor
 from torch import nn
 
+from arena_core import ConfigurationError
 from arena_gym.training.settings import Convolution
 
 
@@ -30,14 +31,17 @@ class BeamFeatures(BaseFeaturesExtractor):
         super().__init__(observation_space, features + total - count)
         self._beams, self._scans = beams, scans
         layers: list[nn.Module] = []
-        channels = scans
+        channels, length = scans, count // scans
         for layer in convolutions:
+            length = (length - layer.kernel) // layer.stride + 1
+            if length < 1:
+                raise ConfigurationError(
+                    f"training.network.convolutions leave nothing of {count // scans} beams; allowed: fewer or smaller ones"
+                )
             layers += [nn.Conv2d(channels, layer.channels, (1, layer.kernel), (1, layer.stride)), nn.ReLU()]
             channels = layer.channels
         self.convolutions = nn.Sequential(*layers, nn.Flatten())
-        with torch.no_grad():
-            width = self.convolutions(torch.zeros(1, scans, 1, count // scans)).shape[1]
-        self.reduced = nn.Sequential(nn.Linear(width, features), nn.ReLU())
+        self.reduced = nn.Sequential(nn.Linear(channels * length, features), nn.ReLU())
 
     def forward(self, observations: torch.Tensor) -> torch.Tensor:
         """Return the features (N, F) of observations (N, D)."""

@@ -12,7 +12,6 @@ from typing import Any
 from stable_baselines3 import PPO
 
 from arena_core import (
-    Code,
     ConfigurationError,
     ObservationEncoder,
     code_of,
@@ -31,7 +30,7 @@ from arena_gym.training.export import Actor, round_as_kept, to_onnx
 from arena_gym.training.folder import open_folder
 from arena_gym.training.levels import make_levels
 from arena_gym.training.selection import rule
-from arena_gym.training.settings import TrainingSettings
+from arena_gym.training.settings import Network, TrainingSettings
 from arena_gym.training.teaching import Classroom
 from arena_gym.training.trainer import CHECKPOINT, Trained, prepare, train
 from arena_gym.vector_environment import NavigationVectorEnv
@@ -47,19 +46,14 @@ NO_PART = ("metrics", "executor", "command", "listing")  # kinds that have no pa
 def run_training(config: Mapping[str, Any], folder: Path, resume: bool, force: bool = False, robot: str | None = None) -> int:
     """Train by a composed configuration; write the best weights to ``folder``, which may hold its beginning, the last to ``last`` in it.
 
-    ``robot`` is the name of its file, by which a teacher is tuned; its own where it is None.
+    ``robot`` is the name of its file, by which a teacher is tuned, and which the card names; its own where it is None.
     """
     settings = training_settings(config)
     check_apart(config)
     registry = load_registry()
     parts, chosen = build_parts(config, registry), settings.validation
-    network = settings.network
-    if parts.switch is not None and network.log_std_final is not None:
-        raise ConfigurationError(
-            f"training.network.log_std_final is {network.log_std_final:g}; allowed: null for a switch, which has no spread"
-        )
-    if parts.switch is not None and network.log_std_unit == "si":
-        raise ConfigurationError("training.network.log_std_unit is si; allowed: range for a switch, whose actions have no unit")
+    if parts.switch is not None:
+        _check_switch(settings.network)
     levels = make_levels(settings.levels, parts.pool.staging, settings.mixture)
     validation = unseen_worlds(config, chosen.episodes, chosen.seed, "training.validation.seed")
     for pool in (parts.pool, validation.batch.parts.pool):
@@ -71,33 +65,44 @@ def run_training(config: Mapping[str, Any], folder: Path, resume: bool, force: b
     classroom = None if teacher is None else Classroom(env.batch, teacher, robot or parts.robot.name, registry)
     learner, worlds = prepare(settings, env, folder)
     besides = ("gym",) if classroom is None else ("gym", classroom.plugin)
-    taught_by = None if classroom is None else classroom.node
     code = code_of(config, registry, apart=NO_PART, besides=besides)
-    open_folder(folder, config, resume, code, force)  # once all is built: a request that is refused leaves nothing behind
+    compared = config if classroom is None else {**config, "teacher": {**config["teacher"], "nodes": classroom.nodes}}
+    before = open_folder(folder, compared, resume, code, force)  # once all is built: a request that is refused leaves nothing behind
+    told: dict[str, Any] = {"code": code.digest, **({"code_before": before} if before else {})}
+    if classroom is not None:
+        told["teacher"] = {"code": code.parts, **classroom.node}
+        for note in classroom.untuned:
+            print(f"note: {note}", flush=True)
     if (folder / CHECKPOINT).exists():
         classroom = None  # it has taught
     trained = train(settings, learner, worlds, validation, levels, folder, later, classroom)
-    _export(config, parts, trained, code, folder, taught_by)
+    _export(config, parts, trained, told, folder, robot or parts.robot.name)
     return 0
 
 
-def _export(
-    config: Mapping[str, Any], parts: Parts, trained: Trained, code: Code, folder: Path, taught_by: Mapping[str, Any] | None
-) -> None:
-    """Write the last weights, then those that were chosen, with what a test says of them."""
-    told = {"seed": config["seed"], "steps": trained.steps, "curve": trained.curve, "config": dict(config), "code": code.digest}
+def _check_switch(network: Network) -> None:
+    """Refuse what says how actions spread: those of a switch are none that could."""
+    if network.log_std_final is not None:
+        raise ConfigurationError(
+            f"training.network.log_std_final is {network.log_std_final:g}; allowed: null for a switch, which has no spread"
+        )
+    if network.log_std_unit == "si":
+        raise ConfigurationError("training.network.log_std_unit is si; allowed: range for a switch, whose actions have no unit")
+
+
+def _export(config: Mapping[str, Any], parts: Parts, trained: Trained, by: Mapping[str, Any], folder: Path, robot: str) -> None:
+    """Write the last weights, then those that were chosen, with what a test says of them; ``by`` tells of the code, and of a teacher."""
+    told = {"seed": config["seed"], "steps": trained.steps, "curve": trained.curve, "config": dict(config), **by}
     told |= {"versions": {name: version(name) for name in PACKAGES}}
-    if taught_by is not None:
-        told["teacher"] = {"code": code.parts, **taught_by}
     if (begun := training_settings(config).start.policy) is not None:
         told["start"] = sha256(network_content(local_path(begun)))
-    _write_policy(config, parts, trained.learner, folder / "last" / "policy.onnx", {**told, "weights": "last", "score": None})
+    _write_policy(config, parts, robot, trained.learner, folder / "last" / "policy.onnx", {**told, "weights": "last", "score": None})
     trained.learner.policy.load_state_dict(trained.best)
     round_as_kept(Actor(trained.learner.policy))
-    score = _tested(config, trained, folder / TESTED)
+    score = _tested(config, trained, by["code"], folder / TESTED)
     choice = {**trained.choice.as_row(), "rule": rule(training_settings(config).validation)}
     path = folder / "policy.onnx"
-    _write_policy(config, parts, trained.learner, path, {**told, "weights": "best", "choice": choice, "score": score})
+    _write_policy(config, parts, robot, trained.learner, path, {**told, "weights": "best", "choice": choice, "score": score})
     low, high = score["interval"]
     print(
         f"test: success {score['success']:.3f} ({low:.3f} .. {high:.3f}), collision {score['collision']:.3f}, time out "
@@ -106,10 +111,10 @@ def _export(
     print(f"policy: {path}")
 
 
-def _tested(config: Mapping[str, Any], trained: Trained, file: Path) -> dict[str, Any]:
-    """Return the score of the chosen weights in the test, from ``file`` where they were tested before."""
+def _tested(config: Mapping[str, Any], trained: Trained, code: str, file: Path) -> dict[str, Any]:
+    """Return the score of the chosen weights in the test, from ``file`` where this ``code`` tested them before."""
     chosen = training_settings(config).test
-    of = {"weights": digest_of(trained.best), "seed": chosen.seed, "wanted": chosen.episodes}
+    of = {"weights": digest_of(trained.best), "seed": chosen.seed, "wanted": chosen.episodes, "code": code}
     if file.exists():
         before = read_json(file, "what `arena train` wrote after a test")
         if isinstance(before, dict) and before.get("of") == of:
@@ -122,10 +127,10 @@ def _tested(config: Mapping[str, Any], trained: Trained, file: Path) -> dict[str
     return score
 
 
-def _write_policy(config: Mapping[str, Any], parts: Parts, learner: PPO, path: Path, told: dict[str, Any]) -> None:
+def _write_policy(config: Mapping[str, Any], parts: Parts, robot: str, learner: PPO, path: Path, told: dict[str, Any]) -> None:
     content = to_onnx(learner, sum(field.size for field in parts.encoder.layout()))
     write_bytes_whole(path, content)
-    card = _card(config, parts, content, told)
+    card = _card(config, parts, robot, content, told)
     write_card(path.with_suffix(".json"), replace(card, parts=_write_parts(path, parts.encoder)))
 
 
@@ -147,14 +152,14 @@ def _write_parts(policy: Path, encoder: ObservationEncoder) -> dict[str, str]:
     return hashes
 
 
-def _card(config: Mapping[str, Any], parts: Parts, content: bytes, told: Mapping[str, Any]) -> PolicyCard:
+def _card(config: Mapping[str, Any], parts: Parts, robot: str, content: bytes, told: Mapping[str, Any]) -> PolicyCard:
     switch = parts.switch
     action_range = dict.fromkeys(config["action"]) if switch else config["action"]  # members have their own, up to the robot's limits
     scale = ActionScale.of(parts.robot, read_settings(action_range, ActionRange, "action"))
     ends = zip(scale.names, scale.low.tolist(), scale.high.tolist(), strict=True)
     return PolicyCard(
         planner=config["planner"],
-        robot=parts.robot.name,
+        robot=robot,
         kinematics=parts.robot.kinematics,
         control_period=parts.robot.control_period,
         encoder={**config["observation_encoder"], **dict.fromkeys(parts.encoder.parts())},

@@ -7,6 +7,8 @@ from typing import Literal
 
 from arena_core import ConfigurationError, Fraction, NonNegative, NonNegativeInt, Positive, PositiveInt
 
+GREATEST_SEED = 2**32 - 1  # that NumPy's generators take, which Stable-Baselines3 seeds
+
 
 @dataclass(frozen=True, slots=True)
 class Convolution:
@@ -64,6 +66,12 @@ class Optimization:
     entropy: NonNegative
     value: NonNegative
     max_gradient: Positive
+
+    def __post_init__(self) -> None:
+        if self.minibatch < 2:
+            raise ConfigurationError(
+                f"training.optimization.minibatch is {self.minibatch}; allowed: 2 or more, whose advantages can differ"
+            )
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,6 +174,8 @@ class TrainingSettings:
     optimization: Optimization
 
     def __post_init__(self) -> None:
+        if self.seed > GREATEST_SEED:
+            raise ConfigurationError(f"seed is {self.seed}; allowed: 0 .. {GREATEST_SEED}")
         if self.teacher.planner is not None and self.start.policy is not None:
             raise ConfigurationError(f"teacher.planner is {self.teacher.planner}; allowed: null with training.start.policy")
         if self.teacher.planner is None and self.total_steps == 0:

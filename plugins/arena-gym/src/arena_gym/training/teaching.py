@@ -19,7 +19,7 @@ import torch
 from numpy.typing import NDArray
 from stable_baselines3 import PPO
 
-from arena_core import ConfigurationError, Registry, compose, generator, plain, write_bytes_whole
+from arena_core import ConfigurationError, Registry, compose, generator, plain, untuned, write_bytes_whole
 from arena_gym.batch import NavigationBatch
 from arena_gym.driver import Driver
 from arena_gym.reports import outcome
@@ -59,7 +59,8 @@ class Learns(Protocol):
 class Classroom:
     """Worlds in step with a teacher beside each robot, with the tuning for ``robot``, by the name of its file, if there is one.
 
-    It decides as often as the policy does. ``node`` is its configuration, ``plugin`` the entry point that it comes from.
+    It decides as often as the policy does. ``nodes`` are its configuration and that of what it sees by, ``node`` is its own, ``plugin`` the
+    entry point that it comes from; ``untuned`` says which of its tunings the robot has not.
     """
 
     def __init__(self, batch: NavigationBatch, teacher: str, robot: str, registry: Registry) -> None:
@@ -69,7 +70,9 @@ class Classroom:
         if batch.worlds > _FIRST_SEED:
             raise ConfigurationError(f"training.optimization.environments is {batch.worlds}; allowed: {_FIRST_SEED} at most with a teacher")
         self.batch = batch
-        nodes = plain(compose([f"planner={teacher}", f"robot={robot}"]))
+        composed = compose([f"planner={teacher}", f"robot={robot}"], hydra=True)
+        self.untuned = untuned(composed.hydra.runtime.choices, registry.manager)
+        nodes = self.nodes = {kind: plain(composed[kind]) for kind in ("planner", "local_map", "tracker")}
         self.node: dict[str, Any] = nodes["planner"]
         self.plugin = registry.component("planner", self.node["name"]).plugin
         period = parts.robot.control_period * parts.settings.every

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import io
 import json
+import math
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import torch
 from torch import nn
 
-from arena_core import write_bytes_whole, write_text_whole
+from arena_core import ConfigurationError, write_bytes_whole, write_text_whole
 from arena_gym.training.checkpoint import of_this_training
 
 FINAL_SHARE = 0.05  # of the learning rate, at the end
@@ -29,7 +30,8 @@ def fit(
 ) -> Curve:
     """Fit a network to the losses of each epoch's minibatches; return the curve of its scores, an epoch each.
 
-    Every random number of an epoch comes from a generator keyed by seed and epoch. ``folder`` keeps checkpoint and curve.
+    Every random number of an epoch comes from a generator keyed by seed and epoch. ``folder`` keeps checkpoint and curve. Raises
+    ConfigurationError once a score is no number.
     """
     optimizer = torch.optim.Adam(network.parameters(), learning_rate)
     curve = _resumed(folder / CHECKPOINT, network, optimizer)
@@ -38,7 +40,11 @@ def fit(
             group["lr"] = learning_rate * (1.0 - (1.0 - FINAL_SHARE) * epoch / epochs)
         random = torch.Generator().manual_seed((seed << 16) + epoch)
         total = [_descend(network, optimizer, loss) for loss in losses(random)]
-        curve.append({"epoch": epoch + 1, "loss": sum(total) / len(total), **score()})
+        row = {"epoch": epoch + 1, "loss": sum(total) / len(total), **score()}
+        if not all(map(math.isfinite, row.values())):
+            rate = f"the learning rate of {folder.name} is {learning_rate:g}, and in epoch {epoch + 1} it is no number how far off it is"
+            raise ConfigurationError(f"{rate}; allowed: a smaller one, with out=DIR")
+        curve.append(row)
         print(", ".join(f"{name} {value:.4g}" for name, value in curve[-1].items()), flush=True)
         _keep(folder, network, optimizer, curve)
     return curve
