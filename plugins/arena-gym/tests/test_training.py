@@ -395,4 +395,8 @@ def test_robot_and_map_of_ones_own_take_two_lines(here, capsys):
     capsys.readouterr()
     other = [word for word in drive if not word.startswith("hydra")]
     assert "robotino" in refused([*other, "robot=robotino", "hydra.run.dir=other"], capsys)
+    (here / "conf" / "planner" / "teb_tuning").mkdir(parents=True)
+    (here / "conf" / "planner" / "teb_tuning" / "scout.yaml").write_text("limits: {max_vel_x_backwards: 0.3}\n")
+    taught_otherwise = refused(["train", "planner=rosnav", *site, *small, "resume=true"], capsys)
+    assert "holds a training with another teacher.nodes.planner.limits.max_vel_x_backwards" in taught_otherwise
     assert "actions are" in refused([*other, "robot=jackal", "hydra.run.dir=faster"], capsys)
