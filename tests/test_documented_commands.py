@@ -146,6 +146,7 @@ class Shell:
         kind = words[0] if words[0] != "arena" else f"arena {words[1]}"
         known = {
             **{"arena run": self.composed, "arena train": self.train, "arena navrep": self.navrep, "arena choices": self.composed},
+            "arena profile": self.profile,
             **{"arena trainings": lambda words: None, "arena compare-real": lambda words: None},  # of what takes its time, or a robot
             **{"arena ros": self.ros, "arena render": read_picture, "arena replay": read_replay, "arena studio": read_studio},
             **dict.fromkeys(("arena verify", "arena leaderboard"), lambda words: None),  # of packs of whole benchmarks
@@ -176,6 +177,9 @@ class Shell:
 
     def composed(self, words):
         composed(words)
+
+    def profile(self, words):
+        composed([word for word in words if not word.startswith(("first=", "functions="))])
 
     def train(self, words):
         recipe = ["recipe=" + word.partition("=")[2] for word in words if word.startswith("planner=")]

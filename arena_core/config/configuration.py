@@ -42,7 +42,7 @@ def search_path() -> list[tuple[str, str]]:
     manager = load_plugins()
     _check_options(_folders(manager))
     sources = [(plugin, _address(package)) for plugin, package in config_packages(manager).items()]
-    own = _own_folder()
+    own = own_folder()
     return [*sources, ("working-directory", own.as_uri())] if own else sources
 
 
@@ -68,11 +68,12 @@ def _folders(manager: PluginManager) -> dict[str, Traversable]:
     """Return every folder of configuration groups, by who offers it."""
     folders: dict[str, Traversable] = {"the core": conf_directory()}
     folders |= {f"plugin {plugin}": files(package) for plugin, package in config_packages(manager).items()}
-    own = _own_folder()
+    own = own_folder()
     return {**folders, f"your folder {own}": own} if own else folders
 
 
-def _own_folder() -> Path | None:
+def own_folder() -> Path | None:
+    """Return the user's own configuration folder, ``conf`` where they are; None where there is none."""
     own = Path.cwd() / "conf"
     return own if own.is_dir() and own.resolve() != conf_directory().resolve() else None
 

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from copy import deepcopy
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pluggy import PluginManager
 
 from arena_core.base.frozen import frozen
 from arena_core.base.random_streams import generator
-from arena_core.config.configuration import compose, plain
+from arena_core.config.configuration import compose, own_folder, plain
 from arena_core.config.furniture import furniture_kind
-from arena_core.config.registry import load_registry
+from arena_core.config.registry import Registry, load_registry
 from arena_core.contracts.navigation import Planner
 from arena_core.loop.execution import Timing
 from arena_core.loop.navigator import NO_TIME, Decision, Spent
@@ -165,9 +168,23 @@ def record(steps: int = 31, contact: bool = False, leaves: bool = False) -> Epis
 def component(kind: str, preset: str, overrides: Sequence[str] = (), robot_preset: str | None = None, **context: Any) -> Any:
     """Build an installed component from its preset, alone; ``overrides`` are those of the command line."""
     chosen = [f"{kind}={preset}"] + ([f"robot={robot_preset}"] if robot_preset else [])
-    node = plain(compose([*chosen, *overrides], config_name="component"))[kind]
+    registry = load_registry()
+    node = _composed((*chosen, *overrides), registry)[kind]
     node = node.get(preset, node) if kind == "metrics" else node
-    return load_registry().build(kind, node, **context)
+    return registry.build(kind, node, **context)
+
+
+def _composed(words: tuple[str, ...], registry: Registry) -> Any:
+    """Return what these words compose, from what is kept unless there is a folder of one's own, whose files may change."""
+    if own_folder() is not None:
+        return plain(compose(words, config_name="component"))
+    return deepcopy(_kept(words, registry.manager))
+
+
+@lru_cache(maxsize=256)
+def _kept(words: tuple[str, ...], _: PluginManager) -> Any:
+    """Return what these words compose with the plugins of a manager: it takes longer than most of what a test does with it."""
+    return plain(compose(words, config_name="component"))
 
 
 def planner(preset: str, body: Robot, *overrides: str, robot_preset: str | None = None) -> Planner:

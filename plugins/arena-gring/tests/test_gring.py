@@ -129,6 +129,8 @@ def test_empty_path_gets_no_command(tmp_path):
 
 SMALL = (
     "total_steps=512",
+    "teacher.rounds=2",
+    "teacher.decisions=8",
     "environment.worlds=1",
     "environment.problems_per_world=4",
     "training.optimization.environments=8",

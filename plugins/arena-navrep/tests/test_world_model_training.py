@@ -286,6 +286,8 @@ def test_world_model_and_controller_are_trained_and_drive(tmp_path, monkeypatch,
 
     small = [*(word for word in TINY if not word.startswith(("recording", "vision", "memory", "observation"))), "total_steps=2048"]
     quick = [
+        "teacher.rounds=2",
+        "teacher.decisions=8",
         "training.optimization.environments=8",
         "training.optimization.steps=128",
         "training.optimization.minibatch=512",
