@@ -23,15 +23,21 @@ def test_the_configurations_of_a_multirun_are_shown_and_nothing_is_left(arena):
     assert list(Path().iterdir()) == []
 
 
-def test_a_key_that_only_the_components_of_the_sweep_have(arena):
-    words = ("robot=jackal", "world=indoor,outdoor", "world.regenerate=1", "world.width=12,15")
-    answer = arena("run", "-m", *words, "--cfg", "job")
+@pytest.mark.parametrize(
+    "words", [("world=indoor_as_paper,outdoor_as_paper",), ("experiment=paper_worlds", "planner=dwa", "task.pedestrians=5")]
+)
+def test_a_key_that_only_the_components_of_a_sweep_have(arena, words):
+    answer = arena("run", "-m", *words, "robot=jackal", "world.regenerate=3", "--cfg", "job")
     assert (answer.status, answer.errors) == (0, [])
     found = [job["world"] for job in yaml.safe_load_all(answer.out)]
-    assert [(world["name"], world["regenerate"]) for world in found] == [(name, 1) for name in ("indoor", "outdoor") for _ in range(2)]
-    answer = arena("run", "-m", "robot=jackal", "world=indoor,warehouse", "world.regenerate=1", "--cfg", "job")
+    assert [(world["name"], world["regenerate"]) for world in found] == [("indoor", 3), ("outdoor", 3)]
+
+
+def test_a_key_that_a_component_of_a_sweep_lacks_is_refused(arena):
+    answer = arena("run", "-m", "robot=jackal", "world=indoor,warehouse", "world.regenerate=1", "hydra.sweep.dir=sweep")
     assert answer.status == 2
     assert answer.line.startswith("arena: world has no key regenerate (possible: aisle_width")
+    assert list(Path().iterdir()) == []
 
 
 def test_hydras_own_part_is_shown_resolved(arena):

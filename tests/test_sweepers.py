@@ -56,6 +56,7 @@ def test_a_sweeper_may_weigh_several_metrics(arena):
         ("objective=sucess", "arena: objective is sucess; allowed: null, or out of success, "),
         ("objective=3", "arena: objective is 3; allowed: a list"),
         ("planner.critics.path_distance_bias=-1", "arena: planner.critics.path_distance_bias is -1"),
+        ("world.regenerate=1", "arena: world has no key regenerate (possible: "),
     ],
 )
 def test_a_wrong_request_ends_the_sweep_before_anything_runs(arena, word, line):

@@ -15,7 +15,7 @@ from arena_core.base.errors import ArenaError, ConfigurationError, RunStopped
 from arena_core.base.folders import KEPT, locked, new_folders
 from arena_core.base.limits import LIMITS
 from arena_core.cli.candidates import complete_overrides
-from arena_core.cli.words import MARKS, is_key_value, key_value, read_words
+from arena_core.cli.words import key_value, read_words
 from arena_core.config.configuration import PRIMARY, compose, conf_directory, one_line_errors, plain, yaml_text
 from arena_core.config.registry import load_registry
 from arena_core.contracts.running import Command
@@ -131,7 +131,7 @@ class RunCommand(Command):
         os.environ["HYDRA_FULL_ERROR"] = "1"  # Hydra then raises instead of printing and exiting by itself
         flags = [argument for argument in arguments if argument in MULTIRUN]  # Hydra wants them ahead of overrides
         words = [argument for argument in arguments if argument not in MULTIRUN]
-        show, words = _shown(_told_to_each_job(words)) if flags else (None, words)
+        show, words = _shown(words) if flags else (None, words)
         task = RunTask(show)
         before, sys.argv = sys.argv, ["arena run", *flags, *words]
         try:
@@ -154,31 +154,6 @@ class RunCommand(Command):
         if words and (values := FLAGS.get(words[-1])):
             return values
         return list(FLAGS) if word.startswith("-") else complete_overrides(words, word)
-
-
-def _told_to_each_job(words: Sequence[str]) -> list[str]:
-    """Let jobs alone judge the keys of a component that is swept; Hydra would look for them in the component of the defaults as well.
-
-    With ``world=indoor,outdoor`` it is ``world.regenerate=choice(1)``. A sweeper that searches is not given choices that are none.
-    """
-    from hydra.core.override_parser.overrides_parser import OverridesParser
-    from hydra.errors import OverrideParseException
-
-    if any(key_value(word)[0] == "hydra/sweeper" for word in words):
-        return list(words)
-    parser = OverridesParser.create()
-    try:
-        sweeps = {key_value(word)[0] for word in words if is_key_value(word) and parser.parse_override(word).is_sweep_override()}
-    except OverrideParseException:  # Hydra will say so
-        return list(words)
-
-    def told(word: str) -> str:
-        key, value = key_value(word)
-        component, _, inner = key.partition(".")
-        beside = inner and value and component in sweeps and key not in sweeps and not word.startswith(tuple(MARKS))
-        return f"{key}=choice({value})" if beside else word
-
-    return [told(word) for word in words]
 
 
 def _shown(words: Sequence[str]) -> tuple[Show | None, list[str]]:

@@ -17,7 +17,9 @@ from hydra._internal.defaults_list import DefaultsList, Overrides
 from hydra.core.config_search_path import ConfigSearchPath
 from hydra.core.default_element import ResultDefault
 from hydra.core.object_type import ObjectType
+from hydra.errors import ConfigCompositionException
 from hydra.plugins.config_source import ConfigResult, ConfigSource
+from hydra.types import RunMode
 from omegaconf import OmegaConf, flag_override, open_dict, read_write
 
 MISSING = "???"
@@ -103,6 +105,16 @@ def files_of(
     return replace(files.lists[key], config_overrides=overrides.config_overrides)
 
 
+def apply_what_is_there(overrides: Sequence[Any], config: Any, by_hydra: Any = ConfigLoaderImpl._apply_overrides_to_config) -> None:
+    """Apply the overrides of a multirun to what it has in common; keys that this lacks are for its jobs, whose components may have them."""
+    for override in overrides:
+        try:
+            by_hydra([override], config)
+        except ConfigCompositionException:
+            if override.is_hydra_override():
+                raise
+
+
 class Jobs:
     """Makes a loader of configurations compose one job after the other quickly; what it returns is what Hydra would return."""
 
@@ -114,11 +126,25 @@ class Jobs:
         self._merged: dict[Names, bytes] = {}
         self._sources: bytes | None = None
         self._load_by_hydra = loader.load_sweep_config
+        self._compose_by_hydra = loader._load_configuration_impl
         loader.repository = KeptFiles(loader.repository)
         loader.load_sweep_config = self.load
+        loader._load_configuration_impl = self.compose
         vars(defaults_list)["_create_interpolation_map"] = choices_made
         vars(config_loader_impl)["create_defaults_list"] = files_of
         loader._compose_config_from_defaults_list = self._merge
+
+    def compose(self, run_mode: RunMode, **others: Any) -> Any:
+        """Compose as Hydra does; of a multirun, what its jobs have in common."""
+        if run_mode is not RunMode.MULTIRUN:
+            return self._compose_by_hydra(run_mode=run_mode, **others)
+        all_of_them, those_that_fit = (staticmethod(apply) for apply in (ConfigLoaderImpl._apply_overrides_to_config, apply_what_is_there))
+        loader: Any = ConfigLoaderImpl
+        loader._apply_overrides_to_config = those_that_fit
+        try:
+            return self._compose_by_hydra(run_mode=run_mode, **others)
+        finally:
+            loader._apply_overrides_to_config = all_of_them
 
     def load(self, master_config: Any, sweep_overrides: list[str]) -> Any:
         """Compose a job as Hydra does; where its files come from is a list of typed nodes, the same for every job of the multirun."""

@@ -237,7 +237,6 @@ def test_folder_of_another_configuration_names_the_key(here):
             "{channels: 4, kernel: 5, stride: 1}]}",
             "training.network.convolutions leave nothing of 16 beams",
         ),
-        ("hydra.run.dir=mine", "hydra.run.dir is for `arena run`; allowed: out=DIR"),
     ],
 )
 def test_impossible_training_is_one_line_and_leaves_nothing_behind(here, capsys, word, said):

@@ -333,34 +333,6 @@ def test_convolutions_read_scans_that_follow_one_another():
         beams_of(network, layout[:1])
 
 
-def test_another_world_takes_the_place_of_the_recipes_with_all_that_it_says_of_it(here):
-    from arena_gym.building import compose_training
-
-    own = compose_training("beginner", ["robot=jackal", "world=indoor", "world.corridor_width=2.0"])["world"]
-    assert (own["name"], own["corridor_width"]) == ("indoor", 2.0)
-    assert own["width"] != 5.0
-    assert compose_training("beginner", ["robot=jackal", "world=empty"])["world"]["width"] == 5.0
-    assert compose_training("beginner", ["robot=jackal"])["task"]["pedestrians"] == 0
-
-
-def test_an_option_of_ones_own_is_another_even_if_it_is_of_the_recipes_class(here):
-    from arena_gym.building import compose_training
-
-    (here / "conf" / "task").mkdir()
-    (here / "conf" / "task" / "site.yaml").write_text("defaults:\n  - random\n  - _self_\n\npedestrians: 3  # [-]\n")
-    assert compose_training("beginner", ["robot=jackal", "task=site"])["task"]["pedestrians"] == 3
-    assert compose_training("beginner", ["robot=jackal", "task=random"])["task"]["pedestrians"] == 0
-
-
-def test_people_are_chosen_for_another_task_or_crowd_too(here):
-    from arena_gym.building import compose_environment, compose_training
-
-    for kind, name in (("task", "staged"), ("pedestrians", "orca")):
-        words = ["robot=jackal", f"{kind}={name}", "people=lifelike"]
-        lifelike, as_released = compose_environment(words)[kind], compose_environment(words[:-1])[kind]
-        assert compose_training("beginner", words)[kind] == lifelike != as_released
-
-
 @pytest.mark.slow
 def test_robot_and_map_of_ones_own_take_two_lines(here, capsys):
     (here / "conf" / "robot").mkdir()
