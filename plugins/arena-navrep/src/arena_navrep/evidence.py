@@ -49,6 +49,7 @@ def worth_of_memory(address: str, episodes: int, seed: int) -> str:
     path = local_path(address)
     beside = path.with_suffix(".json")
     config = _sections(beside, read_card(beside).training, WORLDS)
+    config["guide"] = read_card(beside).training["config"].get("guide")  # null: it learned at the true pose
     with _of_training(beside):
         robot = load_registry().build("robot", config["robot"])
     policy = load_policy(address, "navrep", robot)
