@@ -9,8 +9,7 @@ import pytest
 from arena_core import ConfigurationError, testing
 from arena_core.cli.main import main
 
-BEFORE = ("jackal_ackermann",)  # trained before its recipe changed: one trained by it comes next
-ROBOTS = ("turtlebot3", "jackal", "robotino", *BEFORE)
+ROBOTS = ("turtlebot3", "jackal", "robotino", "jackal_ackermann")
 POLICIES = resources.files("arena_rosnav") / "policies"
 
 
@@ -35,7 +34,7 @@ def test_policy_is_small_and_its_card_tells_how_it_was_trained(robot):
     assert {"torch", "stable-baselines3", "arena-sim2d"} <= set(training["versions"])
 
 
-@pytest.mark.parametrize("robot", [pytest.param(name, marks=[pytest.mark.xfail(strict=True)] * (name in BEFORE)) for name in ROBOTS])
+@pytest.mark.parametrize("robot", ROBOTS)
 def test_card_has_what_its_recipe_composes(robot):
     from arena_gym.building import compose_environment
 
