@@ -81,7 +81,7 @@ from arena_core.loop.recording import (
     write_whole,
 )
 from arena_core.runs.api import Run, Runs, run
-from arena_core.runs.benchmark import Benchmark, build_benchmark, build_guide, build_metrics
+from arena_core.runs.benchmark import Benchmark, build_benchmark, build_guide, build_metrics, check_sections
 from arena_core.runs.budgets import Budgets
 from arena_core.runs.code_digest import Code, code_of
 from arena_core.runs.executors import ProcessExecutor
@@ -293,6 +293,7 @@ __all__ = [
     "build_metrics",
     "camera_rays",
     "check_inside",
+    "check_sections",
     "check_settings",
     "code_of",
     "complete_overrides",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
@@ -168,6 +168,7 @@ def build_benchmark(config: Mapping[str, Any], registry: Registry) -> Benchmark:
 
 def build_guide(config: Mapping[str, Any], registry: Registry, robot: Robot) -> Guide:
     """Build what leads a robot by these parts of a configuration, ``replan`` and ``recoveries`` among them, for a planner in training."""
+    check_sections(config, (*BRAIN, "replan", "recoveries"), "guide")
     replan = read_settings(config["replan"], ReplanRules, "replan")
     recoveries = read_settings(config["recoveries"], RecoveryRules, "recoveries")
     return Guide(robot, **_parts(config, registry, robot), replan=replan, recoveries=recoveries, control_period=robot.control_period)
@@ -219,14 +220,22 @@ def identification(config: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def check_complete(config: Mapping[str, Any]) -> None:
-    """Raise ConfigurationError when a whole part of the configuration is missing, or is nothing with keys."""
-    lacking = [key for key in (*NEEDED, *RunSettings.__slots__) if key not in config]
+def check_sections(config: Mapping[str, Any], needed: Sequence[str], place: str = "the configuration") -> None:
+    """Raise ConfigurationError when ``place``, that these keys are in, lacks one that is ``needed``, or one is nothing with keys."""
+    lacking = [key for key in needed if key not in config]
     if lacking:
-        raise ConfigurationError(f"the configuration lacks {', '.join(lacking)}; `arena list` shows what can be chosen")
-    for key in NEEDED:
+        raise ConfigurationError(f"{place} lacks {', '.join(lacking)}; `arena list` shows what can be chosen")
+    for key in needed:
         if not isinstance(config[key], Mapping):
             raise ConfigurationError(f"{key} is {config[key]!r}; allowed: a mapping, as {key}=... chooses it")
+
+
+def check_complete(config: Mapping[str, Any]) -> None:
+    """Raise ConfigurationError when a part of the configuration of a run is missing, or is nothing with keys, or nothing reads it."""
+    check_sections(config, NEEDED)
+    lacking = [key for key in RunSettings.__slots__ if key not in config]
+    if lacking:
+        raise ConfigurationError(f"the configuration lacks {', '.join(lacking)}; allowed: all of {', '.join(RunSettings.__slots__)}")
     known = (*NEEDED, *RunSettings.__slots__, "metrics", "choices")
     foreign = [str(key) for key in config if key not in known]
     if foreign:

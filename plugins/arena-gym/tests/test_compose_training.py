@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from arena_core import ConfigurationError
-from arena_gym.building import compose_environment, compose_training
+from arena_gym.building import build_parts, compose_environment, compose_training
 
 
 def test_another_world_takes_the_place_of_the_recipes_with_all_that_it_says_of_it():
@@ -33,3 +33,22 @@ def test_people_are_chosen_for_another_task_or_crowd_too(kind, name):
 def test_folder_of_a_run_is_no_word_of_a_training():
     with pytest.raises(ConfigurationError, match=r"hydra\.run\.dir is for `arena run`; allowed: out=DIR"):
         compose_training("rosnav", ["robot=jackal", "hydra.run.dir=mine"])
+
+
+@pytest.mark.parametrize("word", ["~reward", "~training", "~seed", "~later"])
+def test_what_a_training_needs_cannot_be_taken_away(word):
+    with pytest.raises(ConfigurationError, match=f"{word} takes away what a training needs; allowed: ~guide, ~switch"):
+        compose_training("rosnav", ["robot=jackal", word])
+
+
+def test_training_can_do_without_a_guide_but_not_with_half_of_one():
+    assert "guide" not in compose_training("gring", ["robot=jackal", "~guide"])
+    with pytest.raises(ConfigurationError, match="guide lacks replan"):
+        build_parts(compose_training("gring", ["robot=jackal", "~guide.replan"]))
+
+
+def test_an_environment_says_which_part_it_lacks():
+    config = compose_environment()
+    del config["reward"]
+    with pytest.raises(ConfigurationError, match="the configuration lacks reward"):
+        build_parts(config)

@@ -107,6 +107,12 @@ def test_evidence_in_problems_of_the_training_is_refused(policy, capsys):
     assert "policy.json: training.config: seed is 0; allowed: any other than environment.seed" in refused(policy, capsys, "seed=0")
 
 
+@pytest.mark.parametrize("guide", [{"name": "nowhere"}, "driving"])
+def test_evidence_drives_on_the_guide_of_the_training(policy, config, guide, capsys):
+    change(policy, training={"config": {**config, "guide": guide}})
+    assert "guide" in refused(policy, capsys).partition("policy.json: training.config")[2]
+
+
 def test_policy_without_memory_has_no_evidence_of_one(made, config, tmp_path, capsys):
     shutil.copytree(made.v_only.parent, tmp_path / "copy")
     path = tmp_path / "copy" / "policy.onnx"

@@ -16,6 +16,7 @@ from arena_core import (
     Simulator,
     WaypointGenerator,
     build_guide,
+    check_sections,
     compose,
     key_value,
     load_registry,
@@ -28,6 +29,21 @@ from arena_gym.settings import EnvironmentSettings, Randomization, SwitchSetting
 from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.members import Members, build_members, describe_members
 
+NEEDED = (
+    "environment",
+    "action",
+    "randomization",
+    "simulator",
+    "robot",
+    "world",
+    "pedestrians",
+    "task",
+    "global_planner",
+    "waypoints",
+    "reward",
+    "observation_encoder",
+)
+SPARED = ("guide", "switch")  # sections that there need not be
 REPLACED = ("world", "task", "pedestrians", "reward", "observation_encoder", "global_planner", "waypoints")  # as a whole, by another choice
 
 
@@ -79,6 +95,9 @@ def compose_training(recipe: str | None, overrides: Sequence[str], primary: str 
     own choice is not for another. ``primary`` is the file that all is composed from.
     """
     chosen = [f"recipe={recipe}"] if recipe is not None else []
+    for word in overrides:
+        if word.startswith("~") and not any(mark in word for mark in (".", *SPARED)):
+            raise ConfigurationError(f"{word} takes away what a training needs; allowed: {', '.join(f'~{name}' for name in SPARED)}")
     config = compose_environment([*chosen, *overrides], primary=primary)
     given = dict(map(key_value, overrides))
     if hydras := [key for key in given if key.startswith("hydra.")]:
@@ -96,6 +115,7 @@ def compose_training(recipe: str | None, overrides: Sequence[str], primary: str 
 def build_parts(config: Mapping[str, Any], registry: Registry | None = None) -> Parts:
     """Build every component; raise ConfigurationError for the first thing that is wrong."""
     registry = registry or load_registry()
+    check_sections(config, NEEDED)
     settings = read_settings(config["environment"], EnvironmentSettings, "environment")
     robot = registry.build("robot", config["robot"])
     return Parts(

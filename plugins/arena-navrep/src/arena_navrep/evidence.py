@@ -48,8 +48,10 @@ def worth_of_memory(address: str, episodes: int, seed: int) -> str:
     """Return a controller's success in unseen problems as it is, and with a memory h that it sees as zeros."""
     path = local_path(address)
     beside = path.with_suffix(".json")
-    config = _sections(beside, read_card(beside).training, WORLDS)
-    config["guide"] = read_card(beside).training["config"].get("guide")  # null: it learned at the true pose
+    training = read_card(beside).training
+    config = _sections(beside, training, WORLDS)
+    if training["config"].get("guide") is not None:  # else it learned at the true pose
+        config |= _sections(beside, training, ("guide",))
     with _of_training(beside):
         robot = load_registry().build("robot", config["robot"])
     policy = load_policy(address, "navrep", robot)
