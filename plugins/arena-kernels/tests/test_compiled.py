@@ -1,10 +1,12 @@
 import importlib
+import subprocess
 import sys
 import textwrap
 
 import numpy as np
 import pytest
 
+import arena_kernels.compiled
 from arena_kernels.compiled import borrowing, compiled, inner, stamp
 
 
@@ -66,3 +68,53 @@ def test_kernel_is_compiled_anew_when_one_that_it_calls_has_changed(tmp_path, mo
         answers.append(importlib.import_module("sample_kernels.caller").call())
         stamp.cache_clear()
     assert answers == [1, 22]
+
+
+@pytest.fixture
+def kernel_of_others(tmp_path, monkeypatch):
+    """A kernel in a package of its own, and what starts another process that calls it and says what came out and whether it was loaded."""
+    source = "from arena_kernels.compiled import compiled\n\n@compiled\ndef double(x): return 2 * x\n"
+    (tmp_path / "kernels_of_others.py").write_text(source)
+    monkeypatch.syspath_prepend(tmp_path)
+    told = "from kernels_of_others import double; print(double(4), sum(double._cache_hits.values()))"
+    words = [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(tmp_path)!r}); {told}"]
+    kernel = importlib.import_module("kernels_of_others").double
+    yield kernel, lambda: subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
+    del sys.modules["kernels_of_others"]
+
+
+def test_kernel_that_another_process_compiles_is_waited_for_and_loaded(kernel_of_others):
+    kernel, start = kernel_of_others
+    with kernel._cache.alone():
+        other = start()
+        with pytest.raises(subprocess.TimeoutExpired):
+            other.wait(4.0)
+        assert kernel(1) == 2  # compiled here, and kept
+    assert other.communicate(timeout=60)[0].split() == ["8", "1"]
+
+
+def test_process_goes_on_alone_where_the_one_that_compiles_is_suspended(kernel_of_others, monkeypatch):
+    kernel, start = kernel_of_others
+    assert start().communicate(timeout=60)[0].split() == ["8", "0"]  # nobody holds it
+    monkeypatch.setattr(arena_kernels.compiled, "PATIENCE", 0.1)
+    holder = subprocess.Popen(
+        [sys.executable, "-c", HOLDER.format(folder=kernel._cache.cache_path, index=kernel._cache._cache_file._index_name)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    assert holder.stdout.readline() == "held\n"
+    assert kernel(3.0) == 6.0
+    holder.communicate("")
+
+
+HOLDER = """
+import sys
+from zlib import crc32
+
+from arena_kernels.compiled import _held, _lock_file
+
+if _held(_lock_file({folder!r}), crc32({index!r}.encode())):
+    print("held", flush=True)
+sys.stdin.read()
+"""

@@ -3,21 +3,32 @@
 from __future__ import annotations
 
 import inspect
+import os
 import sys
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, TypeVar
+from zlib import crc32
 
 from numba import njit
 from numba.core.caching import FunctionCache
+from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import CPUDispatcher
+
+try:
+    import fcntl
+except ImportError:  # Windows
+    fcntl = None  # type: ignore[assignment]
 
 Kernel = TypeVar("Kernel", bound=Callable[..., Any])
 
 BORROWING: dict[str, Any] = {"error_model": "numpy", "no_cfunc_wrapper": True, "_nrt": False}
 INNER: dict[str, Any] = {**BORROWING, "no_cpython_wrapper": True}
 INLINED: dict[str, Any] = {**BORROWING, "forceinline": True}
+PATIENCE, LOOK = 60.0, 0.02  # [s] for which a process waits for a kernel that another one compiles, and looks again
 
 
 def compiled(kernel: Kernel) -> Kernel:
@@ -42,9 +53,7 @@ def inner(kernel: Kernel) -> Kernel:
 
     Such a kernel may return named tuples of borrowed arrays.
     """
-    dispatcher: Any = njit(**INNER)(kernel)
-    dispatcher.__class__ = _InnerDispatcher
-    return _kept(dispatcher, kernel)
+    return _kept(njit(**INNER)(kernel), kernel, _InnerDispatcher)
 
 
 def inlined(kernel: Kernel) -> Kernel:
@@ -52,16 +61,32 @@ def inlined(kernel: Kernel) -> Kernel:
     return _kept(njit(**INLINED)(kernel), kernel)
 
 
-def _kept(dispatcher: Any, kernel: Kernel) -> Kernel:
-    dispatcher._cache = _KernelCache(kernel)
-    return dispatcher  # type: ignore[no-any-return]
+class _KernelDispatcher(CPUDispatcher):
+    """A kernel that one process compiles, while others that want it wait and then load it.
+
+    Without that, tests and sweeps side by side would each compile everything, and numba's index of a kernel could name the code of
+    another signature: it is written before the code, and by whoever comes last.
+    """
+
+    _cache: _KernelCache
+
+    def compile(self, sig: Any) -> Any:
+        """Load the kernel for a signature, or compile and keep it."""
+        with global_compiler_lock, self._cache.alone():
+            return super().compile(sig)
 
 
-class _InnerDispatcher(CPUDispatcher):
+class _InnerDispatcher(_KernelDispatcher):
     """A kernel without an entry for Python; calling it would end the process."""
 
     def __call__(self, *arguments: Any) -> Any:
         raise TypeError(f"{self.py_func.__name__} is an inner kernel: only other kernels can call it")
+
+
+def _kept(dispatcher: Any, kernel: Kernel, kind: type[_KernelDispatcher] = _KernelDispatcher) -> Kernel:
+    dispatcher.__class__ = kind
+    dispatcher._cache = _KernelCache(kernel)
+    return dispatcher  # type: ignore[no-any-return]
 
 
 class _KernelCache(FunctionCache):
@@ -81,6 +106,45 @@ class _KernelCache(FunctionCache):
         except (ImportError, AttributeError):
             self.flush()  # type: ignore[no-untyped-call]
             return None
+
+    @contextmanager
+    def alone(self) -> Iterator[None]:
+        """Keep other processes from this kernel, or go on beside them after a while: who holds it may be suspended."""
+        file, byte = _lock_file(self.cache_path), crc32(self._cache_file._index_name.encode())
+        if file is None or not _held(file, byte):
+            yield
+            return
+        try:
+            yield
+        finally:
+            fcntl.lockf(file, fcntl.LOCK_UN, 1, byte)
+
+
+@lru_cache
+def _lock_file(folder: str) -> int | None:
+    """Open the file of which each kernel in a folder locks a byte, for as long as the process lives; None where there can be none."""
+    if fcntl is None:
+        return None
+    try:
+        os.makedirs(folder, exist_ok=True)
+        return os.open(Path(folder, "kernels.lock"), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
+    except OSError:
+        return None
+
+
+def _held(file: int, byte: int) -> bool:
+    """Lock a byte of a file; return whether that was possible, within ``PATIENCE``."""
+    until = time.monotonic() + PATIENCE
+    while time.monotonic() < until:
+        try:
+            fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB, 1, byte)
+        except (BlockingIOError, PermissionError):  # another process has it
+            time.sleep(LOOK)
+        except OSError:  # no such locks on this file system
+            return False
+        else:
+            return True
+    return False
 
 
 def _package_of(kernel: Callable[..., Any]) -> Path:
