@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 import pytest
+from statsmodels.stats.contingency_tables import mcnemar
+from statsmodels.stats.multitest import multipletests
 
 from arena_core import InputFileError
 from arena_core.statistics import after_holm, compare, difference, estimate
@@ -105,6 +107,15 @@ def test_holm_multiplies_the_least_p_by_the_number_of_comparisons():
     assert [one.holm for one in adjusted[:3]] == pytest.approx([3 * 2 / 2**8, 2 * 2 / 2**6, 0.5])
     assert [one.told_apart for one in adjusted] == [True, False, False, False]
     assert adjusted[3] is few
+
+
+def test_p_is_that_of_statsmodels():
+    random = np.random.default_rng(7)
+    for size in range(1, 40):
+        family = [compare(*wins(*random.integers(0, 9, 2), 6), True) for _ in range(size)]
+        told = [mcnemar([[0, one.higher], [one.lower, 0]]).pvalue if one.higher + one.lower else 1.0 for one in family]
+        assert [one.p for one in family] == pytest.approx(told)
+        assert [one.holm for one in after_holm(family)] == pytest.approx(multipletests(told, method="holm")[1])
 
 
 def test_effect_is_cohens():
