@@ -51,8 +51,8 @@ demo: setup
 test: setup
 	$(PYTEST) $(if $(PLUGIN),$(PLUGIN:%=plugins/%),-m "not slow and not long and not browser and not ros1 and not ros2 and not pictures")
 
-test-slow: setup
-	$(PYTEST) -m "slow and not long and not browser and not ros1 and not ros2 and not pictures"
+test-slow: setup  # only files that have some are looked through: looking through all takes every process 20 s
+	$(PYTEST) -m "slow and not long and not browser and not ros1 and not ros2 and not pictures" $(shell grep -rl "mark\.slow" --include="test_*.py" tests plugins/*/tests)
 
 test-browser: node_modules/.complete  # axe, which looks whether pages are accessible
 test-browser: SPREAD := -n $(WORKERS) --dist loadfile  # a browser for each file
