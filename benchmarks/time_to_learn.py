@@ -3,7 +3,7 @@
 Same environment (halls like the release's, ten people at 0.3 m/s who ignore the robot), one thread, in turn. Prints CPU seconds, those of
 the recipe's lessons among them, until 50, 80 and 90 % of the latest 300 episodes of training, driven with exploration, reached their goal
 without a collision.
-usage: python benchmarks/time_to_learn.py [SECONDS each, at most, behind the lessons]
+usage: python benchmarks/time_to_learn.py [SECONDS each, at most, behind the lessons [WAY]]
 """
 
 from __future__ import annotations
@@ -52,6 +52,9 @@ class Watch(BaseCallback):
         self._seconds, self._start = seconds, time.process_time()
         self._value_steps = value_steps
 
+    def _on_training_start(self) -> None:
+        self._seconds += time.process_time() - self._start  # lessons are behind
+
     def _on_rollout_start(self) -> None:
         assert isinstance(self.model, PPO)
         hold_policy(self.model, self.num_timesteps < self._value_steps)
@@ -75,8 +78,8 @@ def timed(config: Config, make: Callable[[WorldsInStep], PPO], environments: int
     return watch.reached, learner.num_timesteps / (time.process_time() - start)
 
 
-def main(seconds: float) -> None:
-    """Print a row for each way to train."""
+def main(seconds: float, chosen: str) -> None:
+    """Print a row for each way to train whose name begins so."""
     torch.set_num_threads(1)
     config = compose_training("rosnav", ["robot=jackal", *TASK])
     settings = training_settings(config)
@@ -99,6 +102,8 @@ def main(seconds: float) -> None:
         "defaults, 8 worlds": (by_default, 8, 0),
     }
     for name, (make, environments, value_steps) in ways.items():
+        if not name.startswith(chosen):
+            continue
         reached, rate = timed(config, make, environments, seconds, value_steps)
         marks = ", ".join(
             f"{mark:.0%}: {reached[mark]:.0f} s" if mark in reached else f"{mark:.0%}: not in {seconds:.0f} s" for mark in MARKS
@@ -107,4 +112,4 @@ def main(seconds: float) -> None:
 
 
 if __name__ == "__main__":
-    main(float(sys.argv[1]) if len(sys.argv) > 1 else 600.0)
+    main(float(sys.argv[1]) if len(sys.argv) > 1 else 600.0, " ".join(sys.argv[2:]))
