@@ -4,7 +4,7 @@ TEB and a policy that imitates it drive a robot among people, in lessons as a tr
 learn what TEB would have done from what they are shown, as in lessons. A last lesson in other worlds says how far off they are (mean of
 absolute values, in halves of the actions' ranges), the test of a training how often they arrive without a collision; means over three
 seeds. Nothing is learned from rewards: a row takes minutes, not hours.
-usage: python benchmarks/what_to_show.py [ROBOT [LESSONS [EPISODES]]]
+usage: python benchmarks/what_to_show.py [ROBOT [LESSONS [EPISODES]]]   (0 episodes: nothing of how often they arrive)
 """
 
 from __future__ import annotations
@@ -146,8 +146,11 @@ def main(robot: str, count: int, episodes: int) -> None:
     held = hold(robot, count)
     seen_apart, shown_apart = (torch.from_numpy(rows) for rows in held.apart)
     spread = (shown_apart - shown_apart.median(0).values).abs().mean(0)
-    print(f"| {robot} is shown | {' | '.join(held.actions)} | arrives |\n| --- |{' --- |' * (len(held.actions) + 1)}")
-    print(f"| nothing (what TEB's actions spread by) | {' | '.join(f'{value:.3f}' for value in spread)} | |")
+    columns = [*held.actions, *["arrives"] * (episodes > 0)]
+    print(f"| {robot} is shown | {' | '.join(columns)} |\n| --- |{' --- |' * len(columns)}")
+    print(
+        f"| nothing (what TEB's actions spread by) | {' | '.join(f'{value:.3f}' for value in spread)} |{' |' * (episodes > 0)}", flush=True
+    )
     network = held.settings.network
     assert network.features is not None
     for name, scans, columns, times in ways(held.layout):
@@ -159,7 +162,7 @@ def main(robot: str, count: int, episodes: int) -> None:
             learn(net, held.seen, held.settings.teacher, seed)
             with torch.no_grad():
                 apart = (net.means(seen_apart) - shown_apart).abs().mean(0).tolist()
-            off.append([*apart, arrives(net, held, episodes)])
+            off.append([*apart, arrives(net, held, episodes)] if episodes else apart)
         told = [f"{np.mean(one):.3f} ({min(one):.3f} .. {max(one):.3f})" for one in zip(*off, strict=True)]
         print(f"| {name} | {' | '.join(told)} |", flush=True)
 
