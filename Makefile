@@ -12,8 +12,8 @@ FUZZ_EXAMPLES ?= 4200
 BIN := .venv/bin
 SOURCES := pyproject.toml constraints.txt scripts/tools.txt $(wildcard plugins/*/pyproject.toml)
 unexport PYTHONDONTWRITEBYTECODE  # a suite of many processes: compile each module once
-ALONE := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1  # threads of libraries wait by spinning: beside other tests they take five times as long
-PYTEST := $(ALONE) $(BIN)/pytest -n $(WORKERS) --dist worksteal
+ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1  # threads of libraries wait by spinning: beside other tests they take five times as long
+PYTEST := $(ONE_THREAD) $(BIN)/pytest -n $(WORKERS) --dist worksteal
 
 help:
 	@echo "make demo   drive two classic planners and a learned one, say who was better and how sure that is, and where the report is"

@@ -8,7 +8,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any, TypeVar
 from zlib import crc32
@@ -120,7 +120,7 @@ class _KernelCache(FunctionCache):
             fcntl.lockf(file, fcntl.LOCK_UN, 1, byte)
 
 
-@lru_cache
+@cache
 def _lock_file(folder: str) -> int | None:
     """Open the file of which each kernel in a folder locks a byte, for as long as the process lives; None where there can be none."""
     if fcntl is None:
