@@ -26,17 +26,20 @@ export class Furniture {
     this.chosen = -1;
     this.kind = "";
     /** @type {string | null} */ this.mapPath = null;
+    this.loads = 0;
     /** @type {Autosave | null} */ this.autosave = null;
   }
 
-  /** Find the scenario files of a map; the first one is opened. @param {string | null} map @param {string} [path] of the file to open */
+  /** Find the scenario files of a map; the first one is opened, unless another load has begun since. @param {string | null} map @param {string} [path] of the file to open */
   async load(map, path = "") {
+    const load = ++this.loads;
     await this.autosave?.close();
-    this.autosave = null;
     if (!Object.keys(this.kinds).length) this.kinds = (await this.context.api.get("/api/maps/furniture")).kinds;
     this.kind ||= Object.keys(this.kinds)[0] ?? "";
-    this.files = map ? (await this.context.api.get(`/api/maps/scenarios?path=${encodeURIComponent(map)}`)).files : [];
-    const file = this.files.find((one) => one.path === path) ?? this.files[0] ?? null;
+    const files = map ? (await this.context.api.get(`/api/maps/scenarios?path=${encodeURIComponent(map)}`)).files : [];
+    if (load !== this.loads) return;
+    this.files = files;
+    const file = files.find((/** @type {File} */ one) => one.path === path) ?? files[0] ?? null;
     this.mapPath = map;
     this.open(file, file?.problems[0]?.name ?? "");
   }
@@ -44,6 +47,7 @@ export class Furniture {
   /** Show pieces that no file has yet. @param {Piece[]} pieces */
   async loose(pieces) {
     await this.load(null);
+    if (this.mapPath !== null) return;
     this.pieces = pieces;
     this.changed();
   }
