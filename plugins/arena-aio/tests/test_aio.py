@@ -226,6 +226,32 @@ def test_member_that_takes_over_begins_anew():
     assert [members.drive(k, seen).vx for k in (0, 0, 1, 1, 0)] == [1.0, 2.0, 1.0, 2.0, 1.0]
 
 
+class Compiling(Counter):
+    """Waits for a compiler when it is first asked."""
+
+    compiles = True
+    asked = 0
+
+    def compute_velocity(self, observation):
+        self.asked += 1
+        return super().compute_velocity(observation)
+
+
+def test_members_that_compile_do_so_before_the_first_decision(here):
+    members = {"silent": Counter(), "compiling": Compiling()}
+    robot = testing.component("robot", "jackal")
+    write_policy(here, robot, {GOAL_AHEAD: -1.0})
+    switch = mine(robot)
+    switch._members = Members(dict(zip(switch.chosen, members.values(), strict=True)))
+    switch.reset(testing.samples.episode_start(robot))
+    seen = testing.observation(body=robot)
+    assert [switch.compute_velocity(seen).vx for _ in range(4)] == [1.0, 2.0, 3.0, 4.0], "it begins anew, if the first one drives"
+    assert members["compiling"].asked == 1
+    switch.reset(testing.samples.episode_start(robot))
+    switch.compute_velocity(seen)
+    assert members["compiling"].asked == 1
+
+
 CHOICES = ("choices", "planner=mine", "robot=jackal", "episodes=2", "task.time_limit=3.0")
 
 

@@ -55,6 +55,7 @@ class Aio(Planner):
         self.untuned = body + self._members.untuned + changed_members(self._switch, members, self._members)
         self._every, self._at_random = every, choice == "random"
         self._random = generator(0, "aio", "switch")
+        self._rehearsed = False
         self._begin()
 
     def reset(self, episode: EpisodeStart) -> None:
@@ -75,6 +76,9 @@ class Aio(Planner):
 
     def compute_velocity(self, observation: Observation) -> Twist:
         """Return the velocity of the member that drives; raise NoValidCommand where it has none, or the observation is no number."""
+        if not self._rehearsed:
+            self._rehearsed = True
+            self._members.rehearse(observation)
         last, self._last = self._last, Twist(0.0)  # the brake, unless a member says otherwise
         if self._steps % self._every == 0:
             self._driving = self._choose(observation, last)

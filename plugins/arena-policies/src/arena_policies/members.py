@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from typing import Any
 
 from arena_core import (
@@ -39,6 +40,14 @@ class Members:
         self._episode, self._driving = episode, None
         for planner in self._planners:
             planner.reset(episode)
+
+    def rehearse(self, observation: Observation) -> None:
+        """Let each that compiles decide once for nothing, lest a compiler work in the middle of an episode; begin the episode anew."""
+        for planner in self._planners:
+            if planner.compiles:
+                with suppress(Exception):  # what is wrong will be wrong again, and is then reported
+                    planner.compute_velocity(observation)
+        self.reset(self._episode)
 
     def drive(self, chosen: int, observation: Observation) -> Twist:
         """Return the velocity of the member in this place; raise NoValidCommand when it has none."""
