@@ -150,6 +150,32 @@ def test_what_is_drawn_is_on_disk_within_a_second(show: Callable[..., Any], stud
     assert value_at(studio.folder, 3.0, 6.0) == 100
 
 
+def test_of_two_maps_the_one_that_was_chosen_last_is_open_even_if_the_other_comes_later(show: Callable[..., Any], studio: Any) -> None:
+    (studio.folder / "maps" / "other.yaml").write_text((studio.folder / HALL).read_text().replace("map.pgm", "hall/map.pgm"))
+    shown = show("map")
+    shown.wait(f"!!{EDITOR}")
+    shown.page.evaluate(
+        f"""(async () => {{
+            const asked = window.fetch;
+            window.late = 0;
+            window.fetch = async (address, options) => {{
+                const answer = await asked(address, options);
+                if (String(address).includes("hall")) await new Promise((done) => setTimeout(done, 1000));
+                return answer;
+            }};
+            const editor = {EDITOR};
+            void editor.open("{HALL}").then(() => (window.late += 1));
+            void editor.open("maps/other.yaml");
+        }})()"""
+    )
+    shown.wait("window.late === 1")
+    assert shown.page.evaluate(OPEN) == "maps/other.yaml"
+    drag(shown, (2.0, 6.0), (4.0, 6.0))
+    shown.wait(SAVED)
+    assert [value_at(studio.folder, 3.0, 6.0, path) for path in ("maps/other.yaml", HALL)] == [100, 100], "they share a picture"
+    assert shown.complaints == []
+
+
 def test_a_generated_world_is_edited_measured_and_furnished(show: Callable[..., Any], studio: Any) -> None:
     shown = show("map")
     page = shown.page

@@ -1,5 +1,6 @@
 // The map editor: joins the open map, the view, the tools and the panels.
 
+import { latest } from "studio/edit/latest.js";
 import { isWriting, PAN, Toolbox, undoKeys } from "studio/edit/tools.js";
 import { View } from "studio/edit/view.js";
 import { box, brush, bucket, corners, ruler, walls } from "studio/map/drawing.js";
@@ -25,6 +26,7 @@ export class Editor {
     this.changed = changed;
     this.tell = tell;
     this.pointAt = pointAt;
+    this.opening = latest();
     /** @type {OpenMap | null} */ this.map = null;
     /** @type {Tiles | null} */ this.tiles = null;
     /** @type {import("./drawing.js").Pencil} */ this.pencil = { kind: "occupied", width: 0.2, filled: false, step: 0.1, beyond: "unknown" };
@@ -69,7 +71,9 @@ export class Editor {
 
   /** Open a map of the project. @param {string} path */
   async open(path) {
+    const wanted = this.opening();
     const { header, cells } = await fetchMap(this.context, path);
+    if (!wanted()) return;
     await this.#leave();
     this.#take(header, cells, path.replace(/(\.world)?\.\w+$/, "_map.yaml"));
     await this.furniture.load(path);
@@ -78,7 +82,9 @@ export class Editor {
 
   /** Draw a world. @param {{kind: string, seed: number, parameters: Record<string, number | boolean | null>}} drawing */
   async drawWorld(drawing) {
+    const wanted = this.opening();
     const { header, cells } = await drawMap(this.context, drawing);
+    if (!wanted()) return;
     await this.#leave();
     this.#take(header, cells, `maps/${drawing.kind}_${drawing.seed}.yaml`);
     await this.furniture.loose(header.furniture ?? []);

@@ -1,6 +1,7 @@
 // Furniture around a map: pieces of one problem of a scenario file, placed, moved, turned and removed.
 
 import { Autosave } from "studio/edit/autosave.js";
+import { latest } from "studio/edit/latest.js";
 
 /**
  * @typedef {[number, number]} Point
@@ -26,18 +27,18 @@ export class Furniture {
     this.chosen = -1;
     this.kind = "";
     /** @type {string | null} */ this.mapPath = null;
-    this.loads = 0;
+    this.loading = latest();
     /** @type {Autosave | null} */ this.autosave = null;
   }
 
   /** Find the scenario files of a map; the first one is opened, unless another load has begun since. @param {string | null} map @param {string} [path] of the file to open */
   async load(map, path = "") {
-    const load = ++this.loads;
+    const wanted = this.loading();
     await this.autosave?.close();
     if (!Object.keys(this.kinds).length) this.kinds = (await this.context.api.get("/api/maps/furniture")).kinds;
     this.kind ||= Object.keys(this.kinds)[0] ?? "";
     const files = map ? (await this.context.api.get(`/api/maps/scenarios?path=${encodeURIComponent(map)}`)).files : [];
-    if (load !== this.loads) return;
+    if (!wanted()) return;
     this.files = files;
     const file = files.find((/** @type {File} */ one) => one.path === path) ?? files[0] ?? null;
     this.mapPath = map;

@@ -1,6 +1,7 @@
 // The scenario editor's store: the open file, what is chosen in it, what is wrong with it, and its history.
 
 import { Autosave } from "studio/edit/autosave.js";
+import { latest } from "studio/edit/latest.js";
 import { History } from "studio/edit/undo.js";
 import { groundOf } from "studio/scenario/ground.js";
 import { freeName, newContent, newScene, relativePath, valueOf, withScene } from "studio/scenario/model.js";
@@ -37,6 +38,8 @@ export class Editor {
     this.snap = { step: 0.1, grid: true, free: true };
     this.history = new History(() => this.#changed());
     /** @type {Autosave | null} */ this.autosave = null;
+    this.opening = latest();
+    this.laying = latest();
     this.turn = 0; // number of the last check that was asked for
     this.checkSoon = settled(() => void this.check(), LATER);
     /** @type {Content | null} */ this.before = null; // the content when a drag began
@@ -67,7 +70,9 @@ export class Editor {
 
   /** Open a file of any format; one of another program goes on as a new file of ours. @param {string} path */
   async open(path) {
+    const wanted = this.opening();
     const found = await this.context.api.get(`/api/scenarios/file?path=${encodeURIComponent(path)}`);
+    if (!wanted()) return;
     await this.#leave();
     const ours = found.format === OURS;
     const own = ours ? path : newName(path.replace(/\.\w+$/, ""), await this.names());
@@ -78,10 +83,12 @@ export class Editor {
 
   /** Begin a new file on a map. @param {string} path @param {string} map */
   async begin(path, map) {
+    const wanted = this.opening();
     await this.#leave();
     await this.#take(path, newContent([newScene("scene 1")], map && relativePath(path, map)), map, null);
+    const { middleOf } = await import("studio/scenario/placing.js");
+    if (!wanted()) return;
     if (this.ground) {
-      const { middleOf } = await import("studio/scenario/placing.js");
       this.content = newContent([newScene("scene 1", middleOf(this.ground))], map && relativePath(path, map));
     }
     this.autosave?.change();
@@ -125,7 +132,9 @@ export class Editor {
 
   /** Lay another map under the scenes. @param {string} map relative to the project @param {boolean} [keep] in the file, too */
   async setMap(map, keep = true) {
+    const wanted = this.laying();
     const ground = map ? await groundOf(await this.context.api.get(`/api/scenarios/map?path=${encodeURIComponent(map)}`)).catch((error) => this.#noMap(error)) : null;
+    if (!wanted()) return;
     Object.assign(this, { ground, map: ground ? map : "" });
     if (keep && ground) this.#step("map", { .../** @type {Content} */ (this.content), map: relativePath(this.path, map) });
     this.show();

@@ -1,6 +1,7 @@
 // Curricula: a table of levels, a plot of each column, checked as one types and saved by itself.
 
 import { Autosave } from "studio/edit/autosave.js";
+import { latest } from "studio/edit/latest.js";
 import { History } from "studio/edit/undo.js";
 import { button, make, settled } from "studio/shell/forms.js";
 import { keepRules } from "studio/task/keeping.js";
@@ -26,6 +27,7 @@ export class CurriculumPart {
     /** @type {Autosave | null} */ this.autosave = null;
     this.checkSoon = settled(() => void this.check(), 250);
     this.turn = 0;
+    this.opening = latest();
     this.files = make("select", { "aria-label": "curriculum" });
     this.files.addEventListener("change", () => void this.trying(() => this.open(this.files.value)));
     this.state = make("span", { className: "state soft", role: "status" });
@@ -79,7 +81,9 @@ export class CurriculumPart {
   async open(name) {
     if (!name) return;
     const own = /\.ya?ml$/.test(name);
+    const wanted = this.opening();
     const found = name === "*" ? { levels: inserted([], 0), version: null } : await this.context.api.get(`/api/curricula/file?path=${encodeURIComponent(name)}`);
+    if (!wanted()) return;
     await this.close();
     this.path = own ? name : freePath(name === "*" ? "curriculum" : name, this.names ?? []);
     this.levels = found.levels;
