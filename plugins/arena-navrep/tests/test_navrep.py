@@ -29,7 +29,7 @@ def test_policy_is_small_and_its_card_has_what_its_recipe_composes(planner, robo
         assert training["config"][key] == composed[key], key
 
 
-@pytest.mark.parametrize("robot", ["jackal", "robotino"])
+@pytest.mark.parametrize("robot", ROBOTS)
 def test_policy_as_released_is_what_its_recipe_composes(robot):
     card = json.loads((resources.files("arena_navrep") / "policies_as_released" / f"{robot}.json").read_text("utf-8"))
     training = card["training"]
