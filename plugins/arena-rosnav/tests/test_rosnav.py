@@ -55,12 +55,12 @@ def test_robot_reaches_its_goals_among_people_in_a_hall_it_never_saw(tmp_path, r
 
 
 def test_robot_without_a_policy_is_told_how_to_train_one():
-    message = r"arena train planner=rosnav_as_paper robot=jackal_ackermann.*allowed: jackal, robotino, or planner.policy=FILE"
+    message = r"arena train planner=rosnav_as_paper robot=jackal_ackermann.*allowed: jackal, robotino, turtlebot3, or planner.policy=FILE"
     with pytest.raises(ConfigurationError, match=message):
         testing.component("planner", "rosnav_as_paper", robot=testing.component("robot", "jackal_ackermann"))
 
 
-@pytest.mark.parametrize("robot", ["jackal", "robotino"])
+@pytest.mark.parametrize("robot", ["turtlebot3", "jackal", "robotino"])
 def test_policy_as_in_the_paper_comes_with_the_package_and_is_what_its_recipe_composes(robot):
     from arena_gym.building import compose_environment
 
