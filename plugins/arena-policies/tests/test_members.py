@@ -75,6 +75,32 @@ def test_member_with_a_policy_that_looked_on_answers_as_if_it_had_driven(learned
     assert [other.drive(int(k >= 5), view) for k, view in enumerate(views[:6])][5] != driven[5], "so do the commands of others"
 
 
+class Drawn(Planner):
+    """Drives at random."""
+
+    compiles = True
+
+    def reset(self, episode):
+        self.random, self.first = episode.random, episode.random.random()
+
+    def compute_velocity(self, observation):
+        return Twist(self.first, self.random.random())
+
+
+def test_nothing_remains_of_a_rehearsal():
+    robot, driven = testing.robot(), []
+    seen = testing.observation(body=robot)
+    for rehearsed in (False, True):
+        members, start = Members({"one": Drawn(), "other": Drawn()}), testing.samples.episode_start(robot)
+        members.reset(start)
+        start.random.random()
+        if rehearsed:
+            members.rehearse(seen)
+        driven.append([members.drive(k, seen) for k in (0, 1, 1, 0)])
+    assert driven[0] == driven[1]
+    assert len(set(map(str, driven[0]))) == 4
+
+
 def test_member_is_named_by_its_numbers_however_they_are_written():
     planner = Told([])
     written = {"name": "told", "speed": 1, "weights": [1, {"gain": 2}], "careful": True, "control_period": 0.1}

@@ -38,16 +38,21 @@ class Members:
     def reset(self, episode: EpisodeStart) -> None:
         """Begin an episode."""
         self._episode, self._driving = episode, None
+        self._begun = episode.random.bit_generator.state
         for planner in self._planners:
             planner.reset(episode)
 
     def rehearse(self, observation: Observation) -> None:
-        """Let each that compiles decide once for nothing, lest a compiler work in the middle of an episode; begin the episode anew."""
+        """Let each that compiles decide once for nothing, lest a compiler work in the middle of an episode; nothing else remains of it."""
+        random = self._episode.random.bit_generator
+        now = random.state
         for planner in self._planners:
             if planner.compiles:
                 with suppress(Exception):  # what is wrong will be wrong again, and is then reported
                     planner.compute_velocity(observation)
+        random.state = self._begun
         self.reset(self._episode)
+        random.state = now
 
     def drive(self, chosen: int, observation: Observation) -> Twist:
         """Return the velocity of the member in this place; raise NoValidCommand when it has none."""
