@@ -168,8 +168,7 @@ def test_of_two_maps_the_one_that_was_chosen_last_is_open_even_if_the_other_come
             void editor.open("maps/other.yaml");
         }})()"""
     )
-    shown.wait("window.late === 1")
-    assert shown.page.evaluate(OPEN) == "maps/other.yaml"
+    shown.wait(f"window.late === 1 && {OPEN} === 'maps/other.yaml'")
     drag(shown, (2.0, 6.0), (4.0, 6.0))
     shown.wait(SAVED)
     assert [value_at(studio.folder, 3.0, 6.0, path) for path in ("maps/other.yaml", HALL)] == [100, 100], "they share a picture"
