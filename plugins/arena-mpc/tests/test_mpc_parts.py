@@ -52,7 +52,7 @@ def test_discs_inside_enough_half_planes_touch_no_cell(boxes, x, y, radius):
     if lethal[cell]:
         return
     cells = _cells(window)
-    planes = half_planes(window, cells, np.array(((x, y),)), radius, 10.0, 40)[0]
+    planes = half_planes(window, cells, np.array(((x, y),)), radius, 0.0, 10.0, 40)[0]
     assert (planes[-1] == (0.0, 0.0, FREE)).all()  # forty were enough to shut every cell out
     for px, py in np.random.default_rng(0).uniform(-1.0, 1.0, (200, 2)):
         if (planes[:, :2] @ (px, py) >= planes[:, 2]).all():
@@ -63,7 +63,7 @@ def test_discs_inside_enough_half_planes_touch_no_cell(boxes, x, y, radius):
 def test_first_half_plane_faces_the_nearest_cell():
     lethal = np.zeros((40, 40), np.bool_)
     lethal[:, 30] = True  # a wall whose centre line lies at x = 0.525
-    planes = half_planes(_window(lethal), _cells(_window(lethal)), np.array(((0.0, 0.025),)), 0.2, 2.0, 2)[0]
+    planes = half_planes(_window(lethal), _cells(_window(lethal)), np.array(((0.0, 0.025),)), 0.2, 0.0, 2.0, 2)[0]
     assert planes[0] == pytest.approx((-1.0, 0.0, -0.5 + 0.2), abs=1e-6)
     assert planes[1].tolist() == [0.0, 0.0, FREE]
 
@@ -72,7 +72,7 @@ def test_half_plane_inside_an_obstacle_leads_out():
     lethal = np.zeros((40, 40), np.bool_)
     lethal[:, 18:24] = True
     window = _window(lethal)
-    planes = half_planes(window, _cells(window), np.array(((-0.03, 0.025),)), 0.1, 2.0, 3)[0]
+    planes = half_planes(window, _cells(window), np.array(((-0.03, 0.025),)), 0.1, 0.0, 2.0, 3)[0]
     assert planes[0, 0] < -0.9
     assert planes[0, :2] @ (-0.3, 0.0) > planes[0, 2]
 

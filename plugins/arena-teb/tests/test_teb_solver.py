@@ -13,8 +13,8 @@ from arena_teb.problem import REACH, Ends, Penalties, Shape, Surroundings
 from arena_teb.solver import solve
 from arena_teb.terms import evaluate, make_rows
 
-BOX = Shape(np.array([[0.21, -0.165], [0.21, 0.165], [-0.21, 0.165], [-0.21, -0.165]]), 0.0, 0.267)
-DISC = Shape(np.zeros((1, 2)), 0.15, 0.15)
+BOX = Shape(np.array([[0.21, -0.165], [0.21, 0.165], [-0.21, 0.165], [-0.21, -0.165]]), 0.0, 0.267, 0.165)
+DISC = Shape(np.zeros((1, 2)), 0.15, 0.15, 0.15)
 ENDS = Ends(np.array((0.1, 0.0, 0.2)), np.zeros(3), 1.0, 1.0, 0.0)
 
 
@@ -64,7 +64,7 @@ def drawn(seed, count=40, tracks=10, noise=0.02):
     moving = random.uniform((0.0, -1.5), (0.12 * count, 1.5), (tracks, 2)) + times * random.uniform(-0.3, 0.3, (tracks, 2))
     vias = random.uniform((0.02 * count, -0.3), (0.1 * count, 0.3), (3, 2))
     poses = np.array([1 + int(np.argmin(np.hypot(*(band[1:-1, :2] - via).T))) for via in vias])
-    return band, Surroundings(points, 0.025, np.ones(count), moving, np.full(tracks, 0.25), vias, poses)
+    return band, Surroundings(points, 0.025, np.ones(count), np.full(count, np.inf), moving, np.full(tracks, 0.25), vias, poses)
 
 
 def sparse(rows, variables):
@@ -164,7 +164,7 @@ def test_free_straight_band_becomes_as_fast_as_allowed():
     band = np.zeros((10, 4))
     band[:, 0], band[:, 3] = np.linspace(0.0, 1.0, 10), 1.0
     nothing = Surroundings(
-        np.full((10, 2, 2), np.inf), 0.0, np.ones(10), np.empty((10, 0, 2)), np.empty(0), np.empty((0, 2)), np.empty(0, int)
+        np.full((10, 2, 2), np.inf), 0.0, np.ones(10), np.full(10, np.inf), np.empty((10, 0, 2)), np.empty(0), np.empty((0, 2)), np.empty(0, int)
     )
     ends = Ends(np.array((0.5, 0.0, 0.0)), np.zeros(3), 0.0, 1.0, 0.0)
     solve(band, penalties()._replace(root_path=0.0), DISC, ends, nothing, 100, 1e-6)

@@ -43,6 +43,7 @@ class FootprintParameters:
     """The gap that is kept around the robot's body."""
 
     padding: NonNegative
+    passage_padding: NonNegative | None
     scaling_speed: NonNegative
     max_scaling_factor: NonNegative
 

@@ -25,8 +25,9 @@ from arena_dwa.parameters import (
     TurnParameters,
     WayOutParameters,
 )
+from arena_dwa.passage import padding_along
 from arena_dwa.search import cheapest_sample
-from arena_dwa.settings import FieldArray, FloatArray, settings_of
+from arena_dwa.settings import FieldArray, FloatArray, Settings, settings_of
 from arena_dwa.standing import Standing
 from arena_dwa.trajectory import stand_at
 from arena_dwa.turning import TurnInPlace
@@ -34,6 +35,8 @@ from arena_dwa.way_out import WayOut
 from arena_dwa.window import dynamic_window
 from arena_kernels.entry import Entered
 from arena_kernels.window import Window, clearance, window_of
+
+LOOK_AHEAD = 0.5  # m of path that a passage may be ahead, at least
 
 
 class DwaPlanner(Planner):
@@ -54,8 +57,9 @@ class DwaPlanner(Planner):
         turn_in_place: TurnParameters,
         way_out: WayOutParameters,
     ) -> None:
-        self._settings = settings_of(robot, limits, roll_out, footprint, critics, approach)
-        in_force = self._settings.limits
+        self._own = self._settings = settings_of(robot, limits, roll_out, footprint, critics, approach)
+        self._passage_padding = footprint.passage_padding
+        in_force = self._own.limits
         self._closing = ClosingSpeeds(approach.lapse, approach.speed_min, approach.speed_max)
         self._oscillation = OscillationFlags(oscillation, still_below=in_force.trans_min)
         self._turn = TurnInPlace(turn_in_place, robot.kinematics == "differential", in_force.alpha_max)
@@ -79,7 +83,7 @@ class DwaPlanner(Planner):
         self._arrival.clear()
         self._standing.clear()
         self._way_out.clear()
-        self._state = None
+        self._settings, self._state = self._own, None
 
     def considered(self) -> list[Candidate]:
         """Return arcs of the window that was searched last, with what they cost; those that collide are refused."""
@@ -99,12 +103,13 @@ class DwaPlanner(Planner):
                 raise NoValidCommand("dwa: stopping or turning at the goal would collide")
             self._driven_at = np.append(at_goal, math.nan)
             return Twist(*at_goal.tolist())
-        settings = self._settings
-        grids = self._map_grids(window, settings.body, path, state[0], state[1], settings.scales.forward_point_distance)
+        own = self._own
+        grids = self._map_grids(window, own.body, path, state[0], state[1], own.scales.forward_point_distance)
         speeds = self._closing.update(observation.stamp, window)
+        approached = _approached(speeds)
+        settings = self._settings = own if approached else self._in_passage(window, path, state)
         reachable = dynamic_window(state[3:], settings.limits, lapse)
         too_long = self._standing.too_long(observation.pose, observation.stamp)
-        approached = _approached(speeds)
         if not self._rehearsed:
             self._way_out.rehearse(observation.pose, window, settings.body, grids.goal)
             self._rehearsed = True
@@ -122,6 +127,15 @@ class DwaPlanner(Planner):
             if math.isfinite(best[3]):
                 return self._driven(observation, best[:3], float(best[3]))
         raise NoValidCommand("dwa: every velocity of the window collides, oscillates or is too slow")
+
+    def _in_passage(self, window: Window, path: FloatArray, state: FloatArray) -> Settings:
+        """Return the settings, with less padding where the path leads through a passage that leaves no more."""
+        own, least = self._own, self._passage_padding
+        if least is None or least >= own.body.padding:
+            return own
+        ahead = max(LOOK_AHEAD, math.hypot(state[3], state[4]) * own.roll_out.sim_time)
+        padding = padding_along(window, own.body, path, state[0], state[1], ahead, least)
+        return own._replace(body=own.body._replace(padding=padding))
 
     def _driven(self, observation: Observation, velocity: FloatArray, cost: float = math.nan) -> Twist:
         """Return a velocity (3,) as a command, and remember its direction."""

@@ -7,12 +7,15 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_kernels.compiled import compiled
-from arena_kernels.window import LETHAL, Window
+from arena_kernels.compiled import compiled, inner
+from arena_kernels.window import LETHAL, Window, distance_at
 from arena_mpc.arrays import FloatArray
 
 FREE = -1e3  # offset of a half-plane that holds everything, m
 NO_DIRECTION = 1e-6  # m
+FACING = 0.3  # cosine between the normals of half-planes, below which they may bound a passage
+BESIDE = 0.3  # cosine between a half-plane's normal and the way across a passage, above which it bounds that
+TOLERANCE = 0.04  # m, by which a passage is left wider than its middle
 
 
 @compiled
@@ -38,8 +41,10 @@ def boundary_cells(costs: NDArray[np.uint8], resolution: float, origin_x: float,
 
 
 @compiled
-def half_planes(window: Window, cells: FloatArray, centres: FloatArray, radius: float, cutoff: float, count: int) -> FloatArray:
-    """Return (Q, ``count``, 3) half-planes n . p >= b that keep discs of ``radius`` m, now at ``centres`` (Q, 2), off the ``cells``.
+def half_planes(
+    window: Window, cells: FloatArray, centres: FloatArray, radius: float, wanted: float, cutoff: float, count: int
+) -> FloatArray:
+    """Return (Q, ``count``, 3) half-planes n . p >= b that keep discs of ``radius`` m, now at ``centres`` (Q, 2), ``wanted`` m off the ``cells``.
 
     The first is bounded by the nearest cell, the next by the nearest one that the first does not already shut out, and so on (after
     Liu et al., Planning Dynamically Feasible Trajectories for Quadrotors using Safe Flight Corridors, 2017, with discs for ellipsoids).
@@ -74,7 +79,7 @@ def half_planes(window: Window, cells: FloatArray, centres: FloatArray, radius: 
             sign = -1.0 if inside else 1.0
             nx, ny = sign * (x - ox) / away, sign * (y - oy) / away
             edge = nx * ox + ny * oy + half * (abs(nx) + abs(ny))
-            planes[q, j, 0], planes[q, j, 1], planes[q, j, 2] = nx, ny, edge + radius
+            planes[q, j, 0], planes[q, j, 1], planes[q, j, 2] = nx, ny, edge + radius + wanted
             if inside:
                 break
             kept = 0
@@ -83,7 +88,55 @@ def half_planes(window: Window, cells: FloatArray, centres: FloatArray, radius: 
                     near[kept, 0], near[kept, 1], near[kept, 2] = near[i, 0], near[i, 1], near[i, 2]
                     kept += 1
             left = kept
+        ease_passage(window, planes[q], x, y, radius, wanted)
     return planes
+
+
+@inner
+def ease_passage(window: Window, planes: FloatArray, x: float, y: float, radius: float, wanted: float) -> None:
+    """Where half-planes that face each other leave no room about (x, y), move them apart until its middle lies in both.
+
+    In a passage that is narrower than the ``wanted`` gap on both sides, the gap gives way. The planes become parallel to each other: else
+    those round the posts of a door would push a plan back out of it.
+    """
+    other = facing(window, planes, x, y, radius, wanted)
+    if other == 0:
+        return
+    first, second = planes[0], planes[other]
+    left, right = first[0] * x + first[1] * y - first[2], second[0] * x + second[1] * y - second[2]
+    lack = min(0.5 * (TOLERANCE - left - right), wanted)
+    if lack <= 0.0:
+        return
+    nx, ny = first[0] - second[0], first[1] - second[1]
+    length = math.hypot(nx, ny)
+    nx, ny = nx / length, ny / length
+    for plane in planes:
+        across = nx * plane[0] + ny * plane[1]
+        if plane[2] > 0.5 * FREE and abs(across) > BESIDE:
+            sign = math.copysign(1.0, across)
+            plane[0], plane[1] = sign * nx, sign * ny
+            plane[2] = plane[0] * x + plane[1] * y - lack - (left if sign > 0.0 else right)
+
+
+@inner
+def facing(window: Window, planes: FloatArray, x: float, y: float, radius: float, wanted: float) -> int:
+    """Return the first half-plane that bounds a passage with the first of all, 0 if none does: a disc fits between their cells."""
+    half = 0.5 * window.resolution
+    px, py = bounding_point(planes[0], x, y, radius + wanted, half)
+    for j in range(1, len(planes)):
+        if planes[j, 2] > 0.5 * FREE and planes[0, 0] * planes[j, 0] + planes[0, 1] * planes[j, 1] < FACING:
+            qx, qy = bounding_point(planes[j], x, y, radius + wanted, half)
+            if distance_at(window, 0.5 * (px + qx), 0.5 * (py + qy)) > radius - half:
+                return j
+    return 0
+
+
+@inner
+def bounding_point(plane: FloatArray, x: float, y: float, reach: float, half: float) -> tuple[float, float]:
+    """Return the centre of the cell that bounds a half-plane made from (x, y); ``half`` is half a cell's side."""
+    nx, ny = plane[0], plane[1]
+    away = nx * x + ny * y - plane[2] + reach + half * (abs(nx) + abs(ny))
+    return x - away * nx, y - away * ny
 
 
 @compiled

@@ -113,11 +113,11 @@ class Optimiser:
     def _round(self, scene: Scene, states: FloatArray) -> FloatArray:
         """Return the half-planes or cells round every stage and disc."""
         obstacles, centres = self._obstacles, placed(self._discs, states).reshape(-1, 2)
-        reach = self._discs.radius + obstacles.min_distance
+        radius, wanted = self._discs.radius, obstacles.min_distance
         if obstacles.association == "half_planes":
-            return half_planes(scene.window, scene.cells, centres, reach, obstacles.cutoff, obstacles.planes)
+            return half_planes(scene.window, scene.cells, centres, radius, wanted, obstacles.cutoff, obstacles.planes)
         headings = np.repeat(states[:, 2], len(self._discs.centres_xy))
-        return nearest_cells(scene.cells, centres, headings, reach, obstacles.forced_inclusion, obstacles.cutoff, obstacles.planes)
+        return nearest_cells(scene.cells, centres, headings, radius + wanted, obstacles.forced_inclusion, obstacles.cutoff, obstacles.planes)
 
 
 def _turned_to(goal: FloatArray, heading: float) -> FloatArray:

@@ -72,10 +72,10 @@ def _shape(robot: Robot, obstacles: Obstacles) -> Shape:
     """Return what gaps are measured from: the robot's body, or its middle."""
     footprint = robot.footprint
     if obstacles.footprint_model == "point":
-        return Shape(np.zeros((1, 2)), 0.0, 0.0)
+        return Shape(np.zeros((1, 2)), 0.0, 0.0, 0.0)
     if footprint.is_circle:
-        return Shape(np.zeros((1, 2)), footprint.radius, footprint.radius)
-    return Shape(np.ascontiguousarray(footprint.vertices_xy), 0.0, footprint.radius)
+        return Shape(np.zeros((1, 2)), footprint.radius, footprint.radius, footprint.radius)
+    return Shape(np.ascontiguousarray(footprint.vertices_xy), 0.0, footprint.radius, footprint.inscribed_radius)
 
 
 def _reach(shape: Shape, obstacles: Obstacles, epsilon: float) -> Reach:

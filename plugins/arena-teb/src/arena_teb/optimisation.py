@@ -45,7 +45,7 @@ def optimised(band: FloatArray, scene: Scene, model: Model, ends: Ends) -> tuple
 def improved(band: FloatArray, scene: Scene, model: Model, ends: Ends, factor: float) -> tuple[FloatArray, Surroundings, Penalties]:
     """Return a band after one outer iteration in which static obstacles weigh ``factor`` times as much, and what it was solved with."""
     band = resized(band, model.sampling)
-    around = surroundings(band, scene, model.vicinity)
+    around = surroundings(band, scene, model.vicinity, model.shape)
     penalties = weighed(model.penalties, factor)
     solve(band, penalties, model.shape, ends, around, model.effort.inner, model.effort.tolerance)
     return band, around, penalties
@@ -85,6 +85,6 @@ def weighed(penalties: Penalties, factor: float) -> Penalties:
 @compiled
 def band_cost(band: FloatArray, scene: Scene, penalties: Penalties, model: Model, ends: Ends) -> float:
     """Return the cost of a band by which topologies are compared."""
-    around = surroundings(band, scene, model.vicinity)
+    around = surroundings(band, scene, model.vicinity, model.shape)
     rows = make_rows(around)
     return evaluate(band, penalties, model.shape, ends, around, rows)

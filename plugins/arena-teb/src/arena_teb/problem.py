@@ -17,12 +17,13 @@ IntArray = NDArray[np.int64]
 class Shape(NamedTuple):
     """The footprint: the convex hull of ``corners`` (C, 2), counter-clockwise in ``base_link``, grown by ``rounding`` m.
 
-    A disc is one corner at the origin. ``radius`` m holds all of it.
+    A disc is one corner at the origin. ``radius`` m holds all of it, ``inscribed`` m lies inside it.
     """
 
     corners: FloatArray
     rounding: float
     radius: float
+    inscribed: float
 
 
 class Penalties(NamedTuple):
@@ -77,13 +78,15 @@ class Surroundings(NamedTuple):
 
     ``points`` (N, P, 2) are static points: the nearest to the left and right, then those that are forced to count, inf where there is
     none, each with ``point_radius`` m;
-    ``caps`` (N,) the share of the speed limits that is allowed there; ``moving`` (N, K, 2) where moving discs of ``radii`` (K,) m
+    ``caps`` (N,) the share of the speed limits that is allowed there; ``room`` (N,) m, the gap that a narrow passage leaves on either side
+    of the robot, inf outside of passages; ``moving`` (N, K, 2) where moving discs of ``radii`` (K,) m
     will be when the robot is at the pose; ``vias`` (V, 2) points to pass, the pose ``via_poses`` (V,) each.
     """
 
     points: FloatArray
     point_radius: float
     caps: FloatArray
+    room: FloatArray
     moving: FloatArray
     radii: FloatArray
     vias: FloatArray

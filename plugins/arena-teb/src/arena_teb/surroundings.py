@@ -11,7 +11,9 @@ from arena_kernels.compiled import compiled, inner
 from arena_kernels.window import Window, distance_at
 from arena_teb.association import Reach, associated
 from arena_teb.polygons import Hulls
-from arena_teb.problem import FloatArray, Surroundings
+from arena_teb.problem import FloatArray, Shape, Surroundings
+
+OPPOSITE = -0.5  # cosine between the directions to the left and the right, below which a pose lies in a passage
 
 
 class Scene(NamedTuple):
@@ -38,10 +40,11 @@ class Vicinity(NamedTuple):
 
 
 @compiled
-def surroundings(band: FloatArray, scene: Scene, vicinity: Vicinity) -> Surroundings:
+def surroundings(band: FloatArray, scene: Scene, vicinity: Vicinity, shape: Shape) -> Surroundings:
     """Pair the poses of a band (N, 4) with what is around them, moving discs at constant velocity up to a horizon (IV of RAS 2017)."""
     count, tracks = len(band), len(scene.radii)
-    points, caps = associated(band, scene.window, scene.hulls, vicinity.reach), np.ones(count)
+    points, caps, room = associated(band, scene.window, scene.hulls, vicinity.reach), np.ones(count), np.full(count, np.inf)
+    point_radius = 0.5 * scene.window.resolution
     moving = np.empty((count, tracks, 2))
     time = 0.0
     for k in range(count):
@@ -53,11 +56,28 @@ def surroundings(band: FloatArray, scene: Scene, vicinity: Vicinity) -> Surround
             moving[k, j, 1] = scene.positions[j, 1] + ahead * scene.velocities[j, 1]
             free = min(free, math.hypot(moving[k, j, 0] - band[k, 0], moving[k, j, 1] - band[k, 1]) - scene.radii[j])
         caps[k] = speed_cap(free, vicinity)
+        if vicinity.reach.forced == 0.0:  # else the first two points are not the nearest ones
+            room[k] = room_beside(band[k], points[k], point_radius + shape.inscribed)
         time += band[k, 3]
     poses = np.empty(len(scene.vias), np.int64)
     for j in range(len(scene.vias)):
         poses[j] = nearest_pose(band, scene.vias[j, 0], scene.vias[j, 1])
-    return Surroundings(points, 0.5 * scene.window.resolution, caps, moving, scene.radii, scene.vias, poses)
+    return Surroundings(points, point_radius, caps, room, moving, scene.radii, scene.vias, poses)
+
+
+@inner
+def room_beside(pose: FloatArray, points: FloatArray, taken: float) -> float:
+    """Return the gap, m, that the nearest points to the left and right, ``points[0]`` and ``points[1]``, leave on either side.
+
+    ``taken`` m of each half of the passage is the robot's half width and the point's radius. Infinite where they do not face each other.
+    """
+    left_x, left_y = points[0, 0] - pose[0], points[0, 1] - pose[1]
+    right_x, right_y = points[1, 0] - pose[0], points[1, 1] - pose[1]
+    if math.isinf(left_x) or math.isinf(right_x):
+        return math.inf
+    if left_x * right_x + left_y * right_y > OPPOSITE * math.hypot(left_x, left_y) * math.hypot(right_x, right_y):
+        return math.inf
+    return max(0.5 * math.hypot(left_x - right_x, left_y - right_y) - taken, 0.0)
 
 
 @inner

@@ -232,18 +232,24 @@ def edge_acceleration_row(
 
 @inner
 def obstacle_rows(band: FloatArray, penalties: Penalties, shape: Shape, around: Surroundings, rows: Rows, count: int) -> int:
-    """Write how near every pose between start and goal is to static points and to moving discs."""
+    """Write how near every pose between start and goal is to static points and to moving discs.
+
+    In a passage that leaves less room than static points are kept away, that room is all that is asked for: the band keeps to the middle,
+    and is not pushed out.
+    """
     static = max(penalties.near, penalties.inflated) + around.point_radius + shape.radius
     dynamic = max(penalties.dynamic_near, penalties.dynamic_inflated)
     term = INTERVAL_ROWS * (len(band) - 1) + JOINT_ROWS * len(band)
     for k in range(1, len(band) - 1):
         c, s, turned = 1.0, 0.0, False
+        near = min(penalties.near, around.room[k])
+        inflated = penalties.inflated if near == penalties.near else near
         for i in range(around.points.shape[1]):
             x, y = around.points[k, i, 0] - band[k, 0], around.points[k, i, 1] - band[k, 1]
             if x * x + y * y < static * static:
                 if not turned:
                     c, s, turned = math.cos(band[k, 2]), math.sin(band[k, 2]), True
-                bounds, roots = (penalties.near, penalties.inflated), (penalties.root_obstacle, penalties.root_inflation)
+                bounds, roots = (near, inflated), (penalties.root_obstacle, penalties.root_inflation)
                 before = count
                 count = distance_rows(k, x, y, c, s, around.point_radius, bounds, roots, shape, rows, count, term)
                 if penalties.exponent != 1.0 and count > before and rows.term[before] == term:
