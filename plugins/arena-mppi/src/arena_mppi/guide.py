@@ -13,7 +13,7 @@ import numpy as np
 from arena_mppi.critics import SPACING
 from arena_mppi.parameters import Chassis, Floats, Scene
 
-CREEP = 0.2  # m/s, at most
+CREEP = 0.2  # m/s, at most, of a robot that stands
 AHEAD = 0.1  # m along the path that the guide looks
 TURN_FIRST = 0.4  # rad; a path that lies farther aside is first turned to
 GAIN = 3.0  # 1/s, by which times its bearing the robot turns to a point
@@ -22,8 +22,8 @@ ROOM = 0.3  # m beyond the robot's radius; more room is not looked for
 STAYING = 0.1  # m of room that a metre aside is worth
 
 
-def guide(scene: Scene, radius: float, chassis: Chassis, state: Floats, dt: float, steps: int) -> Floats:
-    """Return velocities (T, 3) that lead a robot of ``radius`` (m) from the origin along the middle of the way.
+def guide(scene: Scene, radius: float, chassis: Chassis, state: Floats, speed: float, dt: float, steps: int) -> Floats:
+    """Return velocities (T, 3) that lead a robot of ``radius`` (m) from the origin along the middle of the way, at ``speed`` m/s at most.
 
     ``state`` is cosine and sine of its heading, vx, vy, wz; ``dt`` in s. They change no faster than the robot's can.
     """
@@ -35,7 +35,7 @@ def guide(scene: Scene, radius: float, chassis: Chassis, state: Floats, dt: floa
         place = _nearest(path, place, x, y)
         target_x, target_y = path[min(place + ahead, len(path) - 1)].tolist()
         bearing = math.remainder(math.atan2(target_y - y, target_x - x) - heading, 2.0 * math.pi)
-        wanted = _towards(bearing, min(CREEP, math.hypot(target_x - x, target_y - y) / (AHEAD / CREEP)), chassis)
+        wanted = _towards(bearing, speed * min(1.0, math.hypot(target_x - x, target_y - y) / AHEAD), chassis)
         velocity += np.clip(np.array(wanted) - velocity, -change, change)
         out[t] = velocity
         vx, vy, wz = velocity.tolist()

@@ -25,9 +25,10 @@ from arena_core import (
 from arena_kernels.window import clearance
 from arena_mppi.chassis import MotionModel, chassis_of, motion_model_of
 from arena_mppi.considered import considered
-from arena_mppi.guide import guide
+from arena_mppi.guide import CREEP, guide
 from arena_mppi.optimizer import control_step
 from arena_mppi.parameters import Critics, Floats, Scene
+from arena_mppi.passage import eased_static, room_ahead
 from arena_mppi.patience import Patience
 from arena_mppi.sampling import sampling_of, workspace
 from arena_mppi.scene import body_of, scene_of, standing_window
@@ -35,8 +36,9 @@ from arena_mppi.sequence import Sequence
 from arena_mppi.settings import Goal, Motion, Moving, Noise, PathCritics, Progress, SpeedLimits, Static
 from arena_mppi.weights import critics_of
 
+THROUGH = 0.4  # part of the greatest speed at which the guide leads through a passage
 TIGHTEST = 0.5  # part of the least gap that a robot keeps that has lost patience: marks make a gap narrower than it is
-CREEP = 0.005  # m that a robot which stands too near to a wall may come nearer still, so that it can turn away
+NEARER = 0.005  # m that a robot which stands too near to a wall may come nearer still, so that it can turn away
 
 
 class MppiPlanner(Planner):
@@ -77,7 +79,8 @@ class MppiPlanner(Planner):
         self._body = body_of(robot.footprint)
         self._patience = Patience(patience)
         self._retries = retry_attempt_limit
-        self._static, self._moving, self._goal, self._path = static, moving, goal, path
+        self._own_static = self._static = static
+        self._moving, self._goal, self._path = moving, goal, path
         self._progress, self._motion = progress, motion
         self._period = robot.control_period
         self._key, self._steps = 0, 0
@@ -104,6 +107,7 @@ class MppiPlanner(Planner):
         self._began = None
         self._check(observation)
         scene = self._scene(observation)
+        self._static = eased_static(self._own_static, self._room(observation, scene))
         twist = observation.twist
         sideways = twist.vy if self._chassis.vy_max > 0.0 else 0.0
         now = self._sequence.velocity(np.array((twist.vx, sideways, twist.wz), np.float32), observation.stamp)
@@ -131,17 +135,19 @@ class MppiPlanner(Planner):
                 break
             self._work.mean[:] = 0.0
             steps = self._improve(observation, scene, now)
+        if self._static is not self._own_static:
+            steps = self._guided(observation, scene, now, steps, THROUGH * float(self._chassis.vx_max))
         if self._patience.left(observation.pose, observation.stamp) < 1.0:
-            return self._guided(observation, scene, now, steps)
+            steps = self._guided(observation, scene, now, steps, CREEP)
         return steps
 
-    def _guided(self, observation: Observation, scene: Scene, now: Floats, steps: int) -> int:
+    def _guided(self, observation: Observation, scene: Scene, now: Floats, steps: int, speed: float) -> int:
         """Improve the guide as well, and keep the cheaper sequence; return for how many steps it is free."""
         work, sampling = self._work, self._sampling
         mean, least = work.mean.copy(), work.costs[: sampling.batch_size].min()
         theta, radius = observation.pose.theta, self._body.outline.inscribed_radius
         state = np.array((math.cos(theta), math.sin(theta), *now), np.float32)
-        work.mean[:] = guide(scene, radius, self._chassis, state, float(sampling.dt), sampling.time_steps)
+        work.mean[:] = guide(scene, radius, self._chassis, state, speed, float(sampling.dt), sampling.time_steps)
         guided = self._improve(observation, scene, now)
         if work.costs[: sampling.batch_size].min() < least:
             return guided
@@ -154,13 +160,18 @@ class MppiPlanner(Planner):
         c, s = math.cos(pose.theta), math.sin(pose.theta)
         wanted = self._static.collision_gap * max(TIGHTEST, self._patience.left(pose, observation.stamp))
         gap = clearance(scene.window, self._body.outline, pose.x, pose.y, c, s, wanted)
-        least = min(wanted, gap - CREEP) if math.isfinite(gap) else wanted
+        least = min(wanted, gap - NEARER) if math.isfinite(gap) else wanted
         state = np.array((c, s, *now), np.float32)
         critics = self._critics(observation)
         self._steps += 1
         return control_step(
             self._work, scene, self._body, self._chassis, self._sampling, critics, state, float(least), self._key, self._steps
         )
+
+    def _room(self, observation: Observation, scene: Scene) -> float:
+        """Return the room that the path leaves on either side over the next metre, inf where that is more than walls are near."""
+        path = np.ascontiguousarray(observation.path.poses, np.float64)
+        return room_ahead(scene.window, self._body.outline, path, scene.x, scene.y, self._own_static.near_collision_gap)
 
     def _scene(self, observation: Observation) -> Scene:
         window = standing_window(observation, self._moving.speed_min)

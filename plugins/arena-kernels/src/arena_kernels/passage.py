@@ -1,0 +1,44 @@
+"""How much room a path leaves a robot that follows it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arena_kernels.compiled import borrowing
+from arena_kernels.paths import nearest_index
+from arena_kernels.window import Outline, Window, clearance
+
+
+@borrowing
+def room_along(window: Window, outline: Outline, path: NDArray[np.float64], x: float, y: float, ahead: float, enough: float) -> float:
+    """Return the least gap, m, of a robot that heads along ``path`` (M, 3), from its own length behind (x, y) to ``ahead`` m beyond it.
+
+    It is negative where the path leads through an obstacle. Beyond ``enough`` m a lower bound will do.
+    """
+    place = nearest_index(path, x, y)
+    first, behind = place, 0.0
+    while first > 0 and behind < outline.radius:
+        behind += math.hypot(path[first, 0] - path[first - 1, 0], path[first, 1] - path[first - 1, 1])
+        first -= 1
+    room, way = math.inf, -behind
+    for i in range(first, len(path)):
+        gap = clearance(window, outline, path[i, 0], path[i, 1], math.cos(path[i, 2]), math.sin(path[i, 2]), enough)
+        if gap > -math.inf:  # beyond the window nothing is known
+            room = min(room, gap)
+        if i + 1 < len(path):
+            way += math.hypot(path[i + 1, 0] - path[i, 0], path[i + 1, 1] - path[i, 1])
+        if way > ahead:
+            break
+    return room
+
+
+@borrowing
+def eased(wanted: float, room: float, share: float, least: float) -> float:
+    """Return the gap, m, to keep on a path that leaves ``room`` m: what is wanted, or that ``share`` of the room, but no less than ``least``.
+
+    A path that leads through an obstacle asks for all that is wanted.
+    """
+    return wanted if room <= 0.0 else min(wanted, max(least, share * room))
