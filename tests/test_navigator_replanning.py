@@ -140,7 +140,8 @@ def test_where_a_detour_leaves_no_way_the_path_is_as_before():
     navigator = drive(recoveries=rules)
     navigator.global_planner.refuses_obstacles = True
     decisions = [navigator.decide(at(0.0, 0.1 * k)) for k in range(101)]
-    assert reasons(decisions[100]) == [("recovery", "detour: no progress for 10.0 s"), ("replan", "recovery")]
+    closed = "detour: no progress for 10.0 s; (0.50, 0.00) is closed for 60 s"
+    assert reasons(decisions[100]) == [("recovery", closed), ("replan", "recovery")]
     assert navigator.global_planner.grids[-1] is navigator.local_map.grid
 
 

@@ -107,6 +107,10 @@ class GlobalPlanner(ABC):
         inside = cells[grid.contains(cells)]
         return float("inf") if grid.occupied[inside[:, 0], inside[:, 1]].any() else path.length
 
+    def is_narrow(self, grid: OccupancyGrid, path: Path) -> bool:
+        """Return whether a path leads through a passage that is too narrow for the planner at hand; False if it cannot tell."""
+        return False
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PathBatch:

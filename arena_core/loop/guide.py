@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
@@ -25,6 +25,7 @@ from arena_core.contracts.navigation import (
     WaypointGenerator,
     Window,
 )
+from arena_core.loop.closed_places import ClosedPlaces
 from arena_core.loop.recovery import Begun, Recoveries, RecoveryRules
 from arena_core.loop.shown import shown, shown_map
 from arena_core.loop.way import Way
@@ -131,7 +132,7 @@ class Guide:
         self._way: Way | None = None
         self._planned_at = -math.inf
         self._blocked_since: float | None = None
-        self._avoided: list[tuple[Obstacle, float]] = []  # places that paths are not to lead through, and until when
+        self._closed = ClosedPlaces()
         self.local_map.reset(mission.map)
         self.recoveries.reset()
 
@@ -213,10 +214,16 @@ class Guide:
         begun = self.recoveries.begin(pose, stamp)
         if begun is not None and begun.clear_beyond is not None:
             self.local_map.clear(pose, begun.clear_beyond)
-        if begun is not None and begun.behaviour == "detour" and self._way is not None:
-            place = self._way.ahead(pose, self.rules.detour_ahead)
-            self._avoided.append((Obstacle(place, self.rules.detour_radius), stamp + self.rules.detour_time))
+        if begun is not None and begun.closes and self._way is not None:
+            return replace(begun, event=replace(begun.event, detail=f"{begun.event.detail}; {self._close_ahead(pose, stamp)}"))
         return begun
+
+    def _close_ahead(self, pose: Pose, stamp: float) -> str:
+        """Close the place ahead on the path for a while, and return what an event says of it."""
+        assert self._way is not None
+        place, rules = self._way.ahead(pose, self.rules.detour_ahead), self.rules
+        time = self._closed.close(place, rules.detour_radius, stamp, rules.detour_time)
+        return f"({place[0, 0]:.2f}, {place[0, 1]:.2f}) is closed for {time:.0f} s"
 
     def _plan(self, pose: Pose, stamp: float, window: Callable[[], Window], begun: Begun | None) -> tuple[Way, Pose, tuple[Event, ...]]:
         """Return way, waypoint and the events that led there: a recovery, a due replan, and one that the waypoint asked for."""
@@ -233,20 +240,31 @@ class Guide:
     def _new_path(self, pose: Pose, reason: str, window: Callable[[], Window]) -> tuple[OccupancyGrid, Path]:
         """Return a path and the grid that it was planned on: the static map first, later with what the scans have shown.
 
-        All marks count, as they do for what blocks the robot, and so do the places that a detour is to avoid: unless they leave no way.
-        Where there still is none, marks are left out that may be the map's own walls, seen from a pose that is a little off.
+        All marks count, as they do for what blocks the robot, and so do closed places: unless they leave no way that is wide enough for the
+        planner. Rather than through a narrow passage, a path leads where the map alone has room: what stands there now may walk on. Where
+        there is no way at all, marks are left out that may be the map's own walls, seen from a pose that is a little off.
         """
         if self.mission.map is not None and reason == "start":
             return self.mission.map, self.global_planner.plan(self.mission.map, pose, self.mission.goal)
         window()
-        self._avoided = [(place, until) for place, until in self._avoided if until > self._planned_at]
-        avoided = [place for place, _ in self._avoided]
-        for places in (avoided, []) if avoided else ([],):
+        closed = self._closed.at(self._planned_at)
+        for places in (closed, []) if closed else ([],):
             grid = with_obstacles(self.local_map.planning_grid(self.mission.goal, True), places)
             with suppress(NoPath):
-                return grid, self.global_planner.plan(grid, pose, self.mission.goal)
+                path = self.global_planner.plan(grid, pose, self.mission.goal)
+                return self._wider(pose, closed) or (grid, path) if self.global_planner.is_narrow(grid, path) else (grid, path)
         grid = self.local_map.planning_grid(self.mission.goal, False)
         return grid, self.global_planner.plan(grid, pose, self.mission.goal)
+
+    def _wider(self, pose: Pose, closed: list[Obstacle]) -> tuple[OccupancyGrid, Path] | None:
+        """Return a path on the map alone, with ``closed`` places, that leads through no narrow passage; None if there is none."""
+        if self.mission.map is None:
+            return None
+        grid = with_obstacles(self.mission.map, closed)
+        with suppress(NoPath):
+            path = self.global_planner.plan(grid, pose, self.mission.goal)
+            return None if self.global_planner.is_narrow(grid, path) else (grid, path)
+        return None
 
     def _is_as_good(self, grid: OccupancyGrid, pose: Pose, new: Path) -> bool:
         """Tell whether what is left of the old path costs little more than the new one."""

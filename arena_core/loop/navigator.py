@@ -25,7 +25,7 @@ from arena_core.values.sensing import Observation, PoseEstimate, Sensors, Tracks
 from arena_core.values.world import Path
 
 BRAKE = Twist(0.0, 0.0, 0.0)
-NAVIGATOR_KEYS = ("control_period", "replan", "recoveries")  # what a planner's configuration may say of its navigator
+NAVIGATOR_KEYS = ("control_period", "passage_margin", "replan", "recoveries")  # what a planner's configuration may say of its navigator
 
 
 @dataclass(frozen=True, slots=True)

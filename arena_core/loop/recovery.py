@@ -50,11 +50,15 @@ class RecoveryRules:
 
 @dataclass(frozen=True, slots=True)
 class Begun:
-    """A behaviour that begins now: ``clear_beyond`` m is from where on the local map forgets its marks, None if it keeps them."""
+    """A behaviour that begins now: ``clear_beyond`` m is from where on the local map forgets its marks, None if it keeps them.
+
+    ``closes``: the place ahead on the path is to be kept off for a while.
+    """
 
     behaviour: Behaviour
     clear_beyond: float | None
     event: Event
+    closes: bool = False
 
 
 class Recoveries:
@@ -89,7 +93,9 @@ class Recoveries:
         if behaviour not in AT_ONCE:
             self._active, self._from, self._until = behaviour, pose, stamp + self._longest(behaviour)
             self._turned, self._side = 0.0, 0.0
-        return Begun(behaviour, {"clear": 0.0, "clear_far": self._rules.clear_beyond}.get(behaviour), event)
+        all_failed = self._tried > len(self._possible) and self._tried % len(self._possible) == 1
+        closes = "detour" in self._possible and (behaviour == "detour" or all_failed)
+        return Begun(behaviour, {"clear": 0.0, "clear_far": self._rules.clear_beyond}.get(behaviour), event, closes)
 
     def command(self, pose: Pose, stamp: float, local_map: Callable[[], Costmap], waypoint: Pose) -> Twist | None:
         """Return what the behaviour under way sends now; None when none is, or when it has just ended."""

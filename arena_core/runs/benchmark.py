@@ -33,6 +33,7 @@ from arena_core.values.parameters import Bounds, Episodes, NonNegativeInt
 from arena_core.values.robot import Robot
 from arena_core.values.world import free_area
 
+PassageMargin = Annotated[float, Bounds(low=0.0, high=10.0)]  # m
 Period = Annotated[float, Bounds(above=0.0, high=10.0)]  # s; a robot that decides less often drives blindly
 BRAIN = ("localizer", "global_planner", "waypoints", "local_map", "tracker")
 NEEDED = (
@@ -154,7 +155,7 @@ def build_benchmark(config: Mapping[str, Any], registry: Registry) -> Benchmark:
     pedestrians = registry.build("pedestrians", config["pedestrians"])
     simulator = registry.build("simulator", config["simulator"], robot=robot, pedestrians=pedestrians)
     control_period = _control_period(config, robot, simulator)
-    parts = _parts(config, registry, robot)
+    parts = _parts(config, registry, robot, passage_margin(config["planner"], robot))
     _check_map(config, parts["localizer"])
     planner = registry.build("planner", config["planner"], robot=deepcopy(robot))  # its own: the others' is not its to change
     replan = read_settings(_with_planners_own(config, "replan"), ReplanRules, "replan")
@@ -171,11 +172,26 @@ def build_guide(config: Mapping[str, Any], registry: Registry, robot: Robot) -> 
     check_sections(config, (*BRAIN, "replan", "recoveries"), "guide")
     replan = read_settings(config["replan"], ReplanRules, "replan")
     recoveries = read_settings(config["recoveries"], RecoveryRules, "recoveries")
-    return Guide(robot, **_parts(config, registry, robot), replan=replan, recoveries=recoveries, control_period=robot.control_period)
+    return Guide(robot, **_parts(config, registry, robot, 0.0), replan=replan, recoveries=recoveries, control_period=robot.control_period)
 
 
-def _parts(config: Mapping[str, Any], registry: Registry, robot: Robot) -> dict[str, Any]:
-    return {kind: registry.build(kind, config[kind], robot=robot) for kind in BRAIN}
+def _parts(config: Mapping[str, Any], registry: Registry, robot: Robot, margin: float) -> dict[str, Any]:
+    """Build what leads a robot; a global planner whose ``padding`` is null keeps off passages with less ``margin`` (m) on a side."""
+    nodes = {kind: config[kind] for kind in BRAIN}
+    if nodes["global_planner"].get("padding", margin) is None:
+        nodes["global_planner"] = {**nodes["global_planner"], "padding": margin}
+    return {kind: registry.build(kind, node, robot=robot) for kind, node in nodes.items()}
+
+
+def passage_margin(planner: Mapping[str, Any], robot: Robot) -> float:
+    """Return the gap, m, that a planner needs on either side of the robot in a straight passage, as its configuration has it.
+
+    Unless it has one, it needs room to turn: what the circle about the footprint is larger than the one inside it.
+    """
+    own = planner.get("passage_margin")
+    if own is None:
+        return robot.footprint.radius - robot.footprint.inscribed_radius
+    return read_settings(own, PassageMargin, "planner.passage_margin")
 
 
 def build_metrics(config: Mapping[str, Any], registry: Registry) -> dict[str, list[Metric]]:

@@ -164,7 +164,14 @@ def test_free_straight_band_becomes_as_fast_as_allowed():
     band = np.zeros((10, 4))
     band[:, 0], band[:, 3] = np.linspace(0.0, 1.0, 10), 1.0
     nothing = Surroundings(
-        np.full((10, 2, 2), np.inf), 0.0, np.ones(10), np.full(10, np.inf), np.empty((10, 0, 2)), np.empty(0), np.empty((0, 2)), np.empty(0, int)
+        np.full((10, 2, 2), np.inf),
+        0.0,
+        np.ones(10),
+        np.full(10, np.inf),
+        np.empty((10, 0, 2)),
+        np.empty(0),
+        np.empty((0, 2)),
+        np.empty(0, int),
     )
     ends = Ends(np.array((0.5, 0.0, 0.0)), np.zeros(3), 0.0, 1.0, 0.0)
     solve(band, penalties()._replace(root_path=0.0), DISC, ends, nothing, 100, 1e-6)

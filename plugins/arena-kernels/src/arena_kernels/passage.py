@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing
 from arena_kernels.paths import nearest_index
-from arena_kernels.window import Outline, Window, clearance
+from arena_kernels.window import Outline, Window, distance_at
 
 
 @borrowing
-def room_along(window: Window, outline: Outline, path: NDArray[np.float64], x: float, y: float, ahead: float, enough: float) -> float:
-    """Return the least gap, m, of a robot that heads along ``path`` (M, 3), from its own length behind (x, y) to ``ahead`` m beyond it.
+def room_along(window: Window, outline: Outline, path: NDArray[np.float64], x: float, y: float, ahead: float) -> float:
+    """Return the least gap, m, beside a robot that drives along ``path`` (M, 3), from its length behind (x, y) to ``ahead`` m beyond.
 
-    It is negative where the path leads through an obstacle. Beyond ``enough`` m a lower bound will do.
+    It is that of the circle inside its outline: where the path bends, a robot need not. Negative where the path leads through an obstacle.
     """
     place = nearest_index(path, x, y)
     first, behind = place, 0.0
@@ -25,9 +25,9 @@ def room_along(window: Window, outline: Outline, path: NDArray[np.float64], x: f
         first -= 1
     room, way = math.inf, -behind
     for i in range(first, len(path)):
-        gap = clearance(window, outline, path[i, 0], path[i, 1], math.cos(path[i, 2]), math.sin(path[i, 2]), enough)
-        if gap > -math.inf:  # beyond the window nothing is known
-            room = min(room, gap)
+        free = distance_at(window, path[i, 0], path[i, 1])
+        if free > -math.inf:  # beyond the window nothing is known
+            room = min(room, free - outline.inscribed_radius)
         if i + 1 < len(path):
             way += math.hypot(path[i + 1, 0] - path[i, 0], path[i + 1, 1] - path[i, 1])
         if way > ahead:
@@ -37,7 +37,7 @@ def room_along(window: Window, outline: Outline, path: NDArray[np.float64], x: f
 
 @borrowing
 def eased(wanted: float, room: float, share: float, least: float) -> float:
-    """Return the gap, m, to keep on a path that leaves ``room`` m: what is wanted, or that ``share`` of the room, but no less than ``least``.
+    """Return the gap, m, to keep on a path that leaves ``room`` m: what is ``wanted``, or a ``share`` of the room of at least ``least``.
 
     A path that leads through an obstacle asks for all that is wanted.
     """

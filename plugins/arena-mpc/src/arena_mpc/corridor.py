@@ -44,7 +44,7 @@ def boundary_cells(costs: NDArray[np.uint8], resolution: float, origin_x: float,
 def half_planes(
     window: Window, cells: FloatArray, centres: FloatArray, radius: float, wanted: float, cutoff: float, count: int
 ) -> FloatArray:
-    """Return (Q, ``count``, 3) half-planes n . p >= b that keep discs of ``radius`` m, now at ``centres`` (Q, 2), ``wanted`` m off the ``cells``.
+    """Return (Q, ``count``, 3) half-planes n . p >= b that keep discs at ``centres`` (Q, 2) of ``radius`` m ``wanted`` m off ``cells``.
 
     The first is bounded by the nearest cell, the next by the nearest one that the first does not already shut out, and so on (after
     Liu et al., Planning Dynamically Feasible Trajectories for Quadrotors using Safe Flight Corridors, 2017, with discs for ellipsoids).

@@ -117,7 +117,9 @@ class Optimiser:
         if obstacles.association == "half_planes":
             return half_planes(scene.window, scene.cells, centres, radius, wanted, obstacles.cutoff, obstacles.planes)
         headings = np.repeat(states[:, 2], len(self._discs.centres_xy))
-        return nearest_cells(scene.cells, centres, headings, radius + wanted, obstacles.forced_inclusion, obstacles.cutoff, obstacles.planes)
+        return nearest_cells(
+            scene.cells, centres, headings, radius + wanted, obstacles.forced_inclusion, obstacles.cutoff, obstacles.planes
+        )
 
 
 def _turned_to(goal: FloatArray, heading: float) -> FloatArray:

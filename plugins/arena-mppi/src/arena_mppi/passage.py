@@ -20,13 +20,13 @@ KEPT, NEAR = 0.5, 0.9  # shares of its room that the robot keeps, and below whic
 @compiled
 def room_ahead(window: Window, outline: Outline, path: Doubles, x: float, y: float, enough: float) -> float:
     """Return the room, m, that ``path`` (M, 3) leaves a robot at (x, y) over the next AHEAD m, inf if that is ``enough``."""
-    room = room_along(window, outline, path, x, y, AHEAD, enough)
+    room = room_along(window, outline, path, x, y, AHEAD)
     return room if room < enough else math.inf
 
 
 def eased_static(static: Static, room: float) -> Static:
     """Return the critic of walls as it is where the path leaves ``room`` m on either side."""
-    if not 0.0 < room < np.inf:
+    if not (static.eased and 0.0 < room < np.inf):
         return static
     share = min(1.0, room / static.near_collision_gap) ** 2
     near, least = eased(static.near_collision_gap, room, NEAR, 1e-3), eased(static.collision_gap, room, KEPT, 0.0)

@@ -33,7 +33,10 @@ class SpeedLimits:
 
 @dataclass(frozen=True, slots=True)
 class Static:
-    """The cost critic: weight, reach (m), what coming near costs more, time by which speed shortens gaps (s), least gap (m)."""
+    """The cost critic: weight, reach (m), what coming near costs more, time by which speed shortens gaps (s), least gap (m).
+
+    ``eased``: in a passage they give way to the room that the path leaves.
+    """
 
     weight: NonNegative
     inflation_radius: Positive
@@ -41,6 +44,7 @@ class Static:
     near_collision_gap: Positive
     reaction_time: NonNegative
     collision_gap: NonNegative
+    eased: bool
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from arena_core import INSCRIBED, LETHAL, GlobalPlanner, NonNegative, NonNegativ
 from arena_navigation.planning.escape import free_cells_near, ways_out
 from arena_navigation.planning.inflation import InflatedCosts, Inflation
 from arena_navigation.planning.search import Cell, CostToGo, MoveCosts
-from arena_navigation.planning.smoothing import path_cost, refine
+from arena_navigation.planning.smoothing import leads_through, path_cost, refine
 
 Costs = NDArray[np.uint8]
 Cells = NDArray[np.int64]
@@ -33,14 +33,13 @@ class AstarPlanner(GlobalPlanner):
         tolerance: NonNegative,
         spacing: Positive,
         smoothing_rounds: NonNegativeInt,
-        padding: NonNegative,
+        padding: NonNegative | None,
+        narrow_cost: NonNegative,
     ) -> None:
         radius = robot.footprint.inscribed_radius
-        tight = InflatedCosts(Inflation(radius, inflation_radius, cost_scaling_factor), allow_unknown)
-        wide = InflatedCosts(Inflation(radius + padding, inflation_radius, cost_scaling_factor), allow_unknown)
-        self._inflated = (wide, tight) if padding else (tight,)
-        self._moves = MoveCosts(neutral_cost, cost_factor)
-        self._weights = neutral_cost + cost_factor * np.arange(256.0)
+        self._inflated = InflatedCosts(Inflation(radius, inflation_radius, cost_scaling_factor), allow_unknown)
+        self._plain = MoveCosts(neutral_cost, cost_factor)
+        self._padding, self._narrow_cost = padding or 0.0, narrow_cost
         self._tolerance = tolerance
         self._spacing = spacing
         self._smoothing_rounds = smoothing_rounds
@@ -48,18 +47,12 @@ class AstarPlanner(GlobalPlanner):
 
     def plan(self, grid: OccupancyGrid, start: Pose, goal: Pose) -> Path:
         """Return the path, with ``padding`` where there is one; raise NoPath if start or goal is blocked or no way joins them."""
-        for inflated in self._inflated[:-1]:
-            with suppress(NoPath):
-                return self._plan(inflated, grid, start, goal)
-        return self._plan(self._inflated[-1], grid, start, goal)
-
-    def _plan(self, inflated: InflatedCosts, grid: OccupancyGrid, start: Pose, goal: Pose) -> Path:
-        costs = grid.derive(inflated)
+        costs, moves = grid.derive(self._inflated), self._moves(grid.resolution)
         start_cell, goal_cell = _cell_of(grid, start, "start"), _cell_of(grid, goal, "goal")
         if costs[start_cell] >= LETHAL:
             raise NoPath(f"the start {_at(start)} lies in an occupied or unknown cell; a free one is needed")
-        radius = inflated.inflation.inscribed_radius
-        found = self._cheapest_cells(costs, start_cell, goal_cell, radius / grid.resolution, self._tolerance / grid.resolution)
+        radius = self._inflated.inflation.inscribed_radius
+        found = self._cheapest_cells(costs, moves, start_cell, goal_cell, radius / grid.resolution, self._tolerance / grid.resolution)
         if found is None:
             raise NoPath(self._reason(costs, start, goal, goal_cell, radius))
         cells, pinned = found
@@ -69,32 +62,54 @@ class AstarPlanner(GlobalPlanner):
             points[-1] = _to_cells(grid, goal)
         if len(points) == 1:
             points = np.stack((_to_cells(grid, start), points[0]))
-        return _path(grid, refine(costs, self._weights, points, pinned, self._spacing / grid.resolution, self._smoothing_rounds), start)
+        weights = self._weights(moves)
+        return _path(grid, refine(costs, weights, points, pinned, self._spacing / grid.resolution, self._smoothing_rounds), start)
 
     def cost(self, grid: OccupancyGrid, path: Path) -> float:
         """Return what the search charges for a path; inf if it is blocked once it has left the inscribed zone about its start."""
         if not grid.contains(grid.cells(path.poses[:, :2])).all():
             return math.inf
-        return path_cost(grid.derive(self._inflated[0]), self._weights, _positions_in_cells(grid, path.poses[:, :2]))
+        weights = self._weights(self._moves(grid.resolution))
+        return path_cost(grid.derive(self._inflated), weights, _positions_in_cells(grid, path.poses[:, :2]))
 
-    def _cheapest_cells(self, costs: Costs, start: Cell, goal: Cell, radius: float, tolerance: float) -> tuple[Cells, int] | None:
+    def is_narrow(self, grid: OccupancyGrid, path: Path) -> bool:
+        """Return whether the path leads through a passage without ``padding``; its ends may lie beside walls."""
+        if not grid.contains(grid.cells(path.poses[:, :2])).all():
+            return False
+        narrow_from = self._moves(grid.resolution).narrow_from
+        return bool(leads_through(grid.derive(self._inflated), narrow_from, _positions_in_cells(grid, path.poses[:, :2])))
+
+    def _moves(self, resolution: float) -> MoveCosts:
+        """Return what moves cost on a grid: a wall's edge is half a cell nearer than its cell's centre."""
+        inflation = self._inflated.inflation
+        if self._padding == 0.0 or inflation.inflation_radius == 0.0:
+            return self._plain
+        least = int(inflation.costs_at(np.array(inflation.inscribed_radius + self._padding + 0.5 * resolution)))
+        return replace(self._plain, narrow_from=max(least, 1), narrow_cost=self._narrow_cost)
+
+    def _weights(self, moves: MoveCosts) -> Floats:
+        return moves.neutral_cost * moves.relative()
+
+    def _cheapest_cells(
+        self, costs: Costs, moves: MoveCosts, start: Cell, goal: Cell, radius: float, tolerance: float
+    ) -> tuple[Cells, int] | None:
         """Return the way as (K, 2) cells and how many of them lead out of the inscribed zone, None if there is none; lengths in cells."""
         ways = ways_out(costs, start, 2 + math.ceil(2.0 * radius))
         exhausted: list[CostToGo] = []
         for target in free_cells_near(costs, goal, tolerance) if ways else ():
             if any(math.isfinite(search(target)) for search in exhausted):
                 continue  # shut in with a target that was tried
-            search = self._search(costs, target, ways[0][-1])
+            search = self._search(costs, moves, target, ways[0][-1])
             for way in ways:
                 if math.isfinite(search(way[-1])):
                     return np.concatenate((np.array(way, np.int64), search.cells_from(way[-1])[1:])), len(way) - 1
             exhausted.append(search)
         return None
 
-    def _search(self, costs: Costs, goal: Cell, anchor: Cell) -> CostToGo:
+    def _search(self, costs: Costs, moves: MoveCosts, goal: Cell, anchor: Cell) -> CostToGo:
         """Return the search for this goal, the one of the last query if costs and goal are the same."""
         if self._last is None or self._last[0] is not costs or self._last[1].goal != goal:
-            self._last = costs, CostToGo(costs, self._moves, goal, anchor)
+            self._last = costs, CostToGo(costs, moves, goal, anchor)
         return self._last[1]
 
     def _reason(self, costs: Costs, start: Pose, goal: Pose, goal_cell: Cell, radius: float) -> str:

@@ -23,14 +23,26 @@ LEVEL, LENGTH, TOP, FREE = range(4)  # of a queue's state
 
 @dataclass(frozen=True, slots=True)
 class MoveCosts:
-    """What entering a cell of cost c costs: (neutral_cost + cost_factor c), times sqrt(2) if diagonally, as navfn charges it."""
+    """What entering a cell of cost c costs: (neutral_cost + cost_factor c), times sqrt(2) if diagonally, as navfn charges it.
+
+    From ``narrow_from`` on a cell lies so near to a wall that the planner at hand does not pass: it costs ``narrow_cost`` free cells more.
+    """
 
     neutral_cost: float
     cost_factor: float
+    narrow_from: int = INSCRIBED
+    narrow_cost: float = 0.0
+
+    def relative(self) -> NDArray[np.float64]:
+        """Return what a way through a cell costs by the cell's cost, (256,), in ways through a free one."""
+        costs = np.arange(256.0)
+        relative: NDArray[np.float64] = 1.0 + self.cost_factor * costs / self.neutral_cost
+        relative[self.narrow_from :] += self.narrow_cost
+        return relative
 
     def tables(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Return the cost of a straight and of a diagonal move by the entered cell's cost, (256,), in 1/13860 of a free straight one."""
-        relative = 1.0 + self.cost_factor * np.arange(256) / self.neutral_cost
+        relative = self.relative()
         return np.rint(STRAIGHT * relative).astype(np.int64), np.rint(DIAGONAL * relative).astype(np.int64)
 
 

@@ -46,6 +46,25 @@ def path_cost(costs: NDArray[np.uint8], weights: NDArray[np.float64], points: ND
 
 
 @compiled
+def leads_through(costs: NDArray[np.uint8], narrow_from: int, points: NDArray[np.float64]) -> bool:
+    """Return whether the lines through ``points`` (K, 2) cross cells of at least ``narrow_from`` between two stretches of others."""
+    left_start, narrow = False, False
+    for i in range(1, len(points)):
+        dx, dy = points[i, 0] - points[i - 1, 0], points[i, 1] - points[i - 1, 1]
+        parts = max(1, math.ceil(2.0 * math.hypot(dx, dy)))
+        for part in range(parts):
+            share = part / parts
+            cost = costs[math.floor(points[i - 1, 1] + share * dy), math.floor(points[i - 1, 0] + share * dx)]
+            if cost >= narrow_from:
+                narrow = left_start
+            elif narrow:
+                return True
+            else:
+                left_start = True
+    return False
+
+
+@compiled
 def line_cost(costs: NDArray[np.uint8], weights: NDArray[np.float64], x0: float, y0: float, x1: float, y1: float) -> float:
     """Return the cost of a straight line, the sum over the cells it crosses of length times weight; inf if one is blocked.
 
