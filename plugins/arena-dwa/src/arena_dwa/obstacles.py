@@ -7,7 +7,7 @@ import math
 from arena_dwa.settings import Body, Limits, RollOut
 from arena_dwa.trajectory import Stand, arc, moved
 from arena_kernels.compiled import borrowing
-from arena_kernels.window import Window, clearance, distance_at
+from arena_kernels.window import Window, allowed_gap, clearance, distance_at
 
 REJECTED = -1.0
 STEEPEST = 1.5  # by which distance between cells falls at most, per m of way: as they are interpolated, below the root of 2
@@ -32,13 +32,6 @@ def stopping_time(vx: float, vy: float, wz: float, limits: Limits) -> float:
     """Return how long the robot brakes from a velocity, s."""
     time = max(abs(vx) / limits.ax_max, abs(wz) / limits.alpha_max)
     return max(time, abs(vy) / limits.ay_max) if limits.ay_max > 0.0 else time
-
-
-@borrowing
-def least_gap(window: Window, body: Body, start_clearance: float) -> float:
-    """Return how near an obstacle may be, m: the padding, or somewhat less than now where the robot already stands nearer."""
-    nearer = 0.5 * start_clearance if start_clearance > 0.0 else start_clearance - 0.5 * window.resolution
-    return min(body.padding, nearer)
 
 
 @borrowing
@@ -70,7 +63,7 @@ def obstacle_cost(
     """
     vx, vy, wz = sample
     speed = math.hypot(vx, vy)
-    allowed = outline_growth(body, limits, speed) + least_gap(window, body, start_clearance)
+    allowed = outline_growth(body, limits, speed) + allowed_gap(start_clearance, body.padding)
     braking = 0.5 * stopping_time(vx, vy, wz, limits)  # at full speed as far as the robot comes while it brakes evenly
     time = max(roll_out.sim_time, period + braking + roll_out.stop_time_buffer)
     steps = max(1, math.ceil(max(speed * time / roll_out.sim_granularity, abs(wz) * time / roll_out.angular_sim_granularity)))

@@ -13,11 +13,10 @@ from numpy.typing import NDArray
 
 from arena_core import Pose, wrap_angle
 from arena_dwa.map_grid import bordered_index, clamped_index
-from arena_dwa.obstacles import least_gap
 from arena_dwa.settings import Body, FloatArray, Limits
 from arena_dwa.trajectory import Stand, moved
 from arena_kernels.compiled import compiled
-from arena_kernels.window import Window, clearance
+from arena_kernels.window import Window, allowed_gap, clearance
 
 DIRECTIONS = 32
 SPACING = 0.025  # m between two places of a line that are looked at: half a usual cell
@@ -41,7 +40,7 @@ def best_line(
     before as well.
     """
     gap = clearance(window, body.outline, *start, body.padding)
-    allowed = least_gap(window, body, gap)
+    allowed = allowed_gap(gap, body.padding)
     here = goal[clamped_index(window, start[0], start[1])]
     best, direction, heading, length = WORTH, 0.0, 0.0, 0.0
     for k in range(DIRECTIONS):

@@ -13,6 +13,7 @@ from arena_kernels.distance import distance_field
 
 LETHAL = 254  # the cost of a cell that holds an obstacle, as in costmap_2d
 HALF_DIAGONAL = 0.7072  # of a cell, rounded up
+NEARER = 0.005  # m, by which a robot that touches something may come nearer to it, so that it can turn away
 OUTLINE_SPACING = 0.05  # m, the side of a usual costmap cell: no cell slips between two points
 
 
@@ -178,3 +179,13 @@ def clearance(window: Window, outline: Outline, x: float, y: float, cosine: floa
         px, py = outline.points_xy[i]
         least = min(least, distance_at(window, x + cosine * px - sine * py, y + sine * px + cosine * py))
     return least
+
+
+@borrowing
+def allowed_gap(now: float, wanted: float) -> float:
+    """Return how near to an obstacle a motion may lead, m: the ``wanted`` gap, or less where the robot is nearer ``now``.
+
+    Half of a gap may be used up by one motion, so a robot beside a wall drives along it and does not swing its tail into it. What already
+    touches, or seems to, because a noisy scan marked the cell beside it, may come a little nearer and no more.
+    """
+    return min(wanted, 0.5 * now if now > 0.0 else now - NEARER)

@@ -10,7 +10,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from arena_core import Candidate, EpisodeStart, NonNegativeInt, NoValidCommand, Observation, Planner, Positive, Robot, Twist
-from arena_kernels.window import clearance, footprint_outline
+from arena_kernels.window import allowed_gap, clearance, footprint_outline
 from arena_mpc.arrays import FloatArray
 from arena_mpc.detours import detours
 from arena_mpc.footprint import covering_discs, free_until
@@ -25,7 +25,8 @@ from arena_mpc.resizing import resized
 from arena_mpc.scene import Scene, scene_of
 
 ARRIVED = 0.4  # m, from its goal that a plan may end: it waits for somebody who crosses, or keeps off a goal beside a wall
-DEEPER = 0.02  # m, by which a robot that already touches may come nearer: half a cell hides that much
+LEAST_GAP = 0.01  # m that the robot keeps to what stands: what it drives is not quite what was planned
+DEEPER = 0.02  # m, by which a robot that already touches a person may come nearer
 
 
 @dataclass(slots=True)
@@ -241,8 +242,7 @@ class MpcPlanner(Planner):
         """Return for how long the robot's outline touches nothing that stands on this plan, s."""
         x, y, theta = plan.states[0, :3].tolist()
         now = clearance(scene.window, self._outline, x, y, math.cos(theta), math.sin(theta), 0.1)
-        allowed = 0.0 if now > 0.0 else now - DEEPER
-        return free_until(scene.window, self._outline, plan.states[:, :3].copy(), allowed) * plan.step
+        return free_until(scene.window, self._outline, plan.states[:, :3].copy(), allowed_gap(now, LEAST_GAP)) * plan.step
 
     def _braking(self, plan: Plan) -> float:
         """Return how long the robot drives the plan at least, s: one control period, and braking."""

@@ -22,7 +22,7 @@ from arena_core import (
     Robot,
     Twist,
 )
-from arena_kernels.window import clearance
+from arena_kernels.window import allowed_gap, clearance
 from arena_mppi.chassis import MotionModel, chassis_of, motion_model_of
 from arena_mppi.considered import considered
 from arena_mppi.guide import CREEP, guide
@@ -38,7 +38,6 @@ from arena_mppi.weights import critics_of
 
 THROUGH = 0.4  # part of the greatest speed at which the guide leads through a passage
 TIGHTEST = 0.5  # part of the least gap that a robot keeps that has lost patience: marks make a gap narrower than it is
-NEARER = 0.005  # m that a robot which stands too near to a wall may come nearer still, so that it can turn away
 
 
 class MppiPlanner(Planner):
@@ -160,7 +159,7 @@ class MppiPlanner(Planner):
         c, s = math.cos(pose.theta), math.sin(pose.theta)
         wanted = self._static.collision_gap * max(TIGHTEST, self._patience.left(pose, observation.stamp))
         gap = clearance(scene.window, self._body.outline, pose.x, pose.y, c, s, wanted)
-        least = min(wanted, gap - NEARER) if math.isfinite(gap) else wanted
+        least = allowed_gap(gap, wanted) if math.isfinite(gap) else wanted
         state = np.array((c, s, *now), np.float32)
         critics = self._critics(observation)
         self._steps += 1

@@ -16,12 +16,6 @@ Stand = tuple[float, float, float, float]  # x, y (m, map), cosine and sine of t
 
 
 @borrowing
-def allowed_gap(gap_now: float, padding: float, resolution: float) -> float:
-    """Return how near an obstacle may be, m: the padding, or somewhat less than now where the robot already stands nearer."""
-    return min(padding, 0.5 * gap_now if gap_now > 0.0 else gap_now - 0.5 * resolution)
-
-
-@borrowing
 def next_twist(limits: Limits, twist: tuple[float, float, float], command: tuple[float, float, float]) -> tuple[float, float, float]:
     """Return the twist ``LAPSE`` s on, led to ``command`` within the accelerations; a car that brakes keeps its bend."""
     vx = toward(twist[0], command[0], limits.ax_max * LAPSE)

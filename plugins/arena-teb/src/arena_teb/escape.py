@@ -7,7 +7,8 @@ import math
 import numpy as np
 
 from arena_kernels.compiled import compiled
-from arena_kernels.window import Outline, Window, clearance
+from arena_kernels.window import Outline, Window, allowed_gap, clearance
+from arena_teb.feasibility import LEAST_GAP
 from arena_teb.problem import FloatArray
 
 LOOK = 1.0  # s that an arc is followed
@@ -27,7 +28,7 @@ def escape_command(
 ) -> FloatArray:
     """Return the row of ``commands`` (C, 3) whose arc ends with most clearance and never has less than where it begins; none: empty."""
     here = clearance(window, outline, start[0], start[1], math.cos(start[2]), math.sin(start[2]), ENOUGH)
-    least = min(0.0, here - 0.5 * window.resolution)
+    least = allowed_gap(here, LEAST_GAP)
     best, chosen = here + 0.005, -1
     for i in range(len(commands)):
         x, y, theta, gap = start[0], start[1], start[2], math.inf
