@@ -29,6 +29,7 @@ STEP = 500_000_000  # ns of an offset from one message to the next that is no dr
 SPACING = 200_000_000  # ns between two samples of a clock
 JUMP = 10**9  # ns that a topic has to go back, as it lies in the file, for another beginning
 SLOWEST = 1e-3  # s of a clock in one of the recording; one that stands still is none
+SHORTEST_RUN = 10  # messages of one topic between two beginnings, on average
 Source = tuple[str, str]  # topic, and child frame of a transform
 
 
@@ -76,11 +77,11 @@ class Clock:
         """Return how many of its own seconds pass in one of the recording."""
         return 1.0 - _slope(list(zip(self._recorded, self._offsets, strict=True)))
 
-    def lags(self, other: Clock) -> tuple[int, int, int]:
-        """Return by how much it is behind another clock, ns: the tenth, half and nine tenths of 200 samples are less."""
+    def lags(self, other: Clock) -> tuple[int, int]:
+        """Return by how much it is behind another clock, ns: a tenth of 200 samples is less, a tenth more."""
         places = self._recorded[:: max(len(self._recorded) // 200, 1)]
-        low, middle, high = np.quantile([self.offset(recorded) - other.offset(recorded) for recorded in places], (0.1, 0.5, 0.9))
-        return int(low), int(middle), int(high)
+        low, high = np.quantile([self.offset(recorded) - other.offset(recorded) for recorded in places], (0.1, 0.9))
+        return int(low), int(high)
 
 
 def _slope(samples: list[tuple[int, int]]) -> float:
@@ -112,11 +113,11 @@ class Clocks:
         for source, clock in others.items():
             if main is None or source == own or not clock:
                 continue
-            low, lag, high = clock.lags(main)
+            low, high = clock.lags(main)
             agrees = -(FORESEEN if source[1] else AGREE) <= low and high <= AGREE
             self._shifts[source] = None if agrees else clock
             if not agrees:
-                self.lines.append(f"{source[0]}: its clock is {_seconds(lag)} that of {own[0]}; shifted")
+                self.lines.append(f"{source[0]}: its clock is {_seconds(max(low, high, key=abs))} that of {own[0]}; shifted")
 
     def leads(self, topic: str) -> bool:
         """Return whether a topic's stamps are those by which all others go."""
@@ -181,8 +182,8 @@ def _read(bag: Bag, topics: Collection[str], samples: dict[Source, list[tuple[in
             continue
         runs = ranges.setdefault(source, [])
         if not runs or recorded < runs[-1][2] - JUMP:
-            runs.append([recorded, recorded, recorded])
-        runs[-1] = [min(runs[-1][0], recorded), max(runs[-1][1], recorded), recorded]
+            runs.append([recorded, recorded, recorded, 0])
+        runs[-1] = [min(runs[-1][0], recorded), max(runs[-1][1], recorded), recorded, runs[-1][3] + 1]
         found = samples.setdefault(source, [])
         if not found or abs(recorded - found[-1][0]) >= SPACING or abs(recorded - own - found[-1][1]) > STEP:
             found.append((recorded, recorded - own))
@@ -190,7 +191,9 @@ def _read(bag: Bag, topics: Collection[str], samples: dict[Source, list[tuple[in
 
 
 def _overlap(runs: list[list[int]]) -> bool:
-    """Return whether one topic was recorded twice at a time: then the recorder's own clock began anew."""
+    """Return whether one topic was recorded twice at a time: then the recorder's own clock began anew, unless all are out of order."""
+    if sum(run[3] for run in runs) < SHORTEST_RUN * len(runs):
+        return False
     ordered = sorted(runs)
     return any(second[0] < first[1] - JUMP for first, second in pairwise(ordered))
 

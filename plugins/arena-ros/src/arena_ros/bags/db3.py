@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator
 from contextlib import closing
 
 from arena_core import InputFileError, one_line
-from arena_ros.bags.packing import unpacked_message
+from arena_ros.bags.packing import Allowance
 from arena_ros.bags.stream import LARGEST_MESSAGE, Bag, Channel, Cut, Message, normalised
 
 MAGIC = b"SQLite format 3\0"
@@ -34,6 +34,7 @@ class Db3(Bag):
 
     def read(self, topics: Collection[str], in_time: bool) -> Iterator[Message]:
         """Yield the messages of these topics, of all where there are none; raise Cut where the file is damaged."""
+        allowance = Allowance(self.path)
         with closing(self._open()) as database:
             try:
                 known = {number: channel for number, channel in _known(database).items() if not topics or channel.topic in topics}
@@ -41,10 +42,10 @@ class Db3(Bag):
                 order = "timestamp, id" if in_time else "id"
                 query = f"SELECT id, topic_id, timestamp, length(data) FROM messages WHERE topic_id IN ({wanted}) ORDER BY {order}"  # noqa: S608 - marks
                 for row, number, stamp, size in database.execute(query, tuple(known)):
-                    if size is None or size > LARGEST_MESSAGE:
-                        raise Cut(f"a message of {size} bytes; allowed: up to {LARGEST_MESSAGE}")
-                    (content,) = database.execute("SELECT data FROM messages WHERE id = ?", (row,)).fetchone()
-                    yield known[number], int(stamp), unpacked_message(bytes(content))
+                    content = b""
+                    if size is not None and size <= LARGEST_MESSAGE:
+                        content = database.execute("SELECT data FROM messages WHERE id = ?", (row,)).fetchone()[0]
+                    yield known[number], int(stamp), allowance.message(bytes(content))
             except DAMAGED as error:
                 raise Cut(f"the data base is damaged ({one_line(str(error), 80)})") from None
 

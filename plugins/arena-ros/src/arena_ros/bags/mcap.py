@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import IO
 
 from arena_core import InputFileError
-from arena_ros.bags.packing import unpacked_lz4, unpacked_message, unpacked_zstd
+from arena_ros.bags.packing import Allowance, unpacked_lz4, unpacked_zstd
 from arena_ros.bags.stream import LARGEST_CHUNK, LARGEST_RECORD, MOST_PIECES, Bag, Channel, Cut, Message, Piece, by_time, normalised
 from arena_ros.codec import Ros
 
@@ -39,13 +39,12 @@ class Mcap(Bag):
                 known, counts = _summary(file)
             except (Cut, OSError, *FAULTS):
                 known, counts = _Known(), {}
-        if not known.channels:
-            return self.counted()
-        self._known = known
-        if not any(known.channels.values()):
+        counted = {} if known.channels else self.counted()
+        self._known = known = known if known.channels or self._known is None else self._known
+        if known.channels and not any(known.channels.values()):
             raise InputFileError(f"{self.path}: its messages are encoded as {known.encodings()}; allowed: cdr (ROS 2) and ros1")
-        found: dict[Channel, int] = {}
-        for number, channel in known.channels.items():
+        found = counted
+        for number, channel in known.channels.items() if not counted else ():
             if channel is not None:
                 found[channel] = found.get(channel, 0) + counts.get(number, 1)
         return found
@@ -55,15 +54,16 @@ class Mcap(Bag):
         if in_time and self._known is None:
             self.channels()  # a channel may be told of in a chunk that lies later in the file than in time
         known = self._known or _Known()
+        known.allowance = Allowance(self.path)
         with self.path.open("rb") as file:
             _begin(file, self.path)
             pieces, cut = _pieces(file, known, topics)
+            self._known = known
             if in_time:
                 yield from by_time(pieces)
             else:
                 for piece in pieces:
                     yield from piece.read()
-        self._known = known
         if cut:
             raise Cut(cut)
 
@@ -74,6 +74,7 @@ class _Known:
     def __init__(self) -> None:
         self.schemas: dict[int, str] = {0: ""}
         self.channels: dict[int, Channel | None] = {}
+        self.allowance: Allowance | None = None
         self._others: set[str] = set()
 
     def encodings(self) -> str:
@@ -84,7 +85,8 @@ class _Known:
             number, _, stamp, _ = struct.unpack_from("<HIQQ", data)
             channel = self.channels[number]
             if channel is not None and (not topics or channel.topic in topics):
-                yield channel, stamp, unpacked_message(data[22:]) if channel.ros == 2 else data[22:]
+                content = data[22:]
+                yield channel, stamp, self.allowance.message(content) if self.allowance and channel.ros == 2 else content
         elif kind == SCHEMA:
             self.schemas[struct.unpack_from("<H", data)[0]] = normalised(_text(data, 2)[0])
         elif kind == CHANNEL:
@@ -177,15 +179,18 @@ def _loose(file: IO[bytes], begin: int, end: int, known: _Known, topics: Collect
 def _chunk(file: IO[bytes], begin: int, known: _Known, topics: Collection[str]) -> Iterator[Message]:
     file.seek(begin)
     try:
-        content = BytesIO(_unpacked(_record(file)[1]))
+        content = BytesIO(_unpacked(_record(file)[1], known.allowance))
         end = len(content.getbuffer())
         while content.tell() < end:
-            yield from known.take(*_record(content), topics)
+            kind, data = _record(content)
+            if kind == 0:
+                raise Cut(f"a damaged chunk at byte {begin}")
+            yield from known.take(kind, data, topics)
     except FAULTS as error:
         raise Cut(f"a damaged chunk at byte {begin} ({type(error).__name__})") from None
 
 
-def _unpacked(data: bytes) -> bytes:
+def _unpacked(data: bytes, allowance: Allowance | None) -> bytes:
     size = struct.unpack_from("<Q", data, 16)[0]
     compression, at = _text(data, 28)
     packed = data[at + 8 :]
@@ -193,6 +198,8 @@ def _unpacked(data: bytes) -> bytes:
         raise Cut(f"a chunk of {size} bytes; allowed: up to {LARGEST_CHUNK}")
     if not compression:
         return packed
+    if allowance is not None:
+        allowance.take(size)
     if compression == "lz4":
         return unpacked_lz4(packed, size)
     if compression == "zstd":

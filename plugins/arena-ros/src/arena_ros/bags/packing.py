@@ -23,6 +23,7 @@ else:
 
 ENDINGS = (".zstd", ".zst", ".lz4", ".gz", ".bz2", ".xz")
 BLOCK = 2**20  # bytes unpacked at a time
+SURE_PARTS = 2**28  # bytes likewise, of all chunks of a file
 SURE = 2**26  # bytes up to which any ratio is believed
 DENSEST = 200  # times that a recording may grow beyond that; scans and text reach 20
 ZSTD, LZ4 = b"\x28\xb5\x2f\xfd", b"\x04\x22\x4d\x18"
@@ -53,11 +54,28 @@ def _whole(decompressor: Any, packed: bytes, size: int) -> bytes:
         raise Cut(f"a damaged chunk ({type(error).__name__})") from None
 
 
-def unpacked_message(content: bytes) -> bytes:
-    """Return a message of ROS 2 that was compressed by itself; any other as it is, since those begin with a zero."""
-    if content.startswith(ZSTD):
-        return unpacked_zstd(content, LARGEST_MESSAGE)
-    return unpacked_lz4(content, LARGEST_MESSAGE) if content.startswith(LZ4) else content
+class Allowance:
+    """How many bytes the parts of a file may unpack to, all together: a few bytes can say that they are thousands of millions."""
+
+    def __init__(self, path: Path) -> None:
+        self._left = SURE_PARTS + DENSEST * path.stat().st_size
+
+    def take(self, size: int) -> None:
+        """Use up some bytes; raise Cut where there are no more."""
+        self._left -= size
+        if self._left < 0:
+            raise Cut(f"it unpacks to more than {DENSEST} times its size")
+
+    def message(self, content: bytes) -> bytes:
+        """Return a message of ROS 2, unpacked where it is compressed by itself (others begin with a zero); nothing where it is damaged."""
+        if not content.startswith((ZSTD, LZ4)):
+            return content
+        try:
+            whole = (unpacked_zstd if content.startswith(ZSTD) else unpacked_lz4)(content, LARGEST_MESSAGE)
+        except Cut:
+            return b""
+        self.take(len(whole))
+        return whole if len(whole) < LARGEST_MESSAGE else b""
 
 
 @contextmanager

@@ -16,6 +16,7 @@ from arena_ros.frames import BASES
 
 MAP = "map"  # after REP-105
 FAR_ORIGIN = 1e4  # m from the origin, beyond which it is shifted: UTM's coordinates leave no digits for millimetres
+FIRST = 9  # poses, by the median of which it is known where the robot starts
 WHOLE = 1000.0  # m, by whole ones of which it is
 REACH = 1e5  # m from the origin beyond which nothing is of this drive
 Stamps = NDArray[np.int64]
@@ -173,11 +174,11 @@ class Placer:
     def _within_reach(self, placed: Placed) -> Placed:
         """Return an episode whose origin is near, without what lies beyond any drive."""
         if self._shift is None:
-            start = np.median(placed.motion.values[:, :2], axis=0)
+            start = np.median(placed.motion.values[:FIRST, :2], axis=0)
             far = bool(np.abs(start).max() > FAR_ORIGIN)
             self._shift = (float(np.round(start[0] / WHOLE) * WHOLE), float(np.round(start[1] / WHOLE) * WHOLE)) if far else (0.0, 0.0)
             if far:
-                self._note(f"places lie far from the origin of {placed.frame}; shifted by -{self._shift[0]:.0f}, -{self._shift[1]:.0f} m")
+                self._note(f"places lie far from the origin of {placed.frame}; shifted by {-self._shift[0]:.0f}, {-self._shift[1]:.0f} m")
         x, y = self._shift
         goal = None if placed.goal is None else Pose(placed.goal.x - x, placed.goal.y - y, placed.goal.theta)
         if goal is not None and max(abs(goal.x), abs(goal.y)) > REACH:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import IO
 
 from arena_core import InputFileError
-from arena_ros.bags.packing import unpacked_bz2, unpacked_lz4
+from arena_ros.bags.packing import Allowance, unpacked_bz2, unpacked_lz4
 from arena_ros.bags.stream import LARGEST_CHUNK, LARGEST_RECORD, MOST_PIECES, Bag, Channel, Cut, Message, Piece, by_time, normalised
 
 MAGIC = b"#ROSBAG V2.0\n"
@@ -55,7 +55,7 @@ class Ros1Bag(Bag):
                 complete = _uint64(_record(file)[0], b"index_pos") != 0
             except FAULTS as error:
                 raise Cut(f"a damaged header ({type(error).__name__})") from None
-            pieces, cut = _pieces(file, known, topics)
+            pieces, cut = _pieces(file, known, topics, Allowance(self.path))
             if in_time:
                 yield from by_time(pieces)
             else:
@@ -82,7 +82,7 @@ def _indexed(file: IO[bytes], header: Fields) -> tuple[Connections, dict[int, in
     return known, counts
 
 
-def _pieces(file: IO[bytes], known: Connections, topics: Collection[str]) -> tuple[list[Piece], str]:
+def _pieces(file: IO[bytes], known: Connections, topics: Collection[str], allowance: Allowance) -> tuple[list[Piece], str]:
     """Return the chunks of a bag, and messages that lie outside of any, by their heads alone; and why it ends early."""
     size, found = file.seek(0, 2), list[Piece]()
     file.seek(len(MAGIC))
@@ -96,7 +96,7 @@ def _pieces(file: IO[bytes], known: Connections, topics: Collection[str]) -> tup
             fields = _fields(_sized(file, file.read(4)))
             kind = fields[b"op"][0]
             if kind == CHUNK:
-                found.append(Piece(0, partial(_chunk, file, at, known, topics)))
+                found.append(Piece(0, partial(_chunk, file, at, known, topics, allowance)))
                 untimed = 1
                 _skip(file, size)
             elif kind == INDEX_DATA and untimed:
@@ -143,10 +143,10 @@ def _begin(file: IO[bytes], path: Path) -> None:
         raise InputFileError(f"{path}: is no bag of ROS 1, version 2.0; allowed: what `rosbag record` wrote")
 
 
-def _chunk(file: IO[bytes], begin: int, known: Connections, topics: Collection[str]) -> Iterator[Message]:
+def _chunk(file: IO[bytes], begin: int, known: Connections, topics: Collection[str], allowance: Allowance) -> Iterator[Message]:
     file.seek(begin)
     try:
-        content = BytesIO(_unpacked(*_record(file)))
+        content = BytesIO(_unpacked(*_record(file), allowance))
         while (record := _next(content)) is not None:
             yield from _taken(*record, known, topics)
     except FAULTS as error:
@@ -176,13 +176,14 @@ def _time(fields: Fields) -> int:
     return int(seconds * 10**9 + nanoseconds)
 
 
-def _unpacked(fields: Fields, data: bytes) -> bytes:
+def _unpacked(fields: Fields, data: bytes, allowance: Allowance) -> bytes:
     """Return the content of a chunk."""
     size, compression = _uint32(fields, b"size"), fields[b"compression"]
     if size > LARGEST_CHUNK:
         raise Cut(f"a chunk of {size} bytes; allowed: up to {LARGEST_CHUNK}")
     if compression == b"none":
         return data
+    allowance.take(size)
     if compression == b"bz2":
         return unpacked_bz2(data, size)
     if compression == b"lz4":
