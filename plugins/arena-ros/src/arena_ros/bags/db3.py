@@ -52,7 +52,7 @@ class Db3(Bag):
     def _open(self) -> sqlite3.Connection:
         with self.path.open("rb") as file:
             if file.read(len(MAGIC)) != MAGIC:
-                raise InputFileError(f"{self.path}: is no SQLite file; allowed: {WROTE}")
+                raise InputFileError(f"{self.name}: is no SQLite file; allowed: {WROTE}")
         database = sqlite3.connect(f"{self.path.resolve().as_uri()}?mode=ro&immutable=1", uri=True)
         database.text_factory = lambda content: content.decode(errors="replace")
         database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_MESSAGE)
@@ -61,17 +61,17 @@ class Db3(Bag):
             wrong = next((name for name, columns in COLUMNS.items() if not _is_plain_table(database, name, columns)), None)
         except DAMAGED as error:
             database.close()
-            raise InputFileError(f"{self.path}: cannot be read ({one_line(str(error), 80)}); allowed: {WROTE}") from None
+            raise InputFileError(f"{self.name}: cannot be read ({one_line(str(error), 80)}); allowed: {WROTE}") from None
         if wrong is not None:
             database.close()
-            raise InputFileError(f"{self.path}: {wrong} is no table as recorders write it; allowed: {WROTE}")
+            raise InputFileError(f"{self.name}: {wrong} is no table as recorders write it; allowed: {WROTE}")
         return database
 
     def _known_or_refuse(self, database: sqlite3.Connection, error: Exception) -> dict[int, Channel]:
         try:
             return _known(database)
         except DAMAGED:
-            raise InputFileError(f"{self.path}: cannot be read ({one_line(str(error), 80)}); allowed: {WROTE}") from None
+            raise InputFileError(f"{self.name}: cannot be read ({one_line(str(error), 80)}); allowed: {WROTE}") from None
 
 
 def _is_plain_table(database: sqlite3.Connection, name: str, columns: tuple[str, ...]) -> bool:

@@ -261,7 +261,7 @@ def _notes(paths: Sequence[Path], found: Cast) -> list[str]:
 def _tell(gatherer: Gatherer, bags: Sequence[Bag]) -> None:
     for bag in bags:
         if bag.cut:
-            tell(f"{bag.path}: {bag.cut}; what came before is kept")
+            tell(f"{bag.name}: {bag.cut}; what came before is kept")
     for line, count in gatherer.notes.items():
         tell(line + (f" ({count} times)" if count > 1 else ""))
 

@@ -27,14 +27,14 @@ FAULTS = (KeyError, struct.error, ValueError)
 class Mcap(Bag):
     """A ``.mcap``."""
 
-    def __init__(self, path: Path) -> None:
-        super().__init__(path)
+    def __init__(self, path: Path, name: Path | None = None) -> None:
+        super().__init__(path, name)
         self._known: _Known | None = None
 
     def channels(self) -> dict[Channel, int]:
         """Return the channels from the summary; from all of the file where it has none."""
         with self.path.open("rb") as file:
-            _begin(file, self.path)
+            _begin(file, self.name)
             try:
                 known, counts = _summary(file)
             except (Cut, OSError, *FAULTS):
@@ -42,7 +42,7 @@ class Mcap(Bag):
         counted = {} if known.channels else self.counted()
         self._known = known = known if known.channels or self._known is None else self._known
         if known.channels and not any(known.channels.values()):
-            raise InputFileError(f"{self.path}: its messages are encoded as {known.encodings()}; allowed: cdr (ROS 2) and ros1")
+            raise InputFileError(f"{self.name}: its messages are encoded as {known.encodings()}; allowed: cdr (ROS 2) and ros1")
         found = counted
         for number, channel in known.channels.items() if not counted else ():
             if channel is not None:
@@ -56,7 +56,7 @@ class Mcap(Bag):
         known = self._known or _Known()
         known.allowance = Allowance(self.path)
         with self.path.open("rb") as file:
-            _begin(file, self.path)
+            _begin(file, self.name)
             pieces, cut = _pieces(file, known, topics)
             self._known = known
             if in_time:

@@ -28,7 +28,7 @@ def open_bags(paths: Collection[Path]) -> Iterator[list[Bag]]:
 def _opened(path: Path, stack: ExitStack) -> Bag:
     if path.suffix not in ENDINGS:
         return READERS[path.suffix](path)
-    return READERS[path.with_suffix("").suffix](stack.enter_context(unpacked_file(path)))
+    return READERS[path.with_suffix("").suffix](stack.enter_context(unpacked_file(path)), path)
 
 
 def _kind(path: Path) -> str:

@@ -24,14 +24,14 @@ FAULTS = (KeyError, struct.error, IndexError, ValueError)
 class Ros1Bag(Bag):
     """A ``.bag``."""
 
-    def __init__(self, path: Path) -> None:
-        super().__init__(path)
+    def __init__(self, path: Path, name: Path | None = None) -> None:
+        super().__init__(path, name)
         self._known: Connections | None = None
 
     def channels(self) -> dict[Channel, int]:
         """Return the channels from the index; from all of the bag where it has none, as one that was cut off."""
         with self.path.open("rb") as file:
-            _begin(file, self.path)
+            _begin(file, self.name)
             try:
                 known, counts = _indexed(file, _record(file)[0])
             except (Cut, *FAULTS):
@@ -50,7 +50,7 @@ class Ros1Bag(Bag):
             self.channels()  # a connection may be told of in a chunk that lies later in the file than in time
         known: Connections = dict(self._known or {})
         with self.path.open("rb") as file:
-            _begin(file, self.path)
+            _begin(file, self.name)
             try:
                 complete = _uint64(_record(file)[0], b"index_pos") != 0
             except FAULTS as error:

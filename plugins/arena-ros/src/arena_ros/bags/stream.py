@@ -44,10 +44,13 @@ class Piece:
 
 
 class Bag(ABC):
-    """A recording. ``cut`` says, after all messages were read, why it ended early; empty where it did not."""
+    """A recording. ``cut`` says, after all messages were read, why it ended early; empty where it did not.
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    ``name`` is the file as its user knows it, ``path`` the one that is read, an unpacked copy of it perhaps.
+    """
+
+    def __init__(self, path: Path, name: Path | None = None) -> None:
+        self.path, self.name = path, name or path
         self.cut = ""
 
     @abstractmethod
