@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -49,7 +50,7 @@ def odometry(pose: Callable[[float], Pose], topic: str = "/odom", frame: str = "
     """Yield a pose 25 times a second, as odometry has it."""
     for k in range(301):
         t = 0.04 * k
-        yield Told(t, topic, to.ODOMETRY, lambda ns, t=t: to.odometry(OWN, pose(t), Twist(0.5), ns, frame, "base_link"))
+        yield Told(t, topic, to.ODOMETRY, partial(_odometry, pose(t), frame))
 
 
 def drive(odom: Pose = ODOM) -> list[Told]:
@@ -70,10 +71,18 @@ def people(frame: str, place: Callable[[float], Pose]) -> Iterator[Told]:
     for k in range(120):
         t = 0.1 * k
         places = np.array([place(t).array()[:2]])
-        yield Told(t, "/people", PEOPLE, lambda ns, places=places: _person(places, ns, frame))
+        yield Told(t, "/people", PEOPLE, partial(_person, places, frame))
 
 
-def _person(places: Any, stamp: int, frame: str) -> Any:
+def _odometry(pose: Pose, frame: str, stamp: int) -> Any:
+    return to.odometry(OWN, pose, Twist(0.5), stamp, frame, "base_link")
+
+
+def _made(name: str, fields: Mapping[str, Any], stamp: int) -> Any:
+    return OWN.make(name, **fields)
+
+
+def _person(places: Any, frame: str, stamp: int) -> Any:
     x, y = places[0]
     person = OWN.make(
         "people_msgs/msg/Person",
@@ -91,7 +100,7 @@ def counts(topic: str, name: str, values: Iterable[tuple[float, Any]]) -> Iterat
     """Yield a topic of std_msgs: a value at a time, None for an empty message."""
     for t, value in values:
         fields = {"structure_needs_at_least_one_member": 0} if value is None else {"data": value}
-        yield Told(t, topic, f"std_msgs/msg/{name}", lambda ns, fields=fields, name=name: OWN.make(f"std_msgs/msg/{name}", **fields))
+        yield Told(t, topic, f"std_msgs/msg/{name}", partial(_made, f"std_msgs/msg/{name}", fields))
 
 
 def in_order(told: Iterable[Told]) -> list[Told]:
