@@ -82,6 +82,14 @@ def test_goals_and_jumps_that_come_together_are_one_beginning(tmp_path: Path, de
     assert max(length(record) for record in records) < 2.8
 
 
+@pytest.mark.parametrize("delay", [0.2, -0.2])
+def test_goals_and_resets_that_come_together_are_one_beginning(tmp_path: Path, delay: float) -> None:
+    goals = [each for t in (0.0, *JUMPS) for each in goal(Pose(place(t + 0.01).x + 3.0, place(t + 0.01).y), "map", t + 0.3)]
+    resets = counts("/scenario_reset", "Int16", [(t + 0.3 + delay, k) for k, t in enumerate((0.0, *JUMPS, 30.0), 1)])
+    records = imported(written(tmp_path / "a.mcap", in_order([*jumping(), *goals, *resets])), tmp_path / "out")
+    assert [record.meta["outcome"] for record in records] == ["goal_reached"] * 4
+
+
 def test_jump_ends_the_drive_to_a_goal_as_an_error(tmp_path: Path) -> None:
     first, *_, last = imported(written(tmp_path / "a.mcap", in_order([*jumping(), *goal(Pose(30.0, 9.0))])), tmp_path / "out")
     assert (first.meta["outcome"], last.meta["outcome"]) == ("error", "goal_reached")

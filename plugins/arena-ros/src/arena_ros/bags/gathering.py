@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import heapq
 import json
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from arena_core import Footprint, OccupancyGrid, Pose
 from arena_ros import conversions as of
 from arena_ros.bags.clocks import JUMP, LATEST, STAMPED, Clocks, source_of
 from arena_ros.bags.counting import Counter
 from arena_ros.bags.footprint import nearest
-from arena_ros.bags.links import Heard, Links
+from arena_ros.bags.gathered import FARTHEST, Gathered, are_numbers, person_number, place_and_turn
+from arena_ros.bags.links import Heard
 from arena_ros.bags.roles import Cast
 from arena_ros.bags.series import People, Series
 from arena_ros.bags.stream import Bag, Channel, Message
@@ -28,34 +27,6 @@ from arena_ros.frames import BASES, Mount, mounted
 GOAL_MOVED = 0.05  # m between two goals that are not the same one sent again
 LONGEST = 4 * 3600 * 10**9  # ns of one episode; what is longer is cut, so that no recording takes all memory
 SETTLED = 10**9  # ns after the begin of an episode from which on a counter's first message is an event
-FARTHEST = 2e7  # m, farther than any coordinate on Earth (UTM's reach 1e7); beyond, and at 1e3 m/s, numbers are none
-FASTEST = 1e3  # m/s
-
-
-@dataclass(eq=False)
-class Gathered:
-    """All that was recorded of one episode; stamps in ns. What has a place has it in the frame in which it was recorded."""
-
-    begin: int
-    goal: tuple[str, Pose] | None = None
-    why_ended: str = "the recording ended"
-    meta: Mapping[str, Any] | None = None  # what our own export says of it
-    ending: Mapping[str, Any] | None = None
-    frame: str = "odom"  # of odometry
-    base: str = "base_link"
-    odometry: Series = field(default_factory=lambda: Series(6))  # x, y, theta in frame, vx, vy, wz
-    reference: dict[str, Series] = field(default_factory=dict)  # by frame: x, y, theta, vx, vy, wz (NaN where only a pose)
-    estimate: dict[str, Series] = field(default_factory=dict)  # by frame: pose and its covariance
-    command: Series = field(default_factory=lambda: Series(3))
-    scan: Series = field(default_factory=lambda: Series(2))  # nearest return, clearance by the scan
-    waypoint: Series = field(default_factory=lambda: Series(3))
-    counts_collisions: bool = False
-    collisions: Series = field(default_factory=lambda: Series(2))  # how many, and whether it touches (NaN where that is not told)
-    state: list[tuple[int, NDArray[np.float64]]] = field(default_factory=list)
-    ranges: list[tuple[int, NDArray[np.float32]]] = field(default_factory=list)
-    paths: list[tuple[int, str, NDArray[np.float64]]] = field(default_factory=list)
-    people: dict[str, People] = field(default_factory=dict)  # by frame
-    links: Links = field(default_factory=lambda: Links(()))
 
 
 class Gatherer:
@@ -91,6 +62,7 @@ class Gatherer:
         self._resets, self._contacts = Counter(), Counter()
         self._newest: int | None = None
         self._open: Gathered | None = None
+        self._has_goals = self._is_reset = False
         self._odom, self._base = "odom", "base_link"
         for frame in BASES:
             self._heard.want(frame)
@@ -120,8 +92,10 @@ class Gatherer:
         if role == "episode":
             yield from self._mark(stamp, message)
         elif role == "reset":
-            if self._resets.changed(message, self._is_settled(stamp)):
+            settled = self._is_settled(stamp)
+            if self._resets.changed(message, settled) and settled:  # one that comes with a goal is of the same beginning
                 yield from self._close("a reset came")
+                self._is_reset = True
         elif role == "goal" and not self.by_markers:
             yield from self._set_goal(stamp, self._frame(message), of.pose_of(message.pose))
         elif role in ("map", "tf_static"):
@@ -146,7 +120,10 @@ class Gatherer:
             self._newest = stamp
         if self._open is not None and stamp - self._open.begin > LONGEST:
             self.note("an episode of more than 4 h is cut")
+            goal = self._open.goal
             yield from self._close("it took more than 4 h")
+            if goal is not None:
+                self._begin(Gathered(stamp, goal))
 
     def _is_settled(self, stamp: int) -> bool:
         return self._open is not None and stamp - self._open.begin > SETTLED
@@ -166,7 +143,7 @@ class Gatherer:
             yield from self._close("")
 
     def _set_goal(self, stamp: int, frame: str, goal: Pose) -> Iterator[Gathered]:
-        if not _are_numbers(goal.array()):
+        if not are_numbers(goal.array()):
             self.note("a goal that is no number; left out")
             return
         before = self._open.goal if self._open is not None else None
@@ -174,6 +151,7 @@ class Gatherer:
             return
         if before is not None:
             yield from self._close("another goal came")
+        self._has_goals, self._is_reset = True, False
         self._begin(Gathered(stamp, (frame, goal)))  # what was recorded before a goal belongs to no episode
 
     def _begin(self, gathered: Gathered) -> None:
@@ -188,7 +166,9 @@ class Gatherer:
 
     def _close(self, why: str) -> Iterator[Gathered]:
         finished, self._open, self._newest = self._open, None, None
-        if finished is not None:
+        if finished is not None and finished.goal is None and self._has_goals and self._is_reset:
+            self.note("what came after a reset and before a goal belongs to no episode")
+        elif finished is not None:
             self._look(finished)
             finished.why_ended, finished.links = why, self._heard.links()
             if not len(finished.odometry):
@@ -210,14 +190,14 @@ class Gatherer:
         except ValueError:
             self.note("a map has another number of cells than it says; left out")
             return
-        if not _are_numbers([*grid.origin.array(), grid.resolution]) or not grid.resolution > 0.0 or not grid.data.size:
+        if not are_numbers([*grid.origin.array(), grid.resolution]) or not grid.resolution > 0.0 or not grid.data.size:
             self.note("a map whose place is no number, or which has no cells; left out")
             return
         self.grid, self.grid_frame = grid, self._frame(message)
 
     def _transforms(self, message: Any) -> list[Any]:
         """Return the transforms of a message that are numbers."""
-        good = [each for each in message.transforms if _are_numbers(_seven(each))]
+        good = [each for each in message.transforms if are_numbers(place_and_turn(each))]
         if len(good) < len(message.transforms):
             self.note("a transform that is no number; left out")
         return good
@@ -226,7 +206,7 @@ class Gatherer:
         good = self._transforms(message)
         self._mounts |= of.mounts_of(SimpleNamespace(transforms=good))
         for each in good:
-            self._heard.take_static(self._frame(each), self._named(each.child_frame_id), _seven(each))
+            self._heard.take_static(self._frame(each), self._named(each.child_frame_id), place_and_turn(each))
 
     def _take_tf(self, recorded: int, message: Any) -> None:
         good = self._transforms(message)
@@ -239,11 +219,11 @@ class Gatherer:
         for each in good:
             own = stamp_of(each.header.stamp) + made - first
             stamp = own if abs(own - now) <= LATEST else now
-            self._heard.take(self._frame(each), self._named(each.child_frame_id), stamp, _seven(each))
+            self._heard.take(self._frame(each), self._named(each.child_frame_id), stamp, place_and_turn(each))
 
     def _take_odometry(self, now: Gathered, stamp: int, message: Any) -> None:
         measured = of.odometry_of(message, 0.0)
-        if not _are_numbers(measured.pose.array(), measured.twist.array()):
+        if not are_numbers(measured.pose.array(), measured.twist.array()):
             self.note("odometry that is no number; left out")
             return
         self._odom, self._base = self._frame(message) or "odom", self._named(message.child_frame_id) or "base_link"
@@ -255,16 +235,16 @@ class Gatherer:
     def _take_reference(self, now: Gathered, stamp: int, message: Any) -> None:
         inner = message.pose.pose if hasattr(message, "twist") else message.pose
         twist = of.twist_of(message.twist.twist).array() if hasattr(message, "twist") else np.full(3, np.nan)
-        if not _are_numbers(of.pose_of(inner).array()):
+        if not are_numbers(of.pose_of(inner).array()):
             self.note("a reference pose that is no number; left out")
             return
         frame = self._want(message)
-        twist = twist if _are_numbers((), twist) else np.full(3, np.nan)
+        twist = twist if are_numbers((), twist) else np.full(3, np.nan)
         now.reference.setdefault(frame, Series(6)).extend(stamp, np.concatenate((of.pose_of(inner).array(), twist)))
 
     def _take_estimate(self, now: Gathered, stamp: int, message: Any) -> None:
         pose = of.pose_of(message.pose.pose)
-        if not _are_numbers(pose.array()):
+        if not are_numbers(pose.array()):
             self.note("an estimate that is no number; left out")
             return
         covariance = of.covariance_of(message.pose.covariance).ravel()
@@ -278,7 +258,7 @@ class Gatherer:
 
     def _take_command(self, now: Gathered, stamp: int, message: Any) -> None:
         twist = of.twist_of(message).array()
-        if not _are_numbers((), twist):
+        if not are_numbers((), twist):
             self.note("a command that is no number; left out")
             return
         now.command.extend(stamp, twist)
@@ -324,12 +304,12 @@ class Gatherer:
     def _take_people(self, now: Gathered, stamp: int, message: Any) -> None:
         if hasattr(message, "people"):
             seen = [
-                (_number(each.name, k), each.position.x, each.position.y, each.position.z, each.velocity.x, each.velocity.y)
+                (person_number(each.name, k), each.position.x, each.position.y, each.position.z, each.velocity.x, each.velocity.y)
                 for k, each in enumerate(message.people)
             ]
         else:
             seen = [(k, each.position.x, each.position.y, each.position.z, np.nan, np.nan) for k, each in enumerate(message.poses)]
-        good = [each for each in seen if _are_numbers(each[1:4])]
+        good = [each for each in seen if are_numbers(each[1:4])]
         if len(good) < len(seen):
             self.note("people whose place is no number; left out")
         now.people.setdefault(self._want(message), People()).add(stamp, good)
@@ -358,22 +338,3 @@ class Gatherer:
 
 def _recorded(message: Message) -> int:
     return message[1]
-
-
-def _number(name: str, place: int) -> int:
-    digits = "".join(character for character in name if character.isdigit())[-9:]
-    return int(digits) if digits else place
-
-
-def _are_numbers(places: Iterable[float], speeds: Iterable[float] = ()) -> bool:
-    """Return whether places and speeds are numbers that can be."""
-    near, slow = np.abs(np.asarray(list(places))) < FARTHEST, np.abs(np.asarray(list(speeds))) < FASTEST
-    return bool(near.all() and slow.all())
-
-
-def _seven(transform: Any) -> NDArray[np.float64]:
-    """Return place and turn of a transform, the turn of length 1; one of length 0 is none."""
-    place, turn = transform.transform.translation, transform.transform.rotation
-    q = np.array([turn.x, turn.y, turn.z, turn.w])
-    length = float(np.linalg.norm(q))
-    return np.concatenate(([place.x, place.y, place.z], q / length if length != 0.0 else (0.0, 0.0, 0.0, 1.0)))

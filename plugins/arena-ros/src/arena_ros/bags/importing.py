@@ -25,7 +25,8 @@ from arena_core import (
     tell,
 )
 from arena_ros.bags.clocks import Clocks, clocks
-from arena_ros.bags.gathering import Gathered, Gatherer
+from arena_ros.bags.gathered import Gathered
+from arena_ros.bags.gathering import Gatherer
 from arena_ros.bags.legacy import ENDING, LegacyFile, legacy_record
 from arena_ros.bags.opening import open_bags
 from arena_ros.bags.parting import parts
@@ -122,7 +123,7 @@ def _records(
             yield _own(gathered, _world(config, run, grid if grid is not None else gatherer.grid), len(run.rows))
         elif (placed := placer.place(gathered, gatherer.grid_frame, request.goal)) is not None:
             reading, site = request.reading, _shifted(grid if grid is not None else gatherer.grid, placed.shift)
-            for part in parts(placed, _fastest(robot), reading.goal_radius, reading.time_limit, gatherer.note):
+            for part in parts(placed, bool(run.rows), _fastest(robot), reading.goal_radius, reading.time_limit, gatherer.note):
                 yield _measured(part, robot, request, config, len(run.rows), _world(config, run, site))
 
 

@@ -17,10 +17,13 @@ SETTLING = 2 * 10**9  # ns after a goal or a reset within which the robot is set
 SHORTEST = 10**9  # ns, less than which is no drive
 
 
-def parts(placed: Placed, v_max: float, goal_radius: float, time_limit: float, note: Callable[[str], None]) -> Iterator[Placed]:
+def parts(
+    placed: Placed, is_later: bool, v_max: float, goal_radius: float, time_limit: float, note: Callable[[str], None]
+) -> Iterator[Placed]:
     """Yield the parts of an episode between the places where the robot was set elsewhere.
 
-    A part goes on towards the goal of the one before, unless that had ended; what comes after belongs to none then.
+    ``is_later`` tells that there was an episode before. A part goes on towards the goal of the one before, unless that had ended; what comes
+    after belongs to none then.
     """
     motion = _without_spikes(placed.motion, v_max, note)
     stamps, values = motion.stamps, motion.values
@@ -31,7 +34,7 @@ def parts(placed: Placed, v_max: float, goal_radius: float, time_limit: float, n
         bounds.pop(0)  # it was set to where it starts
         note("the robot was set to its start after its goal or a reset: the episode begins there")
     for k, (first, last) in enumerate(bounds):
-        if k and stamps[last - 1] - stamps[first] < SHORTEST:
+        if (k or (placed.goal is None and is_later)) and stamps[last - 1] - stamps[first] < SHORTEST:
             continue
         begin = placed.begin if bounds[0][0] == 0 and k == 0 else int(stamps[first])
         jump = f"the robot jumped by {lengths[last - 1]:.1f} m" if last < len(stamps) else placed.why_ended

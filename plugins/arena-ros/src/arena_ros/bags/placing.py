@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import InputFileError, Pose
-from arena_ros.bags.gathering import Gathered
+from arena_ros.bags.gathered import Gathered
 from arena_ros.bags.links import Floats, Link, Links, Transforms, turned
 from arena_ros.bags.series import People, Series
 from arena_ros.frames import BASES

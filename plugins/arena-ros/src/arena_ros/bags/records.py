@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from arena_core import EpisodeRecord, Pose, Robot, robot_meta
 from arena_ros.bags.footprint import clearances
-from arena_ros.bags.gathering import Gathered
+from arena_ros.bags.gathered import Gathered
 from arena_ros.bags.placing import Placed
 from arena_ros.bags.series import People, Series
 
