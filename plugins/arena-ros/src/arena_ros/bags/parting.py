@@ -22,8 +22,8 @@ def parts(
 ) -> Iterator[Placed]:
     """Yield the parts of an episode between the places where the robot was set elsewhere.
 
-    ``is_later`` tells that there was an episode before. A part goes on towards the goal of the one before, unless that had ended; what comes
-    after belongs to none then.
+    ``is_later`` tells that there was an episode before. A part goes on towards the goal of the one before, unless that had ended:
+    what comes after belongs to none then.
     """
     motion = _without_spikes(placed.motion, v_max, note)
     stamps, values = motion.stamps, motion.values

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 
 from arena_core import EpisodeRecord, Pose, Twist, read_record, record_paths, tell
-from arena_core.cli.main import main
 from arena_ros import conversions as to
 from arena_ros.bags.exporting import writer
 from arena_ros.codec import PEOPLE, codec
+from arena_ros.commands import RosCommand
 
 SECOND = 10**9
 BEGIN = 1_700_000_000 * SECOND
@@ -129,7 +129,7 @@ def written(
 def imported(bag: Path, out: Path, *words: str) -> list[EpisodeRecord]:
     """Return the episodes of a recording."""
     tell.cache_clear()
-    assert main(["ros", "import", str(bag), f"--out={out}", "robot=turtlebot3", *words]) == 0
+    assert RosCommand().run(["import", str(bag), f"--out={out}", "robot=turtlebot3", *words]) == 0
     return [read_record(path) for path in sorted(record_paths(out))]
 
 
