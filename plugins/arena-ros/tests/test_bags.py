@@ -141,10 +141,10 @@ def test_no_spoilt_recording_brings_a_traceback(write_recording: Recording, tmp_
         path = tmp_path / f"spoilt.{ending}"
         path.write_bytes(spoilt)
         try:
-            (bag,) = open_bags([path])
-            bag.channels()
-            for _ in bag.messages(()):
-                pass
+            with open_bags([path]) as (bag,):
+                bag.channels()
+                for _ in bag.messages(()):
+                    pass
         except ArenaError:  # a line; all else is a fault of ours
             continue
 
@@ -158,10 +158,10 @@ def test_memory_does_not_grow_with_a_recording(tmp_path: Path) -> None:
         channel = writer.add_connection("/camera", "std_msgs/msg/String", typestore=own.store)
         for k in range(300):
             writer.write(channel, k * 10**7, picture)
-    (bag,) = open_bags([tmp_path / "long.bag"])
     assert (tmp_path / "long.bag").stat().st_size > 80e6
     tracemalloc.start()
-    count = sum(1 for _ in bag.messages({"/camera"}))
+    with open_bags([tmp_path / "long.bag"]) as (bag,):
+        count = sum(1 for _ in bag.messages({"/camera"}))
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert count == 300

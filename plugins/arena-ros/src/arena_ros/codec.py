@@ -34,13 +34,13 @@ class BadMessage(ArenaError):
 class Codec:
     """Makes, writes and reads messages of one generation of ROS; types are named as in ROS 2, ``sensor_msgs/msg/LaserScan``."""
 
-    def __init__(self, ros: Ros, definitions: dict[str, str] | None = None) -> None:
+    def __init__(self, ros: Ros) -> None:
         from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
         self.ros = ros
         self.store = get_typestore(Stores.ROS1_NOETIC if ros == 1 else Stores.ROS2_HUMBLE)
         found: dict[str, Any] = {}
-        for name, text in (DEFINITIONS | (MOVE_BASE if ros == 1 else {}) | (definitions or {})).items():
+        for name, text in (DEFINITIONS | (MOVE_BASE if ros == 1 else {})).items():
             found.update(get_types_from_msg(text, name))
         own = {name: value for name, value in found.items() if name not in self.store.fielddefs}
         self.store.register(own)

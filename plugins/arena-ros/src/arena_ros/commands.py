@@ -20,7 +20,7 @@ USAGES = {
     "watchdog": "arena ros watchdog [transport=ros1] [from=/arena/cmd_vel] [to=/cmd_vel]",
 }
 READING_KEYS = ("period", "goal_radius", "time_limit", "person_radius", "without")
-IMPORT_KEYS = ("out", "robot", "planner", "map", "scans", *READING_KEYS)
+IMPORT_KEYS = ("out", "robot", "planner", "map", "map_frame", "scans", *READING_KEYS)
 TRACKER = "tracker"  # what the role `people` may be beside a topic
 
 
@@ -133,6 +133,7 @@ def _request(action: str, arguments: Sequence[str]) -> tuple[Words, Request]:
         reading,
         goal,
         tracked,
+        tuple(name.lstrip("/") for name in words.value("map_frame", str, "").split(",") if name),
     )
     return words, request
 

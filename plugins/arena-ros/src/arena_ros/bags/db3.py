@@ -5,26 +5,25 @@ from __future__ import annotations
 import sqlite3
 from collections.abc import Collection, Iterator
 from contextlib import closing
-from typing import ClassVar
 
 from arena_core import InputFileError, one_line
-from arena_ros.bags.stream import LARGEST_RECORD, Bag, Channel, Cut, normalised
-from arena_ros.codec import Ros
+from arena_ros.bags.packing import Allowance
+from arena_ros.bags.stream import LARGEST_MESSAGE, Bag, Channel, Cut, Message, normalised
 
 MAGIC = b"SQLite format 3\0"
-DAMAGED = (sqlite3.Error, TypeError, ValueError)  # what the module raises for a damaged file, names that are no text among it
+WROTE = "what `ros2 bag record -s sqlite3` wrote"
+DAMAGED = (sqlite3.Error, TypeError, ValueError, OverflowError)  # what the module raises for a damaged file, names that are no text too
+COLUMNS = {"topics": ("id", "name", "type"), "messages": ("id", "topic_id", "timestamp", "data")}
 
 
 class Db3(Bag):
     """A ``.db3``."""
 
-    ros: ClassVar[Ros] = 2
-
     def channels(self) -> dict[Channel, int]:
         """Return the channels with the numbers of their messages."""
         with closing(self._open()) as database:
             try:
-                known = self._known(database)
+                known = _known(database)
                 counts = dict(database.execute("SELECT topic_id, COUNT(*) FROM messages GROUP BY topic_id"))
             except DAMAGED as error:
                 known, counts = self._known_or_refuse(database, error), {}
@@ -33,39 +32,57 @@ class Db3(Bag):
             found[channel] = found.get(channel, 0) + (counts.get(number, 0) if counts else 1)
         return found
 
-    def read(self, topics: Collection[str]) -> Iterator[tuple[Channel, int, bytes]]:
+    def read(self, topics: Collection[str], in_time: bool) -> Iterator[Message]:
         """Yield the messages of these topics, of all where there are none; raise Cut where the file is damaged."""
+        allowance = Allowance(self.path)
         with closing(self._open()) as database:
             try:
-                known = {number: channel for number, channel in self._known(database).items() if not topics or channel.topic in topics}
+                known = {number: channel for number, channel in _known(database).items() if not topics or channel.topic in topics}
                 wanted = ",".join("?" * len(known))
-                query = f"SELECT topic_id, timestamp, data FROM messages WHERE topic_id IN ({wanted}) ORDER BY timestamp"  # noqa: S608 - marks
-                for number, stamp, data in database.execute(query, tuple(known)):
-                    yield known[number], int(stamp), bytes(data)
+                order = "timestamp, id" if in_time else "id"
+                query = f"SELECT id, topic_id, timestamp, length(data) FROM messages WHERE topic_id IN ({wanted}) ORDER BY {order}"  # noqa: S608 - marks
+                for row, number, stamp, size in database.execute(query, tuple(known)):
+                    content = b""
+                    if size is not None and size <= LARGEST_MESSAGE:
+                        content = database.execute("SELECT data FROM messages WHERE id = ?", (row,)).fetchone()[0]
+                    yield known[number], int(stamp), allowance.message(bytes(content))
             except DAMAGED as error:
                 raise Cut(f"the data base is damaged ({one_line(str(error), 80)})") from None
 
     def _open(self) -> sqlite3.Connection:
         with self.path.open("rb") as file:
             if file.read(len(MAGIC)) != MAGIC:
-                raise InputFileError(f"{self.path}: is no SQLite file; allowed: what `ros2 bag record -s sqlite3` wrote")
+                raise InputFileError(f"{self.name}: is no SQLite file; allowed: {WROTE}")
         database = sqlite3.connect(f"{self.path.resolve().as_uri()}?mode=ro&immutable=1", uri=True)
         database.text_factory = lambda content: content.decode(errors="replace")
-        database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_RECORD)
+        database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST_MESSAGE)
+        try:
+            database.execute("PRAGMA trusted_schema = OFF")
+            wrong = next((name for name, columns in COLUMNS.items() if not _is_plain_table(database, name, columns)), None)
+        except DAMAGED as error:
+            database.close()
+            raise InputFileError(f"{self.name}: cannot be read ({one_line(str(error), 80)}); allowed: {WROTE}") from None
+        if wrong is not None:
+            database.close()
+            raise InputFileError(f"{self.name}: {wrong} is no table as recorders write it; allowed: {WROTE}")
         return database
-
-    def _known(self, database: sqlite3.Connection) -> dict[int, Channel]:
-        definitions: dict[str, str] = {}
-        if database.execute("SELECT 1 FROM sqlite_master WHERE name = 'message_definitions'").fetchone():
-            rows = database.execute("SELECT topic_type, encoding, encoded_message_definition FROM message_definitions")
-            definitions = {str(name): str(text) for name, encoding, text in rows if encoding == "ros2msg"}
-        rows = database.execute("SELECT id, name, type FROM topics")
-        return {int(n): Channel(str(topic), normalised(str(name)), definitions.get(str(name), "")) for n, topic, name in rows}
 
     def _known_or_refuse(self, database: sqlite3.Connection, error: Exception) -> dict[int, Channel]:
         try:
-            return self._known(database)
+            return _known(database)
         except DAMAGED:
-            raise InputFileError(
-                f"{self.path}: cannot be read ({one_line(str(error), 80)}); allowed: what `ros2 bag record -s sqlite3` wrote"
-            ) from None
+            raise InputFileError(f"{self.name}: cannot be read ({one_line(str(error), 80)}); allowed: {WROTE}") from None
+
+
+def _is_plain_table(database: sqlite3.Connection, name: str, columns: tuple[str, ...]) -> bool:
+    """Return whether rows lie in the file: views, virtual tables and generated columns compute them, for as long as they like."""
+    row = database.execute("SELECT type, rootpage FROM sqlite_master WHERE name = ?", (name,)).fetchall()
+    if [(kind, bool(page)) for kind, page in row] != [("table", True)]:
+        return False
+    stored = {column: (kind, key) for _, column, kind, _, _, key, hidden in database.execute(f"PRAGMA table_xinfo({name})") if not hidden}
+    return stored.keys() >= set(columns) and (str(stored["id"][0]).upper(), stored["id"][1]) == ("INTEGER", 1)
+
+
+def _known(database: sqlite3.Connection) -> dict[int, Channel]:
+    rows = database.execute("SELECT id, name, type FROM topics")
+    return {int(number): Channel(str(topic), normalised(str(name)), 2) for number, topic, name in rows}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,23 +17,28 @@ from arena_core import (
     OutsideRun,
     Pose,
     Registry,
+    Robot,
     compose,
     free_area,
     load_registry,
     plain,
     tell,
 )
-from arena_ros.bags.gathering import Gathered, Gatherer
+from arena_ros.bags.clocks import Clocks, clocks
+from arena_ros.bags.gathered import Gathered
+from arena_ros.bags.gathering import Gatherer
 from arena_ros.bags.legacy import ENDING, LegacyFile, legacy_record
 from arena_ros.bags.opening import open_bags
+from arena_ros.bags.parting import parts
+from arena_ros.bags.placing import Placed, Placer
 from arena_ros.bags.records import Reading, measured, restored
-from arena_ros.bags.roles import Cast, cast, definitions
+from arena_ros.bags.roles import Cast, cast
 from arena_ros.bags.stream import Bag, Channel
 from arena_ros.bags.watching import Watcher
-from arena_ros.codec import BadMessage, Codec
+from arena_ros.codec import BadMessage, codec
 
 ROBOT = "turtlebot3"  # whose footprint counts where nobody says which robot it was
-MOTION = ("reference", "odometry", "estimate")
+MOTION = ("reference", "odometry", "estimate", "tf")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,6 +46,7 @@ class Request:
     """What is imported and how: roles said by the user, the robot's name or None, the planner's name, and whether scans are kept.
 
     ``goal`` is that of recordings which have none; with ``tracker`` people are those that our tracker sees in the scans.
+    ``map_frame`` names the frame that all is taken to, and others that are taken for it.
     """
 
     roles: Mapping[str, str]
@@ -51,13 +57,18 @@ class Request:
     reading: Reading
     goal: Pose | None = None
     tracker: bool = False
+    map_frame: tuple[str, ...] = ()
 
 
 def import_bags(paths: Sequence[Path], folder: Path, request: Request) -> Sequence[Mapping[str, Any]]:
     """Write what was recorded to a run's folder; return the rows of its episodes. What was guessed, left out or is not known is told."""
     if paths and all(path.suffix == ENDING for path in paths):
         return _import_legacy(paths, folder, request)
-    bags = open_bags(paths)
+    with open_bags(paths) as bags:
+        return _import(bags, paths, folder, request)
+
+
+def _import(bags: Sequence[Bag], paths: Sequence[Path], folder: Path, request: Request) -> Sequence[Mapping[str, Any]]:
     channels: dict[Channel, int] = {}
     for bag in bags:
         for channel, count in bag.channels().items():
@@ -70,11 +81,11 @@ def import_bags(paths: Sequence[Path], folder: Path, request: Request) -> Sequen
         types = sorted({channel.type for channel in channels})
         raise InputFileError(
             f"{paths[0]}: nothing says where the robot was (types: {', '.join(types) or 'none'}); "
-            "allowed: a nav_msgs/Odometry, /amcl_pose or a reference pose"
+            "allowed: a nav_msgs/Odometry, /amcl_pose, /tf or a reference pose"
         )
     registry = load_registry()
-    codec = Codec(bags[0].ros, definitions(channels))
-    config = _config_of_export(bags, found, codec)
+    config = _config_of_export(bags, found)
+    exported = config is not None
     if config is None:
         for line in found.guesses:
             tell(line)
@@ -82,13 +93,18 @@ def import_bags(paths: Sequence[Path], folder: Path, request: Request) -> Sequen
     robot = registry.build("robot", config["robot"])
     grid = _site(registry, config, request)
     watcher = _watcher(registry, config, robot, grid, found) if tracked else None
-    gatherer = Gatherer(codec, found, robot.footprint, robot.lidar.mount, request.scans, watcher)
+    times = Clocks(None, ("", ""), {}, [True] * len(bags)) if exported else clocks(bags, found)
+    for line in times.lines:
+        tell(line)
+    gatherer = Gatherer(found, times, robot.footprint, robot.lidar.mount, request.scans, watcher, request.map_frame)
     with OutsideRun(folder, config, registry, Code("", {}), _notes(paths, found)) as run:
         for record in _records(gatherer, bags, request, robot, config, run, grid):
             run.add(record)
-    _tell(gatherer, bags, run)
+    if times.off:
+        gatherer.note(f"{times.off} stamps lie off their clock; the time of recording counts for them")
+    _tell(gatherer, bags)
     if not run.rows:
-        raise InputFileError(f"{paths[0]}: holds no episode; allowed: a recording in which a robot moves")
+        raise InputFileError(f"{paths[0]}: holds no episode, as nothing says where the robot was; allowed: a recording in which it moves")
     return run.rows
 
 
@@ -96,25 +112,42 @@ def _records(
     gatherer: Gatherer,
     bags: Sequence[Bag],
     request: Request,
-    robot: Any,
+    robot: Robot,
     config: Mapping[str, Any],
     run: OutsideRun,
     grid: OccupancyGrid | None,
 ) -> Iterator[EpisodeRecord]:
-    for number, gathered in enumerate(gatherer.episodes(bags)):
-        world = _world(config, run, grid if grid is not None else gatherer.grid)
+    placer = Placer(request.map_frame[0] if request.map_frame else "", gatherer.note)
+    for gathered in gatherer.episodes(bags):
         if gathered.meta is not None:
-            yield _own(gathered, world, number)
-            continue
-        gathered.goal = gathered.goal or request.goal
-        columns = _columns(config) | ({"pedestrian_model": "tracked"} if request.tracker else {})
-        record = measured(gathered, robot, request.reading, number, columns, world)
-        if gathered.goal is None:
-            tell("no goal was recorded: where the robot was at the end counts as its goal")
-        if record.meta["truth"] != "reference":
-            tell(f"no reference pose was recorded: what counts as true is {_TRUTH[record.meta['truth']]}")
-        _tell_unknown(record)
-        yield EpisodeRecord(record.arrays, {**record.meta, "config": dict(config)})
+            yield _own(gathered, _world(config, run, grid if grid is not None else gatherer.grid), len(run.rows))
+        elif (placed := placer.place(gathered, gatherer.grid_frame, request.goal)) is not None:
+            reading, site = request.reading, _shifted(grid if grid is not None else gatherer.grid, placed.shift)
+            for part in parts(placed, bool(run.rows), _fastest(robot), reading.goal_radius, reading.time_limit, gatherer.note):
+                yield _measured(part, robot, request, config, len(run.rows), _world(config, run, site))
+
+
+def _measured(
+    part: Placed, robot: Robot, request: Request, config: Mapping[str, Any], number: int, world: Mapping[str, Any]
+) -> EpisodeRecord:
+    columns = _columns(config) | ({"pedestrian_model": "tracked"} if request.tracker else {})
+    record = measured(part, robot, request.reading, number, columns, world)
+    if part.goal is None:
+        tell("no goal was recorded: where the robot was at the end counts as its goal")
+    if part.truth != "reference":
+        tell(f"no reference pose was recorded: what counts as true is {_TRUTH[part.truth]}")
+    _tell_unknown(record)
+    return EpisodeRecord(record.arrays, {**record.meta, "config": dict(config)})
+
+
+def _fastest(robot: Robot) -> float:
+    return max(abs(robot.limits.vx_max), abs(robot.limits.vy_max))
+
+
+def _shifted(grid: OccupancyGrid | None, shift: tuple[float, float]) -> OccupancyGrid | None:
+    if grid is None or not any(shift):
+        return grid
+    return replace(grid, origin=Pose(grid.origin.x - shift[0], grid.origin.y - shift[1], grid.origin.theta))
 
 
 def _site(registry: Registry, config: Mapping[str, Any], request: Request) -> OccupancyGrid | None:
@@ -183,7 +216,7 @@ def _own(gathered: Gathered, world: Mapping[str, Any], number: int) -> EpisodeRe
         raise InputFileError(f"/arena/episode: episode {number} is not as `arena ros export` writes it ({error})") from None
 
 
-def _config_of_export(bags: Sequence[Bag], found: Cast, codec: Codec) -> dict[str, Any] | None:
+def _config_of_export(bags: Sequence[Bag], found: Cast) -> dict[str, Any] | None:
     """Return the configuration of the run that was exported; None where the recording is not an export of ours."""
     channel = found.by_role.get("episode")
     if channel is None:
@@ -191,7 +224,7 @@ def _config_of_export(bags: Sequence[Bag], found: Cast, codec: Codec) -> dict[st
     for bag in bags:
         for _, _, content in bag.messages({channel.topic}):
             try:
-                own = json.loads(codec.decode(content, channel.type).data)["meta"]["config"]
+                own = json.loads(codec(channel.ros).decode(content, channel.type).data)["meta"]["config"]
             except (BadMessage, ValueError, KeyError, TypeError):
                 return None
             usual = plain(compose(()))
@@ -226,10 +259,10 @@ def _notes(paths: Sequence[Path], found: Cast) -> list[str]:
     return [f"imported from {', '.join(path.name for path in paths)}", *played]
 
 
-def _tell(gatherer: Gatherer, bags: Sequence[Bag], run: OutsideRun) -> None:
+def _tell(gatherer: Gatherer, bags: Sequence[Bag]) -> None:
     for bag in bags:
         if bag.cut:
-            tell(f"{bag.path}: {bag.cut}; what came before is kept")
+            tell(f"{bag.name}: {bag.cut}; what came before is kept")
     for line, count in gatherer.notes.items():
         tell(line + (f" ({count} times)" if count > 1 else ""))
 
@@ -240,4 +273,6 @@ def reading_of(period: float, goal_radius: float, time_limit: float, person_radi
     wrong = sorted(parts - {"people", "contacts"})
     if wrong:
         raise ConfigurationError(f"without has {wrong[0]}; allowed: people, contacts")
+    if not 0.005 <= period <= 60.0:
+        raise ConfigurationError(f"period is {period}; allowed: 0.005 to 60 s")
     return Reading(period, goal_radius, time_limit, person_radius, parts)

@@ -1,102 +1,116 @@
-"""MCAP files of ROS 2 (mcap.dev/spec), read record by record: a summary is not needed, nor an end."""
+"""MCAP files of ROS 1 and ROS 2 (mcap.dev/spec), read record by record: a summary is not needed, nor an end, nor the order of time."""
 
 from __future__ import annotations
 
 import struct
-import sys
 from collections.abc import Collection, Iterator
+from functools import partial
 from io import BytesIO
-from typing import IO, ClassVar
+from pathlib import Path
+from typing import IO
 
 from arena_core import InputFileError
-from arena_ros.bags.stream import LARGEST_CHUNK, LARGEST_RECORD, Bag, Channel, Cut, normalised
+from arena_ros.bags.packing import Allowance, unpacked_lz4, unpacked_zstd
+from arena_ros.bags.stream import LARGEST_CHUNK, LARGEST_RECORD, MOST_PIECES, Bag, Channel, Cut, Message, Piece, by_time, normalised
 from arena_ros.codec import Ros
 
 MAGIC = b"\x89MCAP0\r\n"
 FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, STATISTICS, DATA_END = 2, 3, 4, 5, 6, 11, 15
+HEAD = struct.Struct("<BQ")
+LEAST = {CHUNK: 40, MESSAGE: 22}  # bytes that are always there
 FOOTER_BYTES = 9 + 20 + len(MAGIC)
+LOOSE = 2**20  # bytes of records outside of chunks that are read as one piece
+ENCODINGS: dict[str, Ros] = {"cdr": 2, "ros1": 1}
+FAULTS = (KeyError, struct.error, ValueError)
 
 
 class Mcap(Bag):
     """A ``.mcap``."""
 
-    ros: ClassVar[Ros] = 2
+    def __init__(self, path: Path, name: Path | None = None) -> None:
+        super().__init__(path, name)
+        self._known: _Known | None = None
 
     def channels(self) -> dict[Channel, int]:
         """Return the channels from the summary; from all of the file where it has none."""
         with self.path.open("rb") as file:
-            _begin(file, self)
+            _begin(file, self.name)
             try:
-                found = _summary(file)
-            except (Cut, OSError, struct.error, KeyError):
-                found = {}
-        return found or self._counted()
-
-    def _counted(self) -> dict[Channel, int]:
-        found: dict[Channel, int] = {}
-        try:
-            for channel, _, _ in self.read(()):
-                found[channel] = found.get(channel, 0) + 1
-        except Cut:
-            pass
+                known, counts = _summary(file)
+            except (Cut, OSError, *FAULTS):
+                known, counts = _Known(), {}
+        counted = {} if known.channels else self.counted()
+        self._known = known = known if known.channels or self._known is None else self._known
+        if known.channels and not any(known.channels.values()):
+            raise InputFileError(f"{self.name}: its messages are encoded as {known.encodings()}; allowed: cdr (ROS 2) and ros1")
+        found = counted
+        for number, channel in known.channels.items() if not counted else ():
+            if channel is not None:
+                found[channel] = found.get(channel, 0) + counts.get(number, 1)
         return found
 
-    def read(self, topics: Collection[str]) -> Iterator[tuple[Channel, int, bytes]]:
+    def read(self, topics: Collection[str], in_time: bool) -> Iterator[Message]:
         """Yield the messages of these topics, of all where there are none; raise Cut where the file ends early."""
-        known = _Known()
+        if in_time and self._known is None:
+            self.channels()  # a channel may be told of in a chunk that lies later in the file than in time
+        known = self._known or _Known()
+        known.allowance = Allowance(self.path)
         with self.path.open("rb") as file:
-            _begin(file, self)
-            try:
-                while True:
-                    kind, data = _record(file)
-                    if kind == CHUNK:
-                        yield from _of_chunk(BytesIO(_unpacked(data)), known, topics)
-                    elif kind in (DATA_END, FOOTER):
-                        return
-                    else:
-                        yield from known.take(kind, data, topics)
-            except (KeyError, struct.error, ValueError) as error:
-                raise Cut(f"a damaged record at byte {file.tell()} ({type(error).__name__})") from None
+            _begin(file, self.name)
+            pieces, cut = _pieces(file, known, topics)
+            self._known = known
+            if in_time:
+                yield from by_time(pieces)
+            else:
+                for piece in pieces:
+                    yield from piece.read()
+        if cut:
+            raise Cut(cut)
 
 
 class _Known:
-    """Schemas and channels that have come so far."""
+    """Schemas and channels that have come so far; None stands for a channel in another encoding than those of ROS."""
 
     def __init__(self) -> None:
-        self.schemas: dict[int, tuple[str, str]] = {0: ("", "")}
-        self.channels: dict[int, Channel] = {}
+        self.schemas: dict[int, str] = {0: ""}
+        self.channels: dict[int, Channel | None] = {}
+        self.allowance: Allowance | None = None
+        self._others: set[str] = set()
 
-    def take(self, kind: int, data: bytes, topics: Collection[str]) -> Iterator[tuple[Channel, int, bytes]]:
+    def encodings(self) -> str:
+        return ", ".join(sorted(self._others)) or "nothing"
+
+    def take(self, kind: int, data: bytes, topics: Collection[str]) -> Iterator[Message]:
         if kind == MESSAGE:
             number, _, stamp, _ = struct.unpack_from("<HIQQ", data)
             channel = self.channels[number]
-            if not topics or channel.topic in topics:
-                yield channel, stamp, data[22:]
+            if channel is not None and (not topics or channel.topic in topics):
+                content = data[22:]
+                yield channel, stamp, self.allowance.message(content) if self.allowance and channel.ros == 2 else content
         elif kind == SCHEMA:
-            number = struct.unpack_from("<H", data)[0]
-            name, at = _text(data, 2)
-            encoding, at = _text(data, at)
-            self.schemas[number] = normalised(name), _text(data, at)[0] if encoding == "ros2msg" else ""
+            self.schemas[struct.unpack_from("<H", data)[0]] = normalised(_text(data, 2)[0])
         elif kind == CHANNEL:
             number, schema = struct.unpack_from("<HH", data)
-            topic, _ = _text(data, 4)
-            self.channels[number] = Channel(topic, *self.schemas[schema])
+            topic, at = _text(data, 4)
+            encoding, _ = _text(data, at)
+            ros = ENCODINGS.get(encoding)
+            self.channels[number] = Channel(topic, self.schemas[schema], ros) if ros else None
+            self._others |= set() if ros else {encoding[:20]}
 
 
-def _begin(file: IO[bytes], bag: Bag) -> None:
+def _begin(file: IO[bytes], path: Path) -> None:
     if file.read(len(MAGIC)) != MAGIC:
-        raise InputFileError(f"{bag.path}: is no MCAP file; allowed: what `ros2 bag record -s mcap` wrote")
+        raise InputFileError(f"{path}: is no MCAP file; allowed: what `ros2 bag record -s mcap` wrote")
 
 
-def _summary(file: IO[bytes]) -> dict[Channel, int]:
+def _summary(file: IO[bytes]) -> tuple[_Known, dict[int, int]]:
+    """Return what the summary says of channels, and the numbers of their messages."""
     file.seek(-FOOTER_BYTES, 2)
     end = file.read(FOOTER_BYTES)
     start = struct.unpack_from("<Q", end, 9)[0] if end.endswith(MAGIC) and end[0] == FOOTER else 0
-    if not start:
-        return {}
-    file.seek(start)
     known, counts = _Known(), dict[int, int]()
-    while True:
+    file.seek(start)
+    while start:
         kind, data = _record(file)
         if kind == FOOTER:
             break
@@ -104,20 +118,79 @@ def _summary(file: IO[bytes]) -> dict[Channel, int]:
             counts = dict(struct.iter_unpack("<HQ", data[46:]))
         elif kind in (SCHEMA, CHANNEL):
             list(known.take(kind, data, ()))
-    found: dict[Channel, int] = {}
-    for number, channel in known.channels.items():
-        found[channel] = found.get(channel, 0) + counts.get(number, 1)
-    return found
+    return known, counts
 
 
-def _of_chunk(file: IO[bytes], known: _Known, topics: Collection[str]) -> Iterator[tuple[Channel, int, bytes]]:
-    length = len(file.getvalue()) if isinstance(file, BytesIO) else 0
-    while file.tell() < length:
-        kind, data = _record(file)
-        yield from known.take(kind, data, topics)
+def _pieces(file: IO[bytes], known: _Known, topics: Collection[str]) -> tuple[list[Piece], str]:
+    """Return the chunks of a file, and what lies between them, by their heads alone; and why it ends early."""
+    size, found, loose, first = file.seek(0, 2), list[Piece](), len(MAGIC), 0
+    at = file.seek(loose)
+
+    def close(end: int) -> None:
+        if end > loose:
+            found.append(Piece(first, partial(_loose, file, loose, end, known, topics)))
+
+    while True:
+        head = file.read(25)
+        if len(head) < HEAD.size:
+            close(at)
+            return found, "it ends within a record" if head else "it was never closed"
+        kind, length = HEAD.unpack_from(head)
+        end = at + HEAD.size + length
+        if why := _why(kind, length, end > size) if len(found) < MOST_PIECES else f"more than {MOST_PIECES} chunks":
+            close(at)
+            return found, why.strip()
+        if kind == CHUNK or end - loose > LOOSE:
+            close(at)
+            loose, first = at, 0
+        if kind == CHUNK:
+            found.append(Piece(struct.unpack_from("<Q", head, 9)[0], partial(_chunk, file, at, known, topics)))
+            loose = end
+        elif kind == MESSAGE:
+            stamp = struct.unpack_from("<Q", head, 15)[0]
+            first = min(first, stamp) if first else stamp
+        at = file.seek(end)
 
 
-def _unpacked(data: bytes) -> bytes:
+def _why(kind: int, length: int, beyond: bool) -> str:
+    """Return why a file is read no farther than to a record, a blank where that ends it, nothing where it goes on."""
+    if kind in (DATA_END, FOOTER):
+        return " "
+    if beyond:
+        return "it ends within a record"
+    if kind in (CHUNK, MESSAGE) and not LEAST[kind] <= length <= LARGEST_RECORD:
+        return f"a record of {length} bytes; allowed: up to {LARGEST_RECORD}"
+    return ""
+
+
+def _loose(file: IO[bytes], begin: int, end: int, known: _Known, topics: Collection[str]) -> Iterator[Message]:
+    try:
+        file.seek(begin)
+        while (at := file.tell()) < end:
+            kind, length = HEAD.unpack(file.read(HEAD.size))
+            if kind in (SCHEMA, CHANNEL, MESSAGE):
+                file.seek(at)
+                yield from known.take(*_record(file), topics)
+            file.seek(at + HEAD.size + length)
+    except FAULTS as error:
+        raise Cut(f"a damaged record at byte {file.tell()} ({type(error).__name__})") from None
+
+
+def _chunk(file: IO[bytes], begin: int, known: _Known, topics: Collection[str]) -> Iterator[Message]:
+    file.seek(begin)
+    try:
+        content = BytesIO(_unpacked(_record(file)[1], known.allowance))
+        end = len(content.getbuffer())
+        while content.tell() < end:
+            kind, data = _record(content)
+            if kind == 0:
+                raise Cut(f"a damaged chunk at byte {begin}")
+            yield from known.take(kind, data, topics)
+    except FAULTS as error:
+        raise Cut(f"a damaged chunk at byte {begin} ({type(error).__name__})") from None
+
+
+def _unpacked(data: bytes, allowance: Allowance | None) -> bytes:
     size = struct.unpack_from("<Q", data, 16)[0]
     compression, at = _text(data, 28)
     packed = data[at + 8 :]
@@ -125,34 +198,20 @@ def _unpacked(data: bytes) -> bytes:
         raise Cut(f"a chunk of {size} bytes; allowed: up to {LARGEST_CHUNK}")
     if not compression:
         return packed
-    try:
-        if compression == "lz4":
-            from lz4.frame import LZ4FrameDecompressor
-
-            return bytes(LZ4FrameDecompressor().decompress(packed, size))
-        if compression == "zstd":
-            return _zstd(packed, size)
-    except (OSError, RuntimeError, EOFError) as error:
-        raise Cut(f"a damaged chunk ({type(error).__name__})") from None
-    raise Cut(f"chunks are compressed by {compression!r}; allowed: lz4, zstd")
-
-
-def _zstd(packed: bytes, size: int) -> bytes:
-    if sys.version_info >= (3, 14):
-        from compression import zstd
-    else:
-        from backports import zstd
-    try:
-        return bytes(zstd.ZstdDecompressor().decompress(packed, size))
-    except zstd.ZstdError as error:
-        raise Cut(f"a damaged chunk ({type(error).__name__})") from None
+    if allowance is not None:
+        allowance.take(size)
+    if compression == "lz4":
+        return unpacked_lz4(packed, size)
+    if compression == "zstd":
+        return unpacked_zstd(packed, size)
+    raise Cut(f"chunks are compressed by {compression[:20]!r}; allowed: lz4, zstd")
 
 
 def _record(file: IO[bytes]) -> tuple[int, bytes]:
-    head = file.read(9)
-    if len(head) < 9:
-        raise Cut("it was never closed" if not head else "it ends within a record")
-    kind, size = struct.unpack("<BQ", head)
+    head = file.read(HEAD.size)
+    if len(head) < HEAD.size:
+        raise Cut("it ends within a record")
+    kind, size = HEAD.unpack(head)
     if size > LARGEST_RECORD:
         raise Cut(f"a record of {size} bytes; allowed: up to {LARGEST_RECORD}")
     data = file.read(size)

@@ -2,35 +2,50 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from arena_core import InputFileError
 from arena_ros.bags.db3 import Db3
 from arena_ros.bags.mcap import Mcap
+from arena_ros.bags.packing import ENDINGS, unpacked_file
 from arena_ros.bags.ros1 import Ros1Bag
 from arena_ros.bags.stream import Bag
 
-KINDS = ".bag, .mcap, .db3, the folder of a ROS 2 bag, or .csv files of Arena-Bench's recorder"
+KINDS = ".bag, .mcap, .db3, the folder of a ROS 2 bag, any of these compressed, or .csv files of Arena-Bench's recorder"
+READERS: dict[str, type[Bag]] = {".bag": Ros1Bag, ".active": Ros1Bag, ".mcap": Mcap, ".db3": Db3}
 
 
-def open_bags(paths: Collection[Path]) -> list[Bag]:
-    """Return recordings by their endings; raise InputFileError for what is none."""
-    found = [bag for path in paths for bag in _open(path)]
-    if len({bag.ros for bag in found}) > 1:
-        raise InputFileError(f"{found[0].path}: is of ROS {found[0].ros}, others are not; allowed: recordings of one generation")
-    return found
+@contextmanager
+def open_bags(paths: Collection[Path]) -> Iterator[list[Bag]]:
+    """Lend recordings by their endings, unpacked where they are compressed; raise InputFileError for what is none."""
+    files = [file for path in paths for file in _files(path)]
+    with ExitStack() as stack:
+        yield [_opened(path, stack) for path in files]
 
 
-def _open(path: Path) -> list[Bag]:
-    kinds: dict[str, type[Bag]] = {".bag": Ros1Bag, ".active": Ros1Bag, ".mcap": Mcap, ".db3": Db3}
+def _opened(path: Path, stack: ExitStack) -> Bag:
+    if path.suffix not in ENDINGS:
+        return READERS[path.suffix](path)
+    return READERS[path.with_suffix("").suffix](stack.enter_context(unpacked_file(path)), path)
+
+
+def _kind(path: Path) -> str:
+    """Return the ending that says which reader a file needs, without that of a compression."""
+    return path.with_suffix("").suffix if path.suffix in ENDINGS else path.suffix
+
+
+def _files(path: Path) -> list[Path]:
     if path.is_dir():
-        inside = sorted(each for each in path.iterdir() if each.suffix in (".mcap", ".db3"))
+        inside = sorted(each for each in path.iterdir() if _kind(each) in (".mcap", ".db3") and each.is_file())
+        names = {each.name for each in inside}
+        inside = [each for each in inside if each.suffix not in ENDINGS or each.with_suffix("").name not in names]
         if not inside:
             raise InputFileError(f"{path}: holds no recording; allowed: {KINDS}")
-        return [kinds[each.suffix](each) for each in inside]
-    if path.suffix not in kinds:
+        return inside
+    if _kind(path) not in READERS:
         raise InputFileError(f"{path}: is no recording by its name; allowed: {KINDS}")
     if not path.is_file():
         raise InputFileError(f"{path}: no such file; allowed: {KINDS}")
-    return [kinds[path.suffix](path)]
+    return [path]

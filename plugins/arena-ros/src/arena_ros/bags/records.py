@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import EpisodeRecord, Pose, Robot, robot_meta, wrap_angle
+from arena_core import EpisodeRecord, Pose, Robot, robot_meta
 from arena_ros.bags.footprint import clearances
-from arena_ros.bags.gathering import Gathered
+from arena_ros.bags.gathered import Gathered
+from arena_ros.bags.placing import Placed
+from arena_ros.bags.series import People, Series
 
 Arrays = dict[str, NDArray[Any]]
 STALE_PEOPLE = 10**9  # ns after which somebody who is not seen any more is not there
@@ -24,6 +26,7 @@ CONTACT_TYPES = {
     "contact_position": np.float64,
 }
 ALL_CONTACTS = ("in_contact", "contact_time", *CONTACT_TYPES)
+UNDESCRIBED = ("contact_kind", "contact_person", "contact_speed", "contact_caused")
 ALL_PEOPLE = (
     "clearance_people",
     "pedestrian_ids",
@@ -49,18 +52,19 @@ def restored(gathered: Gathered) -> EpisodeRecord:
     """Return the record that our own export wrote, value for value; raise ValueError where parts of it are missing."""
     own = gathered.meta or {}
     ending, people = gathered.ending, own["people"]
-    stamps = gathered.reference.stamps
-    if not len(stamps):
+    if not gathered.reference:
         raise ValueError("it has no /ground_truth")
+    truth, believed = next(iter(gathered.reference.values())), next(iter(gathered.estimate.values()), Series(12))
+    stamps = truth.stamps
     ids = np.array(people["ids"], np.int32)
-    reference, amcl = gathered.reference.exactly(stamps), gathered.estimate.exactly(stamps)
+    reference, amcl = truth.exactly(stamps), believed.exactly(stamps)
     width = 6 + len(ids)
     state = np.full((len(stamps), width), np.nan)
     for stamp, numbers in gathered.state:
         place = int(np.searchsorted(stamps, stamp))
         if place < len(stamps) and stamps[place] == stamp and len(numbers) == width:
             state[place] = numbers
-    _, seen = gathered.people.table(stamps, 0, ids)
+    _, seen = next(iter(gathered.people.values()), People()).table(stamps, 0, ids)
     arrays: Arrays = {
         "stamp": np.where(np.isfinite(state[:, 0]), state[:, 0], _seconds(stamps, gathered.begin)),
         "pose": reference[:, :3],
@@ -79,7 +83,7 @@ def restored(gathered: Gathered) -> EpisodeRecord:
         "pedestrian_positions": seen[:, :, :2],
         "pedestrian_velocities": seen[:, :, 2:],
         "pedestrian_states": np.nan_to_num(state[:, 6:]).astype(np.int8),
-        **_paths(gathered),
+        **_paths([(stamp, poses) for stamp, _, poses in gathered.paths], gathered.begin),
     }
     contacts = ending["contacts"] if ending else {}
     arrays |= {name: np.array(contacts.get(name, []), kind) for name, kind in CONTACT_TYPES.items()}
@@ -93,27 +97,30 @@ def restored(gathered: Gathered) -> EpisodeRecord:
 
 
 def measured(
-    gathered: Gathered, robot: Robot, reading: Reading, number: int, columns: Mapping[str, Any], world: Mapping[str, Any]
+    placed: Placed, robot: Robot, reading: Reading, number: int, columns: Mapping[str, Any], world: Mapping[str, Any]
 ) -> EpisodeRecord:
     """Return the record of a foreign recording; ``meta["unknown"]`` names the arrays that nobody recorded, with the reason."""
-    stamps, poses, twists, truth = _motion(gathered, reading)
-    goal = gathered.goal.array().tolist() if gathered.goal is not None else poses[-1].tolist()
+    gathered = placed.gathered
+    stamps, poses, twists = _motion(placed, reading)
+    goal = placed.goal.array().tolist() if placed.goal is not None else poses[-1].tolist()
     since = (stamps - stamps[0]) * 1e-9
-    last, outcome, error = ending(gathered.goal, poses, since, reading, gathered.why_ended)
+    last, outcome, error = ending(placed.goal, poses, since, reading, placed.why_ended)
     stamps, poses, twists = stamps[: last + 1], poses[: last + 1], twists[: last + 1]
     unknown: dict[str, str] = {}
     arrays: Arrays = {"stamp": _seconds(stamps, stamps[0]), "pose": poses, "twist": twists}
-    arrays |= _estimate(gathered, stamps, truth, unknown)
-    arrays["command"] = gathered.command.held(stamps)
+    arrays |= _estimate(placed, stamps, unknown)
+    arrays["command"] = gathered.command.in_order().held(stamps)
     arrays["command"][-1] = np.nan
     arrays["waypoint"] = np.full((len(stamps), 3), np.nan)
     arrays |= _by_scan(gathered, stamps, unknown)
-    arrays |= _people(gathered, stamps, poses, robot, reading, unknown)
-    arrays |= no_contacts(len(stamps), reading, unknown)
-    arrays |= _paths(gathered, stamps[0], stamps[-1])
+    arrays |= _people(placed, stamps, poses, robot, reading, unknown)
+    arrays |= _contacts(placed, stamps, unknown) if gathered.counts_collisions else no_contacts(len(stamps), reading, unknown)
+    arrays |= _paths([each for each in placed.paths if each[0] <= stamps[-1]], stamps[0])
     arrays |= _scans(gathered, stamps[:-1])
     arrays["clearance"] = np.fmin(arrays["clearance"], arrays["clearance_people"])
-    facts = {"outcome": outcome, "error": error, "truth": truth, "unknown": unknown}
+    facts: dict[str, Any] = {"outcome": outcome, "error": error, "truth": placed.truth, "unknown": unknown}
+    if any(placed.shift):
+        facts["shift"] = list(placed.shift)
     return EpisodeRecord(arrays, {**identity(arrays, robot, reading, number, columns, world, goal), **facts})
 
 
@@ -154,36 +161,16 @@ def _seconds(stamps: NDArray[np.int64], begin: int) -> NDArray[np.float64]:
     return np.round((stamps - begin) * 1e-9, 9)
 
 
-def _motion(gathered: Gathered, reading: Reading) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64], str]:
-    """Return stamps, poses in ``map``, twists, and what the poses are: ``reference``, ``estimated`` or ``odometry``."""
-    source = next(series for series in (gathered.reference, gathered.odometry, gathered.estimate) if len(series))
-    first, last = max(gathered.begin, int(source.stamps.min())), int(source.stamps.max())
-    step = round(reading.period * 1e9)
-    stamps = first + step * np.arange(max((last - first) // step, 0) + 1, dtype=np.int64)
-    driven = gathered.odometry.between(stamps)
-    twists = gathered.odometry.held(stamps)[:, 3:]
-    if len(gathered.reference):
-        poses, truth = gathered.reference.between(stamps), "reference"
-        own = gathered.reference.held(stamps)[:, 3:]
-        twists = np.where(np.isfinite(own), own, twists)
-    elif len(gathered.correction) and len(gathered.odometry):
-        correction = gathered.correction.held(stamps)
-        correction = np.where(np.isfinite(correction), correction, gathered.correction.values[0])
-        poses, truth = _composed(correction, driven), "estimated"
-    elif len(gathered.estimate):
-        poses, truth = gathered.estimate.between(stamps), "estimated"
-    else:
-        poses, truth = driven, "odometry"
+def _motion(placed: Placed, reading: Reading) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
+    """Return stamps, poses and twists."""
+    first, step = max(placed.begin, int(placed.motion.stamps.min())), round(reading.period * 1e9)
+    stamps = first + step * np.arange(max((placed.end - first) // step, 0) + 1, dtype=np.int64)
+    poses = placed.motion.between(stamps)
+    twists = placed.gathered.odometry.in_order().held(stamps)[:, 3:]
+    own = placed.twists.held(stamps)[:, 3:]
+    twists = np.where(np.isfinite(own), own, twists)
     known = np.isfinite(twists)
-    return stamps, poses, np.where(known, twists, _twists(stamps, poses)), truth
-
-
-def _composed(parents: NDArray[np.float64], children: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return poses (T, 3) given in the frames of others, in those others' own."""
-    c, s = np.cos(parents[:, 2]), np.sin(parents[:, 2])
-    x = parents[:, 0] + c * children[:, 0] - s * children[:, 1]
-    y = parents[:, 1] + s * children[:, 0] + c * children[:, 1]
-    return np.stack((x, y, wrap_angle(parents[:, 2] + children[:, 2])), axis=1)
+    return stamps, poses, np.where(known, twists, _twists(stamps, poses))
 
 
 def _twists(stamps: NDArray[np.int64], poses: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -213,30 +200,30 @@ def ending(
     return len(stamps) - 1, "error", f"{why_ended}, and the robot was not at its goal"
 
 
-def _estimate(gathered: Gathered, stamps: NDArray[np.int64], truth: str, unknown: dict[str, str]) -> Arrays:
-    rows = gathered.estimate.held(stamps)
+def _estimate(placed: Placed, stamps: NDArray[np.int64], unknown: dict[str, str]) -> Arrays:
+    rows = placed.estimate.held(stamps)
     estimate = rows[:, :3]
-    if truth != "reference":
+    if placed.truth != "reference":
         unknown["estimate"] = "without a reference pose the truth is itself an estimate"
-    elif len(gathered.correction) and len(gathered.odometry):
-        estimate = _composed(gathered.correction.held(stamps), gathered.odometry.between(stamps))
-    elif not len(gathered.estimate):
+    elif len(placed.believed):
+        estimate = placed.believed.between(stamps)
+    elif not len(placed.estimate):
         unknown["estimate"] = "no topic says where the robot believed to be"
     return {"estimate": estimate, "estimate_covariance": rows[:, 3:].reshape(-1, 3, 3).astype(np.float32)}
 
 
 def _by_scan(gathered: Gathered, stamps: NDArray[np.int64], unknown: dict[str, str]) -> Arrays:
-    rows = gathered.scan.held(stamps)
+    rows = gathered.scan.in_order().held(stamps)
     if not len(gathered.scan):
         unknown |= dict.fromkeys(("clearance", "scan_min"), "no scan was recorded")
     return {"scan_min": rows[:, 0], "clearance": rows[:, 1]}
 
 
 def _people(
-    gathered: Gathered, stamps: NDArray[np.int64], poses: NDArray[np.float64], robot: Robot, reading: Reading, unknown: dict[str, str]
+    placed: Placed, stamps: NDArray[np.int64], poses: NDArray[np.float64], robot: Robot, reading: Reading, unknown: dict[str, str]
 ) -> Arrays:
-    ids, seen = gathered.people.table(stamps, STALE_PEOPLE)
-    if not len(gathered.people) and "people" not in reading.without:
+    ids, seen = placed.people.table(stamps, STALE_PEOPLE)
+    if not len(placed.people) and "people" not in reading.without:
         unknown |= dict.fromkeys(ALL_PEOPLE, "no topic says where people were")
     positions = seen[:, :, :2].astype(np.float64)
     delta = positions - poses[:, None, :2]
@@ -254,6 +241,29 @@ def _people(
     }
 
 
+def _contacts(placed: Placed, stamps: NDArray[np.int64], unknown: dict[str, str]) -> Arrays:
+    """Return the collisions that a topic counts, of which it is not known with what."""
+    told = placed.gathered.collisions
+    counts, touches = told.values[:, 0].astype(np.int64), told.values[:, 1]
+    when = np.repeat(told.stamps, counts)
+    when = np.sort(when[(when >= stamps[0]) & (when <= stamps[-1])])
+    touching = np.nan_to_num(told.in_order().held(stamps)[:, 1]) > 0.0
+    touching[np.searchsorted(stamps, when)] = True
+    unknown |= dict.fromkeys(UNDESCRIBED, "collisions were counted, not described")
+    if np.isnan(touches).all():
+        unknown["contact_time"] = "collisions were counted, not timed"
+    return {
+        "contact_stamp": _seconds(when, int(stamps[0])),
+        "contact_kind": np.zeros(len(when), np.int8),
+        "contact_person": np.full(len(when), -1, np.int32),
+        "contact_speed": np.zeros(len(when)),
+        "contact_caused": np.zeros(len(when), np.bool_),
+        "contact_position": placed.motion.between(when)[:, :2],
+        "in_contact": touching,
+        "contact_time": np.where(touching, np.diff(stamps, prepend=stamps[0]) * 1e-9, 0.0),
+    }
+
+
 def no_contacts(rows: int, reading: Reading, unknown: dict[str, str]) -> Arrays:
     """Return no contacts, which are unknown unless it was said that there were none."""
     if "contacts" not in reading.without:
@@ -263,9 +273,8 @@ def no_contacts(rows: int, reading: Reading, unknown: dict[str, str]) -> Arrays:
     return {**none, "in_contact": np.zeros(rows, np.bool_), "contact_time": np.zeros(rows)}
 
 
-def _paths(gathered: Gathered, begin: int | None = None, end: int | None = None) -> Arrays:
-    begin = gathered.begin if begin is None else begin
-    kept = [(max(stamp, begin), poses) for stamp, poses in gathered.paths if len(poses) and (end is None or stamp <= end)]
+def _paths(paths: Sequence[tuple[int, NDArray[np.float64]]], begin: int) -> Arrays:
+    kept = sorted(((max(stamp, begin), poses) for stamp, poses in paths if len(poses)), key=lambda each: each[0])
     return {
         "path_poses": np.concatenate([poses for _, poses in kept]) if kept else np.empty((0, 3)),
         "path_offsets": np.cumsum([0, *(len(poses) for _, poses in kept)], dtype=np.int64),

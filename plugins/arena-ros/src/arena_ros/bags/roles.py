@@ -76,8 +76,3 @@ def _guess(role: Role, fitting: Mapping[Channel, int]) -> Channel | None:
         return None
     others = [channel for channel in fitting if not any(channel.topic in other.names for other in roles().values() if other is not role)]
     return max(others, key=lambda channel: (fitting[channel], channel.topic), default=None)
-
-
-def definitions(channels: Mapping[Channel, int]) -> dict[str, str]:
-    """Return the definitions of types that recordings bring."""
-    return {channel.type: channel.definition for channel in channels if channel.definition}

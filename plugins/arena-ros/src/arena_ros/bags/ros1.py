@@ -1,135 +1,200 @@
-"""Bags of ROS 1, format 2.0 (wiki.ros.org/Bags/Format/2.0), read record by record: an index is not needed, nor an end."""
+"""Bags of ROS 1, format 2.0 (wiki.ros.org/Bags/Format/2.0), read record by record: no index is needed, no end, no order of time."""
 
 from __future__ import annotations
 
-import bz2
 import struct
 from collections.abc import Collection, Iterator
+from functools import partial
 from io import BytesIO
-from typing import IO, ClassVar
+from pathlib import Path
+from typing import IO
 
 from arena_core import InputFileError
-from arena_ros.bags.stream import LARGEST_CHUNK, LARGEST_RECORD, Bag, Channel, Cut, normalised
-from arena_ros.codec import Ros
+from arena_ros.bags.packing import Allowance, unpacked_bz2, unpacked_lz4
+from arena_ros.bags.stream import LARGEST_CHUNK, LARGEST_RECORD, MOST_PIECES, Bag, Channel, Cut, Message, Piece, by_time, normalised
 
 MAGIC = b"#ROSBAG V2.0\n"
-MESSAGE, BAG_HEADER, CHUNK, CHUNK_INFO, CONNECTION = 2, 3, 5, 6, 7
+MESSAGE, INDEX_DATA, CHUNK, CHUNK_INFO, CONNECTION = 2, 4, 5, 6, 7
 UINT32 = struct.Struct("<I")
 Fields = dict[bytes, bytes]
+Connections = dict[int, Channel]
+FAULTS = (KeyError, struct.error, IndexError, ValueError)
 
 
 class Ros1Bag(Bag):
     """A ``.bag``."""
 
-    ros: ClassVar[Ros] = 1
+    def __init__(self, path: Path, name: Path | None = None) -> None:
+        super().__init__(path, name)
+        self._known: Connections | None = None
 
     def channels(self) -> dict[Channel, int]:
         """Return the channels from the index; from all of the bag where it has none, as one that was cut off."""
         with self.path.open("rb") as file:
-            _begin(file, self)
+            _begin(file, self.name)
             try:
-                fields = _record(file)[0]
-                found = self._indexed(file, fields)
-            except (Cut, KeyError, struct.error):
-                found = {}
-        return found or self._counted()
-
-    def _indexed(self, file: IO[bytes], header: Fields) -> dict[Channel, int]:
-        position = struct.unpack("<Q", header[b"index_pos"])[0]
-        if not position:
-            return {}
-        file.seek(position)
-        connections: dict[int, Channel] = {}
-        counts: dict[int, int] = {}
-        while (record := _next(file)) is not None:
-            fields, data = record
-            if fields[b"op"][0] == CONNECTION:
-                connections[_uint32(fields, b"conn")] = _channel(fields, data)
-            elif fields[b"op"][0] == CHUNK_INFO:
-                for connection, count in struct.iter_unpack("<II", data):
-                    counts[connection] = counts.get(connection, 0) + count
+                known, counts = _indexed(file, _record(file)[0])
+            except (Cut, *FAULTS):
+                known, counts = {}, {}
+        if not known:
+            return self.counted()
+        self._known = known
         found: dict[Channel, int] = {}
-        for number, channel in connections.items():
+        for number, channel in known.items():
             found[channel] = found.get(channel, 0) + counts.get(number, 0)
         return found
 
-    def _counted(self) -> dict[Channel, int]:
-        found: dict[Channel, int] = {}
-        try:
-            for channel, _, _ in self.read(()):
-                found[channel] = found.get(channel, 0) + 1
-        except Cut:
-            pass
-        return found
-
-    def read(self, topics: Collection[str]) -> Iterator[tuple[Channel, int, bytes]]:
+    def read(self, topics: Collection[str], in_time: bool) -> Iterator[Message]:
         """Yield the messages of these topics, of all where there are none; raise Cut where the bag ends early."""
-        connections: dict[int, Channel] = {}
+        if in_time and self._known is None:
+            self.channels()  # a connection may be told of in a chunk that lies later in the file than in time
+        known: Connections = dict(self._known or {})
         with self.path.open("rb") as file:
-            _begin(file, self)
+            _begin(file, self.name)
             try:
                 complete = _uint64(_record(file)[0], b"index_pos") != 0
-                while (record := _next(file)) is not None:
-                    fields, data = record
-                    if fields[b"op"][0] == CHUNK:
-                        yield from _messages(BytesIO(_unpacked(fields, data)), connections, topics)
-                    elif fields[b"op"][0] == CONNECTION:
-                        connections[_uint32(fields, b"conn")] = _channel(fields, data)
-                    elif fields[b"op"][0] == MESSAGE:
-                        yield from _messages_of(fields, data, connections, topics)
-            except (KeyError, struct.error, IndexError, ValueError) as error:
-                raise Cut(f"a damaged record at byte {file.tell()} ({type(error).__name__})") from None
-        if not complete:
-            raise Cut("it was never closed")
+            except FAULTS as error:
+                raise Cut(f"a damaged header ({type(error).__name__})") from None
+            pieces, cut = _pieces(file, known, topics, Allowance(self.path))
+            if in_time:
+                yield from by_time(pieces)
+            else:
+                for piece in pieces:
+                    yield from piece.read()
+        self._known = known
+        if cut or not complete:
+            raise Cut(cut or "it was never closed")
 
 
-def _begin(file: IO[bytes], bag: Bag) -> None:
-    if file.read(len(MAGIC)) != MAGIC:
-        raise InputFileError(f"{bag.path}: is no bag of ROS 1, version 2.0; allowed: what `rosbag record` wrote")
-
-
-def _messages(file: IO[bytes], connections: dict[int, Channel], topics: Collection[str]) -> Iterator[tuple[Channel, int, bytes]]:
+def _indexed(file: IO[bytes], header: Fields) -> tuple[Connections, dict[int, int]]:
+    """Return the connections that the index at the end names, and the numbers of their messages."""
+    position, known, counts = _uint64(header, b"index_pos"), Connections(), dict[int, int]()
+    if not position:
+        return {}, {}
+    file.seek(position)
     while (record := _next(file)) is not None:
         fields, data = record
         if fields[b"op"][0] == CONNECTION:
-            connections[_uint32(fields, b"conn")] = _channel(fields, data)
-        elif fields[b"op"][0] == MESSAGE:
-            yield from _messages_of(fields, data, connections, topics)
+            known[_uint32(fields, b"conn")] = _channel(fields, data)
+        elif fields[b"op"][0] == CHUNK_INFO:
+            for connection, count in struct.iter_unpack("<II", data):
+                counts[connection] = counts.get(connection, 0) + count
+    return known, counts
 
 
-def _messages_of(
-    fields: Fields, data: bytes, connections: dict[int, Channel], topics: Collection[str]
-) -> Iterator[tuple[Channel, int, bytes]]:
-    channel = connections[_uint32(fields, b"conn")]
-    if not topics or channel.topic in topics:
-        seconds, nanoseconds = struct.unpack("<II", fields[b"time"])
-        yield channel, seconds * 10**9 + nanoseconds, data
+def _pieces(file: IO[bytes], known: Connections, topics: Collection[str], allowance: Allowance) -> tuple[list[Piece], str]:
+    """Return the chunks of a bag, and messages that lie outside of any, by their heads alone; and why it ends early."""
+    size, found = file.seek(0, 2), list[Piece]()
+    file.seek(len(MAGIC))
+    untimed = 0  # chunks since the last index of one: of one that was cut off before its own, it is not known when it begins
+    try:
+        _skipped(file, size)
+        while file.tell() < size:
+            if len(found) == MOST_PIECES:
+                raise Cut(f"more than {MOST_PIECES} chunks")
+            at = file.tell()
+            fields = _fields(_sized(file, file.read(4)))
+            kind = fields[b"op"][0]
+            if kind == CHUNK:
+                found.append(Piece(0, partial(_chunk, file, at, known, topics, allowance)))
+                untimed = 1
+                _skip(file, size)
+            elif kind == INDEX_DATA and untimed:
+                found[-1] = _earlier(found[-1], _sized(file, file.read(4)), bool(untimed == 1))
+                untimed += 1
+            elif kind in (MESSAGE, CONNECTION):
+                untimed = 0
+                file.seek(at)
+                found.append(Piece(_time(fields) if kind == MESSAGE else 0, partial(_single, file, at, known, topics)))
+                _skipped(file, size)
+            else:
+                untimed = 0
+                _skip(file, size)
+    except Cut as cut:
+        return found, str(cut)
+    except FAULTS as error:
+        return found, f"a damaged record at byte {file.tell()} ({type(error).__name__})"
+    return found, ""
 
 
-def _unpacked(fields: Fields, data: bytes) -> bytes:
+def _earlier(piece: Piece, index: bytes, alone: bool) -> Piece:
+    """Return a chunk that begins no later than the messages which its index names."""
+    firsts = [seconds * 10**9 + nanoseconds for seconds, nanoseconds, _ in struct.iter_unpack("<III", index)]
+    first = min(firsts, default=piece.first)
+    return Piece(first if alone else min(first, piece.first), piece.read)
+
+
+def _skipped(file: IO[bytes], size: int) -> None:
+    """Go behind a record."""
+    _skip(file, size)
+    _skip(file, size)
+
+
+def _skip(file: IO[bytes], size: int) -> None:
+    """Go behind a part that begins with its length; raise Cut where the file ends before."""
+    length = file.read(4)
+    if len(length) < 4 or file.tell() + UINT32.unpack(length)[0] > size:
+        raise Cut("it ends within a record")
+    file.seek(UINT32.unpack(length)[0], 1)
+
+
+def _begin(file: IO[bytes], path: Path) -> None:
+    if file.read(len(MAGIC)) != MAGIC:
+        raise InputFileError(f"{path}: is no bag of ROS 1, version 2.0; allowed: what `rosbag record` wrote")
+
+
+def _chunk(file: IO[bytes], begin: int, known: Connections, topics: Collection[str], allowance: Allowance) -> Iterator[Message]:
+    file.seek(begin)
+    try:
+        content = BytesIO(_unpacked(*_record(file), allowance))
+        while (record := _next(content)) is not None:
+            yield from _taken(*record, known, topics)
+    except FAULTS as error:
+        raise Cut(f"a damaged chunk at byte {begin} ({type(error).__name__})") from None
+
+
+def _single(file: IO[bytes], begin: int, known: Connections, topics: Collection[str]) -> Iterator[Message]:
+    file.seek(begin)
+    try:
+        yield from _taken(*_record(file), known, topics)
+    except FAULTS as error:
+        raise Cut(f"a damaged record at byte {begin} ({type(error).__name__})") from None
+
+
+def _taken(fields: Fields, data: bytes, known: Connections, topics: Collection[str]) -> Iterator[Message]:
+    """Yield the message of a record, if it is one of these topics; keep what a record says of a connection."""
+    if fields[b"op"][0] == CONNECTION:
+        known[_uint32(fields, b"conn")] = _channel(fields, data)
+    elif fields[b"op"][0] == MESSAGE:
+        channel = known[_uint32(fields, b"conn")]
+        if not topics or channel.topic in topics:
+            yield channel, _time(fields), data
+
+
+def _time(fields: Fields) -> int:
+    seconds, nanoseconds = struct.unpack("<II", fields[b"time"])
+    return int(seconds * 10**9 + nanoseconds)
+
+
+def _unpacked(fields: Fields, data: bytes, allowance: Allowance) -> bytes:
     """Return the content of a chunk."""
     size, compression = _uint32(fields, b"size"), fields[b"compression"]
     if size > LARGEST_CHUNK:
         raise Cut(f"a chunk of {size} bytes; allowed: up to {LARGEST_CHUNK}")
     if compression == b"none":
         return data
-    try:
-        if compression == b"bz2":
-            return bz2.BZ2Decompressor().decompress(data, size)
-        if compression == b"lz4":
-            from lz4.frame import LZ4FrameDecompressor
-
-            return bytes(LZ4FrameDecompressor().decompress(data, size))
-    except (OSError, RuntimeError, EOFError) as error:
-        raise Cut(f"a damaged chunk ({type(error).__name__})") from None
-    raise Cut(f"chunks are compressed by {compression!r}; allowed: none, bz2, lz4")
+    allowance.take(size)
+    if compression == b"bz2":
+        return unpacked_bz2(data, size)
+    if compression == b"lz4":
+        return unpacked_lz4(data, size)
+    raise Cut(f"chunks are compressed by {compression[:20]!r}; allowed: none, bz2, lz4")
 
 
 def _channel(fields: Fields, data: bytes) -> Channel:
     own = _fields(data)
     topic = fields[b"topic"].decode(errors="replace")
-    definition = own[b"message_definition"].decode(errors="replace")
-    return Channel("/" + "/".join(part for part in topic.split("/") if part), normalised(own[b"type"].decode(errors="replace")), definition)
+    return Channel("/" + "/".join(part for part in topic.split("/") if part), normalised(own[b"type"].decode(errors="replace")), 1)
 
 
 def _next(file: IO[bytes]) -> tuple[Fields, bytes] | None:

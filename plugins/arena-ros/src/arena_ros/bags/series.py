@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from array import array
 from bisect import bisect_right
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import wrap_angle
+
+MOST_CELLS = 4_000_000  # people times rows of one episode
 
 
 class Series:
@@ -41,6 +44,20 @@ class Series:
     def values(self) -> NDArray[np.float64]:
         """Return the rows, (K, width)."""
         return np.array(self._values, np.float64).reshape(-1, self._width)
+
+    def sorted(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Return stamps that rise, (K,), and their rows, (K, width); of rows with one stamp the last."""
+        stamps, order = np.unique(self.stamps[::-1], return_index=True)
+        return stamps, self.values[::-1][order]
+
+    def in_order(self) -> Series:
+        """Return the rows with stamps that rise, of those with one stamp the last."""
+        stamps = self.stamps
+        return self if (np.diff(stamps) > 0).all() else _of(*self.sorted())
+
+    def where(self, kept: NDArray[np.bool_]) -> Series:
+        """Return some of the rows."""
+        return _of(self.stamps[kept], self.values[kept])
 
     def at(self, stamp: int) -> NDArray[np.float64] | None:
         """Return the pose (x, y, theta first) between two rows of rising stamps; None before the first and after the last."""
@@ -90,6 +107,13 @@ class Series:
         return at_stamps((stamps - first) * 1e-9, (own[order] - first) * 1e-9, self.values[order][:, :3])
 
 
+def _of(stamps: NDArray[np.int64], values: NDArray[np.float64]) -> Series:
+    series = Series(values.shape[1])
+    for stamp, row in zip(stamps.tolist(), values, strict=True):
+        series.extend(stamp, row)
+    return series
+
+
 class People:
     """Who was seen when: any number at each stamp."""
 
@@ -99,29 +123,54 @@ class People:
     def __len__(self) -> int:
         return len(self._stamps)
 
-    def add(self, stamp: int, seen: list[tuple[int, float, float, float, float]]) -> None:
-        """Add those who are seen at a stamp: number, x, y, vx, vy in ``map``."""
-        self._stamps.append(stamp)
-        self._counts.append(len(seen))
+    def add(self, stamp: int, seen: Iterable[Sequence[float]]) -> None:
+        """Add those who are seen at a stamp: number, x, y, z, vx, vy."""
+        before = len(self._values)
         for each in seen:
             self._values.extend(each)
+        self._stamps.append(stamp)
+        self._counts.append((len(self._values) - before) // 6)
+
+    def with_rows(self, rows: NDArray[np.float64]) -> People:
+        """Return the same sightings with other rows, (N, 6)."""
+        people = People()
+        people._stamps, people._counts, people._values = self._stamps, self._counts, array("d", rows.ravel().tolist())
+        return people
+
+    def each(self) -> Iterator[tuple[int, NDArray[np.float64]]]:
+        """Yield each stamp and who was seen then, (n, 6)."""
+        stamps, counts, rows = self.rows()
+        for stamp, count, end in zip(stamps.tolist(), counts.tolist(), np.cumsum(counts).tolist(), strict=True):
+            yield stamp, rows[end - count : end]
+
+    def rows(self) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
+        """Return the stamps (K,), how many were seen at each, and all of them, (N, 6)."""
+        return np.array(self._stamps, np.int64), np.array(self._counts, np.int64), np.array(self._values, np.float64).reshape(-1, 6)
 
     def table(
         self, stamps: NDArray[np.int64], oldest: int, ids: NDArray[np.int32] | None = None
     ) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
-        """Return ids (P,) and x, y, vx, vy (T, P, 4) as they were seen at most ``oldest`` ns before each of T stamps; NaN where not."""
-        rows = np.array(self._values, np.float64).reshape(-1, 5)
-        known = np.unique(rows[:, 0]).astype(np.int32) if ids is None else ids
+        """Return ids (P,) and x, y, vx, vy (T, P, 4) as they were seen at most ``oldest`` ns before each of T stamps; NaN where not.
+
+        Of more people than a table holds, those who were seen longest count.
+        """
+        own, counts, rows = self.rows()
+        known = _longest_seen(rows[:, 0], MOST_CELLS // max(len(stamps), 1)) if ids is None else ids
         table = np.full((len(stamps), len(known), 4), np.nan, np.float32)
         if len(self) and len(known):
-            ends = np.cumsum(np.array(self._counts, np.int64))
-            own = np.array(self._stamps, np.int64)
+            ends = np.cumsum(counts)
             place = np.searchsorted(own, stamps, side="right") - 1
             column = {int(number): k for k, number in enumerate(known.tolist())}
             for t, k in enumerate(place.tolist()):
                 if k < 0 or stamps[t] - own[k] > oldest:
                     continue
-                for row in rows[ends[k] - self._counts[k] : ends[k]]:
+                for row in rows[ends[k] - counts[k] : ends[k]]:
                     if int(row[0]) in column:
-                        table[t, column[int(row[0])]] = row[1:]
+                        table[t, column[int(row[0])]] = row[[1, 2, 4, 5]]
         return known, table
+
+
+def _longest_seen(numbers: NDArray[np.float64], most: int) -> NDArray[np.int32]:
+    known, counts = np.unique(numbers, return_counts=True)
+    kept = np.sort(known[np.argsort(-counts, kind="stable")[:most]])
+    return kept.astype(np.int32)

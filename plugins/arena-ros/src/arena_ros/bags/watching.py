@@ -3,24 +3,13 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import Protocol
 
 from arena_core import LaserScan, OccupancyGrid, Pose, Tracker
-from arena_ros.bags.series import People, Series
 
 MOST_WAITING = 50  # scans for which no pose has come yet; what is older is given up
-
-
-class Journey(Protocol):
-    """What is known so far of where the robot was; stamps in ns."""
-
-    begin: int
-    reference: Series
-    odometry: Series
-    correction: Series
-    estimate: Series
-    people: People
+Person = tuple[float, float, float, float, float, float]  # number, x, y, z, vx, vy
 
 
 class Watcher:
@@ -39,26 +28,12 @@ class Watcher:
         """Take in a scan, which waits until it is known where the robot stood."""
         self._waiting.append((stamp, scan))
 
-    def look(self, journey: Journey) -> None:
-        """Put down who is seen in the scans that wait, as far as poses have come."""
-        while self._waiting and (pose := _pose_at(self._waiting[0][0], journey)) is not None:
+    def look(self, begin: int, stood: Callable[[int], tuple[str, Pose] | None]) -> Iterator[tuple[str, int, list[Person]]]:
+        """Yield who is seen in the scans that wait, as far as it is known where the robot stood: frame, stamp and people."""
+        while self._waiting and (place := stood(self._waiting[0][0])) is not None:
+            frame, pose = place
             stamp, scan = self._waiting.popleft()
-            seconds = (stamp - journey.begin) * 1e-9
+            seconds = (stamp - begin) * 1e-9
             tracks = self._tracker.update(replace(scan, stamp=seconds), pose, seconds)
             states = zip(tracks.ids.tolist(), tracks.positions.tolist(), tracks.velocities.tolist(), strict=True)
-            journey.people.add(stamp, [(number, *position, *velocity) for number, position, velocity in states])
-
-
-def _pose_at(stamp: int, journey: Journey) -> Pose | None:
-    """Return the pose in ``map``, in that of odometry where nothing says where it is in ``map``; None where it has not come yet."""
-    for series in (journey.reference, journey.odometry, journey.estimate):
-        if len(series):
-            pose = series.at(stamp)
-            break
-    else:
-        return None
-    if pose is None:
-        return None
-    if series is journey.odometry and (correction := journey.correction.newest(stamp)) is not None:
-        return Pose.of(correction).compose(Pose.of(pose))
-    return Pose.of(pose)
+            yield frame, stamp, [(float(number), x, y, 0.0, vx, vy) for number, (x, y), (vx, vy) in states]
