@@ -90,6 +90,7 @@ class Obstacles:
     hard: bool
     association: Association
     min_distance: NonNegative
+    least_gap: NonNegative
     cutoff: Positive
     forced_inclusion: NonNegative
     speed_distance: NonNegative

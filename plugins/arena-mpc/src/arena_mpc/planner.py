@@ -9,7 +9,9 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from arena_core import Candidate, EpisodeStart, NonNegativeInt, NoValidCommand, Observation, Planner, Positive, Robot, Twist
+from arena_core import Candidate, EpisodeStart, Fraction, NonNegativeInt, NoValidCommand, Observation, Planner, Positive, Robot, Twist
+from arena_kernels.escape import escape_command, escape_commands, keeps_gap
+from arena_kernels.passage import eased, room_along
 from arena_kernels.window import allowed_gap, clearance, footprint_outline
 from arena_mpc.arrays import FloatArray
 from arena_mpc.detours import detours
@@ -25,7 +27,8 @@ from arena_mpc.resizing import resized
 from arena_mpc.scene import Scene, scene_of
 
 ARRIVED = 0.4  # m, from its goal that a plan may end: it waits for somebody who crosses, or keeps off a goal beside a wall
-LEAST_GAP = 0.01  # m that the robot keeps to what stands: what it drives is not quite what was planned
+AHEAD = 0.5  # m of path on which a passage counts
+KEPT = 0.7  # share of the room in a narrow passage that is kept
 DEEPER = 0.02  # m, by which a robot that already touches a person may come nearer
 
 
@@ -64,6 +67,7 @@ class MpcPlanner(Planner):
         look_ahead: Positive,
         reinit_distance: Positive,
         detour: Positive | None,
+        escape_speed: Fraction | None,
         via_separation: Positive | None,
         final_state_fixed: bool,
         limits: Limits,
@@ -81,9 +85,11 @@ class MpcPlanner(Planner):
         self._turn_radius = robot.turn_radius
         self._discs = covering_discs(robot.footprint, discs)
         self._optimiser = Optimiser(self._model, form, self._drive, self._discs, final_state_fixed, grid, weights, obstacles, solver)
+        self._escapes = None if escape_speed is None else self._slow_ways(robot, escape_speed)
         self._via_separation, self._iterations = via_separation, solver.max_iterations
         self._period = robot.control_period
         self._progress = PathProgress()
+        self._gap = obstacles.least_gap
         self._prepared = False
         self._forget()
 
@@ -110,19 +116,47 @@ class MpcPlanner(Planner):
         self._check(observation)
         scene = scene_of(observation, self._obstacles.moving > 0, self._obstacles.moving_margin)
         reference = self._reference(observation, scene)
+        self._gap = self._gap_to_keep(scene, reference, observation)
         self._prepare(scene, reference)
         state = state_of(self._model, self._drive, self._bounds, observation.pose, observation.twist, self._steering)
         last = self._last_plan(reference, state, observation.stamp)
         plan = self._freest_plan(scene, reference, state, last)
-        if plan is not None:
+        if plan is not None and self._keeps_gap(plan, scene, observation):
             self.counts.optimised += 1
             return self._driven(plan, observation.stamp)
-        if last is not None and self._safe(last, scene, self._free_for(last, scene)):
+        if last is not None and self._safe(last, scene, self._free_for(last, scene)) and self._keeps_gap(last, scene, observation):
             self._weighed.append((last, math.nan))
             self.counts.shifted += 1
             return self._driven(last, observation.stamp)
         self.counts.refused += 1
         self._plan = None
+        return self._escape(scene, observation)
+
+    def _gap_to_keep(self, scene: Scene, reference: Reference, observation: Observation) -> float:
+        """Return the gap to what stands that the robot keeps here, m: less where its path has no more room."""
+        x, y = observation.pose.x, observation.pose.y
+        return eased(self._obstacles.least_gap, room_along(scene.window, self._outline, reference.path, x, y, AHEAD), KEPT, 0.0)
+
+    def _keeps_gap(self, plan: Plan, scene: Scene, observation: Observation) -> bool:
+        """Return whether the command that a plan begins with keeps the gap for a control period."""
+        if self._gap == 0.0:
+            return True
+        command = self._command(plan).array()
+        return keeps_gap(scene.window, self._outline, observation.pose.array(), command, self._period, self._gap)
+
+    def _slow_ways(self, robot: Robot, share: float) -> FloatArray:
+        drive = self._drive
+        least, most = np.array((drive.vx_min, -drive.vy_max, -drive.wz_max)), np.array((drive.vx_max, drive.vy_max, drive.wz_max))
+        return escape_commands(least, most, share, robot.turn_radius, robot.holonomic)
+
+    def _escape(self, scene: Scene, observation: Observation) -> Twist:
+        """Return a slow way to more room; raise NoValidCommand where there is none."""
+        if self._escapes is not None:
+            tracks = scene.tracks
+            moving = np.ascontiguousarray(tracks.positions), np.ascontiguousarray(tracks.velocities), np.ascontiguousarray(tracks.radii)
+            found = escape_command(observation.pose.array(), scene.window, self._outline, *moving, self._escapes, self._gap)
+            if len(found):
+                return Twist.of(found[0])
         raise NoValidCommand("mpc: neither a new plan nor the last one is free of collisions")
 
     def _beginnings(self, scene: Scene, reference: Reference, state: FloatArray, last: Plan | None) -> Iterator[tuple[Reference, Plan]]:
@@ -242,7 +276,7 @@ class MpcPlanner(Planner):
         """Return for how long the robot's outline touches nothing that stands on this plan, s."""
         x, y, theta = plan.states[0, :3].tolist()
         now = clearance(scene.window, self._outline, x, y, math.cos(theta), math.sin(theta), 0.1)
-        return free_until(scene.window, self._outline, plan.states[:, :3].copy(), allowed_gap(now, LEAST_GAP)) * plan.step
+        return free_until(scene.window, self._outline, plan.states[:, :3].copy(), allowed_gap(now, self._gap)) * plan.step
 
     def _braking(self, plan: Plan) -> float:
         """Return how long the robot drives the plan at least, s: one control period, and braking."""
@@ -253,9 +287,14 @@ class MpcPlanner(Planner):
     def _driven(self, plan: Plan, stamp: float) -> Twist:
         """Remember the plan and return the mean of its velocities over the control period."""
         self._plan, self._planned_at = plan, stamp
+        if self._model == "bicycle":
+            self._steering = float(self._velocities(plan)[1])
+        return self._command(plan)
+
+    def _command(self, plan: Plan) -> Twist:
+        return twist_of(self._model, self._drive, self._velocities(plan))
+
+    def _velocities(self, plan: Plan) -> FloatArray:
         ends = np.minimum(np.arange(1, len(plan.states)) * plan.step, self._period)
         shares = np.diff(ends, prepend=0.0) / self._period
-        velocities = shares @ plan.states[1:, 3:] + (1.0 - shares.sum()) * plan.states[-1, 3:]
-        if self._model == "bicycle":
-            self._steering = float(velocities[1])
-        return twist_of(self._model, self._drive, velocities)
+        return np.asarray(shares @ plan.states[1:, 3:] + (1.0 - shares.sum()) * plan.states[-1, 3:])

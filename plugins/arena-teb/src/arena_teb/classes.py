@@ -120,7 +120,7 @@ class Topologies:
         return replace(topology, band=band, cost=cost, blocked=self._blocked(band, scene))
 
     def _blocked(self, band: FloatArray, scene: Scene) -> bool:
-        return self._free_poses(band, scene.window, self._outline, len(band)) < len(band)
+        return self._free_poses(band, scene.window, self._outline, len(band), 0.0) < len(band)
 
     def _choose(self, solved: list[Topology], stamp: float) -> list[Topology]:
         """Return the bands in the order of their costs without detours; the one driven before and the global path's count for less."""

@@ -12,17 +12,16 @@ from arena_teb.problem import FloatArray
 from arena_teb.terms import wrapped
 
 TURN_STEP = 0.2  # rad between two checks
-LEAST_GAP = 0.01  # m that the robot keeps: what it drives is not quite what was planned
 
 
 @borrowing
-def free_poses(band: FloatArray, window: Window, outline: Outline, poses: int) -> int:
-    """Return how many of the first ``poses`` poses of a band (N, 4) can be reached without a collision, all interpolated.
+def free_poses(band: FloatArray, window: Window, outline: Outline, poses: int, wanted: float) -> int:
+    """Return how many of the first ``poses`` poses of a band (N, 4) can be reached with the ``wanted`` gap, m, all interpolated.
 
     A robot that stands near to something may come nearer by half of the gap. Beyond the window everything counts as free.
     """
     start = clearance(window, outline, band[0, 0], band[0, 1], math.cos(band[0, 2]), math.sin(band[0, 2]), 1.0)
-    least = allowed_gap(start, LEAST_GAP)
+    least = allowed_gap(start, wanted)
     last = min(poses, len(band))
     for k in range(last - 1):
         dx, dy = band[k + 1, 0] - band[k, 0], band[k + 1, 1] - band[k, 1]
@@ -32,7 +31,7 @@ def free_poses(band: FloatArray, window: Window, outline: Outline, poses: int) -
             share = part / parts
             theta = band[k, 2] + share * turn
             x, y = band[k, 0] + share * dx, band[k, 1] + share * dy
-            gap = clearance(window, outline, x, y, math.cos(theta), math.sin(theta), LEAST_GAP)
+            gap = clearance(window, outline, x, y, math.cos(theta), math.sin(theta), wanted)
             if gap < least and gap > -np.inf:
                 return k + 1
     return last

@@ -39,16 +39,3 @@ def saturated(velocity: FloatArray, least: FloatArray, most: FloatArray, turn_ra
     if turn_radius > 0.0:
         wz = math.copysign(min(abs(wz), abs(vx) / turn_radius), wz)
     return Twist(vx, vy, wz)
-
-
-def escape_commands(least: FloatArray, most: FloatArray, share: float, turn_radius: float, holonomic: bool) -> FloatArray:
-    """Return slow velocities (C, 3) in all directions that the robot can move."""
-    forward, backward = share * most[0], share * least[0]
-    turns = np.array((0.0, 0.5, -0.5, 1.0, -1.0)) * min(most[2], 1.0)
-    if turn_radius > 0.0:
-        return np.array([(v, 0.0, math.copysign(min(abs(w), abs(v) / turn_radius), w)) for v in (backward, forward) for w in turns])
-    commands = [(v, 0.0, w) for v in (backward, forward, 0.5 * backward, 0.5 * forward, 0.0) for w in turns]
-    if holonomic:
-        side = share * most[1]
-        commands += [(v, u, 0.0) for v in (backward, 0.0, forward) for u in (side, -side)]
-    return np.array(commands)

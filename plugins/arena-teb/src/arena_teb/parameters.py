@@ -46,6 +46,7 @@ class Obstacles:
     """Which gaps are wanted, and how moving obstacles count."""
 
     min_obstacle_dist: NonNegative
+    least_gap: NonNegative
     inflation_dist: NonNegative
     dynamic_min_obstacle_dist: NonNegative
     dynamic_obstacle_inflation_dist: NonNegative

@@ -8,13 +8,14 @@ from typing import ClassVar
 import numpy as np
 
 from arena_core import Candidate, EpisodeStart, NoValidCommand, Observation, Planner, Pose, Robot, Tracks, Twist
+from arena_kernels.escape import escape_command, escape_commands, keeps_gap
+from arena_kernels.passage import eased, room_along
 from arena_kernels.window import Window, footprint_outline, window_of, without_discs
 from arena_teb.classes import Topologies, Topology
-from arena_teb.escape import escape_command
 from arena_teb.feasibility import free_poses
 from arena_teb.local_plan import heading_of_end, local_plan
 from arena_teb.model import make_model, speed_limits, turning_radius
-from arena_teb.motion import escape_commands, first_velocity, saturated
+from arena_teb.motion import first_velocity, saturated
 from arena_teb.oscillation import OscillationDetector
 from arena_teb.parameters import Homotopy, Limits, Obstacles, Optimisation, Polygons, Recovery, Trajectory, Weights
 from arena_teb.polygons import NO_HULLS, hulls_of
@@ -22,6 +23,8 @@ from arena_teb.problem import Ends, FloatArray
 from arena_teb.surroundings import Scene
 
 HEADING_OVER = 0.3  # m at the end of the local plan over which its direction is taken
+AHEAD = 0.5  # m of path on which a passage counts
+KEPT = 0.7  # share of the room in a narrow passage that is kept
 
 
 class TebPlanner(Planner):
@@ -79,10 +82,11 @@ class TebPlanner(Planner):
         plan, complete = local_plan(observation.path.poses, pose, window, self._lookahead(stamp), self._outline.inscribed_radius)
         goal = self._local_goal(plan, pose, observation.goal, complete)
         scene = self._scene(window, tracks, plan)
+        least_gap = self._least_gap(window, plan, pose)
         topologies = self._topologies.plan(plan, pose.array(), goal, scene, self._ends(observation.twist, complete, stamp), stamp)
-        band = self._feasible(topologies, window)
+        band = self._feasible(topologies, window, pose, least_gap)
         self._weighed = topologies, band
-        command = self._escape(pose, scene, stamp) if band is None else self._drive(band)
+        command = self._escape(pose, scene, least_gap, stamp) if band is None else self._drive(band)
         self._oscillation.note(command)
         return command
 
@@ -113,19 +117,28 @@ class TebPlanner(Planner):
         at = np.arange(spacing, along[-1], spacing)
         return np.column_stack([np.interp(at, along, plan[:, axis]) for axis in range(2)])
 
-    def _feasible(self, topologies: list[Topology], window: Window) -> FloatArray | None:
-        """Return the first band whose first poses the robot fits, None if there is none."""
+    def _least_gap(self, window: Window, plan: FloatArray, pose: Pose) -> float:
+        """Return the gap to walls that the robot keeps here, m: less where its path has no more room."""
+        return eased(self._obstacles.least_gap, room_along(window, self._outline, plan, pose.x, pose.y, AHEAD), KEPT, 0.0)
+
+    def _feasible(self, topologies: list[Topology], window: Window, pose: Pose, least_gap: float) -> FloatArray | None:
+        """Return the first band whose first poses the robot fits, and whose command it can drive; None if there is none."""
         poses = self._trajectory.feasibility_check_no_poses
         for topology in topologies:
-            if free_poses(topology.band, window, self._outline, poses) >= min(poses, len(topology.band)):
-                return topology.band
+            if free_poses(topology.band, window, self._outline, poses, least_gap) >= min(poses, len(topology.band)):
+                command = self._command(topology.band).array()
+                if least_gap == 0.0 or keeps_gap(window, self._outline, pose.array(), command, self._period, least_gap):
+                    return topology.band
         return None
 
     def _drive(self, band: FloatArray) -> Twist:
         self._infeasible_since = None
+        return self._command(band)
+
+    def _command(self, band: FloatArray) -> Twist:
         return saturated(first_velocity(band, self._period), self._least, self._most, self._turn_radius, self._holonomic)
 
-    def _escape(self, pose: Pose, scene: Scene, stamp: float) -> Twist:
+    def _escape(self, pose: Pose, scene: Scene, least_gap: float, stamp: float) -> Twist:
         """Begin anew with a shorter horizon; after a while, return a slow way to where there is more room."""
         recovery = self._recovery
         self._topologies.clear()
@@ -133,7 +146,8 @@ class TebPlanner(Planner):
         if recovery.shrink_horizon_backup:
             self._shrunk_until = stamp + recovery.shrink_horizon_min_duration
         if recovery.escape_after is not None and stamp - self._infeasible_since >= recovery.escape_after - 1e-9:
-            found = escape_command(pose.array(), scene.window, self._outline, scene.positions, scene.velocities, scene.radii, self._escapes)
+            moving = scene.positions, scene.velocities, scene.radii
+            found = escape_command(pose.array(), scene.window, self._outline, *moving, self._escapes, least_gap)
             if len(found):
                 return Twist.of(found[0])
         raise NoValidCommand("teb: no band is feasible")
