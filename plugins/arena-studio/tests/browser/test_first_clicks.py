@@ -103,7 +103,8 @@ def test_map_stays_where_it_is_when_a_preview_begins_and_ends(show: Callable[...
     shown.wait(f"!!({PAGE} && {PAGE}.editor?.content && {PAGE}.editor.ground)")
     shown.wait(f"{PAGE}.editor.checking === 'checked'")
     page = shown.page
-    place = f"(() => {{ const box = document.querySelector('canvas').getBoundingClientRect(); const at = {PAGE}.view.over([3, 4]); return [box.left + at[0], box.top + at[1], box.width, box.height]; }})()"
+    box = "document.querySelector('canvas').getBoundingClientRect()"
+    place = f"((box, at) => [box.left + at[0], box.top + at[1], box.width, box.height])({box}, {PAGE}.view.over([3, 4]))"
     before = page.evaluate(place)
     page.get_by_role("button", name="Preview").click()
     during = page.evaluate(place)
