@@ -104,7 +104,7 @@ class FramePainter:
         larger = max(1.0, least / (2.0 * footprint.radius * scale))
         self._robot = body(larger * footprint.vertices_xy, larger * footprint.radius)
         self._axes.add_patch(self._robot)
-        self._driven, self._contacts = way(self._axes), contact_marks(self._axes)
+        self._driven, self._contacts = way(self._axes), contact_marks(self._axes, min(8.0, max(4.5, side / 60.0)))
         self._nose = self._axes.plot([], [], color="white", linewidth=1.2, zorder=6)[0]
         self._reach = larger * footprint.radius
         self._returns = self._axes.plot([], [], ".", markersize=1.5, color=RETURNS, zorder=3)[0]

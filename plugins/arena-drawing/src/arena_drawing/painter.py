@@ -79,9 +79,11 @@ def way(axes: Axes) -> Line2D:
     return line
 
 
-def contact_marks(axes: Axes) -> Line2D:
-    """Return the marks of places where a robot touched something, none yet: crosses that stand out from walls and people."""
-    (marks,) = axes.plot([], [], "X", markersize=8, markerfacecolor=CONTACT, markeredgecolor="white", markeredgewidth=0.9, zorder=8)
+def contact_marks(axes: Axes, size: float) -> Line2D:
+    """Return the marks of places where a robot touched something, none yet: crosses of ``size`` points."""
+    (marks,) = axes.plot(
+        [], [], "X", markersize=size, markerfacecolor=CONTACT, markeredgecolor="white", markeredgewidth=size / 9.0, zorder=8
+    )
     return marks
 
 
