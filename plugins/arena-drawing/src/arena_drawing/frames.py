@@ -110,8 +110,9 @@ class FramePainter:
         self._returns = self._axes.plot([], [], ".", markersize=1.5, color=RETURNS, zorder=3)[0]
         plate = {"facecolor": "white", "edgecolor": "none"}
         corner = _free_corner(window, (stage.goal, stage.start))
-        sides = dict(zip(("ha", "va"), PLATES[corner], strict=True))
-        self._clock = self._axes.text(*corner, "", transform=self._axes.transAxes, color=INK, fontsize=9, zorder=9, bbox=plate, **sides)
+        across, up = PLATES[corner]
+        style: dict[str, Any] = {"color": INK, "fontsize": 9, "zorder": 9, "bbox": plate}
+        self._clock = self._axes.text(*corner, "", transform=self._axes.transAxes, ha=across, va=up, **style)
 
     def frame(self, scene: Scene) -> Frame:
         """Return the picture of a scene."""
