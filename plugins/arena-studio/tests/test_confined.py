@@ -89,6 +89,8 @@ INTERPOLATED = "${oc.env:SECRET_OF_TESTS}"
 WANTED: list[dict[str, Any]] = [
     {"folder": INTERPOLATED},
     {"folder": "runs/${hydra:runtime.cwd}"},
+    {"folder": "link/x"},
+    {"folder": "../outside/x"},
     {"values": {"task.pedestrians": INTERPOLATED}},
     {"values": {"+note": f"[{INTERPOLATED}]"}},
     {"values": {"hydra.run.dir": "elsewhere"}},
