@@ -55,17 +55,18 @@
   }
 
   /** Write into each cell what its column is called: on a phone, where there are no columns, the style shows it. */
-  function label(table) {
+  function nameCells(table) {
     const names = [...table.tHead.rows[0].cells].map((head) => {
       const unit = head.querySelector("small")?.textContent;
       return head.firstChild ? head.firstChild.textContent.trim() + (unit ? ` [${unit}]` : "") : "";
     });
     for (const row of table.tBodies[0].rows) {
-      if (row.cells.length === names.length) [...row.cells].forEach((cell, at) => (cell.dataset.label = names[at]));
+      if (row.cells.length !== names.length) continue;
+      for (const [at, cell] of [...row.cells].entries()) cell.dataset.label = names[at];
     }
   }
 
-  for (const table of document.querySelectorAll("table.small")) label(table);
+  for (const table of document.querySelectorAll("table.small")) nameCells(table);
   for (const table of document.querySelectorAll("table.sortable")) {
     for (const head of table.tHead.rows[0].cells) {
       head.tabIndex = 0;
