@@ -174,7 +174,8 @@ def _draw(target: Path, shown: Sequence[Recorded], request: Request) -> None:
     if end <= request.begin:
         raise ConfigurationError(f"from is {request.begin:g} and until {end:g}; allowed: times before the end of the episode, {last:g} s")
     stamps = np.arange(request.begin, end, request.speed / request.rate)
-    if target.suffix == ".gif" and len(stamps) > MOST_GIF_FRAMES:
-        raise ConfigurationError(f"to is {target.name} of {len(stamps)} frames; allowed: {MOST_GIF_FRAMES} (a smaller rate), or .mp4")
+    most = MOST_GIF_FRAMES // len(shown)
+    if target.suffix == ".gif" and len(stamps) > most:
+        raise ConfigurationError(f"to is {target.name} of {len(stamps)} frames; allowed: {most} (a smaller rate), or .mp4")
     size, pictures = frames(shown, stamps.tolist(), request.side)
     write_film(target, pictures, size, request.rate)
