@@ -68,7 +68,7 @@ def read_request(arguments: Sequence[str]) -> Request:
     if to is not None and Path(to).suffix not in ENDINGS:
         raise ConfigurationError(f"to is {to}; allowed: a name that ends in {', '.join(ENDINGS)}")
     others = words.value("with", str | None, None)
-    runs = [name for name in words.names[1:] if not name.isdecimal() and Path(name).is_dir()]
+    runs = [name for name in words.names[1:] if "/" in name or (not name.isdecimal() and Path(name).is_dir())]
     numbers = [int(name) if name.isdecimal() else name for name in words.names[1:] if name not in runs]
     return Request(
         [Path(words.names[0]), *map(Path, runs), *(Path(name) for name in (others or "").split(",") if name)],
