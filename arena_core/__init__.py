@@ -3,6 +3,7 @@
 from arena_core.base.addresses import local_path
 from arena_core.base.arrays import read_array, read_arrays
 from arena_core.base.cells import harmless
+from arena_core.base.confinement import reading_within
 from arena_core.base.ctrl_c import interrupts
 from arena_core.base.errors import (
     ArenaError,
@@ -341,6 +342,7 @@ __all__ = [
     "read_text",
     "read_words",
     "read_yaml",
+    "reading_within",
     "record_digest",
     "record_path",
     "record_paths",

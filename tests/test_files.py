@@ -9,7 +9,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arena_core import LIMITS, InputFileError, harmless, read_array, read_arrays, read_bytes, read_json, read_record, read_table, read_yaml
+import arena_core
+from arena_core import (
+    LIMITS,
+    InputFileError,
+    harmless,
+    is_file,
+    read_array,
+    read_arrays,
+    read_bytes,
+    read_json,
+    read_record,
+    read_table,
+    read_yaml,
+    reading_within,
+)
 from arena_core.loop.recording import check_inside, write_record
 from arena_core.testing import record
 
@@ -171,3 +185,26 @@ def test_a_folder_with_a_name_that_none_can_have_is_one_line(arena):
     answer = arena("evaluate", "a" * 2000)
     assert answer.status == 2
     assert "cannot be read" in answer.line
+
+
+def test_what_is_served_is_read_within_its_folder_links_followed_and_nothing_else(tmp_path):
+    inside, outside = tmp_path / "inside", tmp_path / "outside"
+    inside.mkdir()
+    outside.mkdir()
+    for folder in (inside, outside):
+        (folder / "a.json").write_text("1")
+    (inside / "b.json").symlink_to(inside / "a.json")
+    (inside / "c.json").symlink_to(outside / "a.json")
+    (inside / "d").symlink_to(outside)
+    installed = Path(arena_core.__file__)
+    with reading_within(inside):
+        assert [read_json(inside / name, "x") for name in ("a.json", "b.json")] == [1, 1]
+        assert read_bytes(installed, 10**6, "x")
+        for path in (outside / "a.json", inside / "c.json", inside / "d" / "a.json", inside / ".." / "outside" / "a.json"):
+            assert not is_file(path)
+            with pytest.raises(InputFileError, match="allowed: a file in it"):
+                read_json(path, "x")
+        with reading_within(outside):
+            assert is_file(outside / "a.json")
+            assert not is_file(inside / "a.json")
+    assert read_json(inside / "c.json", "x") == 1

@@ -13,6 +13,7 @@ from itertools import accumulate
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from arena_core.base.confinement import is_readable
 from arena_core.base.errors import InputFileError, one_line
 from arena_core.base.limits import LIMITS
 
@@ -32,6 +33,8 @@ def read_bytes(path: Path, largest: int, allowed: str, unpack: bool = True) -> b
     More than ``largest`` bytes are refused, and so is what is no file: a folder, a pipe that would be waited for, a device without end.
     """
     packed = unpack and path.suffix == ".gz"
+    if not is_readable(path):
+        raise InputFileError(f"{path}: lies outside the folder that is served, or leads out of it; allowed: a file in it")
     try:
         status = path.stat()
         if not stat.S_ISREG(status.st_mode):
@@ -50,9 +53,9 @@ def read_bytes(path: Path, largest: int, allowed: str, unpack: bool = True) -> b
 
 
 def is_file(path: Path) -> bool:
-    """Tell whether a file is there; not where no file can be, by a name that is too long or has a NUL in it."""
+    """Tell whether a file is there and may be read; not where no file can be, by a name that is too long or has a NUL in it."""
     try:
-        return path.is_file()
+        return is_readable(path) and path.is_file()
     except (OSError, ValueError):
         return False
 

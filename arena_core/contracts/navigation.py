@@ -46,6 +46,10 @@ class Planner(ABC):
         """
         return None
 
+    def driving(self) -> str | None:
+        """Return the name of the member that gave the last command; None for a planner that is no switch between several."""
+        return None
+
 
 class Localizer(ABC):
     """Estimates the robot's pose in ``map`` from its sensors; one that ``needs_map`` is refused where the robot has none."""

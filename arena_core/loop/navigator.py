@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from arena_core.base.errors import InvalidCommand, NoValidCommand
+from arena_core.base.errors import InvalidCommand, NoValidCommand, one_line
 from arena_core.base.once import Once
 from arena_core.base.stopwatch import NOTHING, Duration, Stopwatch, Timed
 from arena_core.contracts.navigation import GlobalPlanner, Localizer, LocalMap, Planner, Tracker, WaypointGenerator
@@ -18,13 +18,14 @@ from arena_core.loop.guide import Guide, Mission, ReplanRules
 from arena_core.loop.recovery import RecoveryRules
 from arena_core.loop.shown import shown_pose
 from arena_core.values.candidate import Candidate
-from arena_core.values.episode import EpisodeStart, Event
+from arena_core.values.episode import DRIVER, EpisodeStart, Event
 from arena_core.values.geometry import Pose, Twist
 from arena_core.values.robot import Robot
 from arena_core.values.sensing import Observation, PoseEstimate, Sensors, Tracks
 from arena_core.values.world import Path
 
 BRAKE = Twist(0.0, 0.0, 0.0)
+NAME_LENGTH = 60  # characters of a member's name
 NAVIGATOR_KEYS = ("control_period", "passage_margin", "replan", "recoveries")  # what a planner's configuration may say of its navigator
 
 
@@ -95,10 +96,12 @@ class Navigator(Guide):
         super().__init__(robot, localizer, global_planner, waypoints, local_map, tracker, replan, recoveries, control_period)
         self.planner = planner
         self._rehearsed = not planner.compiles
+        self._driver: str | None = None
 
     def reset(self, mission: Mission) -> None:
         """Begin an episode; nothing of the one before is kept."""
         super().reset(mission)
+        self._driver = None
         self.planner.reset(EpisodeStart(self._shown_map, shown_pose(mission.goal), self.control_period, self._stream("planner")))
 
     def rehearse(self, sensors: Sensors) -> None:
@@ -135,8 +138,16 @@ class Navigator(Guide):
         if observation is None:
             return (BRAKE, view.estimate, view.waypoint, None, True, ()), None
         recovering = self.recoveries.command(view.estimate.pose, sensors.stamp, view.local_map, view.waypoint)
-        command, refusals = (recovering, ()) if recovering is not None else timed("planner", lambda: self._ask_planner(observation))
-        return (command, view.estimate, view.waypoint, view.planned, False, view.events + refusals), view.tracks
+        if recovering is not None:
+            return (recovering, view.estimate, view.waypoint, view.planned, False, view.events), view.tracks
+        command, refusals = timed("planner", lambda: self._ask_planner(observation))
+        events = view.events + refusals + self._changed_driver(sensors.stamp)
+        return (command, view.estimate, view.waypoint, view.planned, False, events), view.tracks
+
+    def _changed_driver(self, stamp: float) -> tuple[Event, ...]:
+        """Return the event of a switch whose member that drives is another one than before."""
+        before, self._driver = self._driver, self.planner.driving()
+        return () if self._driver in (before, None) else (Event(stamp, DRIVER, one_line(str(self._driver), NAME_LENGTH)),)
 
     def _ask_planner(self, observation: Observation) -> tuple[Twist, tuple[Event, ...]]:
         """Return the planner's command, the brake if it has none, and the event of a refusal."""

@@ -7,7 +7,7 @@ from hashlib import blake2b
 
 import numpy as np
 
-from arena_core.values.episode import EpisodeRecord
+from arena_core.values.episode import DRIVER, EpisodeRecord
 
 WHICH_CODE = ("code", "config_hash")  # columns that say which code and configuration made a record: neither is what happened
 
@@ -27,4 +27,5 @@ def record_digest(record: EpisodeRecord) -> str:
 
 def _happened(record: EpisodeRecord) -> dict[str, object]:
     columns = {key: value for key, value in record.meta["columns"].items() if key not in WHICH_CODE}
-    return {**{key: value for key, value in record.meta.items() if key != "config"}, "columns": columns}
+    events = [event for event in record.meta["events"] if event["kind"] != DRIVER]  # which member drove says nothing of where
+    return {**{key: value for key, value in record.meta.items() if key != "config"}, "columns": columns, "events": events}

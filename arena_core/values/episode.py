@@ -90,9 +90,12 @@ class EpisodeStart:
     random: np.random.Generator
 
 
+DRIVER = "driver"  # kind of the event that says which member of a switch drives from then on
+
+
 @dataclass(frozen=True, slots=True)
 class Event:
-    """Something that happened at ``stamp`` (s): ``kind`` is ``replan`` or ``no_valid_command``, ``detail`` says why."""
+    """Something that happened at ``stamp`` (s): ``kind`` is ``replan``, ``no_valid_command`` or ``driver``, ``detail`` says why, or who."""
 
     stamp: float
     kind: str

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -99,3 +100,59 @@ def test_episodes_of_the_report_are_sorted_by_a_column(report: Path, show: Calla
     assert lengths() == sorted(lengths())
     head.press("Enter")
     assert lengths() == sorted(lengths(), reverse=True)
+
+
+BOXES = """
+[...document.querySelectorAll('main, main *')]
+  .filter((one) => one.clientWidth && getComputedStyle(one).display !== 'inline' && one.scrollWidth > one.clientWidth + 1)
+  .map((one) => `${one.tagName}.${one.className}: ${one.scrollWidth} of ${one.clientWidth}`)
+"""
+CONTRASTS = """
+(() => {
+  const parts = (text) => (text.match(/[\\d.]+/g) ?? [0, 0, 0, 0]).map(Number);
+  const light = (text) => {
+    const [r, g, b] = parts(text).map((c) => (c / 255 <= 0.03928 ? c / 255 / 12.92 : ((c / 255 + 0.055) / 1.055) ** 2.4));
+    return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+  };
+  const under = (one) => {
+    for (let at = one; at; at = at.parentElement) {
+      const colour = getComputedStyle(at).backgroundColor;
+      if ((parts(colour)[3] ?? 1) > 0) return colour;
+    }
+    return 'rgb(255, 255, 255)';
+  };
+  const own = (one) => [...one.childNodes].some((node) => node.nodeType === 3 && node.textContent.trim());
+  return [...document.querySelectorAll('main *')].filter((one) => own(one) && one.clientHeight).map((one) => {
+    const [a, b] = [light(getComputedStyle(one).color), light(under(one))].sort((x, y) => y - x);
+    return [(a + 0.05) / (b + 0.05), one.tagName, one.textContent.slice(0, 40)];
+  }).filter(([contrast]) => contrast < 4.5);
+})()
+"""
+
+
+def test_nothing_of_the_report_is_wider_than_a_phone(report: Path, show: Callable[[Path], Any]) -> None:
+    opened = show(report)
+    opened.page.evaluate("document.querySelectorAll('details').forEach((one) => { one.open = true; })")
+    assert opened.overflow <= 0
+    if opened.page.viewport_size["width"] == 390:
+        assert opened.page.evaluate(BOXES) == []
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_report_is_readable_in_light_and_in_darkness(report: Path, show: Callable[[Path], Any], scheme: str) -> None:
+    opened = show(report)
+    opened.page.emulate_media(color_scheme=scheme)
+    opened.page.evaluate("document.querySelectorAll('details').forEach((one) => { one.open = true; })")
+    red, green, blue = (int(part) for part in re.findall(r"\d+", opened.page.evaluate("getComputedStyle(document.body).backgroundColor")))
+    assert (max(red, green, blue) < 60) == (scheme == "dark")
+    assert opened.page.evaluate(CONTRASTS) == []
+    charts = opened.page.evaluate("[...document.querySelectorAll('figure.chart img')].map((one) => getComputedStyle(one).filter)")
+    assert charts
+    assert all((chart != "none") == (scheme == "dark") for chart in charts)
+
+
+def test_success_of_an_episode_is_a_word(report: Path, show: Callable[[Path], Any]) -> None:
+    page = show(report).page
+    said = page.evaluate("[...document.querySelectorAll('.episodes td[data-label=success]')].map((one) => one.textContent.trim())")
+    assert said
+    assert set(said) <= {"yes", "no"}

@@ -14,7 +14,18 @@ import pytest
 from onnx import TensorProto, helper, numpy_helper
 
 from arena_aio.planner import Aio
-from arena_core import NAVIGATOR_KEYS, ConfigurationError, Planner, Twist, compose, load_registry, plain, testing
+from arena_core import (
+    NAVIGATOR_KEYS,
+    ConfigurationError,
+    Planner,
+    Twist,
+    build_benchmark,
+    compose,
+    load_registry,
+    plain,
+    record_digest,
+    testing,
+)
 from arena_core.cli.main import main
 from arena_gym.building import compose_environment
 from arena_policies.actions import ActionRange, ActionScale
@@ -110,6 +121,17 @@ def test_what_the_member_that_drives_considered_is_told(here):
     silent = mine(robot)
     silent.compute_velocity(seen)
     assert silent.considered() is None, "pure pursuit does not tell"
+
+
+def test_record_names_the_member_that_drives_and_its_digest_does_not_depend_on_that(here, tmp_path):
+    write_policy(here, testing.component("robot", "jackal"), {GOAL_AHEAD: 1.0})
+    words = ["planner=mine", "robot=jackal", "world=empty", "pedestrians=none", "task.time_limit=2", "episodes=1"]
+    benchmark = build_benchmark(plain(compose(words)), load_registry())
+    record = benchmark.run(0, tmp_path)
+    drivers = [event for event in record.meta["events"] if event["kind"] == "driver"]
+    assert drivers == [{"stamp": 0.0, "kind": "driver", "detail": "dwa"}]
+    others = [event for event in record.meta["events"] if event["kind"] != "driver"]
+    assert record_digest(replace(record, meta={**record.meta, "events": others})) == record_digest(record)
 
 
 def test_random_switch_chooses_every_member_alike_in_each_run(here):

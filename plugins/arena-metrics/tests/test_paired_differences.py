@@ -13,7 +13,7 @@ from arena_metrics.pages.report import ReportCommand
 from arena_metrics.pooling.cells import cells_of
 from arena_metrics.pooling.runs import metric_columns, pooled, read_runs
 from arena_metrics.pooling.summary import summarise
-from arena_metrics.tables.pairs import p_text, paired_tables
+from arena_metrics.tables.pairs import compared, p_text, paired_tables
 
 FEW = ("success", "collisions", "path_length")
 
@@ -194,3 +194,16 @@ def test_report_holds_the_pairs_and_refuses_an_unknown_baseline(run_folder, tmp_
     assert "Differences in pairs" in (tmp_path / "out" / "index.html").read_text()
     with pytest.raises(InputFileError, match="allowed: dwa, teb"):
         ReportCommand().run([str(tmp_path), "--out", str(tmp_path / "out"), "--baseline", "mpc"])
+
+
+def test_comparisons_in_python_and_in_the_studio_have_the_words_of_the_report(run_folder, tmp_path):
+    for planner in ("dwa", "teb", "mpc"):
+        run_folder(tmp_path / planner, planner=planner, episodes=8)
+    runs = read_runs([tmp_path])
+    lines = {(one["title"], one["planner"]): one for one in compared(cells_of(pooled(runs)[0]), metric_columns(runs))}
+    for table in tables_of(tmp_path).values():
+        for row in table.rows:
+            said = dict(zip(table.head, row, strict=True))
+            one = lines[table.caption.rpartition(", pairs of ")[0], said["difference"].split(" − ")[0]]
+            assert (one["shown"], one["p_shown"], one["p_holm_shown"]) == (said["mean [95 % interval]"], said["p"], said["p after Holm"])
+            assert table.caption == f"{one['title']}, pairs of {one['over_shown']}"

@@ -13,7 +13,7 @@ from arena_studio.project import LARGEST, Project, version_of
 
 OUTSIDE = (
     *("", ".", "..", "../a", "a/../../b", "/etc/passwd", "a/./../..", "C:\\a", "a\\..\\b", "a\0b", "a\nb", "~/../.."),
-    *(".git/config", "a/.ssh/x"),
+    *(".git/config", "a/.ssh/x", "${oc.env:HOME}", "a/${hydra:runtime.cwd}/b.yaml"),
 )
 
 

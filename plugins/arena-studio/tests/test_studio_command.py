@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from urllib.error import HTTPError
-from urllib.request import HTTPCookieProcessor, OpenerDirector, ProxyHandler, build_opener
+from urllib.request import HTTPCookieProcessor, OpenerDirector, ProxyHandler, Request, build_opener
 
 import pytest
 
@@ -92,3 +92,38 @@ def test_folder_and_port_that_cannot_be_are_refused(folder: Path) -> None:
         with pytest.raises(ArenaError):
             StudioCommand().run([*words, "open=false"])
     assert os.getcwd() == before
+
+
+NOTE = {"words": ["run", "seed=1"], "folder": "runs/x", "jobs": 1, "episodes": 3, "began": "2026", "pid": 1, "created": "0.0"}
+STOLEN = "what-the-environment-holds"
+FORBIDDEN: list[dict[str, object]] = [
+    {"folder": "${oc.env:STOLEN}"},
+    {"more": "seed=${oc.env:STOLEN}"},
+    {"values": {"++hydra.run.dir": "elsewhere"}},
+    {"choices": {"hydra/launcher": ["basic"]}},
+]
+
+
+@pytest.mark.slow
+def test_server_as_a_user_has_it_stays_in_its_folder(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("STOLEN", STOLEN)
+    outside, notes = folder.parent / "outside.txt", folder / ".arena_studio" / "runs"
+    outside.write_text(STOLEN)
+    notes.mkdir(parents=True)
+    for name, change in (("01234567", {}), ("89abcdef", {"pid": -1})):
+        note = {**NOTE, "name": name, "status": None, "interrupted": False, **change}
+        (notes / f"{name}.json").write_text(json.dumps(note))
+        (notes / f"{name}.log").symlink_to(outside)
+    with studio(folder) as (_, address):
+        browser, base = opener(), address.partition("/?")[0]
+        browser.open(address)
+        (known,) = json.load(browser.open(f"{base}/api/run/experiments"))
+        assert (known["name"], known["said"]) == ("01234567", [])
+        asked = [("start", json.dumps(one).encode()) for one in FORBIDDEN] + [("experiments/01234567/resume", b"")]
+        for place, content in asked:
+            request = Request(f"{base}/api/run/{place}", content, {"Content-Type": "application/json"})
+            with pytest.raises(HTTPError, match="400") as refused:
+                browser.open(request)
+            assert STOLEN not in refused.value.read().decode()
+    assert [path.name for path in folder.iterdir()] == [".arena_studio"]
+    assert outside.read_text() == STOLEN

@@ -7,6 +7,7 @@ import os
 import random
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import pytest
 from fastapi.testclient import TestClient
@@ -16,21 +17,58 @@ from arena_studio.app import make_app
 from arena_studio.project import Project
 
 TOKEN = "a-token-of-tests"
+BASE = "http://127.0.0.1:8000"  # before each path: one that begins with // would be a host
 OWN = {"Origin": "http://127.0.0.1:8000", "Host": "127.0.0.1:8000", "Cookie": f"arena_studio_8000={TOKEN}"}
 COUNT = int(os.environ.get("FUZZ_REQUESTS", "2000"))  # make fuzz sends 10,000
 SECRET = "this-is-outside"
+IN_ENVIRONMENT = "this-is-in-the-environment"
+INTERPOLATIONS = (
+    "${oc.env:ARENA_FUZZ}",
+    "'${oc.env:ARENA_FUZZ}'",
+    "[${oc.env:ARENA_FUZZ}]",
+    "{a: ${oc.env:ARENA_FUZZ}}",
+    "${hydra:runtime.cwd}",
+)
+HYDRAS = (
+    "hydra.run.dir",
+    "++hydra.run.dir",
+    "+hydra.searchpath",
+    "hydra/launcher",
+    "+planner@hydra.x",
+    "hydra.run.dir=link/x",
+    "~hydra/launcher",
+)
+PLACES = ("link/map.yaml", "linked.yaml", "mapped.yaml", "scene.json", "../../../outside/secret", "noted", "link", "pipe.yaml")
 METHODS = ("GET", "POST", "PUT", "DELETE", "HEAD", "OPTIONS", "PATCH")
 PIECES = (
     *("..", ".", "%2e%2e", "..%2f", "%2f", "\\", "~", "%7f", "%00", "ü", "a", "secret.yaml", "inside.yaml", "link", "link/secret.yaml"),
     *("/etc/passwd", "../outside/secret.yaml", "-1", "1e99", "9" * 30, "nan", "null", "true", "[]", "{}", "'", '"', ";", "$(id)"),
-    *("x" * 300, "0", "1", "runs"),
+    *("x" * 300, "0", "1", "runs", *INTERPOLATIONS, *HYDRAS, *PLACES),
 )
 KEYS = (
     *("path", "run", "episode", "group", "option", "choices", "values", "more", "folder", "allowed", "text", "order", "page", "size"),
     *("content", "map", "robot", "version", "name", "problem", "furniture", "kind", "seed", "baseline", "scene", "parameters"),
-    "rectangles",
+    *("rectangles", "planner", "pedestrians", "world", "rules", "files", "target", "seed", *HYDRAS[:5]),
 )
-# What is asked for as it should be, then spoilt. Paths that start processes are left out: /api/run/start has tests of its own.
+MAP = "image: map.pgm\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
+SCENE = {"name": "a", "start": [0.1, 0.1, 0], "goal": [0.3, 0.3, 0], "pedestrians": [], "obstacles": []}
+NOTE: dict[str, Any] = {
+    "words": ["run"],
+    "folder": "runs",
+    "jobs": 1,
+    "episodes": 1,
+    "began": "2026",
+    "pid": 1,
+    "created": "0.0",
+    "status": None,
+}
+NOTE |= {"interrupted": False}
+ENCODED = [quote(piece, safe="/~") if piece in (*INTERPOLATIONS, *HYDRAS) else piece for piece in PIECES]  # for an address
+NOTES: tuple[dict[str, Any], ...] = (
+    *({}, {"pid": -1}, {"pid": 2**70}, {"created": "soon"}, {"folder": "link"}, {"words": ["run", "hydra.run.dir=link/x"]}),
+    *({"words": ["run", INTERPOLATIONS[0]]}, {"folder": INTERPOLATIONS[0]}, {"episodes": -1}),
+)
+# What is asked for as it should be, then spoilt. Paths that start processes are left out: test_confined.py has /api/run/start.
 STARTS = ("/api/run/start", "/api/run/compose")  # Hydra takes its time: every hundredth request may compose
 
 
@@ -63,9 +101,9 @@ def _paths(routes: Any) -> Any:
 def address(draw: random.Random, known: list[str]) -> str:
     path = draw.choice(known)
     while "{" in path:
-        path = path[: path.index("{")] + draw.choice(PIECES) + path[path.index("}") + 1 :]
+        path = path[: path.index("{")] + draw.choice(ENCODED) + path[path.index("}") + 1 :]
     if draw.random() < 0.25:
-        path += "/" + "/".join(draw.choices(PIECES, k=draw.randrange(1, 4)))
+        path += "/" + "/".join(draw.choices(ENCODED, k=draw.randrange(1, 4)))
     return path
 
 
@@ -78,14 +116,26 @@ def body(draw: random.Random) -> bytes:
 
 
 @pytest.fixture
-def place(tmp_path: Path) -> Path:
-    """Return a project folder beside which something lies that nobody may see."""
+def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Return a project folder beside which something lies that nobody may see, with links to it, a pipe and planted notes."""
+    monkeypatch.setenv("ARENA_FUZZ", IN_ENVIRONMENT)
     outside, folder = tmp_path / "outside", tmp_path / "project"
     outside.mkdir()
     (outside / "secret.yaml").write_text(SECRET)
     folder.mkdir()
     (folder / "inside.yaml").write_text("a: 1\n")
     (folder / "link").symlink_to(outside)
+    (folder / "linked.yaml").symlink_to(outside / "secret.yaml")
+    (outside / "map.pgm").write_bytes(b"P5\n4 4\n255\n" + bytes(16))
+    (outside / "map.yaml").write_text(MAP)
+    (folder / "mapped.yaml").write_text(MAP.replace("map.pgm", "../outside/map.pgm"))
+    (folder / "scene.json").write_text(json.dumps({"format": "arena-scenario", "version": 1, "map": "mapped.yaml", "scenarios": [SCENE]}))
+    os.mkfifo(folder / "pipe.yaml")
+    notes = folder / ".arena_studio" / "runs"
+    notes.mkdir(parents=True)
+    for number, change in enumerate(NOTES):
+        (notes / f"0000000{number}.json").write_text(json.dumps({**NOTE, "name": f"0000000{number}", **change}))
+        (notes / f"0000000{number}.log").symlink_to(outside / "secret.yaml")
     return folder
 
 
@@ -100,15 +150,15 @@ def test_no_request_fails_inside_or_leaves_the_folder(place: Path) -> None:
     app = make_app(Project(place), TOKEN)
     known = paths(app)
     assert {"/api/run/experiments/{name}/stop", "/api/results/page", "/api/maps", "/replay/document"} <= set(known)
-    client = TestClient(app, base_url="http://127.0.0.1:8000", raise_server_exceptions=False)
+    client = TestClient(app, base_url=BASE, raise_server_exceptions=False)
     client.get("/", params={"token": TOKEN})
     failed: list[str] = []
     for number in range(COUNT):
         method, path = draw.choice(METHODS), address(draw, [*known, "/api/run/compose"] if number % 100 == 0 else known)
         words = {draw.choice(KEYS): draw.choice(PIECES) for _ in range(draw.randrange(4))}
         headers = {"If-Match": draw.choice(PIECES).encode("ascii", "ignore").decode()} if draw.random() < 0.3 else {}
-        answer = client.request(method, path, params=words, content=body(draw), headers=headers)
-        if answer.status_code >= 500 or SECRET.encode() in answer.content:
+        answer = client.request(method, f"{BASE}{path}", params=words, content=body(draw), headers=headers)
+        if answer.status_code >= 500 or SECRET.encode() in answer.content or IN_ENVIRONMENT.encode() in answer.content:
             failed.append(f"{answer.status_code} {method} {path} {words}")
     assert failed == []
     assert outside(place) == before

@@ -79,3 +79,19 @@ def test_trigger_zones_lie_around_the_person_unless_said_otherwise() -> None:
     person = PedestrianSpec(0, np.array((1.0, 2.0)), np.empty((0, 2)), 0.3, 0.3, {"start_up_mode": "trigger_zone", **where})
     assert zones_of(person) == [(1.0, 2.0, 2.0), (8.0, 2.0, 1.0)]
     assert zones_of(PedestrianSpec(0, person.position_xy, person.waypoints_xy, 0.3, 0.3, where)) == []
+
+
+@pytest.mark.parametrize("world", [WORLD, ["world=empty", "world.width=4", "world.height=14"]], ids=["wide", "narrow"])
+def test_legend_is_whole_however_many_groups_there_are_and_however_they_are_called(tmp_path: Path, world: list[str]) -> None:
+    people = [
+        {"position": [2.0, 2.0 + 0.5 * k], "behaviour": {"group": name, "trigger_zone_radius": 1.0, "start_up_mode": "trigger_zone"}}
+        for k, name in enumerate(("visitors of the second hall", "porters", "x" * 60, "nurses", "guests", "children of the school"))
+    ]
+    path = scenes(tmp_path / "s.json", 1, pedestrians=people, start=[1, 1], goal=[3, 6], obstacles=[{"center": [3, 3], "radius": 0.2}])
+    assert main(["scenario", "draw", str(path), "--to", str(tmp_path / "a.png"), *world]) == 0
+    image = pixels(tmp_path / "a.png")
+    framed = np.flatnonzero((image[:, 20:-20] < 60).all(axis=-1).mean(axis=1) > 0.9)  # the scene's frame, black
+    below = image[framed[-1] + 3 :] if len(framed) else image[-60:]
+    assert (below < 200).any(), "there is a legend"
+    assert (below[:, [0, 1, 2, -3, -2, -1]] > 250).all(), "and nothing of it is cut off at the sides"
+    assert (image[-2:] > 250).all()

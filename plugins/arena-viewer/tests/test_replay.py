@@ -3,7 +3,9 @@
 import gzip
 import http.client
 import json
+import shutil
 import threading
+from dataclasses import replace
 from urllib.parse import urlsplit
 
 import numpy as np
@@ -16,6 +18,7 @@ from arena_viewer.command import ReplayCommand, read_request
 from arena_viewer.document import document, read_document, read_recorded, time_to_collision
 from arena_viewer.page import LIVE_MODULES, MODULES, page
 from arena_viewer.serving import PageServer
+from arena_viewer.stills import Moments, window_of
 
 
 @pytest.fixture(scope="module")
@@ -151,6 +154,64 @@ def test_command_writes_a_page_a_strip_and_a_film(folder, tmp_path, monkeypatch)
         assert strip.width == 3 * 200 + 2 * 6
         assert film.n_frames == 5
     assert read_document((tmp_path / "e.replay").read_bytes())[0]["format"] == "arena-replay"
+
+
+def test_two_runs_on_one_scenario_are_drawn_side_by_side_and_others_refused(folder, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    shutil.copytree(folder, tmp_path / "other")
+    words = [str(folder), "other", "0", "side=200", "until=1", "rate=5", "moments=3"]
+    for name in ("two.png", "two.gif"):
+        assert ReplayCommand().run([*words, "--to", name]) == 0
+    with Image.open("two.png") as strips, Image.open("two.gif") as film:
+        assert (strips.width, strips.height) == (3 * 200 + 2 * 6, 2 * 200 + 6)
+        assert (film.width, film.height, film.n_frames) == (2 * 200 + 6, 200, 5)
+    with pytest.raises(
+        ConfigurationError, match=r"to is a\.gif of scenario random/0000 and random/0001; allowed: runs of the same scenario"
+    ):
+        ReplayCommand().run([str(folder), "0", "1", "--to", "a.gif"])
+    with pytest.raises(ConfigurationError, match="8 episodes; allowed: up to 6"):
+        ReplayCommand().run([str(folder), *["0"] * 8, "--to", "a.png"])
+
+
+def changed(recorded, **changes):
+    """Return an episode with other arrays, and another scenario where ``goal`` is given."""
+    scenario = {**recorded.record.meta["scenario"], **({"goal": changes.pop("goal")} if "goal" in changes else {})}
+    meta = {**recorded.record.meta, "scenario": scenario, "events": changes.pop("events", recorded.record.meta["events"])}
+    return replace(recorded, record=replace(recorded.record, meta=meta, arrays={**recorded.record.arrays, **changes}))
+
+
+def test_pictures_hold_the_whole_drive_and_a_goal_wherever_it_is(recorded):
+    for goal in ([30.0, 2.0], [-12.0, -9.0], [4.0, 50.0]):
+        left, right, bottom, top = window_of([changed(recorded, goal=goal)])
+        poses = recorded.record["pose"]
+        for x, y in (goal, *poses[:, :2]):
+            assert left + 1.0 < x < right - 1.0
+            assert bottom + 1.0 < y < top - 1.0
+
+
+def test_way_driven_and_contacts_until_then_are_drawn(recorded):
+    stamp = recorded.record["stamp"]
+    middle = recorded.record["pose"][len(stamp) // 2, :2] + (0.0, 1.0)
+    touched = changed(recorded, contact_stamp=np.array([stamp[-2]]), contact_position=middle[None])
+    moments = Moments(touched, 300)
+    first, last = moments.at(0.0), moments.at(float(stamp[-1]))
+    red = [int((np.abs(frame.astype(int) - (215, 38, 61)).max(axis=2) < 12).sum()) for frame in (first, last)]
+    blue = [int((np.abs(frame.astype(int) - (0, 114, 178)).max(axis=2) < 12).sum()) for frame in (first, last)]
+    assert red[0] == 0 < red[1]
+    assert blue[1] > 1.5 * blue[0]
+
+
+def test_small_robot_is_drawn_large_enough_to_be_seen(recorded):
+    far = changed(recorded, goal=[120.0, 4.0])
+    frame = Moments(far, 300).at(0.0)
+    blue = np.argwhere(np.abs(frame.astype(int) - (0, 114, 178)).max(axis=2) < 60)
+    assert 9 <= max(np.ptp(blue, axis=0)) <= 20
+
+
+def test_member_of_a_switch_that_drives_is_named(recorded):
+    events = [{"stamp": 0.0, "kind": "driver", "detail": "teb"}, {"stamp": 0.5, "kind": "driver", "detail": "rosnav"}]
+    moments = Moments(changed(recorded, events=events), 200, title="aio")
+    assert [moments._said(stamp) for stamp in (0.0, 0.4, 0.5, 3.0)] == ["aio (teb)", "aio (teb)", "aio (rosnav)", "aio (rosnav)"]
 
 
 @pytest.mark.parametrize(

@@ -92,6 +92,10 @@ class Aio(Planner):
         """Return what the member that drives weighed; None where that one does not tell."""
         return self._members.considered()
 
+    def driving(self) -> str:
+        """Return the name of the member that drives."""
+        return self._members.names[self._driving]
+
     def _choose(self, observation: Observation, last: Twist) -> int:
         choice = self._switch.choice(observation, last)
         if self._at_random:

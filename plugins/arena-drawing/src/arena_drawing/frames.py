@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,20 @@ from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
 from arena_core import ArenaError, Footprint, OccupancyGrid, Path
-from arena_drawing.painter import INK, PATH, PERSON, body, draw_goal, draw_map, draw_obstacles, draw_start, frame_axes, move
+from arena_drawing.painter import (
+    INK,
+    PATH,
+    PERSON,
+    body,
+    contact_marks,
+    draw_goal,
+    draw_map,
+    draw_obstacles,
+    draw_start,
+    frame_axes,
+    move,
+    way,
+)
 
 FloatArray = NDArray[np.float64]
 Frame = NDArray[np.uint8]
@@ -23,24 +36,39 @@ SIDE = 480  # pixels of a frame's longer side
 SHORTEST = 160  # pixels of its shorter side
 MARGIN = 0.5  # m around the map's free cells
 RETURNS = "#CC79A7"
+PLATES = {
+    (0.02, 0.02): ("left", "bottom"),
+    (0.98, 0.02): ("right", "bottom"),
+    (0.02, 0.98): ("left", "top"),
+    (0.98, 0.98): ("right", "top"),
+}
+Window = tuple[float, float, float, float]  # x from, to, y from, to, m
+
+
+def _none() -> FloatArray:
+    return np.empty((0, 2))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stage:
-    """What does not move in an episode: the map, obstacles as records have them, start and goal (3,), and the path that was planned."""
+    """What does not move in an episode: the map, obstacles as records have them, start and goal (3,), and the path that was planned.
+
+    ``window`` is what is shown of it, all free cells where it is None.
+    """
 
     grid: OccupancyGrid
     obstacles: Sequence[Mapping[str, Any]]
     start: FloatArray
     goal: FloatArray
     path: Path | None
+    window: Window | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scene:
     """What moves, in ``map``: the robot's pose (3,), people's positions (P, 2) and radii (P,), NaN where absent, a scan's returns (R, 2).
 
-    ``stamp`` is in s.
+    ``stamp`` is in s, ``title`` stands before it. ``driven`` (K, 2) is the way until now, ``contacts`` (C, 2) where it touched something.
     """
 
     pose: FloatArray
@@ -48,16 +76,19 @@ class Scene:
     radii: FloatArray
     returns: FloatArray
     stamp: float
+    driven: FloatArray = field(default_factory=_none)
+    contacts: FloatArray = field(default_factory=_none)
+    title: str = ""
 
 
 class FramePainter:
-    """Draws the scenes of one episode as arrays (H, W, 3) of bytes."""
+    """Draws the scenes of one episode as arrays (H, W, 3) of bytes; a robot shorter than ``least`` pixels is drawn as long as that."""
 
-    def __init__(self, stage: Stage, footprint: Footprint, side: int = SIDE) -> None:
-        window = _window(stage.grid)
-        width, height = window[1] - window[0], window[3] - window[2]
-        scale = side / max(width, height)
-        size = [max(SHORTEST, round(scale * length)) for length in (width, height)]
+    def __init__(self, stage: Stage, footprint: Footprint, side: int = SIDE, least: int = 0) -> None:
+        window = stage.window or free_window(stage.grid)
+        scale = side / max(window[1] - window[0], window[3] - window[2])
+        size = [max(SHORTEST, round(scale * length)) for length in (window[1] - window[0], window[3] - window[2])]
+        window = _filling(window, size, scale)
         self._figure = Figure(figsize=(size[0] / 100.0, size[1] / 100.0), dpi=100)
         self._canvas = FigureCanvasAgg(self._figure)
         self._axes = self._figure.add_axes((0.0, 0.0, 1.0, 1.0))
@@ -70,13 +101,18 @@ class FramePainter:
             self._axes.plot(*stage.path.poses[:, :2].T, "--", color=PATH, linewidth=1.0, zorder=2)
         self._canvas.draw()  # type: ignore[no-untyped-call]
         self._still = self._canvas.copy_from_bbox(self._figure.bbox)  # type: ignore[no-untyped-call]
-        self._robot = body(footprint.vertices_xy, footprint.radius)
+        larger = max(1.0, least / (2.0 * footprint.radius * scale))
+        self._robot = body(larger * footprint.vertices_xy, larger * footprint.radius)
         self._axes.add_patch(self._robot)
+        self._driven, self._contacts = way(self._axes), contact_marks(self._axes, min(8.0, max(4.5, side / 60.0)))
         self._nose = self._axes.plot([], [], color="white", linewidth=1.2, zorder=6)[0]
-        self._reach = footprint.radius
+        self._reach = larger * footprint.radius
         self._returns = self._axes.plot([], [], ".", markersize=1.5, color=RETURNS, zorder=3)[0]
         plate = {"facecolor": "white", "edgecolor": "none"}
-        self._clock = self._axes.text(0.02, 0.02, "", transform=self._axes.transAxes, color=INK, fontsize=9, zorder=9, bbox=plate)
+        corner = _free_corner(window, (stage.goal, stage.start))
+        across, up = PLATES[corner]
+        style: dict[str, Any] = {"color": INK, "fontsize": 9, "zorder": 9, "bbox": plate}
+        self._clock = self._axes.text(*corner, "", transform=self._axes.transAxes, ha=across, va=up, **style)
 
     def frame(self, scene: Scene) -> Frame:
         """Return the picture of a scene."""
@@ -88,9 +124,11 @@ class FramePainter:
         x, y, theta = scene.pose
         self._nose.set_data([x, x + self._reach * np.cos(theta)], [y, y + self._reach * np.sin(theta)])
         self._returns.set_data(scene.returns[:, 0], scene.returns[:, 1])
-        self._clock.set_text(f"{scene.stamp:.1f} s")
+        self._driven.set_data(scene.driven[:, 0], scene.driven[:, 1])
+        self._contacts.set_data(scene.contacts[:, 0], scene.contacts[:, 1])
+        self._clock.set_text(f"{scene.title}  {scene.stamp:.1f} s".lstrip())
         self._canvas.restore_region(self._still)  # type: ignore[no-untyped-call]
-        moving: list[Artist] = [self._returns, people, self._robot, self._nose, self._clock]
+        moving: list[Artist] = [self._returns, self._driven, people, self._robot, self._nose, self._contacts, self._clock]
         for artist in moving:
             self._axes.draw_artist(artist)
         people.remove()
@@ -132,7 +170,27 @@ def _interactive() -> Sequence[str]:
     return names
 
 
-def _window(grid: OccupancyGrid) -> tuple[float, float, float, float]:
+def _filling(window: Window, size: Sequence[int], scale: float) -> Window:
+    """Return a window that fills a picture of ``size`` pixels, wider where it was too narrow for one."""
+    middles = ((window[0] + window[1]) / 2.0, (window[2] + window[3]) / 2.0)
+    halves = [
+        max(pixels / scale, length) / 2.0 for pixels, length in zip(size, (window[1] - window[0], window[3] - window[2]), strict=True)
+    ]
+    (x, y), (half_x, half_y) = middles, halves
+    return x - half_x, x + half_x, y - half_y, y + half_y
+
+
+def _free_corner(window: Window, marks: Sequence[FloatArray]) -> tuple[float, float]:
+    """Return the corner of the picture, a share of both sides, that is farthest from the nearest of some marks."""
+
+    def room(corner: tuple[float, float]) -> float:
+        x, y = (window[2 * k] + corner[k] * (window[2 * k + 1] - window[2 * k]) for k in (0, 1))
+        return min(float(np.hypot(mark[0] - x, mark[1] - y)) for mark in marks)
+
+    return max(PLATES, key=room)
+
+
+def free_window(grid: OccupancyGrid) -> Window:
     """Return the bounds of the map's known, free cells with a margin: x from, to, y from, to, m."""
     rows, columns = np.nonzero((grid.data >= 0) & (grid.data < grid.occupied_from))
     if not len(rows):

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 FloatArray = NDArray[np.float64]
 INK = "#333333"
 ROBOT, PERSON, PATH, GOAL = "#0072B2", "#D55E00", "#009E73", "#F0C808"  # after Okabe and Ito: told apart by who is colour-blind
+CONTACT = "#D7263D"
 OBSTACLE, OVERHANG = "#8a8a8d", "#e3d2bd"
 WALL, UNKNOWN_CELL, FREE_CELL = (0.36, 0.36, 0.38), (0.93, 0.93, 0.93), (1.0, 1.0, 1.0)
 OCCUPIED_FROM = 65  # of a cell (ROS map_server)
@@ -70,6 +71,20 @@ def draw_goal(axes: Axes, x: float, y: float) -> Line2D:
     """Mark where a robot is to go."""
     (mark,) = axes.plot(x, y, "*", markersize=9, markerfacecolor=GOAL, markeredgecolor=INK, markeredgewidth=0.7, zorder=6)
     return mark
+
+
+def way(axes: Axes) -> Line2D:
+    """Return the line of the way that a robot has driven, with no point yet."""
+    (line,) = axes.plot([], [], color=ROBOT, linewidth=1.6, solid_capstyle="round", zorder=3)
+    return line
+
+
+def contact_marks(axes: Axes, size: float) -> Line2D:
+    """Return the marks of places where a robot touched something, none yet: crosses of ``size`` points."""
+    (marks,) = axes.plot(
+        [], [], "X", markersize=size, markerfacecolor=CONTACT, markeredgecolor="white", markeredgewidth=size / 9.0, zorder=8
+    )
+    return marks
 
 
 def frame_axes(axes: Axes, window: tuple[float, float, float, float]) -> None:

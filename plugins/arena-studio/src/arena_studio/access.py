@@ -6,13 +6,14 @@ import hmac
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from http.cookies import CookieError, SimpleCookie
+from pathlib import Path
 from urllib.parse import parse_qs
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.responses import JSONResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from arena_core import ArenaError
+from arena_core import ArenaError, reading_within
 from arena_studio.errors import Refused, TooLarge, status_of
 from arena_studio.signed import Signed
 
@@ -70,11 +71,15 @@ class Access:
 
 
 class Guard:
-    """Answers requests that may not be served, counts the bytes of bodies, and adds headers to every answer."""
+    """Answers requests that may not be served, counts the bytes of bodies, and adds headers to every answer.
 
-    def __init__(self, app: ASGIApp, access: Access) -> None:
+    Whatever answers the others reads no file outside ``root``, the project folder.
+    """
+
+    def __init__(self, app: ASGIApp, access: Access, root: Path) -> None:
         self._app = app
         self._access = access
+        self._root = root
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serve one request or websocket."""
@@ -88,7 +93,8 @@ class Guard:
         except (Refused, TooLarge) as error:
             await self._refuse(error, scope, receive, send)
             return
-        await self._app(scope, _counted(receive, limit), self._with_headers(scope, send, fresh))
+        with reading_within(self._root):
+            await self._app(scope, _counted(receive, limit), self._with_headers(scope, send, fresh))
 
     async def _refuse(self, error: ArenaError, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] == "websocket":

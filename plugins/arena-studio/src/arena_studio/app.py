@@ -50,7 +50,7 @@ def make_app(project: Project, token: str, hosts: frozenset[str] | None = LOOPBA
 
     app.mount("/web", StaticFiles(packages=[("arena_studio", "web")]))
     app.mount("/viewer", StaticFiles(packages=[("arena_viewer", "web")]))
-    app.add_middleware(Guard, access=Access(token, hosts, POLICY.format(_inline_hash(index))))
+    app.add_middleware(Guard, access=Access(token, hosts, POLICY.format(_inline_hash(index))), root=project.root)
     return app
 
 

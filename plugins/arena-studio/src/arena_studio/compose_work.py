@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 from arena_core import form_of, load_registry
 from arena_studio.composing import composition
+from arena_studio.words import check_configuration
 
 
 def composed(choices: Mapping[str, Sequence[str]], values: Mapping[str, str], more: str) -> dict[str, Any]:
@@ -17,4 +19,5 @@ def composed(choices: Mapping[str, Sequence[str]], values: Mapping[str, str], mo
 
 def form(group: str, option: str) -> dict[str, Any]:
     """Return the parameters of one option."""
+    check_configuration(Path.cwd())
     return asdict(form_of(group, option, load_registry()))

@@ -6,16 +6,19 @@ import re
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from arena_core import ConfigurationError, check_settings, compose, load_registry, plain
+from arena_studio.words import KEY, allowed, check_key
 
 MOST_JOBS = 1000  # of one sweep
 MOST_COMPOSED = 32  # of its jobs; each takes half a second
 PLAIN = re.compile(r"[\w.+-][\w./+-]*", re.ASCII)  # what Hydra reads without quotes
 STRUCTURED = re.compile(r"[\[{'\"].*|\w+\(.*\)", re.DOTALL)
 LISTED = ("metrics",)  # groups of which several options are one choice
-KEY = re.compile(r"[+~]{0,2}[A-Za-z_][\w./@-]*", re.ASCII)
+WORDLIKE = re.compile(r"[A-Za-z_][\w./-]*", re.ASCII)  # what Hydra reads as a text without quotes, but for NOT_TEXTS
+NOT_TEXTS = ("null", "true", "false", "inf", "nan")
 Alternatives = tuple[str, list[str]]  # a key and its values; none for a key that is deleted
 
 
@@ -36,7 +39,13 @@ class Composition:
     def command(self, folder: str, resume: bool = False) -> list[str]:
         """Return the words behind ``arena`` that run it into a folder."""
         place = "hydra.sweep.dir" if self.sweeps else "hydra.run.dir"
-        return ["run", *(["-m"] if self.sweeps else []), *self.words, f"{place}={_quoted(folder)}", *(["resume=true"] if resume else [])]
+        return [
+            "run",
+            *(["-m"] if self.sweeps else []),
+            *self.words,
+            f"{place}={_text_quoted(folder)}",
+            *(["resume=true"] if resume else []),
+        ]
 
 
 def composition(choices: Mapping[str, Sequence[str]], values: Mapping[str, str], more: str) -> Composition:
@@ -51,8 +60,8 @@ def composition(choices: Mapping[str, Sequence[str]], values: Mapping[str, str],
         jobs *= max(1, len(offered))
     if jobs > MOST_JOBS:
         raise ConfigurationError(f"the experiment has {jobs} jobs; allowed: up to {MOST_JOBS}")
+    words = tuple(allowed([f"{key}={','.join(offered)}" if offered else key for key, offered in alternatives], Path.cwd()))
     configs = [_checked(words) for words in _tried(alternatives)]
-    words = tuple(f"{key}={','.join(offered)}" if offered else key for key, offered in alternatives)
     return Composition(words, jobs, jobs * int(configs[0]["episodes"]), dict(_flat(configs[0])))
 
 
@@ -72,8 +81,7 @@ def _of_choices(choices: Mapping[str, Sequence[str]]) -> Iterator[Alternatives]:
 
 def _of_values(values: Mapping[str, str]) -> Iterator[Alternatives]:
     for key, text in values.items():
-        if not KEY.fullmatch(key):
-            raise ConfigurationError(f"{key!r} is no key of the configuration")
+        check_key(key)
         yield key, [_quoted(part) for part in _parts(text)]
 
 
@@ -86,8 +94,6 @@ def _typed(more: str) -> Iterator[Alternatives]:
         key, equals, value = word.partition("=")
         if not KEY.fullmatch(key) or not (equals or key.startswith("~")):
             raise ConfigurationError(f"{word!r} is no override; allowed: KEY=VALUE")
-        if key.startswith("hydra"):
-            raise ConfigurationError(f"{key} is Hydra's own; allowed: keys of the experiment (the studio chooses the folder)")
         yield key, _parts(value) if equals else []
 
 
@@ -98,8 +104,15 @@ def _parts(text: str) -> list[str]:
 
 def _quoted(text: str) -> str:
     """Return a value as Hydra's grammar wants it."""
-    if PLAIN.fullmatch(text) or STRUCTURED.fullmatch(text):
-        return text
+    return text if PLAIN.fullmatch(text) or STRUCTURED.fullmatch(text) else _in_quotes(text)
+
+
+def _text_quoted(text: str) -> str:
+    """Return a text as Hydra's grammar wants it, so that it stays one whatever it says."""
+    return text if WORDLIKE.fullmatch(text) and text.lower() not in NOT_TEXTS else _in_quotes(text)
+
+
+def _in_quotes(text: str) -> str:
     escaped = text.replace("\\", "\\\\").replace("'", "\\'")
     return f"'{escaped}'"
 

@@ -10,6 +10,7 @@ from typing import Any
 import yaml
 
 from arena_core import ArenaError, InputFileError, read_bytes, write_bytes_whole
+from arena_studio.project import Project
 from arena_studio.scene_work import opened, text
 from arena_tasks.commands.packing import make_pack, write_options
 from arena_tasks.random.curriculum import Level, built_in, curriculum_of, curriculum_text, read_curriculum, read_level
@@ -43,7 +44,7 @@ def _row(name: str) -> dict[str, Any] | None:
 
 def levels(name: str) -> list[dict[str, Any]]:
     """Return the levels of a curriculum, by its file or its built-in name; raise InputFileError."""
-    return [_level(level) for level in read_curriculum(name if name in built_in() else str(Path(name).absolute())).levels]
+    return [_level(level) for level in read_curriculum(name if name in built_in() else str(_project().path(name))).levels]
 
 
 def _level(level: Level) -> dict[str, Any]:
@@ -102,7 +103,7 @@ def pack(folder: str, files: Sequence[str], said: Mapping[str, str]) -> dict[str
     for name in files:
         _take_in(target, name)
     made = make_pack(target.absolute(), {key: value for key, value in said.items() if value})
-    options = write_options(made, Path("conf") / "scenario" / made.id, target.as_posix())
+    options = write_options(made, _project().path(f"conf/scenario/{made.id}"), target.as_posix())
     return {**_pack(target), "options": [f"scenario={made.id}/{option}" for option in options]}
 
 
@@ -130,8 +131,13 @@ def _take_map(target: Path, name: str) -> str:
 
 
 def _put(path: Path, content: bytes) -> None:
-    """Write a file; raise InputFileError where there is another one."""
+    """Write a file of the project; raise InputFileError where there is another one."""
+    path = _project().path(path.as_posix())
     if path.exists() and read_bytes(path, LARGEST_IMAGE, "a file", unpack=False) != content:
         raise InputFileError(f"{path}: is there already, with other content; allowed: another folder, or a file of another name")
     path.parent.mkdir(parents=True, exist_ok=True)
     write_bytes_whole(path, content)
+
+
+def _project() -> Project:
+    return Project(Path.cwd())

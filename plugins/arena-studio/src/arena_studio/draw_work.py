@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import yaml
 
 from arena_core import ArenaError, ConfigurationError, OccupancyGrid, TaskMode, compose, load_registry, option_files, plain
 from arena_studio.scene_work import cells_of, quoted, world_of
+from arena_studio.words import allowed
 from arena_tasks.scenario_files.scenario_file import content_of
 
 MOST = 20
@@ -26,7 +28,8 @@ def draws(
     place = world_of(map_file) if map_file else [f"world={world}"]
     place += [] if difficulty is None else [f"world.difficulty={difficulty}"]
     overrides = [f"task.{key}={_written(value)}" for key, value in rules.items()]
-    node = plain(compose([*place, f"robot={robot}", "task=random", *overrides], "component"))
+    words = allowed([*place, f"robot={robot}", "task=random", *overrides], Path.cwd())
+    node = plain(compose(words, "component"))
     source = registry.build("world", node["world"])
     body = registry.build("robot", node["robot"])
     task = registry.build("task", node["task"], robot=body, world=source)
@@ -53,7 +56,8 @@ def rules_text(name: str, rules: Mapping[str, Any], base: str) -> str:
     options = option_files("task", load_registry().manager)
     if name in options:
         raise ConfigurationError(f"name is {name}; allowed: another one than {', '.join(options)}")
-    compose([f"task={base}", *(f"task.{key}={_written(value)}" for key, value in rules.items())], "component")
+    words = [f"task={base}", *(f"task.{key}={_written(value)}" for key, value in rules.items())]
+    compose(allowed(words, Path.cwd()), "component")
     tree: dict[str, Any] = {}
     for key, value in rules.items():
         *above, last = key.split(".")

@@ -13,15 +13,18 @@ from pathlib import Path
 from threading import RLock
 from typing import Any
 
-from arena_core import ArenaError, read_json, read_settings, write_text_whole
+from arena_core import ArenaError, InputFileError, read_json, read_settings, reading_within, write_text_whole
 from arena_studio.composing import MOST_JOBS, Composition, shown
 from arena_studio.errors import Conflict, Missing
 from arena_studio.processes import Process, log_tail, start
 from arena_studio.progress import Progress
 from arena_studio.project import Project
+from arena_studio.words import allowed, check_text
 
 PLACE = ".arena_studio/runs"
 NAME = re.compile(r"[0-9a-f]{8}")
+STAMP = re.compile(r"\d{1,11}\.\d{1,9}")  # when a process began, s since 1970
+MOST_EPISODES, LARGEST_PID = 10**9, 2**31 - 1
 ALLOWED = "what the studio wrote"
 
 
@@ -55,21 +58,22 @@ class Experiments:
 
     def __init__(self, project: Project) -> None:
         self._project = project
-        self._place = project.root / PLACE
+        self.root = project.root
+        self._place = _own_folder(project)
         self._lock = RLock()
         self._known: dict[str, Experiment] = {}
         self._progress: dict[str, Progress] = {}
         for path in sorted(self._place.glob("*.json")):
-            with suppress(ArenaError):  # not the studio's own
+            with suppress(ArenaError), reading_within(project.root):  # not the studio's own
                 one = read_settings(read_json(path, ALLOWED), Experiment, path.name)
                 project.path(one.folder)
-                if one.name == path.stem and NAME.fullmatch(one.name) and one.words[:1] == ["run"] and 0 < one.jobs <= MOST_JOBS:
+                if one.name == path.stem and NAME.fullmatch(one.name) and _is_own(one, project.root):
                     self._known[one.name] = one
 
     def start(self, composition: Composition, folder: str) -> dict[str, Any]:
         """Start an experiment into ``folder`` of the project (empty: a new one, by the time of day); return how it stands."""
         folder = folder.strip() or f"{'multirun' if composition.sweeps else 'outputs'}/{datetime.now().strftime('%Y-%m-%d/%H-%M-%S-%f')}"
-        place = self._project.path(folder)
+        place = self.place(folder)
         if place.exists() and (not place.is_dir() or any(place.iterdir())):
             raise Conflict(f"{folder} is there already; allowed: a new folder")
         name, words = secrets.token_hex(4), composition.command(folder)
@@ -79,6 +83,11 @@ class Experiments:
             facts = (name, words, folder, composition.jobs, composition.episodes, began, process.pid, repr(process.created), None, False)
             self._keep(Experiment(*facts))
         return self.standing(name)
+
+    def place(self, folder: str) -> Path:
+        """Return where a run's folder would lie; raise ArenaError for a name that it may not have."""
+        check_text(folder, "folder", self._project.root)
+        return self._project.path(folder)
 
     def stop(self, name: str) -> dict[str, Any]:
         """Send Ctrl-C to an experiment that runs: the first lets episodes under way end at their next step, a second one does not wait."""
@@ -165,6 +174,23 @@ class Experiments:
 
     def _log(self, name: str) -> Path:
         return self._place / f"{name}.log"
+
+
+def _own_folder(project: Project) -> Path:
+    """Return where the studio keeps what it knows of experiments; raise InputFileError where a link leads it out of the project."""
+    place = project.root / PLACE
+    if not place.resolve().is_relative_to(project.root):
+        raise InputFileError(f"{place}: leads out of the project folder; allowed: a folder in it, or none yet")
+    return place
+
+
+def _is_own(one: Experiment, root: Path) -> bool:
+    """Return whether a note can be the studio's; raise ConfigurationError for words that a browser may not send."""
+    check_text(one.folder, "folder", root)
+    studios = Composition((), one.jobs, one.episodes, {}).command(one.folder, resume=True)  # the words that the studio adds
+    allowed([word for word in one.words if word not in studios], root)
+    numbers = 0 < one.jobs <= MOST_JOBS and 0 < one.episodes <= MOST_EPISODES and 0 < one.pid <= LARGEST_PID
+    return numbers and bool(STAMP.fullmatch(one.created)) and one.words[:1] == ["run"]
 
 
 def _ending(one: Experiment, found: Mapping[str, Any]) -> str:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import os
 import signal
+import stat
 import subprocess
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+
+from arena_core import InputFileError
 
 PROGRAM = (sys.executable, "-m", "arena_core.cli.main")
 LOG_TAIL = 8_000  # bytes of what a run printed that are shown
@@ -62,7 +65,7 @@ def start(words: Sequence[str], folder: Path, log: Path) -> Process:
     import psutil
 
     log.parent.mkdir(parents=True, exist_ok=True)
-    with log.open("ab") as file:
+    with os.fdopen(_opened(log, os.O_WRONLY | os.O_APPEND | os.O_CREAT), "ab") as file:
         child = subprocess.Popen(  # noqa: S603 - the words are the composer's, and no shell reads them
             [*PROGRAM, *words],
             cwd=folder,
@@ -80,12 +83,24 @@ def start(words: Sequence[str], folder: Path, log: Path) -> Process:
 def log_tail(log: Path) -> list[str]:
     """Return the last lines of what a run printed."""
     try:
-        with log.open("rb") as file:
+        with os.fdopen(_opened(log, os.O_RDONLY), "rb") as file:
             size = file.seek(0, os.SEEK_END)
             file.seek(max(0, size - LOG_TAIL))
             return file.read(LOG_TAIL).decode(errors="replace").splitlines()[-40:]
-    except OSError:
+    except (OSError, InputFileError):
         return []
+
+
+def _opened(log: Path, flags: int) -> int:
+    """Open a log; raise InputFileError for a link, a pipe, or whatever else is no file of the studio's own."""
+    try:
+        number = os.open(log, flags | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)
+    except OSError as error:
+        raise InputFileError(f"{log}: cannot be opened ({error.strerror}); allowed: a file that the studio wrote") from None
+    if stat.S_ISREG(os.fstat(number).st_mode):
+        return number
+    os.close(number)
+    raise InputFileError(f"{log}: is no file; allowed: a file that the studio wrote")
 
 
 def _is_worker(child: object) -> bool:

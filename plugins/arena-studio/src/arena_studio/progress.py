@@ -10,6 +10,8 @@ from pathlib import Path
 from time import monotonic
 from typing import Any
 
+from arena_core import is_file
+
 TABLE = "episodes.csv"
 SHOWN = ("planner", "preset", "robot", "world", "scenario", "episode", "outcome", "error", "success", "time_to_goal", "collisions")
 LAST = 8  # rows that are shown
@@ -30,6 +32,8 @@ class Table:
     def look(self) -> None:
         """Count the rows and read the last ones; a table that is not there yet has none."""
         try:
+            if not is_file(self.path):
+                raise FileNotFoundError(self.path)
             status = self.path.stat()
             if (stamp := (status.st_mtime_ns, status.st_size)) == self.stamp:
                 return

@@ -44,6 +44,8 @@ class Project:
             raise ArenaError(f"path is {shown!r}; allowed: a relative path of up to {LONGEST_NAME} characters, with slashes")
         if len(parts) > LIMITS.folder_parts:
             raise ArenaError(f"path is {shown!r}; allowed: up to {LIMITS.folder_parts} folders inside each other")
+        if "${" in relative:  # Hydra would read something else in it wherever the file is named
+            raise ArenaError(f"path is {shown!r}, which holds an interpolation; allowed: a path as it is")
         if parts[0] == "/" or any(part.startswith(".") for part in parts):
             raise ArenaError(f"path is {shown!r}; allowed: a path inside the project folder, without hidden parts")
         try:

@@ -12,6 +12,7 @@ from arena_core import ConfigurationError, default_options, load_registry, optio
 from arena_studio.composing import Composition, shown
 from arena_studio.experiments import Experiments
 from arena_studio.side_process import SOON, SideProcess
+from arena_studio.words import check_configuration
 
 FIRST = ("planner", "robot", "world", "task", "people", "pedestrians", "scenario", "experiment")  # groups that an experiment begins with
 NONE = ("scenario", "experiment")  # groups of which none may be chosen
@@ -35,6 +36,7 @@ def router(experiments: Experiments, side: SideProcess) -> APIRouter:
     @routes.get("/groups")
     def groups() -> list[dict[str, Any]]:
         """Return the groups of the configuration, those that an experiment begins with first, with their options."""
+        check_configuration(experiments.root)
         registry = load_registry()
         chosen = default_options(registry)
         names = [*(name for name in FIRST if name in chosen), *(name for name in chosen if name not in FIRST)]
@@ -53,6 +55,8 @@ def router(experiments: Experiments, side: SideProcess) -> APIRouter:
     @routes.post("/compose")
     def compose(wanted: Wanted) -> dict[str, Any]:
         """Compose and check; return the command line and the values that hold."""
+        if wanted.folder:
+            experiments.place(wanted.folder)
         return _told(_composed(wanted, side), wanted)
 
     @routes.post("/start")

@@ -28,6 +28,7 @@ from arena_core import (
     option_files,
     robot_meta,
 )
+from arena_studio.words import allowed
 from arena_tasks.commands.packing import ANYBODY
 from arena_tasks.scenario_files.arena_rosnav_writer import arena_rosnav_text, world_name
 from arena_tasks.scenario_files.arena_rosnav_writer import left_out as left_out_by_arena_rosnav
@@ -142,7 +143,7 @@ def checked(name: str, content: Any, map_file: str, robot: str, pedestrians: str
 def site_of(map_file: str, _: int, robot: str, pedestrians: str) -> Site:
     """Return where scenes are checked; without a map in an empty room of its usual size."""
     overrides = [*world_of(map_file), f"robot={robot}", f"pedestrians={pedestrians}"]
-    return Site(Path("scenario.json"), composed(Path("scenario.json"), overrides))
+    return Site(Path("scenario.json"), composed(Path("scenario.json"), allowed(overrides, Path.cwd())))
 
 
 def world_of(map_file: str) -> list[str]:

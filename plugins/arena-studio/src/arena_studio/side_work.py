@@ -7,9 +7,10 @@ import os
 import sys
 from collections.abc import Mapping
 from importlib import import_module
+from pathlib import Path
 from typing import IO, Any
 
-from arena_core import ArenaError, described
+from arena_core import ArenaError, described, reading_within
 
 WORK: Mapping[str, str] = {  # what can be asked for, and which function of this package does it
     "kinds": "scene_work:kinds",
@@ -43,7 +44,8 @@ def answer(line: bytes) -> dict[str, Any]:
     request = json.loads(line)
     try:
         module, _, name = WORK[request["what"]].partition(":")
-        return {"answer": getattr(import_module(f"arena_studio.{module}"), name)(**request["given"])}
+        with reading_within(Path.cwd()):
+            return {"answer": getattr(import_module(f"arena_studio.{module}"), name)(**request["given"])}
     except ArenaError as error:
         return {"error": str(error)}
     except (Exception, MemoryError) as error:  # a planner of anybody's may raise anything

@@ -30,12 +30,14 @@ from arena_viewer.page import live_page, page
 from arena_viewer.serving import PageServer, page_answer
 
 USAGE = (
-    "arena replay RUN [EPISODE...] [--to FILE.html|.mp4|.gif|.png|.replay] [with=RUN,...] [port=0] [open=true] "
+    "arena replay RUN [RUN...] [EPISODE...] [--to FILE.html|.mp4|.gif|.png|.replay] [with=RUN,...] [port=0] [open=true] "
     "[live=false] [side=640] [rate=20] [speed=1] [from=0] [until=END] [moments=4]"
 )
 KEYS = ("to", "with", "port", "open", "live", "side", "rate", "speed", "from", "until", "moments")
 ENDINGS = (".html", ".mp4", ".gif", ".png", ".replay")
 MOST = 12  # episodes on one page
+MOST_DRAWN = 6  # side by side in a film, or below each other in a picture
+SAME = ("scenario", "scenario_hash", "seed", "world")  # columns of episodes that are drawn beside each other
 MOST_GIF_FRAMES = 600  # all of a GIF's frames are held until it is written
 
 
@@ -66,9 +68,10 @@ def read_request(arguments: Sequence[str]) -> Request:
     if to is not None and Path(to).suffix not in ENDINGS:
         raise ConfigurationError(f"to is {to}; allowed: a name that ends in {', '.join(ENDINGS)}")
     others = words.value("with", str | None, None)
-    numbers = [int(name) if name.isdecimal() else name for name in words.names[1:]]
+    runs = [name for name in words.names[1:] if "/" in name or (not name.isdecimal() and Path(name).is_dir())]
+    numbers = [int(name) if name.isdecimal() else name for name in words.names[1:] if name not in runs]
     return Request(
-        [Path(words.names[0]), *(Path(name) for name in (others or "").split(",") if name)],
+        [Path(words.names[0]), *map(Path, runs), *(Path(name) for name in (others or "").split(",") if name)],
         [read_settings(number, NonNegativeInt, "EPISODE") for number in numbers] or [0],
         None if to is None else Path(to),
         words.value("port", NonNegativeInt, 0),
@@ -86,7 +89,7 @@ def read_request(arguments: Sequence[str]) -> Request:
 class ReplayCommand(Command):
     """Show recorded episodes as they moved; several planners on one scenario beside each other."""
 
-    help: ClassVar[str] = "watch recorded episodes: arena replay RUN [EPISODE...] [--to FILE.html|.mp4|.gif|.png]"
+    help: ClassVar[str] = "watch recorded episodes: arena replay RUN [RUN...] [EPISODE...] [--to FILE.html|.mp4|.gif|.png]"
 
     def run(self, arguments: Sequence[str]) -> int:
         """Open a browser on the episodes, or write a file."""
@@ -141,26 +144,38 @@ def _write(target: Path, shown: Sequence[Recorded], title: str, request: Request
         write_text_whole(target, page(title, document(shown)))
     elif target.suffix == ".replay":
         write_bytes_whole(target, document(shown))
-    elif len(shown) > 1:
-        raise ConfigurationError(f"to is {target.name} of {len(shown)} episodes; allowed: one, or .html")
     else:
-        _draw(target, shown[0], request)
+        _check_alike(target, shown)
+        _draw(target, shown, request)
 
 
-def _draw(target: Path, one: Recorded, request: Request) -> None:
+def _check_alike(target: Path, shown: Sequence[Recorded]) -> None:
+    """Raise ConfigurationError for episodes that one picture cannot show beside each other."""
+    if len(shown) > MOST_DRAWN:
+        raise ConfigurationError(f"to is {target.name} of {len(shown)} episodes; allowed: up to {MOST_DRAWN}, or .html")
+    first, *others = (one.record.meta["columns"] for one in shown)
+    for other in others:
+        differing = [name for name in SAME if first.get(name) != other.get(name)]
+        if differing:
+            said = " and ".join(str(columns.get(differing[0])) for columns in (first, other))
+            raise ConfigurationError(f"to is {target.name} of {differing[0]} {said}; allowed: runs of the same scenario, or .html")
+
+
+def _draw(target: Path, shown: Sequence[Recorded], request: Request) -> None:
     from arena_drawing.film import check_encoder, write_film, write_picture
     from arena_viewer.stills import frames, strip
 
     if target.suffix == ".png":
-        write_picture(target, strip(one, request.moments, request.side))
+        write_picture(target, strip(shown, request.moments, request.side))
         return
     check_encoder(target)
-    last = float(one.record["stamp"][-1])
+    last = max(float(one.record["stamp"][-1]) for one in shown)
     end = last if request.until is None else min(request.until, last)
     if end <= request.begin:
         raise ConfigurationError(f"from is {request.begin:g} and until {end:g}; allowed: times before the end of the episode, {last:g} s")
     stamps = np.arange(request.begin, end, request.speed / request.rate)
-    if target.suffix == ".gif" and len(stamps) > MOST_GIF_FRAMES:
-        raise ConfigurationError(f"to is {target.name} of {len(stamps)} frames; allowed: {MOST_GIF_FRAMES} (a smaller rate), or .mp4")
-    size, pictures = frames(one, stamps.tolist(), request.side)
+    most = MOST_GIF_FRAMES // len(shown)
+    if target.suffix == ".gif" and len(stamps) > most:
+        raise ConfigurationError(f"to is {target.name} of {len(stamps)} frames; allowed: {most} (a smaller rate), or .mp4")
+    size, pictures = frames(shown, stamps.tolist(), request.side)
     write_film(target, pictures, size, request.rate)

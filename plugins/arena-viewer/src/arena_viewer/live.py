@@ -10,7 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from arena_core import ArenaError, InputFileError, find_runs, one_line, read_grid, read_table, record_path
+from arena_core import LIMITS, ArenaError, InputFileError, find_runs, one_line, read_bytes, read_grid, read_json, read_table, record_path
 from arena_viewer.document import FREE, OCCUPIED, UNKNOWN, document, finite, read_recorded
 
 LOOK_EVERY, RUNS_EVERY = 0.2, 5.0  # s between two looks at the folder, and for new runs
@@ -72,9 +72,9 @@ class Watched:
 
     def _run(self, number: int, folder: Path) -> dict[str, Any]:
         try:
-            facts = json.loads((folder / "provenance.json").read_bytes())
+            facts = read_json(folder / "provenance.json", "what `arena run` wrote")
             began, total = (folder / "provenance.json").stat().st_mtime, int(facts["episodes"])
-        except (OSError, ValueError, KeyError, TypeError):
+        except (ArenaError, OSError, ValueError, KeyError, TypeError):
             began, total = 0.0, 0
         rows = self._rows(folder)
         return {
@@ -103,8 +103,8 @@ def _running(folder: Path, done: set[int]) -> list[dict[str, Any]]:
     found = []
     for path in sorted((folder / "live").glob("*.json"))[: 4 * DRAWN]:
         try:
-            said, age = json.loads(path.read_bytes()), time.time() - path.stat().st_mtime
-        except (OSError, ValueError):
+            said, age = json.loads(read_bytes(path, LIMITS.json_bytes, "what a running episode tells")), time.time() - path.stat().st_mtime
+        except (ArenaError, OSError, ValueError):
             continue  # it has just ended
         if isinstance(said, dict) and said.get("episode") not in done and age < STALE:
             found.append(said)

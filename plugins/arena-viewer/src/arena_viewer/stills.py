@@ -1,39 +1,44 @@
-"""Pictures and films in 2-D by the suite's painter: a strip of moments for a paper, or an episode as it moves."""
+"""Pictures and films in 2-D by the suite's painter: a strip of moments for a paper, or episodes as they move, side by side."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from arena_core import ConfigurationError, Footprint, Path
-from arena_drawing.frames import FramePainter, Scene, Stage
+from arena_drawing.frames import FramePainter, Scene, Stage, Window, free_window
 from arena_viewer.document import Recorded
 
 Frame = NDArray[np.uint8]
-GAP = 6  # pixels between the moments of a strip
+GAP = 6  # pixels between pictures
 NOBODY = np.empty((0, 2))
+LEAST = 14  # pixels of a robot's length, so that one sees where it looks
+ROOM = 0.12  # of the longer side, around the drive: marks are whole, and one sees what it drove past
+LEAST_ROOM = 1.5  # m
+DRIVER = "driver"  # the event by which a switch says which of its members drives
 
 
 class Moments:
-    """Draws moments of one recorded episode; the longer side has ``side`` pixels."""
+    """Draws moments of one recorded episode; the longer side has ``side`` pixels, ``window`` is what is shown of the map."""
 
-    def __init__(self, one: Recorded, side: int) -> None:
+    def __init__(self, one: Recorded, side: int, window: Window | None = None, title: str = "") -> None:
         if one.grid is None:
             raise ConfigurationError("the episode has no map; allowed: episodes of a known world")
         record, scenario = one.record, one.record.meta["scenario"]
+        self._title = title
         self._stamp = np.asarray(record["stamp"], np.float64)
         self._pose = np.asarray(record["pose"], np.float64)
         self._people = np.asarray(record["pedestrian_positions"], np.float64)
         self._radii = np.asarray(record["pedestrian_radii"], np.float64)
-        offsets = record["path_offsets"]
-        first = np.asarray(record["path_poses"], np.float64)[: int(offsets[1]) if len(offsets) > 1 else 0]
-        start, goal = np.array(scenario["start"]), np.array(scenario["goal"])
-        stage = Stage(one.grid, scenario["obstacles"], start, goal, Path(first) if len(first) else None)
-        footprint = record.meta["robot"]["footprint"]
-        vertices = np.asarray(footprint["vertices_xy"], np.float64).reshape(-1, 2)
-        self._painter = FramePainter(stage, Footprint.polygon(vertices) if len(vertices) else Footprint.circle(footprint["radius"]), side)
+        self._contact_stamp = np.asarray(record["contact_stamp"], np.float64)
+        self._contacts = np.asarray(record["contact_position"], np.float64).reshape(-1, 2)
+        self._drivers = [(float(event["stamp"]), str(event["detail"])) for event in record.meta["events"] if event["kind"] == DRIVER]
+        path, start, goal = first_path(one), np.array(scenario["start"]), np.array(scenario["goal"])
+        shown = window or window_of([one])
+        stage = Stage(one.grid, scenario["obstacles"], start, goal, Path(path) if len(path) else None, shown)
+        self._painter = FramePainter(stage, _footprint(one), side, LEAST)
 
     @property
     def end(self) -> float:
@@ -43,20 +48,90 @@ class Moments:
     def at(self, stamp: float) -> Frame:
         """Return the picture (H, W, 3) of the control step that holds at ``stamp`` s."""
         row = max(0, int(np.searchsorted(self._stamp, stamp + 1e-9, side="right")) - 1)
-        return self._painter.frame(Scene(self._pose[row], self._people[row], self._radii, NOBODY, float(self._stamp[row])))
+        now = float(self._stamp[row])
+        touched = self._contacts[self._contact_stamp <= now + 1e-9]
+        driven = self._pose[: row + 1, :2]
+        return self._painter.frame(Scene(self._pose[row], self._people[row], self._radii, NOBODY, now, driven, touched, self._said(now)))
+
+    def _said(self, now: float) -> str:
+        """Return the title, and which member of a switch drives now."""
+        driver = next((name for stamp, name in reversed(self._drivers) if stamp <= now + 1e-9), "")
+        return f"{self._title} ({driver})" if self._title and driver else self._title or driver
 
 
-def strip(one: Recorded, count: int, side: int) -> Frame:
-    """Return ``count`` moments at even distances, the first and the last among them, side by side."""
-    moments = Moments(one, side)
-    frames = [moments.at(stamp) for stamp in np.linspace(0.0, moments.end, count)]
-    gap = np.full((frames[0].shape[0], GAP, 3), 255, np.uint8)
-    parts = [part for frame in frames for part in (gap, frame)][1:]
-    return np.concatenate(parts, axis=1)
+def first_path(one: Recorded) -> NDArray[np.float64]:
+    """Return the poses of the first path that was planned; none where there was no path."""
+    offsets = one.record["path_offsets"]
+    return np.asarray(one.record["path_poses"], np.float64)[: int(offsets[1]) if len(offsets) > 1 else 0]
 
 
-def frames(one: Recorded, stamps: Sequence[float], side: int) -> tuple[tuple[int, int], Iterator[Frame]]:
-    """Return the size (width, height) of a film's frames, both even, and the frames at these times, s."""
-    moments = Moments(one, side)
-    height, width = (length - length % 2 for length in moments.at(0.0).shape[:2])
-    return (width, height), (moments.at(stamp)[:height, :width] for stamp in stamps)
+def window_of(episodes: Sequence[Recorded]) -> Window:
+    """Return what is shown of the map: all that the robots drove and touched, their first paths, starts and goals, with room around.
+
+    The shorter side is as long as the other, as far as the first map goes.
+    """
+    points = np.concatenate([_points(one) for one in episodes])
+    points = points[np.isfinite(points).all(axis=1)]
+    low, high = points.min(axis=0), points.max(axis=0)
+    room = max(LEAST_ROOM, ROOM * float((high - low).max()))
+    (left, bottom), (right, top) = (low - room).tolist(), (high + room).tolist()
+    if episodes[0].grid is None:
+        return left, right, bottom, top
+    whole, side = free_window(episodes[0].grid), max(right - left, top - bottom)
+    return *_lengthened(left, right, side, whole[:2]), *_lengthened(bottom, top, side, whole[2:])
+
+
+def _lengthened(low: float, high: float, side: float, bounds: tuple[float, float]) -> tuple[float, float]:
+    """Return an interval of the length ``side`` around another one, or what of it lies within bounds; never less than that other one."""
+    begin = min(max((low + high - side) / 2.0, bounds[0]), max(bounds[1] - side, bounds[0]))
+    return min(low, begin), max(high, min(begin + side, bounds[1]))
+
+
+def _points(one: Recorded) -> NDArray[np.float64]:
+    record, scenario = one.record, one.record.meta["scenario"]
+    parts: list[ArrayLike] = [record["pose"], first_path(one), [scenario["start"]], [scenario["goal"]]]
+    places = [np.asarray(part, np.float64).reshape(len(np.asarray(part)), -1)[:, :2] for part in parts if len(np.asarray(part))]
+    return np.concatenate([*places, np.asarray(record["contact_position"], np.float64).reshape(-1, 2)])
+
+
+def _footprint(one: Recorded) -> Footprint:
+    said = one.record.meta["robot"]["footprint"]
+    vertices = np.asarray(said["vertices_xy"], np.float64).reshape(-1, 2)
+    return Footprint.polygon(vertices) if len(vertices) else Footprint.circle(said["radius"])
+
+
+def strip(episodes: Sequence[Recorded], count: int, side: int) -> Frame:
+    """Return ``count`` moments at even distances, the first and the last among them, side by side; episodes below each other."""
+    return _joined([_strip(moments, count) for moments in _all_moments(episodes, side)], 0)
+
+
+def _strip(moments: Moments, count: int) -> Frame:
+    return _joined([moments.at(stamp) for stamp in np.linspace(0.0, moments.end, count)], 1)
+
+
+def frames(episodes: Sequence[Recorded], stamps: Sequence[float], side: int) -> tuple[tuple[int, int], Iterator[Frame]]:
+    """Return the size (width, height) of a film's frames, both even, and the frames at these times, s; episodes stand side by side.
+
+    One that has ended stays as it was then.
+    """
+    moments = _all_moments(episodes, side)
+
+    def frame(stamp: float) -> Frame:
+        return _joined([each.at(stamp) for each in moments], 1)
+
+    height, width = (length - length % 2 for length in frame(0.0).shape[:2])
+    return (width, height), (frame(stamp)[:height, :width] for stamp in stamps)
+
+
+def _all_moments(episodes: Sequence[Recorded], side: int) -> list[Moments]:
+    """Return the pictures of episodes on one scenario, all of the same stretch of the map; several are called by their planners."""
+    window = window_of(episodes)
+    return [Moments(one, side, window, one.name if len(episodes) > 1 else "") for one in episodes]
+
+
+def _joined(pictures: Sequence[Frame], axis: int) -> Frame:
+    """Return pictures of one size with gaps between them, side by side (axis 1) or below each other (0)."""
+    shape = list(pictures[0].shape)
+    shape[axis] = GAP
+    gap = np.full(shape, 255, np.uint8)
+    return np.concatenate([part for picture in pictures for part in (gap, picture)][1:], axis=axis)

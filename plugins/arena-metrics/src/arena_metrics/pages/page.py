@@ -16,7 +16,7 @@ from arena_metrics.pooling.cells import VARIANT, Cell, Cells, differences
 from arena_metrics.pooling.codes import other_code
 from arena_metrics.pooling.drives import numbered
 from arena_metrics.pooling.endings import verdict
-from arena_metrics.pooling.runs import Episode, Run
+from arena_metrics.pooling.runs import Column, Episode, Run
 from arena_metrics.pooling.summary import Summary
 from arena_metrics.tables.cost import cost_table
 from arena_metrics.tables.tables import BLOCK, Table, headline_columns, metric_tables
@@ -182,10 +182,13 @@ def _episodes(summary: Summary) -> dict[str, Any]:
     return {**shown, "value": _value, "facts": lambda cell, episode: {**facts(summary.cells, cell), "outcome": outcome(episode.row)}}
 
 
-def _value(episode: Episode, name: str) -> str:
-    value = episode.row.get(name, float("nan"))
+def _value(episode: Episode, column: Column) -> str:
+    """Return what the table of episodes shows of a metric: words for texts and for what was so or not, else a number."""
+    value = episode.row.get(column.name, float("nan"))
     if isinstance(value, str):
         return value or "–"
+    if column.proportion and value in (0.0, 1.0):
+        return "yes" if value else "no"
     return "–" if value != value else f"{value:.4g}"
 
 

@@ -40,17 +40,23 @@ def paired_tables(summary: Summary, baseline: str | None = None) -> list[Table]:
 
 
 def compared(cells: Cells, columns: Sequence[Column], baseline: str | None = None) -> Iterator[dict[str, Any]]:
-    """Yield what each comparison found, one after the other: those of one metric are one family."""
+    """Yield what each comparison found, one after the other: those of one metric are one family.
+
+    Beside the numbers stand the words that the report has for them: ``title``, ``shown``, ``p_shown``, ``p_holm_shown``, ``over_shown``.
+    """
     couples = [(cell, base) for group in conditions(cells) for cell, base in against(group, baseline)]
     for column in columns:
         found = after_holm([comparison(pairs(cell, base, column), column) for cell, base in couples])
+        places = decimals(one.difference for one in found)
         for (cell, base), one in zip(couples, found, strict=True):
-            difference = one.difference
+            difference, texts = one.difference, _texts(one, column, places)
             yield {
                 **{"planner": cells.planner(cell), "baseline": cells.planner(base), "condition": cells.condition(cell)},
                 **{"metric": column.name, "unit": column.unit, "over": "both succeeded" if column.path_metric else "all"},
                 **{"difference": difference.mean, "low": difference.low, "high": difference.high, "p": one.p, "p_holm": one.holm},
                 **{"effect": one.effect, "higher": one.higher, "lower": one.lower, "pairs": difference.n, "problems": difference.problems},
+                **{"title": column_title(column), "shown": texts[0], "p_shown": texts[1], "p_holm_shown": texts[2]},
+                **{"over_shown": _over(column)},
             }
 
 
@@ -63,8 +69,11 @@ def _table(cells: Cells, couples: Sequence[tuple[Cell, Cell]], column: Column) -
         for (cell, base), one in zip(couples, found, strict=True)
         if one.difference.n
     ]
-    over = "episodes in which both succeeded" if column.path_metric else "all episodes"
-    return Table(f"{column_title(column)}, pairs of {over}", [*(["condition"] if several else []), "difference", *HEAD], rows)
+    return Table(f"{column_title(column)}, pairs of {_over(column)}", [*(["condition"] if several else []), "difference", *HEAD], rows)
+
+
+def _over(column: Column) -> str:
+    return "episodes in which both succeeded" if column.path_metric else "all episodes"
 
 
 def _columns(summary: Summary) -> list[Column]:

@@ -54,6 +54,19 @@
     table.tBodies[0].append(...[...table.tBodies[0].rows].sort(order));
   }
 
+  /** Write into each cell what its column is called: on a phone, where there are no columns, the style shows it. */
+  function nameCells(table) {
+    const names = [...table.tHead.rows[0].cells].map((head) => {
+      const unit = head.querySelector("small")?.textContent;
+      return head.firstChild ? head.firstChild.textContent.trim() + (unit ? ` [${unit}]` : "") : "";
+    });
+    for (const row of table.tBodies[0].rows) {
+      if (row.cells.length !== names.length) continue;
+      for (const [at, cell] of [...row.cells].entries()) cell.dataset.label = names[at];
+    }
+  }
+
+  for (const table of document.querySelectorAll("table.small")) nameCells(table);
   for (const table of document.querySelectorAll("table.sortable")) {
     for (const head of table.tHead.rows[0].cells) {
       head.tabIndex = 0;

@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch
 from numpy.typing import NDArray
 
-from arena_core import Obstacle, OccupancyGrid, PedestrianSpec, Robot, World, furniture_shapes
+from arena_core import Obstacle, OccupancyGrid, PedestrianSpec, Robot, World, furniture_shapes, one_line
 from arena_drawing.painter import GOAL, INK, OBSTACLE, PERSON, ROBOT, body, draw_goal, draw_map, draw_obstacles, frame_axes, move
 from arena_tasks.commands.picture_people import TRIGGER, draw_person, group_colours
 from arena_tasks.scenario_files.problem import Problem
@@ -23,7 +23,9 @@ PANEL = 7.2  # inches of the longer side of one scene
 SMALL_PANEL = 4.8  # of one among several
 DPI = 110
 MARGIN = 0.5  # m around what of the map is known
-LEGEND = 0.5  # inches below the scenes
+LEGEND = 0.5  # least inches below the scenes
+HEAD, BETWEEN = 0.3, 0.35  # inches above the first scene, and between two rows
+LONGEST_LABEL = 28  # characters of the legend
 Window = tuple[float, float, float, float]
 
 
@@ -36,11 +38,24 @@ def picture(problems: Sequence[Problem], world: World, robot: Robot, goal_radius
         draw_map(axes, world.grid.data, world.grid.resolution, world.grid.origin.array())
         draw_problem(axes, problem, world, robot, problem.goal_radius or goal_radius)
         axes.set_title(f"{problem.name}  ({len(problem.pedestrians)} people)", fontsize=10, color=INK)
-    handles = _legend(problems)
-    figure.legend(handles=handles, loc="lower center", ncols=len(handles), frameon=False, fontsize=9)
     canvas = FigureCanvasAgg(figure)
+    _add_legend(figure, _legend(problems))
     canvas.draw()  # type: ignore[no-untyped-call]
     return np.asarray(canvas.buffer_rgba())[..., :3].copy()  # type: ignore[no-untyped-call]
+
+
+def _add_legend(figure: Figure, marks: Sequence[Line2D | Patch]) -> None:
+    """Draw a legend below the scenes in as few rows as its words leave, and make the picture as much higher as it needs."""
+    for columns in range(len(marks), 0, -1):
+        legend = figure.legend(handles=marks, loc="lower center", ncols=columns, frameon=False, fontsize=9)
+        box = legend.get_window_extent()
+        if box.width <= figure.bbox.width or columns == 1:
+            break
+        legend.remove()
+    across, before = figure.get_size_inches()
+    total = before + max(0.0, box.height / DPI - LEGEND)
+    figure.set_size_inches(across, total)
+    figure.subplots_adjust(top=1.0 - HEAD / total, bottom=(total - before + LEGEND) / total)
 
 
 def draw_problem(axes: Axes, problem: Problem, world: World, robot: Robot, goal_radius: float) -> None:
@@ -77,11 +92,11 @@ def _panels(count: int, window: Window) -> tuple[Figure, list[Axes]]:
     rows = math.ceil(count / columns)
     width, height = window[1] - window[0], window[3] - window[2]
     scale = (PANEL if count == 1 else SMALL_PANEL) / max(width, height)
-    across, up = max(scale * width, 3.2), max(scale * height, 2.0) + 0.35
+    across, up = max(scale * width, 3.2), max(scale * height, 2.0) + BETWEEN
     total = rows * up + LEGEND
     figure = Figure(figsize=(columns * across + 0.2, total), dpi=DPI, facecolor="white")
     field = figure.subplots(rows, columns, squeeze=False).ravel()
-    figure.subplots_adjust(left=0.02, right=0.98, top=1.0 - 0.3 / total, bottom=LEGEND / total, wspace=0.04, hspace=0.35 / up)
+    figure.subplots_adjust(left=0.02, right=0.98, top=1.0 - HEAD / total, bottom=LEGEND / total, wspace=0.04, hspace=BETWEEN / up)
     for axes in field[count:]:
         axes.set_axis_off()
     return figure, list(field[:count])
@@ -113,8 +128,12 @@ def _legend(problems: Sequence[Problem]) -> list[Line2D | Patch]:
 
 def _groups(problems: Sequence[Problem]) -> dict[str, str]:
     """Return the colours of groups by what the legend calls them; of several scenes, in which names differ, one stands for all."""
-    colours = [{f"group {name.removeprefix('group ')}": colour for name, colour in group_colours(p.pedestrians).items()} for p in problems]
+    colours = [{_label(name): colour for name, colour in group_colours(p.pedestrians).items()} for p in problems]
     if len(problems) == 1:
         return colours[0]
     first = next(filter(None, colours), {})
     return {"groups": next(iter(first.values()))} if first else {}
+
+
+def _label(group: str) -> str:
+    return one_line(f"group {group.removeprefix('group ')}", LONGEST_LABEL)

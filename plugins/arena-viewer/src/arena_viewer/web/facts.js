@@ -2,6 +2,7 @@
 
 import { ROBOTS } from "arena/looks.js";
 
+const DRIVER = "driver"; // the event by which a switch says which of its members drives
 const ENDED = /** @type {Record<string, string>} */ ({
   goal_reached: "goal reached",
   time_out: "time-out",
@@ -58,8 +59,10 @@ export class Facts {
       const row = episode.rowAt(Math.min(time, episode.end));
       const speed = Math.hypot(episode.value("twist", row, 0), episode.value("twist", row, 1));
       const clearance = episode.value("clearance", row);
-      const event = episode.said.events.filter((/** @type {any} */ e) => e.stamp <= time && time - e.stamp < 1.5).pop();
-      const parts = [`${speed.toFixed(2)} m/s`, Number.isFinite(clearance) ? `${clearance.toFixed(2)} m clear` : "nothing near"];
+      const before = episode.said.events.filter((/** @type {any} */ e) => e.stamp <= time);
+      const event = before.filter((/** @type {any} */ e) => e.kind !== DRIVER && time - e.stamp < 1.5).pop();
+      const driver = before.filter((/** @type {any} */ e) => e.kind === DRIVER).pop();
+      const parts = [...(driver ? [`${driver.detail} drives`] : []), `${speed.toFixed(2)} m/s`, Number.isFinite(clearance) ? `${clearance.toFixed(2)} m clear` : "nothing near"];
       const contact = episode.contacts.filter((one) => one.stamp <= time && time - one.stamp < 1.5).pop();
       if (time > episode.end) parts.push("ended");
       else if (contact) parts.push(touched(contact));

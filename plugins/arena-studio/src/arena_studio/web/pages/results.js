@@ -31,7 +31,11 @@ class ResultsPage {
 
   layOut() {
     const search = make("input", { type: "search", value: this.asked.text, placeholder: "words: planner, world, scenario, outcome …" });
-    search.addEventListener("input", settled(() => this.ask({ ...this.asked, text: search.value, page: 0 }), PAUSE));
+    const soon = settled(() => this.ask(this.asked), PAUSE);
+    search.addEventListener("input", () => {
+      this.asked = { ...this.asked, text: search.value, page: 0 }; // at once: buttons beside it ask for the same
+      soon();
+    });
     const all = make("input", { type: "checkbox" });
     all.addEventListener("change", () => {
       this.every = all.checked;

@@ -21,14 +21,17 @@ class RunPage {
     this.wanted = restored(sessionStorage.getItem(KEPT));
     /** @type {Record<string, string>} */ this.held = {};
     this.turn = 0;
+    this.checked = false; // whether what is wanted now is being composed, or was
+    this.starting = false;
     this.form = make("form", { className: "experiment-form", "aria-label": "experiment" });
     this.form.addEventListener("submit", (event) => event.preventDefault());
     this.command = make("output", { className: "code", id: "command" });
     this.verdict = make("p", { className: "soft", id: "verdict", role: "status" });
     this.starter = button("Start", () => this.start(), { className: "main", disabled: true });
+    /** @type {Promise<void>} */ this.composing = Promise.resolve();
     this.list = make("div", { className: "experiments" });
     this.experiments = new Experiments(this.list, (name, act) => this.act(name, act));
-    this.compose = settled(() => this.composed(), PAUSE);
+    this.compose = settled(() => void (this.checked || this.check()), PAUSE);
   }
 
   async show() {
@@ -36,12 +39,12 @@ class RunPage {
     const { api } = this.context;
     const [groups, settings] = await Promise.all([api.get("/api/run/groups"), api.get("/api/run/settings")]);
     this.fill(groups, settings.fields);
-    await this.composed();
+    await this.check();
   }
 
   layOut() {
     const again = button("Begin anew", () => this.anew(), { className: "quiet" });
-    const start = make("section", { className: "panel start", "aria-label": "start" }, make("h2", {}, "Command line"), this.command, this.verdict, make("div", { className: "row" }, this.starter, again));
+    const start = make("section", { className: "panel start", "aria-label": "start" }, make("h2", {}, "Command line"), make("div", { className: "row" }, this.starter, again), this.verdict, this.command);
     const under = make("section", { className: "under", "aria-label": "experiments" }, make("h2", {}, "Experiments"), this.list);
     this.root.append(make("h1", {}, "Run an experiment"), make("div", { className: "two" }, start, this.form, under));
   }
@@ -118,13 +121,25 @@ class RunPage {
   set(wanted) {
     this.wanted = wanted;
     sessionStorage.setItem(KEPT, JSON.stringify(wanted));
-    this.starter.disabled = true;
+    this.allow(true); // it checks what it starts, and must not be lost to a change that the click itself has made
     this.turn++;
+    this.checked = false;
     this.compose();
+  }
+
+  /** @param {boolean} allowed what is wrong can be pressed, too: it then says why nothing starts */
+  allow(allowed) {
+    this.starter.disabled = false;
+    this.starter.setAttribute("aria-disabled", String(!allowed));
+  }
+
+  check() {
+    return (this.composing = this.composed());
   }
 
   async composed() {
     const turn = ++this.turn;
+    this.checked = true;
     this.verdict.className = "soft";
     this.verdict.textContent = "checking …";
     try {
@@ -134,24 +149,29 @@ class RunPage {
       this.held = values;
       showHeld(this.form, values);
       this.verdict.textContent = `${episodes} episode${episodes === 1 ? "" : "s"}${jobs > 1 ? ` in ${jobs} jobs` : ""}; every value is allowed`;
-      this.starter.disabled = false;
+      this.allow(true);
     } catch (error) {
       if (turn !== this.turn) return;
       this.verdict.className = "bad";
       this.verdict.textContent = error instanceof Error ? error.message : String(error);
+      this.allow(false);
     }
   }
 
   async start() {
-    this.starter.disabled = true;
+    if (this.starting) return;
+    this.starting = true;
     try {
+      await (this.checked ? this.composing : this.check());
+      if (this.starter.getAttribute("aria-disabled") === "true") return this.context.say(this.verdict.textContent ?? "", "error");
       const started = await this.context.api.post("/api/run/start", this.wanted);
       this.context.say(`started: ${started.folder}`);
       this.list.scrollIntoView({ block: "nearest" });
     } catch (error) {
       this.wrong(error);
+    } finally {
+      this.starting = false;
     }
-    this.starter.disabled = false;
   }
 
   /** @param {string} name @param {"stop" | "resume" | "forget"} act */

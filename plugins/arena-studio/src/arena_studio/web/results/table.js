@@ -14,6 +14,15 @@ export function written(value) {
   return String(value).replaceAll("_", " ");
 }
 
+const TRUTHS = /success$/; // metrics of an episode that are 1 or 0: it was one, or not
+const MADE = /^(?:outputs|multirun)\/\d{4}-(\d\d-\d\d)\/(\d\d)-(\d\d)-(\d\d)(?:-\d+)?/; // folders that are called after when they were made
+
+/** A cell of a column, as one reads it. @param {string} column @param {unknown} value */
+export function shown(column, value) {
+  if (TRUTHS.test(column) && (value === 1 || value === 0)) return value ? "yes" : "no";
+  return column === "run" ? String(value).replace(MADE, "$1 $2:$3:$4") : written(value);
+}
+
 /** Which episodes are ticked, to be opened beside each other. */
 export class Picked {
   constructor() {
@@ -72,7 +81,9 @@ function line(row, columns, picked, ticked) {
   const replay = make("a", { href: address([String(row.run)], String(row.episode)), target: "_blank", rel: "noopener", "aria-label": `replay ${named}` }, "replay");
   const cells = columns.map((column) => {
     const value = row[column];
-    const cell = make("td", { className: typeof value === "number" ? "number" : "" }, written(value));
+    const text = shown(column, value);
+    const cell = make("td", { className: column === "run" ? "run" : typeof value === "number" && text !== "yes" && text !== "no" ? "number" : "" }, text);
+    if (column === "run") cell.title = String(value);
     if (column === "outcome" && row.error) cell.title = String(row.error);
     return cell;
   });

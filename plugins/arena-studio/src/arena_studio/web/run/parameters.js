@@ -35,7 +35,7 @@ export function parameterFields(inside, parameters, given, changed) {
     const input = parameter.kind === "truth" || parameter.kind === "choice" ? selected(parameter) : typed(parameter);
     input.value = given(parameter.key);
     input.dataset.key = parameter.key;
-    input.addEventListener("change", () => changed(parameter.key, input.value));
+    input.addEventListener(input instanceof HTMLSelectElement ? "change" : "input", () => changed(parameter.key, input.value));
     const unit = parameter.unit && parameter.unit !== "-" ? ` [${parameter.unit}]` : "";
     const hint = [parameter.text, parameter.kind !== "choice" && parameter.allowed && `allowed: ${parameter.allowed}`].filter(Boolean).join("; ");
     const name = parameter.key.startsWith(`${inside}.`) ? parameter.key.slice(inside.length + 1) : parameter.key;

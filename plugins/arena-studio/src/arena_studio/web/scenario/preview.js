@@ -46,21 +46,17 @@ export class Preview {
     const { robot, planner, pedestrians } = this.editor.kinds;
     const choose = (/** @type {string} */ name, /** @type {string[]} */ options, /** @type {string} */ value, /** @type {(value: string) => void} */ act) =>
       make("label", { className: "inline" }, `${name} `, choice(options, value, act));
-    return make(
+    const choices = make(
       "div",
-      { className: "preview row" },
+      { className: "row" },
       this.start,
       choose("robot", robot, this.editor.robotName, (value) => this.#other({ robotName: value })),
       choose("planner", planner, this.planner, (value) => void (this.planner = value)),
       choose("people", pedestrians, this.editor.people, (value) => this.#other({ people: value })),
       tick("legs", this.legs, (on) => void (this.legs = on), "people walk on legs, which the lidar sees"),
       choose("for, s", SECONDS, this.seconds, (value) => void (this.seconds = value)),
-      this.beams,
-      this.pause,
-      this.slider,
-      this.end,
-      this.said,
     );
+    return make("div", { className: "preview" }, choices, make("div", { className: "row played" }, this.beams, this.pause, this.slider, this.end, this.said));
   }
 
   /** @param {Partial<Editor>} change */
@@ -80,7 +76,7 @@ export class Preview {
       const answer = await editor.context.api.post("/api/scenarios/preview", asked);
       const { maps, episodes } = decode(await unpack(bytesOf(answer.document)));
       this.#play(new Episode(episodes[0], maps), asked.scene);
-      this.said.textContent = answer.error || OUTCOMES[answer.outcome] || answer.outcome;
+      this.said.textContent = this.said.title = answer.error || OUTCOMES[answer.outcome] || answer.outcome;
     } catch (error) {
       this.said.textContent = "";
       throw error;

@@ -3,6 +3,7 @@
 import { api } from "studio/shell/api.js";
 import { ask } from "studio/shell/dialog.js";
 import { Pages } from "studio/shell/pages.js";
+import { holdChanges } from "studio/shell/press.js";
 import { say } from "studio/shell/say.js";
 
 const bare = new URL(location.href);
@@ -14,6 +15,7 @@ const pages = new Pages(/** @type {HTMLElement} */ (document.getElementById("pag
   say,
   ask,
 });
+holdChanges(document);
 pages.start();
 
 api
