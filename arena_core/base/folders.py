@@ -41,6 +41,15 @@ def locked(folder: Path) -> Iterator[None]:
                 folder.rmdir()  # if it is empty
 
 
+def identity(folder: Path) -> tuple[int, int] | None:
+    """Return what a folder stays the same by while its name may come to stand for another; None where there is none."""
+    try:
+        found = folder.stat()
+    except OSError:
+        return None
+    return found.st_dev, found.st_ino
+
+
 class NewFolders:
     """What Hydra is about to make for a request before anybody has looked at the request; it asks nobody."""
 

@@ -91,9 +91,10 @@ class Node:
         """Return the folder in which a job runs here."""
         if self._folder is None or not job.folder:
             return job.folder
-        place = str(self._folder / blake2b(job.folder.encode(), digest_size=8).hexdigest())
-        self._homes[place] = job.folder
-        return place
+        place = self._folder / blake2b(job.folder.encode(), digest_size=8).hexdigest()
+        place.mkdir(parents=True, exist_ok=True)
+        self._homes[str(place)] = job.folder
+        return str(place)
 
     def _delivery(self, job: Job, answer: Any) -> Delivery:
         home = replace(job, folder=self._homes.get(job.folder, job.folder))

@@ -53,8 +53,10 @@ def work(job: Job) -> Finished:
             benchmark = _benchmark(_text(job.config))
             announce(_compiling)
         with interrupts.held():
+            check_there(Path(job.folder))
             record = benchmark.run(job.episode, Path(job.folder), job.stage)
             pulse.finish()
+            check_there(Path(job.folder))
             write_record(Path(job.folder), job.episode, record)
             _registry().manager.hook.episode_finished(record=record)
             return judged(job, record, benchmark.metrics)
@@ -64,6 +66,12 @@ def work(job: Job) -> Finished:
         if interrupts.raised(error):
             raise
         return failed(job, described(error))
+
+
+def check_there(folder: Path) -> None:
+    """Raise RunFolderError where a run's folder is gone: an episode does not make it anew."""
+    if not folder.is_dir():
+        raise RunFolderError(f"{folder} was moved or removed while its run was under way; allowed: a folder that stays")
 
 
 def rehearse(job: Job) -> None:
