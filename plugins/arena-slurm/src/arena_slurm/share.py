@@ -35,7 +35,7 @@ ALLOWED = "what a job of this run wrote"
 
 @dataclass(frozen=True, slots=True)
 class Share:
-    """The jobs of one Slurm job, what works on them, the folder for its answers, and the starts of the runs (``starts_of``) that it is of."""
+    """The jobs of one Slurm job, what works on them, the folder for its answers, and the starts (``starts_of``) of their runs."""
 
     work: Work
     jobs: Sequence[Job]
