@@ -1,16 +1,33 @@
 """Files that do harm elsewhere are refused in one line: they are too large, damaged, no files, or lead out of their folder."""
 
 import gzip
+import math
 import os
+import re
 import struct
 import zipfile
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from arena_core import LIMITS, InputFileError, harmless, read_array, read_arrays, read_bytes, read_json, read_record, read_table, read_yaml
-from arena_core.loop.recording import check_inside, write_record
+from arena_core import (
+    LIMITS,
+    ArenaError,
+    InputFileError,
+    csv_text,
+    harmless,
+    read_array,
+    read_arrays,
+    read_bytes,
+    read_json,
+    read_record,
+    read_table,
+    read_yaml,
+    run,
+)
+from arena_core.loop.recording import check_inside, keep_room, write_record
 from arena_core.testing import record
 
 
@@ -107,6 +124,45 @@ def test_a_text_that_a_spreadsheet_would_run_begins_with_an_apostrophe(text):
 @pytest.mark.parametrize("value", ["-1.5", "-0.2 (-0.4 – 0.1)", "+3", "-inf", "goal_reached", "", 3, -1.5, None])
 def test_figures_and_plain_texts_stay_as_they_are(value):
     assert harmless(value) == value
+
+
+@pytest.mark.parametrize("text", ["a\r=1+1", "a\n=1+1", "\r", "a\x85b", "a\u2028=1", "a\0b", 'a"\r\n,b', "\uff1d1+1", "a\x1b[31m"])
+def test_a_text_with_control_characters_is_one_cell_for_every_reader(tmp_path, text):
+    (tmp_path / "a.csv").write_text(csv_text([["name", "x"], [text, 1.5]]), newline="")
+    columns, rows = read_table(tmp_path / "a.csv", "a table")
+    assert (columns, len(rows), rows[0]["x"]) == (["name", "x"], 1, "1.5")
+    written = (tmp_path / "a.csv").read_text()
+    assert written.count("\n") == len(written.splitlines()) == 2
+    assert not re.search(r"(^|[\n,\"])[=\uff1d]", written)
+
+
+def test_cells_that_are_not_defined_are_empty():
+    assert csv_text([["a", "b", "c"], [math.nan, None, 0.1]]) == "a,b,c\n,,0.1\n"
+
+
+def test_every_table_is_written_by_one_writer():
+    """A table of its own has forgotten what the one writer knows."""
+    root = Path(__file__).parents[1]
+    sources = [*root.glob("arena_core/**/*.py"), *root.glob("plugins/*/src/**/*.py")]
+    assert [path.name for path in sources if "csv.writer(" in (text := path.read_text()) or "DictWriter(" in text] == ["cells.py"]
+
+
+@pytest.mark.parametrize("name", [".hydra", "live", "worlds", "records"])
+def test_a_run_writes_through_no_link_out_of_its_folder(tmp_path, name):
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / name).symlink_to(tmp_path / "elsewhere")
+    words = ["planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=6", "world.height=6", "task.pedestrians=0"]
+    with suppress(ArenaError):
+        run([*words, "recording.live=true", "episodes=1", "executor=serial", "report=false"], tmp_path / "run")
+    assert not list((tmp_path / "elsewhere").iterdir())
+
+
+def test_room_is_kept_beside_a_link_and_not_through_it(tmp_path):
+    (tmp_path / "precious").write_text("precious")
+    (tmp_path / ".room.00000000").symlink_to(tmp_path / "precious")
+    keep_room(tmp_path, 100)
+    assert (tmp_path / "precious").read_text() == "precious"
 
 
 def test_a_record_that_is_a_link_out_of_its_run_is_not_read_and_none_is_written_through_one(tmp_path):

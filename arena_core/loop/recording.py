@@ -224,7 +224,7 @@ def write_bytes_whole(path: Path, content: bytes) -> None:
 
 def keep_room(folder: Path, size: int) -> None:
     """Keep so many bytes of the disk free for a table, as far as they are there: ``remove_half_written`` gives them back."""
-    with suppress(OSError), (folder / ROOM).open("wb") as file:
+    with suppress(OSError), (folder / ROOM).open("xb") as file:
         file.write(bytes(size))
 
 
@@ -233,7 +233,7 @@ def remove_half_written(folder: Path) -> None:
     parts = [folder / name for name in PARTS]
     shards = [place for part in parts if part.is_dir() for place in sorted(part.iterdir()) if NUMBERED.fullmatch(place.name)]
     for place in (folder, folder / "worlds", *parts, *shards):
-        for path in place.glob(".*") if place.is_dir() else ():
+        for path in place.glob(".*") if place.is_dir() and place.resolve().is_relative_to(folder.resolve()) else ():
             if HALF_WRITTEN.fullmatch(path.name) and path.is_file():
                 with suppress(OSError):  # where nothing can be removed, it stays and harms nobody
                     path.unlink()

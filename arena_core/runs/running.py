@@ -18,7 +18,7 @@ from arena_core.base.notices import tell
 from arena_core.config.configuration import plain
 from arena_core.config.registry import Registry
 from arena_core.contracts.running import Executor, Finished, Job, Lost
-from arena_core.loop.recording import keep_room, remove_half_written, write_text_whole
+from arena_core.loop.recording import check_inside, keep_room, remove_half_written, write_text_whole
 from arena_core.runs.benchmark import build_metrics, check_complete
 from arena_core.runs.progress import Progress
 from arena_core.runs.provenance import NAME, provenance, untuned
@@ -156,6 +156,7 @@ def _open(run: OpenRun, files: Mapping[str, str], registry: Registry) -> None:
     """Write what a run's folder begins with, and remove what a killed run has left half-written."""
     remove_half_written(run.folder)
     for name, text in files.items():
+        check_inside(run.folder, (run.folder / name).parent)
         write_text_whole(run.folder / name, text)
     run.place = identity(run.folder)
     told = provenance(run.config, run.code, _notes(run, registry))

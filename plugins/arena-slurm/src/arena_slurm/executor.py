@@ -23,6 +23,7 @@ from arena_core import (
     ProcessExecutor,
     RunStopped,
     Workers,
+    check_inside,
     described,
     interrupts,
     tell,
@@ -171,6 +172,7 @@ class SlurmExecutor(Executor):
     def _own_folder(self, job: Job) -> Path:
         """Return this start's folder: what an earlier start left is not read."""
         if self._folder is None:
+            check_inside(Path(job.folder or "."), Path(job.folder or ".") / FOLDER)
             self._folder = Path(job.folder or ".") / FOLDER / token_hex(8)
         return self._folder
 
