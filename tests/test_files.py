@@ -21,6 +21,7 @@ from arena_core import (
     read_array,
     read_arrays,
     read_bytes,
+    read_grid,
     read_json,
     read_record,
     read_table,
@@ -28,6 +29,7 @@ from arena_core import (
     run,
 )
 from arena_core.loop.recording import check_inside, keep_room, write_record
+from arena_core.runs.rows import evaluate
 from arena_core.testing import record
 
 
@@ -227,3 +229,78 @@ def test_a_folder_with_a_name_that_none_can_have_is_one_line(arena):
     answer = arena("evaluate", "a" * 2000)
     assert answer.status == 2
     assert "cannot be read" in answer.line
+
+
+def far(name, place, value):
+    """Return a change of a record: one number of an array put elsewhere."""
+
+    def change(good):
+        array = good.arrays[name].astype(np.float64)
+        array[place] = value
+        return type(good)({**good.arrays, name: array}, good.meta, good.timing)
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("change", "fault"),
+    [
+        (far("pose", (5, 0), 6e6), "pose covers 1.2e+07 m"),
+        (far("pose", (5, 1), np.inf), "pose is not finite"),
+        (far("pose", (5, 2), np.nan), "pose is not finite"),
+        (far("pose", (slice(None), 0), 1e8), "pose goes beyond 1e+07"),
+        (far("stamp", slice(7, None), 1e8), "stamp goes from 0 to 1e+08 s"),
+        (far("stamp", -1, np.inf), "stamp is not finite and rising"),
+        (far("stamp", 3, np.nan), "stamp is not finite and rising"),
+        (far("stamp", 3, -5.0), "stamp is not finite and rising"),
+        (far("stamp", slice(None), np.arange(31) * 0.1 + 1e300), "stamp goes from 1e+300"),
+        (far("path_poses", (0, 0), np.inf), "path_poses goes beyond"),
+        (far("path_stamps", 0, np.inf), "path_stamps goes beyond"),
+        (far("pedestrian_positions", (0, 0, 0), 1e30), "pedestrian_positions goes beyond"),
+    ],
+)
+def test_a_record_with_numbers_far_off_is_refused_before_anything_is_computed_of_it(tmp_path, change, fault):
+    changed = change(record(contact=True))
+    write_record(tmp_path, 0, changed)
+    assert fault in refused(read_record, tmp_path / "records" / "0000.npz")
+    with pytest.raises(InputFileError, match="numbers that are too far off"):
+        evaluate(changed, {})
+
+
+@pytest.mark.parametrize(
+    ("name", "shape"),
+    [
+        ("pedestrian_radii", (9,)),
+        ("pedestrian_velocities", (31, 9, 2)),
+        ("pedestrian_states", (31, 9)),
+        ("contact_person", (9,)),
+        ("scan_ranges", (3, 5)),
+    ],
+)
+def test_a_record_with_arrays_of_unequal_lengths_is_refused(tmp_path, name, shape):
+    good = record(contact=True)
+    kind = good.arrays[name].dtype if name in good.arrays else np.float32
+    write_record(tmp_path, 0, type(good)({**good.arrays, name: np.zeros(shape, kind)}, good.meta, good.timing))
+    assert f"no record ({name} is" in refused(read_record, tmp_path / "records" / "0000.npz")
+
+
+@pytest.mark.parametrize("number", [1e300, -1e8, 10**400])
+@pytest.mark.parametrize("place", ["start", "goal_radius", "event"])
+def test_a_record_whose_meta_has_numbers_far_off_is_refused(tmp_path, place, number):
+    good = record()
+    scenario, events = dict(good.meta["scenario"]), list(good.meta["events"])
+    if place == "event":
+        events.append({"stamp": number, "kind": "replan", "detail": ""})
+    else:
+        scenario[place] = [number, 0.0, 0.0] if place == "start" else number
+    write_record(tmp_path, 0, type(good)(good.arrays, {**good.meta, "scenario": scenario, "events": events}, good.timing))
+    assert "no record (meta" in refused(read_record, tmp_path / "records" / "0000.npz")
+
+
+@pytest.mark.parametrize("content", [{"resolution": np.inf}, {"origin": np.array([1e300, 0.0, 0.0])}, {"origin": np.full(3, np.nan)}])
+def test_a_map_of_a_run_that_lies_far_off_is_refused(tmp_path, content):
+    (tmp_path / "worlds").mkdir()
+    good = {"data": np.zeros((3, 3), np.int8), "resolution": np.array(0.1), "origin": np.zeros(3)}
+    np.savez(tmp_path / "worlds" / "a.npz", **{**good, **{name: np.asarray(value) for name, value in content.items()}})
+    with pytest.raises(InputFileError, match="arrays are not those of a map"):
+        read_grid(tmp_path / "worlds" / "a.npz")

@@ -40,6 +40,11 @@ class Limits:
     network_bytes: int = 64 * 2**20  # an ONNX file
     arrays_bytes: int = 500_000_000  # of one .npy or .npz file once unpacked: records, maps, roll-outs, reference paths
 
+    # what records hold
+    record_seconds: float = 1e5  # from the first stamp to the last: a day and four hours
+    record_metres: float = 1e5  # that the robot drives
+    record_farthest: float = 1e7  # m from the origin of a map: the earth's coordinates in metres (UTM) lie within
+
     # what files hold
     elements: int = 10_000  # of one list: problems, obstacles, corners, waypoints
     people: int = 1_000  # of a problem

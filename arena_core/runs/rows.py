@@ -13,6 +13,7 @@ from arena_core.base.cells import csv_text
 from arena_core.base.errors import InputFileError, one_line
 from arena_core.base.files import reason_of
 from arena_core.contracts.running import Metric
+from arena_core.loop.record_layout import fault_of_numbers
 from arena_core.loop.record_places import record_paths
 from arena_core.loop.recording import read_record, write_text_whole
 from arena_core.values.episode import EpisodeRecord
@@ -36,6 +37,8 @@ def metric_column(pack: str, metric: Metric) -> str:
 
 def evaluate(record: EpisodeRecord, packs: Mapping[str, Sequence[Metric]]) -> dict[str, Any]:
     """Return the row of one episode; a metric is empty where it asks for an array that is not known (``meta["unknown"]``)."""
+    if fault := fault_of_numbers(record.arrays):  # before any metric makes room for them
+        raise InputFileError(f"the record holds numbers that are too far off: {fault}")
     if record.meta.get("unknown"):
         record = _Known(record.arrays, record.meta, record.timing)
     row = {**record.meta["columns"], "outcome": record.meta["outcome"], "error": one_line(record.meta["error"])}
