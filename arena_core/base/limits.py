@@ -26,6 +26,7 @@ class Limits:
     # files, in bytes; those of gzip files once unpacked
     yaml_bytes: int = 200_000  # a map's has 200, a pack's a few thousand; PyYAML reads 100 kB a second
     yaml_depth: int = 100  # brackets inside each other
+    yaml_nodes: int = 100_000  # values of a configuration file once its aliases are written out
     json_bytes: int = 10_000_000  # scenarios, cards, provenance
     xml_bytes: int = 20_000_000  # BARN's worlds have 0.5 million
     xml_elements: int = 1_000_000  # 100,000 boxes with all that belongs to them
