@@ -2,7 +2,7 @@
 
 from arena_core.base.addresses import local_path
 from arena_core.base.arrays import read_array, read_arrays
-from arena_core.base.cells import harmless
+from arena_core.base.cells import csv_text, harmless
 from arena_core.base.confinement import reading_within
 from arena_core.base.ctrl_c import interrupts
 from arena_core.base.errors import (
@@ -300,6 +300,7 @@ __all__ = [
     "complete_overrides",
     "compose",
     "cpu_kind",
+    "csv_text",
     "default_options",
     "described",
     "evaluate",

@@ -14,7 +14,7 @@ from textwrap import dedent
 import pytest
 from hypothesis import HealthCheck, settings
 
-from arena_core import read_record
+from arena_core import load_registry, read_record
 from arena_core.cli.main import main
 from arena_core.config.plugins import _loaded
 from arena_core.runs.code_digest import _code
@@ -41,6 +41,12 @@ class Answer:
         """Return the one line of standard error; fail when there are more or fewer."""
         assert len(self.errors) == 1, self.errors
         return self.errors[0]
+
+
+def of_the_suite(kind: str) -> list[str]:
+    """Return the installed names of a kind that the suite brings; whoever runs the tests may have plugins of others beside it."""
+    registry = load_registry()
+    return [name for name in registry.names(kind) if registry.component(kind, name).distribution()[0].startswith("arena-")]
 
 
 @pytest.fixture

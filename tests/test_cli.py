@@ -112,3 +112,26 @@ def test_every_public_name_is_there():
 def test_arguments_default_to_those_of_the_process(loud, arena, monkeypatch):
     monkeypatch.setattr(sys, "argv", ["arena", "loud", "one", "two"])
     assert main() == 2
+
+
+@pytest.mark.parametrize(
+    ("module", "reason"), [("import sys\nsys.exit(0)\n", "SystemExit: 0"), ("raise BaseException('no')\n", "BaseException: no")]
+)
+def test_a_plugin_that_ends_the_process_at_its_import_is_one_line(third_party, arena, module, reason):
+    third_party.package("ending", module)
+    answer = arena("list")
+    assert (answer.status, answer.line.startswith(f"arena: plugin ending cannot be loaded ({reason})")) == (2, True)
+
+
+def test_a_component_that_ends_the_process_at_its_import_is_one_line(third_party, arena):
+    hook = "from arena_core import hookimpl\n\n@hookimpl\ndef register_commands(register):\n    register('go', 'going.far:Command')\n"
+    third_party.package("going", hook)
+    third_party.write("going/far.py", "import sys\nsys.exit(5)\n")
+    answer = arena("go")
+    assert (answer.status, answer.line) == (2, "arena: plugin going: command go cannot be imported (SystemExit: 5)")
+
+
+def test_ctrl_c_while_plugins_are_imported_is_one_line(third_party, arena):
+    third_party.package("slow", "import os\nimport signal\nimport time\nos.kill(os.getpid(), signal.SIGINT)\ntime.sleep(0.2)\n")
+    answer = arena("list")
+    assert (answer.status, answer.line) == (130, "arena: interrupted")

@@ -146,3 +146,31 @@ def test_sources_come_in_order_of_the_plugins_names(tuned):
     assert providers == sorted(providers)
     assert dict(search_path())["tuned"].startswith("arena:///")
     assert dict(search_path())["tuned"].endswith("tuned/conf")
+
+
+@pytest.mark.parametrize(
+    ("content", "fault"),
+    [
+        (b"name: dwa\nspeed: \xff\n", "is no text in UTF-8"),
+        (b"defaults:\nname: dwa\n", "defaults is no list"),
+        (b"defaults: base\nname: dwa\n", "defaults is no list"),
+        (b"- 1\n", "is no mapping"),
+        (b"a: &a [*a]\nname: dwa\n", "its aliases make more than"),
+        (b"a: &a {b: *a}\nname: dwa\n", "its aliases make more than"),
+        (b"x" * 300_000, "is larger than"),
+    ],
+)
+def test_an_own_file_that_is_no_option_is_named_by_run_and_list(arena, tmp_path, monkeypatch, content, fault):
+    folder = tmp_path / "work" / "conf" / "planner"
+    folder.mkdir(parents=True)
+    (folder / "mine.yaml").write_bytes(content)
+    for words in (("run", "planner=mine"), ("list", "planner")):
+        answer = arena(*words)
+        assert (answer.status, f"{folder / 'mine.yaml'}: {fault}" in answer.line) == (2, True), answer.errors
+
+
+def test_an_own_file_may_use_a_few_aliases(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "conf" / "executor").mkdir(parents=True)
+    (tmp_path / "conf" / "executor" / "two.yaml").write_text("name: &name processes\nworkers: 2\nbudgets: {a: &a [1], b: *a, c: *name}\n")
+    assert component("executor=two")["executor"]["budgets"] == {"a": [1], "b": [1], "c": "processes"}

@@ -1,9 +1,12 @@
 """Files that do harm elsewhere are refused in one line: they are too large, damaged, no files, or lead out of their folder."""
 
 import gzip
+import math
 import os
+import re
 import struct
 import zipfile
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -12,19 +15,24 @@ import pytest
 import arena_core
 from arena_core import (
     LIMITS,
+    ArenaError,
     InputFileError,
+    csv_text,
     harmless,
     is_file,
     read_array,
     read_arrays,
     read_bytes,
+    read_grid,
     read_json,
     read_record,
     read_table,
     read_yaml,
     reading_within,
+    run,
 )
-from arena_core.loop.recording import check_inside, write_record
+from arena_core.loop.recording import check_inside, keep_room, write_record
+from arena_core.runs.rows import evaluate
 from arena_core.testing import record
 
 
@@ -123,6 +131,45 @@ def test_figures_and_plain_texts_stay_as_they_are(value):
     assert harmless(value) == value
 
 
+@pytest.mark.parametrize("text", ["a\r=1+1", "a\n=1+1", "\r", "a\x85b", "a\u2028=1", "a\0b", 'a"\r\n,b', "\uff1d1+1", "a\x1b[31m"])
+def test_a_text_with_control_characters_is_one_cell_for_every_reader(tmp_path, text):
+    (tmp_path / "a.csv").write_text(csv_text([["name", "x"], [text, 1.5]]), newline="")
+    columns, rows = read_table(tmp_path / "a.csv", "a table")
+    assert (columns, len(rows), rows[0]["x"]) == (["name", "x"], 1, "1.5")
+    written = (tmp_path / "a.csv").read_text()
+    assert written.count("\n") == len(written.splitlines()) == 2
+    assert not re.search(r"(^|[\n,\"])[=\uff1d]", written)
+
+
+def test_cells_that_are_not_defined_are_empty():
+    assert csv_text([["a", "b", "c"], [math.nan, None, 0.1]]) == "a,b,c\n,,0.1\n"
+
+
+def test_every_table_is_written_by_one_writer():
+    """A table of its own has forgotten what the one writer knows."""
+    root = Path(__file__).parents[1]
+    sources = [*root.glob("arena_core/**/*.py"), *root.glob("plugins/*/src/**/*.py")]
+    assert [path.name for path in sources if "csv.writer(" in (text := path.read_text()) or "DictWriter(" in text] == ["cells.py"]
+
+
+@pytest.mark.parametrize("name", [".hydra", "live", "worlds", "records"])
+def test_a_run_writes_through_no_link_out_of_its_folder(tmp_path, name):
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / name).symlink_to(tmp_path / "elsewhere")
+    words = ["planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=6", "world.height=6", "task.pedestrians=0"]
+    with suppress(ArenaError):
+        run([*words, "recording.live=true", "episodes=1", "executor=serial", "report=false"], tmp_path / "run")
+    assert not list((tmp_path / "elsewhere").iterdir())
+
+
+def test_room_is_kept_beside_a_link_and_not_through_it(tmp_path):
+    (tmp_path / "precious").write_text("precious")
+    (tmp_path / ".room.00000000").symlink_to(tmp_path / "precious")
+    keep_room(tmp_path, 100)
+    assert (tmp_path / "precious").read_text() == "precious"
+
+
 def test_a_record_that_is_a_link_out_of_its_run_is_not_read_and_none_is_written_through_one(tmp_path):
     write_record(tmp_path / "other", 0, record())
     (tmp_path / "run" / "records").mkdir(parents=True)
@@ -208,3 +255,78 @@ def test_what_is_served_is_read_within_its_folder_links_followed_and_nothing_els
             assert is_file(outside / "a.json")
             assert not is_file(inside / "a.json")
     assert read_json(inside / "c.json", "x") == 1
+
+
+def far(name, place, value):
+    """Return a change of a record: one number of an array put elsewhere."""
+
+    def change(good):
+        array = good.arrays[name].astype(np.float64)
+        array[place] = value
+        return type(good)({**good.arrays, name: array}, good.meta, good.timing)
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("change", "fault"),
+    [
+        (far("pose", (5, 0), 6e6), "pose covers 1.2e+07 m"),
+        (far("pose", (5, 1), np.inf), "pose is not finite"),
+        (far("pose", (5, 2), np.nan), "pose is not finite"),
+        (far("pose", (slice(None), 0), 1e8), "pose goes beyond 1e+07"),
+        (far("stamp", slice(7, None), 1e8), "stamp goes from 0 to 1e+08 s"),
+        (far("stamp", -1, np.inf), "stamp is not finite and rising"),
+        (far("stamp", 3, np.nan), "stamp is not finite and rising"),
+        (far("stamp", 3, -5.0), "stamp is not finite and rising"),
+        (far("stamp", slice(None), np.arange(31) * 0.1 + 1e300), "stamp goes from 1e+300"),
+        (far("path_poses", (0, 0), np.inf), "path_poses goes beyond"),
+        (far("path_stamps", 0, np.inf), "path_stamps goes beyond"),
+        (far("pedestrian_positions", (0, 0, 0), 1e30), "pedestrian_positions goes beyond"),
+    ],
+)
+def test_a_record_with_numbers_far_off_is_refused_before_anything_is_computed_of_it(tmp_path, change, fault):
+    changed = change(record(contact=True))
+    write_record(tmp_path, 0, changed)
+    assert fault in refused(read_record, tmp_path / "records" / "0000.npz")
+    with pytest.raises(InputFileError, match="numbers that are too far off"):
+        evaluate(changed, {})
+
+
+@pytest.mark.parametrize(
+    ("name", "shape"),
+    [
+        ("pedestrian_radii", (9,)),
+        ("pedestrian_velocities", (31, 9, 2)),
+        ("pedestrian_states", (31, 9)),
+        ("contact_person", (9,)),
+        ("scan_ranges", (3, 5)),
+    ],
+)
+def test_a_record_with_arrays_of_unequal_lengths_is_refused(tmp_path, name, shape):
+    good = record(contact=True)
+    kind = good.arrays[name].dtype if name in good.arrays else np.float32
+    write_record(tmp_path, 0, type(good)({**good.arrays, name: np.zeros(shape, kind)}, good.meta, good.timing))
+    assert f"no record ({name} is" in refused(read_record, tmp_path / "records" / "0000.npz")
+
+
+@pytest.mark.parametrize("number", [1e300, -1e8, 10**400])
+@pytest.mark.parametrize("place", ["start", "goal_radius", "event"])
+def test_a_record_whose_meta_has_numbers_far_off_is_refused(tmp_path, place, number):
+    good = record()
+    scenario, events = dict(good.meta["scenario"]), list(good.meta["events"])
+    if place == "event":
+        events.append({"stamp": number, "kind": "replan", "detail": ""})
+    else:
+        scenario[place] = [number, 0.0, 0.0] if place == "start" else number
+    write_record(tmp_path, 0, type(good)(good.arrays, {**good.meta, "scenario": scenario, "events": events}, good.timing))
+    assert "no record (meta" in refused(read_record, tmp_path / "records" / "0000.npz")
+
+
+@pytest.mark.parametrize("content", [{"resolution": np.inf}, {"origin": np.array([1e300, 0.0, 0.0])}, {"origin": np.full(3, np.nan)}])
+def test_a_map_of_a_run_that_lies_far_off_is_refused(tmp_path, content):
+    (tmp_path / "worlds").mkdir()
+    good = {"data": np.zeros((3, 3), np.int8), "resolution": np.array(0.1), "origin": np.zeros(3)}
+    np.savez(tmp_path / "worlds" / "a.npz", **{**good, **{name: np.asarray(value) for name, value in content.items()}})
+    with pytest.raises(InputFileError, match="arrays are not those of a map"):
+        read_grid(tmp_path / "worlds" / "a.npz")

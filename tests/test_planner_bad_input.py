@@ -6,9 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arena_core import LETHAL, ConfigurationError, Costmap, NoValidCommand, Path, Pose, Tracks, load_registry
+from arena_core import LETHAL, ConfigurationError, Costmap, NoValidCommand, Path, Pose, Tracks
 from arena_core.loop.navigator import checked
 from arena_core.testing import component, free_costmap, observation, planner, robot
+from tests.conftest import of_the_suite
 
 BODY = robot()
 OUTSIDE = ("ros_external",)  # its commands come from another process: arena-ros has tests of its own
@@ -67,7 +68,7 @@ VIEWS = {
 }
 
 
-@pytest.fixture(scope="module", params=[name for name in load_registry().names("planner") if name not in OUTSIDE])
+@pytest.fixture(scope="module", params=[name for name in of_the_suite("planner") if name not in OUTSIDE])
 def built(request):
     """Return a planner and its robot: the sample, or a Jackal where a policy knows real robots alone."""
     body = BODY

@@ -9,6 +9,7 @@ import pytest
 from arena_core import ConfigurationError, load_registry
 from arena_core.cli.listing import presets
 from arena_core.testing import check, component
+from tests.conftest import of_the_suite
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "planners.md"
 OUTSIDE = ("ros_external",)  # its commands come from another process: arena-ros has tests of its own
@@ -46,7 +47,7 @@ def test_preset_keeps_the_contract_or_names_what_it_can_drive(preset, robot):
 
 def test_every_planner_is_in_the_comparison():
     text = PAGE.read_text()
-    assert [name for name in load_registry().names("planner") if f"`{name}`" not in text] == []
+    assert [name for name in of_the_suite("planner") if f"`{name}`" not in text] == []
 
 
 def test_no_shipped_network_tells_where_it_was_made():

@@ -1,14 +1,19 @@
 """What a planner sees is its own and cannot be written to; what it does to it changes nothing that others read or that is recorded."""
 
+import copy
 import dataclasses
+import pickle
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from arena_core import NO_TRACKS, DepthImage, Pose, PoseEstimate, build_benchmark, compose, load_registry, plain, read_record
-from arena_core.base.frozen import frozen
-from arena_core.loop.shown import shown
+from arena_core import NO_TRACKS, DepthImage, OccupancyGrid, Pose, PoseEstimate, build_benchmark, compose, load_registry, plain, read_record
+from arena_core.base.frozen import frozen, is_sealed
+from arena_core.loop.shown import shown, shown_map
 from arena_core.testing import boxes_costmap, robot, sensors, straight_path
 
 QUICK = (
@@ -35,7 +40,7 @@ def tamper(observation):
         for way in (lambda a: a.__setitem__(..., 0), lambda a: setattr(a.flags, "writeable", True), lambda a: a.fill(0)):
             with pytest.raises(ValueError):  # noqa: PT011 - numpy's words for it differ
                 way(array)
-        assert array.base is None or isinstance(array.base, bytes), name
+        assert array.base is None or isinstance(array.base, bytes) or is_sealed(array), name
         withstood += 1
     for pose in (observation.pose, observation.goal, observation.waypoint, observation.scan.mount):
         object.__setattr__(pose, "x", 1e3)
@@ -142,3 +147,29 @@ def test_planner_is_shown_a_depth_image_of_its_own():
     with pytest.raises(ValueError, match="read-only"):
         seen.depths[0, 0] = 0.0
     assert shown(without, *nothing, None, boxes_costmap, lambda: NO_TRACKS).depth is None
+
+
+WRITE = """
+import ctypes
+import sys
+from arena_core import OccupancyGrid, Pose
+import numpy as np
+grid = OccupancyGrid(np.zeros((3, 5), np.int8), 0.1, Pose(0.0, 0.0))
+array = getattr(grid, sys.argv[1])
+ctypes.memset(array.ctypes.data, 1, array.size)
+"""
+
+
+@pytest.mark.parametrize("array", ["data", "occupied"])
+def test_a_maps_memory_cannot_be_written_by_compiled_code(array):
+    assert subprocess.run([sys.executable, "-c", WRITE, array]).returncode in (-signal.SIGSEGV, -signal.SIGBUS)
+
+
+def test_a_maps_array_stays_read_only_and_travels():
+    grid = OccupancyGrid(np.arange(15, dtype=np.int8).reshape(3, 5), 0.1, Pose(0.0, 0.0))
+    with pytest.raises(ValueError, match="cannot set WRITEABLE flag"):
+        grid.data.flags.writeable = True
+    for other in (pickle.loads(pickle.dumps(grid)), copy.deepcopy(grid)):
+        assert (other.data == grid.data).all()
+    assert shown_map(grid).data is grid.data
+    assert OccupancyGrid(np.zeros((0, 5), np.int8), 0.1, Pose(0.0, 0.0)).data.shape == (0, 5)

@@ -1,12 +1,17 @@
-"""Cells of CSV tables that no spreadsheet takes for formulas."""
+"""CSV tables: one writer for all, so that each cell is read back as one, and no spreadsheet takes a text for a formula."""
 
 from __future__ import annotations
 
+import csv
+import io
 import re
+from collections.abc import Iterable
 from typing import Any
 
-FORMULA = ("=", "+", "-", "@", "\t", "\r")  # what a text begins with that spreadsheets run (OWASP, "CSV Injection")
+# what a text begins with that spreadsheets run (OWASP, "CSV Injection"); the last four are the full-width forms of the first
+FORMULA = ("=", "+", "-", "@", "\t", "\r", "\uff1d", "\uff0b", "\uff0d", "\uff20")
 FIGURES = re.compile(r"[-+][\d.,eE%() –…+-]*|[-+](inf|nan)")  # figures with their intervals: without letters nothing is called
+BREAKS = re.compile("[\0-\x1f\x7f-\x9f\u2028\u2029]")  # control characters, and what else ends a line for some reader
 
 
 def harmless(value: Any) -> Any:
@@ -14,3 +19,18 @@ def harmless(value: Any) -> Any:
     if not isinstance(value, str) or not value.startswith(FORMULA):
         return value
     return value if FIGURES.fullmatch(value) else f"'{value}"
+
+
+def csv_text(rows: Iterable[Iterable[Any]]) -> str:
+    r"""Return rows as CSV, the names of the columns among them; None and NaN are empty cells, control characters escapes such as ``\r``."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows([_cell(value) for value in row] for row in rows)
+    return text.getvalue()
+
+
+def _cell(value: Any) -> Any:
+    if isinstance(value, float):
+        return "" if value != value else repr(float(value))
+    if not isinstance(value, str):
+        return value
+    return BREAKS.sub(lambda found: found.group().encode("unicode_escape").decode(), str(harmless(value)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -10,6 +11,7 @@ from arena_core.base.errors import RunFolderError
 
 LOCK = ".lock"
 ITS_FOLDER = "hydra.run.dir=DIR (with -m hydra.sweep.dir=DIR)"  # which messages name
+OWN = (errno.EMFILE, errno.ENFILE, errno.ENOMEM, errno.EFBIG, errno.EBADF, errno.EAGAIN)  # what one process lacks, and others may have
 KEPT = f"finished episodes are kept, resume=true {ITS_FOLDER} continues"
 
 
@@ -39,6 +41,36 @@ def locked(folder: Path) -> Iterator[None]:
         with suppress(OSError):
             if missing:
                 folder.rmdir()  # if it is empty
+
+
+def identity(folder: Path) -> tuple[int, int] | None:
+    """Return what a folder stays the same by while its name may come to stand for another; None where there is none."""
+    try:
+        found = folder.stat()
+    except OSError:
+        return None
+    return found.st_dev, found.st_ino
+
+
+class FolderLost(RunFolderError):
+    """A run's folder cannot be written to, by this process or by any other."""
+
+
+def check_there(folder: Path) -> None:
+    """Raise FolderLost where a run's folder is gone: an episode does not make it anew."""
+    if not folder.is_dir():
+        raise FolderLost(f"{folder} was moved or removed while its run was under way; allowed: a folder that stays")
+
+
+@contextmanager
+def writing() -> Iterator[None]:
+    """Raise FolderLost where a run's folder takes no file; what this process alone lacks stays a RunFolderError."""
+    try:
+        yield
+    except RunFolderError as error:
+        if getattr(error.__cause__, "errno", None) in OWN:
+            raise
+        raise FolderLost(str(error)) from error
 
 
 class NewFolders:

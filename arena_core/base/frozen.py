@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import ctypes
+import mmap
+from contextlib import suppress
 from typing import Any, TypeVar
 
 import numpy as np
@@ -15,7 +18,40 @@ def frozen(array: NDArray[Scalar]) -> NDArray[Scalar]:
 
     A flag alone protects nothing: the owner of an array can set it back, and ``base`` leads to the owner.
     """
-    if isinstance(array.base, bytes):
+    if isinstance(array.base, bytes) or is_sealed(array):
         return array
     values: NDArray[Any] = np.ndarray(array.shape, array.dtype, array.tobytes())
     return values
+
+
+def sealed(array: NDArray[Scalar]) -> NDArray[Scalar]:
+    """Return the array's values over memory that the kernel lets nobody write to, compiled code neither; frozen where it cannot.
+
+    For what outlives an episode. It takes whole pages, so what is made at every control step is only frozen.
+    """
+    if is_sealed(array) or array.size == 0:
+        return frozen(array)
+    with suppress(OSError, ValueError, AttributeError):  # no room for more mappings, or no POSIX
+        values: NDArray[Any] = np.ndarray(array.shape, array.dtype, _read_only(array.tobytes()))
+        return values
+    return frozen(array)
+
+
+def is_sealed(array: NDArray[Any]) -> bool:
+    """Return whether an array lies over memory that nobody can write to."""
+    return isinstance(array.base, mmap.mmap) and memoryview(array.base).readonly
+
+
+def _read_only(content: bytes) -> mmap.mmap:
+    """Return bytes in pages of their own that can only be read."""
+    pages = mmap.mmap(-1, len(content), mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS, mmap.PROT_READ)
+    begin = np.frombuffer(pages, np.uint8).ctypes.data
+    _protect(begin, len(content), mmap.PROT_READ | mmap.PROT_WRITE)
+    ctypes.memmove(begin, content, len(content))
+    _protect(begin, len(content), mmap.PROT_READ)
+    return pages
+
+
+def _protect(begin: int, length: int, protection: int) -> None:
+    if ctypes.CDLL(None, use_errno=True).mprotect(ctypes.c_void_p(begin), ctypes.c_size_t(length), protection):
+        raise OSError(ctypes.get_errno(), "mprotect")

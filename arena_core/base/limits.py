@@ -26,6 +26,7 @@ class Limits:
     # files, in bytes; those of gzip files once unpacked
     yaml_bytes: int = 200_000  # a map's has 200, a pack's a few thousand; PyYAML reads 100 kB a second
     yaml_depth: int = 100  # brackets inside each other
+    yaml_nodes: int = 100_000  # values of a configuration file once its aliases are written out
     json_bytes: int = 10_000_000  # scenarios, cards, provenance
     xml_bytes: int = 20_000_000  # BARN's worlds have 0.5 million
     xml_elements: int = 1_000_000  # 100,000 boxes with all that belongs to them
@@ -39,6 +40,11 @@ class Limits:
     image_bytes: int = 200_000_000  # a picture of a map
     network_bytes: int = 64 * 2**20  # an ONNX file
     arrays_bytes: int = 500_000_000  # of one .npy or .npz file once unpacked: records, maps, roll-outs, reference paths
+
+    # what records hold
+    record_seconds: float = 1e5  # from the first stamp to the last: a day and four hours
+    record_metres: float = 1e5  # that the robot drives
+    record_farthest: float = 1e7  # m from the origin of a map: the earth's coordinates in metres (UTM) lie within
 
     # what files hold
     elements: int = 10_000  # of one list: problems, obstacles, corners, waypoints

@@ -7,7 +7,7 @@ import signal
 import sys
 from collections.abc import Sequence
 
-from arena_core.base.ctrl_c import SIGNAL_STATUS
+from arena_core.base.ctrl_c import SIGNAL_STATUS, interrupts
 from arena_core.base.errors import ArenaError, UnknownComponent
 from arena_core.config.registry import Registry, load_registry, unknown
 
@@ -17,9 +17,11 @@ CUT_OFF = 141  # the same, when nobody reads its output any more (arena list | h
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return the exit status: 0 done, 1 some episode failed, 2 the request was wrong."""
     arguments = list(sys.argv[1:] if arguments is None else arguments)
+    registry: Registry | None = None
     try:
         try:
-            return _dispatch(load_registry(), arguments)
+            registry = _loaded()
+            return _dispatch(registry, arguments)
         finally:
             sys.stdout.flush()  # here, where a broken pipe is known; argparse ends the process after --help
     except ArenaError as error:
@@ -28,7 +30,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt as interrupt:
         came = signal.Signals(interrupt.args[0] if interrupt.args else signal.SIGINT)
         said = "interrupted" if came == signal.SIGINT else f"ended by {came.name}"
-        print("; ".join([f"arena: {said}", *_kept(arguments)]), file=sys.stderr)
+        print("; ".join([f"arena: {said}", *_kept(registry, arguments)]), file=sys.stderr)
         return SIGNAL_STATUS + came
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python complains again when it flushes at its end
@@ -51,11 +53,18 @@ def _dispatch(registry: Registry, arguments: list[str]) -> int:
     return int(command.run(rest))
 
 
-def _kept(arguments: Sequence[str]) -> list[str]:
+def _loaded() -> Registry:
+    """Return what all plugins offer; Ctrl-C waits until they are imported: libraries turn it into errors of their own."""
+    with interrupts.heard(), interrupts.held():
+        registry = load_registry()
+        interrupts.check()
+    return registry
+
+
+def _kept(registry: Registry | None, arguments: Sequence[str]) -> list[str]:
     """Return what the command that was interrupted leaves, if it leaves anything."""
-    registry = load_registry()
-    known = arguments and arguments[0] in registry.names("command")
-    kept = registry.component("command", arguments[0]).resolve().kept if known else ""  # type: ignore[attr-defined]
+    known = registry is not None and arguments and arguments[0] in registry.names("command")
+    kept = registry.component("command", arguments[0]).resolve().kept if registry and known else ""  # type: ignore[attr-defined]
     return [kept] if kept else []
 
 

@@ -43,7 +43,7 @@ def search_path() -> list[tuple[str, str]]:
     _check_options(_folders(manager))
     sources = [(plugin, _address(package)) for plugin, package in config_packages(manager).items()]
     own = own_folder()
-    return [*sources, ("working-directory", own.as_uri())] if own else sources
+    return [*sources, ("working-directory", f"arena://{own}")] if own else sources
 
 
 def _address(package: str) -> str:

@@ -11,7 +11,7 @@ from importlib.resources import files
 
 import pluggy
 
-from arena_core.base.errors import BrokenPlugin
+from arena_core.base.errors import BrokenPlugin, described
 from arena_core.contracts import hookspecs
 
 GROUP = "arena"
@@ -80,16 +80,19 @@ def config_packages(manager: pluggy.PluginManager) -> dict[str, str]:
     return dict(sorted((i.plugin_name, _config_package(i)) for i in implementations))
 
 
-def broken(name: str, error: Exception) -> BrokenPlugin:
+def broken(name: str, error: BaseException) -> BrokenPlugin:
     """Return the error for a plugin that failed, with the reason and how to switch it off."""
-    reason = " ".join(str(error).split()) or type(error).__name__
+    said = str(error) if isinstance(error, Exception) else described(error)
+    reason = " ".join(said.split()) or type(error).__name__
     return BrokenPlugin(f"plugin {name} cannot be loaded ({reason}); mend it, or switch it off with {DISABLED}={name}")
 
 
 def _register(manager: pluggy.PluginManager, entry_point: EntryPoint) -> None:
     try:
         manager.register(entry_point.load(), name=entry_point.name)
-    except Exception as error:
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # sys.exit() of a module, too
         raise broken(entry_point.name, error) from error
 
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from arena_core.base.errors import InputFileError
 from arena_core.base.files import reason_of
 from arena_core.config.configuration import option_files
+from arena_core.config.option_file import ALLOWED, check_option, option_text
 
 if TYPE_CHECKING:
     import yaml
@@ -59,7 +60,7 @@ def read_preset(option: str, files: Mapping[str, Traversable], inside: tuple[str
 
     Its tuning for a robot and components inside it are not part of it. Raises InputFileError for a file that is no YAML.
     """
-    text = files[option].read_text(encoding="utf-8")
+    text = option_text(files[option])
     node = _compose(text, files[option])
     own = {parameter.path: parameter for parameter in _parameters(node, text.splitlines(), text)}
     component = next((value.value for key, value in node.value if key.value == "name"), "") if node else ""
@@ -79,7 +80,7 @@ def read_preset(option: str, files: Mapping[str, Traversable], inside: tuple[str
 
 def about_of(file: Traversable) -> str:
     """Return what an option is, by its first line of comment; the rest of its file may be anything."""
-    return _about(file.read_text(encoding="utf-8"))
+    return _about(option_text(file))
 
 
 def _about(text: str) -> str:
@@ -97,11 +98,10 @@ def _compose(text: str, file: Traversable) -> yaml.MappingNode | None:
 
     try:
         node: Any = yaml.compose(text, getattr(yaml, "CSafeLoader", yaml.SafeLoader))
-    except yaml.YAMLError as error:
-        raise InputFileError(f"{file}: is no YAML ({reason_of(error)}); allowed: a mapping of keys and values") from None
-    if node is not None and not isinstance(node, yaml.MappingNode):
-        raise InputFileError(f"{file}: is no mapping; allowed: a mapping of keys and values")
-    return node
+    except (yaml.YAMLError, RecursionError) as error:
+        raise InputFileError(f"{file}: is no YAML ({reason_of(error)}); allowed: {ALLOWED}") from None
+    check_option(file, node)
+    return node  # type: ignore[no-any-return]
 
 
 def _bases(node: yaml.MappingNode | None) -> list[str]:

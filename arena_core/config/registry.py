@@ -11,7 +11,7 @@ from typing import Any
 
 import pluggy
 
-from arena_core.base.errors import ArenaError, BrokenPlugin, ConfigurationError, DuplicateComponent, UnknownComponent
+from arena_core.base.errors import ArenaError, BrokenPlugin, ConfigurationError, DuplicateComponent, UnknownComponent, described
 from arena_core.base.suite import whence
 from arena_core.config.binding import Nested, arguments, build, parameters
 from arena_core.config.plugins import broken, distributions, load_plugins
@@ -78,8 +78,10 @@ class Component:
         module, _, attribute = self.factory.partition(":")
         try:
             return getattr(importlib.import_module(module), attribute)  # type: ignore[no-any-return]
-        except (ImportError, AttributeError) as error:
-            raise BrokenPlugin(f"plugin {self.plugin}: {self.kind} {self.name} cannot be imported ({error})") from error
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:  # sys.exit() of a module, too
+            raise BrokenPlugin(f"plugin {self.plugin}: {self.kind} {self.name} cannot be imported ({described(error)})") from error
 
     def distribution(self) -> tuple[str, str]:
         """Return the name and version of the distribution that brought the plugin."""
@@ -132,9 +134,9 @@ class Registry:
         component = self.component(kind, str(node["name"]))
         try:
             return build(component.resolve(), _own(kind, node), key, context, self._nested(self._build))
-        except (ArenaError, MemoryError):
+        except (ArenaError, MemoryError, KeyboardInterrupt):
             raise
-        except Exception as error:
+        except BaseException as error:
             raise broken(component.plugin, error) from error
 
     def _nested(self, make: Callable[[str, Mapping[str, Any], str, Mapping[str, Any]], Any]) -> Nested:
@@ -160,9 +162,9 @@ class Registry:
 
         try:
             implementation.function(register=register)
-        except DuplicateComponent:
+        except (DuplicateComponent, KeyboardInterrupt):
             raise
-        except Exception as error:
+        except BaseException as error:
             raise broken(plugin, error) from error
 
 

@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from arena_core.base.errors import InputFileError
+from arena_core.loop.recording import check_inside
 from arena_core.values.episode import Scenario, WorldState
 from arena_core.values.robot import Robot
 
@@ -54,7 +56,10 @@ class LiveFile:
 
     def _write(self, text: str) -> None:
         beside = self._path.with_suffix(".part")
-        with suppress(OSError):
+        with suppress(OSError, InputFileError):
             self._path.parent.mkdir(exist_ok=True)
-            beside.write_text(text, encoding="utf-8")
+            check_inside(self._path.parent.parent, self._path.parent)
+            beside.unlink(missing_ok=True)  # whatever is there: a link would be followed
+            with beside.open("x", encoding="utf-8") as file:
+                file.write(text)
             beside.replace(self._path)

@@ -10,26 +10,26 @@ from typing import Any, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from arena_core.base.limits import LIMITS
 from arena_core.values.episode import Outcome
 
 Extents = tuple[str | int, ...]
 REAL, WHOLE, TRUTH = "fiu", "iu", "b"
 
 # by name: the extents, equal letters being equal numbers, and the kind of the elements; T rows, P people, C contacts, K paths.
-# Letters of their own have what only metrics set beside other arrays.
 LAYOUT: Mapping[str, tuple[Extents, str]] = {
     **{name: (("T",), REAL) for name in ("stamp", "clearance", "clearance_people", "contact_time", "scan_min")},
     **{name: (("T", 3), REAL) for name in ("pose", "twist", "estimate", "command", "waypoint")},
     "estimate_covariance": (("T", 3, 3), REAL),
     "in_contact": (("T",), TRUTH),
     "pedestrian_ids": (("P",), WHOLE),
-    "pedestrian_radii": (("Q",), REAL),
+    "pedestrian_radii": (("P",), REAL),
     "pedestrian_positions": (("T", "P", 2), REAL),
-    "pedestrian_velocities": (("T", "V", 2), REAL),
-    "pedestrian_states": (("T", "S"), WHOLE),
+    "pedestrian_velocities": (("T", "P", 2), REAL),
+    "pedestrian_states": (("T", "P"), WHOLE),
     **{name: (("C",), REAL) for name in ("contact_stamp", "contact_speed")},
     "contact_kind": (("C",), WHOLE),
-    "contact_person": (("D",), WHOLE),
+    "contact_person": (("C",), WHOLE),
     "contact_caused": (("C",), TRUTH),
     "contact_position": (("C", 2), REAL),
     "path_poses": (("M", 3), REAL),
@@ -60,7 +60,31 @@ def fault_of(arrays: Mapping[str, NDArray[Any]], meta: Any) -> str:
     """Return what is wrong with a record, in a few words; empty where nothing is."""
     if not isinstance(meta, Mapping):
         return "meta is no mapping"
-    return _fault_of_arrays(arrays) or _fault_of_paths(arrays) or _fault_of_extras(arrays) or _fault_of_meta(meta)
+    parts = (_fault_of_arrays, fault_of_numbers, _fault_of_paths, _fault_of_extras)
+    return next((fault for part in parts if (fault := part(arrays))), "") or _fault_of_meta(meta)
+
+
+def fault_of_numbers(arrays: Mapping[str, NDArray[Any]]) -> str:
+    """Return which numbers of a record lie so far off that what is computed of them has no bounds; empty where none does."""
+    stamps, places = arrays["stamp"].astype(np.float64), arrays["pose"].astype(np.float64)
+    if not np.isfinite(stamps).all() or (np.diff(stamps) < 0.0).any():
+        return "stamp is not finite and rising"
+    if stamps[-1] - stamps[0] > LIMITS.record_seconds or abs(stamps[0]) > LIMITS.record_farthest:
+        return f"stamp goes from {stamps[0]:g} to {stamps[-1]:g} s; up to {LIMITS.record_seconds:g} s are read"
+    if not np.isfinite(places).all():
+        return "pose is not finite"
+    for name in ("pose", "pedestrian_positions", "path_poses", "contact_position", "contact_stamp", "path_stamps"):
+        if name in arrays and (np.abs(arrays[name]) > LIMITS.record_farthest).any():
+            return f"{name} goes beyond {LIMITS.record_farthest:g}"
+    driven = float(np.hypot(*np.diff(places[:, :2], axis=0).T).sum())
+    return f"pose covers {driven:g} m; up to {LIMITS.record_metres:g} m are read" if driven > LIMITS.record_metres else ""
+
+
+def fault_of_timing(arrays: Mapping[str, NDArray[Any]]) -> str:
+    """Return which array of an episode's wall-clock times is none; empty where all are."""
+    return next(
+        (f"{name} is {array.dtype} {array.shape}" for name, array in arrays.items() if array.ndim != 1 or array.dtype.kind != "f"), ""
+    )
 
 
 def is_inside(name: object) -> bool:
@@ -102,10 +126,16 @@ def _fault_of_extras(arrays: Mapping[str, NDArray[Any]]) -> str:
             continue
         if fault := _misfit(arrays, layout, {"R": len(arrays["stamp"])}):
             return fault
+        places = [name for name in layout if name.endswith(("_points", "_positions", "_velocities", "_radii"))]
+        if far := next((name for name in places if not (np.abs(arrays[name]) <= LIMITS.record_farthest).all()), ""):
+            return f"{far} is not finite, or goes beyond {LIMITS.record_farthest:g}"
         for name, of in offsets:
             steps = arrays[name].astype(np.int64)
             if len(steps) == 0 or steps[0] != 0 or steps[-1] != len(arrays[of]) or (np.diff(steps) < 0).any():
                 return f"{name} are no offsets of {of}"
+    scans = arrays.get("scan_ranges")
+    if scans is not None and (scans.ndim != 2 or scans.dtype.kind != "f" or len(scans) != len(arrays["stamp"]) - 1):
+        return f"scan_ranges is {scans.dtype} {scans.shape}"
     if "considered_costs" in arrays and len(arrays["considered_offsets"]) != len(arrays["considered_costs"]) + 1:
         return "considered_offsets are not those of considered_costs"
     return ""
@@ -177,6 +207,6 @@ def _is_number(value: object) -> bool:
     if isinstance(value, bool) or not isinstance(value, int | float):
         return False
     try:
-        return math.isfinite(float(value))
+        return math.isfinite(float(value)) and abs(value) <= LIMITS.record_farthest
     except OverflowError:
         return False

@@ -25,7 +25,7 @@ from arena_core.base.limits import LIMITS
 from arena_core.base.stopwatch import Duration
 from arena_core.loop.extras import candidate_arrays, track_arrays
 from arena_core.loop.navigator import Decision, Spent
-from arena_core.loop.record_layout import fault_of
+from arena_core.loop.record_layout import fault_of, fault_of_timing
 from arena_core.loop.record_places import NUMBERED, PARTS, record_path, run_folder_of, timing_of, timing_path
 from arena_core.values.candidate import Candidate
 from arena_core.values.episode import Contact, EpisodeRecord, Event, Outcome, Scenario, WorldState
@@ -134,9 +134,16 @@ def read_record(path: Path) -> EpisodeRecord:
         raise InputFileError(f"{path}: format is {one_line(repr(meta.get('format')), 40)}; allowed: {FORMAT}")
     if fault := fault_of(arrays, meta):
         raise InputFileError(f"{path}: no record ({one_line(fault)}); allowed: a file that `arena run` wrote")
-    timing = timing_of(path)
+    timing = _read_timing(timing_of(path))
     rows_first = {name: np.ascontiguousarray(array) for name, array in arrays.items()}  # as they were before they were written
-    return EpisodeRecord(rows_first, meta, _read_npz(timing) if timing.exists() else {})
+    return EpisodeRecord(rows_first, meta, timing)
+
+
+def _read_timing(path: Path) -> dict[str, NDArray[np.float64]]:
+    arrays = _read_npz(path) if path.exists() else {}
+    if fault := fault_of_timing(arrays):
+        raise InputFileError(f"{path}: no times ({one_line(fault)}); allowed: a file that `arena run` wrote")
+    return arrays
 
 
 def find_runs(directory: Path) -> list[Path]:
@@ -184,7 +191,9 @@ def read_grid(path: Path) -> OccupancyGrid:
         data, resolution, origin = content["data"], float(content["resolution"]), content["origin"].astype(np.float64)
     except (KeyError, TypeError, ValueError) as error:
         raise InputFileError(f"{path}: damaged ({one_line(repr(error))}); allowed: {allowed}") from None
-    if data.ndim != 2 or data.dtype != np.int8 or data.size > LIMITS.cells or origin.shape != (3,) or not resolution > 0.0:
+    fits = data.ndim == 2 and data.dtype == np.int8 and data.size <= LIMITS.cells and origin.shape == (3,)
+    known = 0.0 < resolution <= LIMITS.number_largest and (np.abs(origin) <= LIMITS.record_farthest).all()
+    if not (fits and known):
         raise InputFileError(f"{path}: damaged (its arrays are not those of a map); allowed: {allowed}")
     return OccupancyGrid(data, resolution, Pose.of(origin))
 
@@ -224,7 +233,7 @@ def write_bytes_whole(path: Path, content: bytes) -> None:
 
 def keep_room(folder: Path, size: int) -> None:
     """Keep so many bytes of the disk free for a table, as far as they are there: ``remove_half_written`` gives them back."""
-    with suppress(OSError), (folder / ROOM).open("wb") as file:
+    with suppress(OSError), (folder / ROOM).open("xb") as file:
         file.write(bytes(size))
 
 
@@ -233,7 +242,7 @@ def remove_half_written(folder: Path) -> None:
     parts = [folder / name for name in PARTS]
     shards = [place for part in parts if part.is_dir() for place in sorted(part.iterdir()) if NUMBERED.fullmatch(place.name)]
     for place in (folder, folder / "worlds", *parts, *shards):
-        for path in place.glob(".*") if place.is_dir() else ():
+        for path in place.glob(".*") if place.is_dir() and place.resolve().is_relative_to(folder.resolve()) else ():
             if HALF_WRITTEN.fullmatch(path.name) and path.is_file():
                 with suppress(OSError):  # where nothing can be removed, it stays and harms nobody
                     path.unlink()

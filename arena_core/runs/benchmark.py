@@ -14,6 +14,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 
 from arena_core.base.errors import ConfigurationError
+from arena_core.base.folders import writing
 from arena_core.base.stopwatch import Stopwatch
 from arena_core.config.binding import read_settings
 from arena_core.config.configuration import plain
@@ -131,7 +132,8 @@ class Benchmark:
             "code": self.code.digest,
         }
         grid = scenario.world.grid
-        world = {"name": scenario.world.name, "known": scenario.world.known, "grid": write_grid(folder, grid)}
+        with writing():
+            world = {"name": scenario.world.name, "known": scenario.world.known, "grid": write_grid(folder, grid)}
         world["free_area"] = grid.derive(free_area)
         meta = {"columns": columns, "world": world, "config": cell_config(self.config)}
         keeps = self.recording

@@ -15,7 +15,7 @@ from arena_core.base.errors import ArenaError, InputFileError, one_line
 from arena_core.config.registry import Registry, load_registry
 from arena_core.contracts.running import Finished, Job, Lost
 from arena_core.loop.record_places import OF_EPISODE, PARTS, record_path, timing_path
-from arena_core.loop.recording import write_bytes_whole
+from arena_core.loop.recording import check_inside, write_bytes_whole
 from arena_core.runs.budgets import Budgets
 from arena_core.runs.code_digest import code_of
 from arena_core.runs.supervising import Supervisor
@@ -91,9 +91,10 @@ class Node:
         """Return the folder in which a job runs here."""
         if self._folder is None or not job.folder:
             return job.folder
-        place = str(self._folder / blake2b(job.folder.encode(), digest_size=8).hexdigest())
-        self._homes[place] = job.folder
-        return place
+        place = self._folder / blake2b(job.folder.encode(), digest_size=8).hexdigest()
+        place.mkdir(parents=True, exist_ok=True)
+        self._homes[str(place)] = job.folder
+        return str(place)
 
     def _delivery(self, job: Job, answer: Any) -> Delivery:
         home = replace(job, folder=self._homes.get(job.folder, job.folder))
@@ -121,6 +122,7 @@ def take_in(delivery: Delivery) -> Any:
         if not NAMES.fullmatch(name):
             raise InputFileError(f"a node sent {one_line(name, 100)}; allowed: records, timing and worlds of a run")
         path = Path(delivery.job.folder) / name
+        check_inside(Path(delivery.job.folder), path.parent)
         if not (name.startswith("worlds/") and path.exists()):
             write_bytes_whole(path, content)
     return delivery.answer

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
+from pathlib import Path
 from typing import Any
 
 from arena_core.base.ctrl_c import interrupts
@@ -17,6 +18,8 @@ def repeat(jobs: Sequence[Job], executor: Mapping[str, Any], registry: Registry)
 
     A configuration that cannot be built is a row with its error. Raises RunFolderError where a record cannot be written.
     """
+    for folder in {job.folder for job in jobs}:
+        Path(folder).mkdir(parents=True, exist_ok=True)
     with interrupts.heard(), interrupts.held(), closing(registry.build("executor", executor)) as runner:
         for answer in runner.map(work, list(jobs)):
             interrupts.check()

@@ -51,6 +51,24 @@ def complete(runs: Iterable[OpenRun]) -> None:
             run.write()
 
 
+def audit(run: OpenRun) -> None:
+    """Count a finished run's rows and records against each other, whoever carried its jobs; raise RunFolderError where they differ.
+
+    A record without a row is taken. An episode that ended with an error need not have a record.
+    """
+    for path in _records_without_row(run):
+        with suppress(InputFileError):
+            _take_record(run, path)
+            run.unwritten = True
+    if run.unwritten:
+        run.write()
+    recorded = {int(path.stem) for path in record_paths(run.folder)}
+    unrecorded = sum(row["outcome"] != "error" and episode not in recorded for episode, row in run.rows.items())
+    if run.left() or unrecorded:
+        counts = f"{run.left()} of {run.config['episodes']} episodes have no row, {unrecorded} rows have no record"
+        raise RunFolderError(f"{run.folder}: {counts}; allowed: both for each, and files that no one else changes")
+
+
 def row_of_lost(lost: Lost, run: OpenRun) -> Finished:
     """Return the row of a job that was lost: that of its record where it came so far, else one with the reason."""
     with suppress(InputFileError):

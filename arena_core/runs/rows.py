@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -11,10 +9,11 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from arena_core.base.cells import harmless
+from arena_core.base.cells import csv_text
 from arena_core.base.errors import InputFileError, one_line
 from arena_core.base.files import reason_of
 from arena_core.contracts.running import Metric
+from arena_core.loop.record_layout import fault_of_numbers
 from arena_core.loop.record_places import record_paths
 from arena_core.loop.recording import read_record, write_text_whole
 from arena_core.values.episode import EpisodeRecord
@@ -38,6 +37,8 @@ def metric_column(pack: str, metric: Metric) -> str:
 
 def evaluate(record: EpisodeRecord, packs: Mapping[str, Sequence[Metric]]) -> dict[str, Any]:
     """Return the row of one episode; a metric is empty where it asks for an array that is not known (``meta["unknown"]``)."""
+    if fault := fault_of_numbers(record.arrays):  # before any metric makes room for them
+        raise InputFileError(f"the record holds numbers that are too far off: {fault}")
     if record.meta.get("unknown"):
         record = _Known(record.arrays, record.meta, record.timing)
     row = {**record.meta["columns"], "outcome": record.meta["outcome"], "error": one_line(record.meta["error"])}
@@ -85,15 +86,6 @@ def evaluate_file(path: Path, packs: Mapping[str, Sequence[Metric]]) -> dict[str
 
 def write_episodes(folder: Path, rows: Iterable[Mapping[str, Any]], packs: Mapping[str, Sequence[Metric]]) -> None:
     """Write ``episodes.csv``, whole, in order of episode; a value that is not defined is left empty."""
-    text = io.StringIO()
-    writer = csv.DictWriter(text, [*COLUMNS, *metric_columns(packs)], restval="", lineterminator="\n")
-    writer.writeheader()
-    for row in sorted(rows, key=lambda row: int(row["episode"])):
-        writer.writerow({key: _cell(value) for key, value in row.items()})
-    write_text_whole(folder / "episodes.csv", text.getvalue())
-
-
-def _cell(value: Any) -> Any:
-    if isinstance(value, float):
-        return "" if value != value else repr(value)
-    return harmless(value)
+    columns = [*COLUMNS, *metric_columns(packs)]
+    cells = ([row.get(column, "") for column in columns] for row in sorted(rows, key=lambda row: int(row["episode"])))
+    write_text_whole(folder / "episodes.csv", csv_text([columns, *cells]))

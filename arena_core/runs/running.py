@@ -13,16 +13,16 @@ from typing import Any
 
 from arena_core.base.ctrl_c import interrupts
 from arena_core.base.errors import ConfigurationError, RunFolderError, RunStopped
-from arena_core.base.folders import KEPT, locked
+from arena_core.base.folders import KEPT, identity, locked
 from arena_core.base.notices import tell
 from arena_core.config.configuration import plain
 from arena_core.config.registry import Registry
 from arena_core.contracts.running import Executor, Finished, Job, Lost
-from arena_core.loop.recording import keep_room, remove_half_written, write_text_whole
+from arena_core.loop.recording import check_inside, keep_room, remove_half_written, write_text_whole
 from arena_core.runs.benchmark import build_metrics, check_complete
 from arena_core.runs.progress import Progress
 from arena_core.runs.provenance import NAME, provenance, untuned
-from arena_core.runs.resuming import complete, row_of_lost, take_over
+from arena_core.runs.resuming import audit, complete, row_of_lost, take_over
 from arena_core.runs.schedule import OpenRun, rounds
 from arena_core.runs.working import Checked, cannot_be_built, check, work
 
@@ -90,6 +90,8 @@ def _drive(runs: Sequence[OpenRun], executor: Executor, staff: ExitStack) -> Non
                 progress.end()
         side_by_side(_close, runs)
         staff.close()
+        for run in runs:
+            audit(run)
     except BaseException as error:
         staff.close()  # from here on nobody writes but this process
         complete(runs)
@@ -154,7 +156,9 @@ def _open(run: OpenRun, files: Mapping[str, str], registry: Registry) -> None:
     """Write what a run's folder begins with, and remove what a killed run has left half-written."""
     remove_half_written(run.folder)
     for name, text in files.items():
+        check_inside(run.folder, (run.folder / name).parent)
         write_text_whole(run.folder / name, text)
+    run.place = identity(run.folder)
     told = provenance(run.config, run.code, _notes(run, registry))
     write_text_whole(run.folder / NAME, json.dumps(told, indent=2, sort_keys=True) + "\n")
     run.write()

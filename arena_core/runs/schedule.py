@@ -8,6 +8,8 @@ from pathlib import Path
 from time import monotonic
 from typing import Any
 
+from arena_core.base.errors import RunFolderError
+from arena_core.base.folders import identity
 from arena_core.contracts.running import Finished, Job, Metric
 from arena_core.runs.code_digest import Code
 from arena_core.runs.kept_rows import KeptRow
@@ -31,7 +33,7 @@ class Block:
 class OpenRun:
     """One run under way: what it is, what its planner says is ``untuned``, its rows by episode, and which were successes.
 
-    ``superseded`` rows are of other code than ``code``, to be run anew.
+    ``superseded`` rows are of other code than ``code``, to be run anew. ``place`` is the folder's identity once the run has begun.
     """
 
     config: Mapping[str, Any]
@@ -43,6 +45,7 @@ class OpenRun:
     rows: dict[int, Mapping[str, Any]] = field(default_factory=dict)
     successes: dict[int, bool] = field(default_factory=dict)
     superseded: dict[int, Mapping[str, Any]] = field(default_factory=dict)
+    place: tuple[int, int] | None = None
     written: float = 0.0
     write_took: float = 0.0
     unwritten: bool = True
@@ -53,7 +56,8 @@ class OpenRun:
         return any(row["outcome"] == "error" for row in self.rows.values())
 
     def take(self, finished: Finished) -> None:
-        """Keep the row of a finished episode."""
+        """Keep the row of a finished episode; raise RunFolderError where the folder is no longer the run's."""
+        self.check_place()
         episode = int(finished.row["episode"])
         self.rows[episode], self.successes[episode] = KeptRow(finished.row), finished.succeeded
         self.unwritten = True
@@ -61,11 +65,17 @@ class OpenRun:
             self.write()
 
     def write(self) -> None:
-        """Write the table of what is finished."""
+        """Write the table of what is finished; raise RunFolderError where it cannot be written, or the folder is no longer the run's."""
+        self.check_place()
         began = monotonic()
         write_episodes(self.folder, {**self.superseded, **self.rows}.values(), self.packs)
         self.written = monotonic()
         self.write_took, self.unwritten = self.written - began, False
+
+    def check_place(self) -> None:
+        """Raise RunFolderError where another folder, or none, has the name that the run's folder had when it began."""
+        if self.place not in (None, identity(self.folder)):
+            raise RunFolderError(f"{self.folder} was moved, removed or replaced while its run was under way; allowed: a folder that stays")
 
     def left(self) -> int:
         """Return how many episodes have no row yet."""

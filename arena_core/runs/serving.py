@@ -15,30 +15,35 @@ from typing import Any
 
 from arena_core.base.errors import RunStopped, described
 from arena_core.base.pulse import Cell, pulse
+from arena_core.runs.messages import send
+from arena_core.runs.process_state import ProcessState
+from arena_core.runs.strays import adopt_orphans, mark_children
 
 PARENT_ASKED_EVERY = 1.0  # s
 LEFT_TO_THE_PARENT = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # a terminal or a scheduler may send them to workers too
 _PR_SET_PDEATHSIG = 1  # linux/prctl.h
 
 
-def serve(connection: Connection, cells: tuple[Cell, Cell], parent: int) -> None:
+def serve(connection: Connection, mark: bytes, cells: tuple[Cell, Cell], parent: int, children: str) -> None:
     """Answer every (work, job) that comes with (result, error, whether this process is as it was before), until nothing comes any more.
 
-    A process that an episode has changed is not used again: the supervisor puts a new one in its place.
+    Answers bear ``mark``, and what the process starts bears ``children``. A process that an episode has changed is not used again: the
+    supervisor puts a new one in its place.
     """
     _settle(parent)
+    mark_children(children)
     pulse.share(*cells)
     os.register_at_fork(after_in_child=_be_a_child)
     worker = os.getpid()
     while (task := _next(connection)) is not None:
         pulse.begin()
-        before = _marks()
+        before = ProcessState()
         result, error = _run(*task)
         if os.getpid() != worker:
             os._exit(0)  # a child that the episode forked has come back from it
         with suppress(Exception):
             sys.stdout.flush()  # what a killed process has not written is lost
-        connection.send((result, error, _marks() == before))
+        send(connection, mark, (result, error, before.is_kept()))
     os._exit(0)
 
 
@@ -48,6 +53,7 @@ def _settle(parent: int) -> None:
         signal.signal(number, signal.SIG_IGN)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, LEFT_TO_THE_PARENT)
     os.setpgid(0, 0)
+    adopt_orphans()
     _die_with_parent()
     Thread(target=_watch, args=(parent,), daemon=True).start()
     if os.getppid() != parent:
@@ -93,25 +99,3 @@ def _portable(error: BaseException) -> BaseException:
     except Exception:
         return RunStopped(described(error))
     return error
-
-
-def _marks() -> tuple[Any, ...]:
-    """Return what an episode may not change for those after it: folder, signal handlers, alarm, standard streams."""
-    handlers = tuple(signal.getsignal(number) for number in sorted(signal.valid_signals()))
-    streams = [(id(stream), stream is None or stream.closed) for stream in (sys.stdout, sys.stderr)]
-    return _folder(), handlers, signal.getitimer(signal.ITIMER_REAL)[0] > 0.0, streams, [_file(number) for number in range(3)]
-
-
-def _folder() -> str:
-    try:
-        return os.getcwd()
-    except OSError:
-        return ""
-
-
-def _file(number: int) -> tuple[int, int] | None:
-    try:
-        found = os.fstat(number)
-    except OSError:
-        return None
-    return found.st_dev, found.st_ino

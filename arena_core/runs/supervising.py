@@ -15,6 +15,7 @@ from arena_core.base.notices import tell
 from arena_core.contracts.running import Job, Lost
 from arena_core.runs.budgets import Budgets, Watch
 from arena_core.runs.compiling import MANY, NOTICE, Turns, Waiting
+from arena_core.runs.strays import end_strays
 from arena_core.runs.workers import Task, Work, Worker
 from arena_core.runs.working import rehearse
 
@@ -75,13 +76,11 @@ class Supervisor:
     def drop(self) -> None:
         """Forget all jobs, and end the workers that are at one."""
         self._waiting.clear()
-        for worker in self._busy():
-            self._dismiss(worker)
+        self._dismiss(*self._busy())
 
     def close(self) -> None:
         """End the workers, and with them what they are at."""
-        while self._staff:
-            self._dismiss(self._staff[-1])
+        self._dismiss(*self._staff)
 
     def _busy(self) -> list[Worker]:
         return [worker for worker in self._staff if worker.task is not None]
@@ -156,10 +155,12 @@ class Supervisor:
             else:
                 yield Done(task.job, Lost(task.job, reason))
 
-    def _dismiss(self, worker: Worker) -> None:
-        self._staff.remove(worker)
-        self._turns.given(worker)
-        worker.end()
+    def _dismiss(self, *workers: Worker) -> None:
+        for worker in workers:
+            self._staff.remove(worker)
+            self._turns.given(worker)
+            worker.end()
+        end_strays([worker.mark for worker in workers])
 
 
 def _swollen(worker: Worker, task: Task) -> bool:

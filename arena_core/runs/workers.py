@@ -17,7 +17,9 @@ import psutil
 from arena_core.base.errors import RunStopped
 from arena_core.base.pulse import FINISHING, STARTING
 from arena_core.contracts.running import Job
+from arena_core.runs import strays
 from arena_core.runs.budgets import Watch
+from arena_core.runs.messages import Inbox, new_mark
 from arena_core.runs.serving import LEFT_TO_THE_PARENT, serve
 
 Work = Callable[[Job], Any]
@@ -58,16 +60,18 @@ def _no_script() -> Iterator[None]:
 
 
 class Worker:
-    """One spawned process; ``task`` is what it is at."""
+    """One spawned process; ``task`` is what it is at, ``mark`` what its own processes are known by."""
 
     def __init__(self) -> None:
         context = multiprocessing.get_context("spawn")
         self.task: Task | None = None
         self.connection, theirs = context.Pipe()
+        self.mark, mark = strays.new_mark(), new_mark()
+        self._inbox = Inbox(self.connection, mark)
         self._mute = False
         self._beats, self._compiled = context.RawValue("q", 0), context.RawValue("q", 0)
         cells = (self._beats, self._compiled)
-        self._process = context.Process(target=serve, args=(theirs, cells, os.getpid()), name="arena worker")
+        self._process = context.Process(target=serve, args=(theirs, mark, cells, os.getpid(), self.mark), name="arena worker")
         before = signal.pthread_sigmask(signal.SIG_BLOCK, LEFT_TO_THE_PARENT)  # inherited, until the worker ignores them
         try:
             with _no_script():
@@ -91,8 +95,9 @@ class Worker:
     def answer(self) -> Answer | None:
         """Return what the worker has sent, None if nothing is there."""
         try:
-            return Answer(*self.connection.recv()) if self.connection.poll() else None
-        except Exception:  # closed, or half an answer: nothing more will come
+            sent = self._inbox.take()
+            return None if sent is None else Answer(*sent)
+        except Exception:  # closed, or no answer: nothing more will come
             self._mute = True
             return None
 
@@ -118,10 +123,12 @@ class Worker:
         return self.task.watch.look(self._beats.value, passed, self._memory()) if self.task else None
 
     def end(self) -> None:
-        """End the process and all that it has forked, at once, whatever they are at."""
+        """End the process and all that it has started, at once, whatever they are at; ``end_strays`` finds what has left its parents."""
+        below = strays.processes_below(self._process.pid)
         with suppress(OSError):
             os.killpg(self._process.pid or 0, signal.SIGKILL)
         self._process.kill()
+        strays.end_all(below)
         self._process.join(PATIENCE)
         self.connection.close()
 

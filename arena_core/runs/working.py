@@ -12,6 +12,7 @@ from typing import Any
 
 from arena_core.base.ctrl_c import interrupts
 from arena_core.base.errors import ArenaError, ConfigurationError, RunFolderError, described
+from arena_core.base.folders import FolderLost, check_there, writing
 from arena_core.base.notices import tell, untold
 from arena_core.base.pulse import pulse
 from arena_core.config.registry import Registry, load_registry
@@ -46,20 +47,25 @@ class Checked:
 def work(job: Job) -> Finished:
     """Run one episode, write its record and return its row; a failure is a row with its error.
 
-    Raises RunFolderError when the record cannot be written: then nothing else could be either.
+    Raises RunFolderError when the record cannot be written: then nothing else could be either. What this process alone lacks, and
+    a RunFolderError of foreign code, costs the episode alone.
     """
     try:
         with interrupts.let_go():
             benchmark = _benchmark(_text(job.config))
             announce(_compiling)
         with interrupts.held():
-            record = benchmark.run(job.episode, Path(job.folder), job.stage)
+            folder = Path(job.folder)
+            check_there(folder)
+            record = benchmark.run(job.episode, folder, job.stage)
             pulse.finish()
-            write_record(Path(job.folder), job.episode, record)
+            check_there(folder)
+            with writing():
+                write_record(folder, job.episode, record)
             _registry().manager.hook.episode_finished(record=record)
             return judged(job, record, benchmark.metrics)
-    except RunFolderError:
-        raise
+    except FolderLost as lost:
+        raise RunFolderError(str(lost)) from lost
     except BaseException as error:  # sys.exit() of a planner's reset, say
         if interrupts.raised(error):
             raise

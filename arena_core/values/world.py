@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from arena_core.base.frozen import frozen
+from arena_core.base.frozen import sealed
 from arena_core.values.geometry import FloatArray, Pose
 from arena_core.values.parameters import Positive
 
@@ -37,7 +37,7 @@ class OccupancyGrid:
     _derived: dict[Any, Any] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "data", frozen(np.asarray(self.data, dtype=np.int8)))
+        object.__setattr__(self, "data", sealed(np.asarray(self.data, dtype=np.int8)))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return OccupancyGrid, (self.data, self.resolution, self.origin, self.occupied_from)
@@ -75,7 +75,7 @@ class OccupancyGrid:
 
 
 def _occupied(grid: OccupancyGrid) -> NDArray[np.bool_]:
-    return frozen(grid.data >= grid.occupied_from)
+    return sealed(grid.data >= grid.occupied_from)
 
 
 def free_area(grid: OccupancyGrid) -> float:

@@ -25,8 +25,13 @@ class ArenaSource(ConfigSource):
         file = Path(self.path, self._normalize_file_name(config_path))
         if not file.is_file():
             raise ConfigLoadError(f"Config not found : {file}")
-        text = file.read_text("utf-8")
-        content = yaml.load(text, loader())  # noqa: S506 - it is a safe loader
+        from arena_core.config.option_file import check_option, option_text
+
+        text = option_text(file)
+        reader = loader()(text)  # a safe one
+        node = reader.get_single_node()
+        check_option(file, node)
+        content = None if node is None else reader.construct_document(node)
         config = OmegaConf.create({} if content is None else content)
         return ConfigResult(self.provider, self.full_path(), config, self._get_header_dict(text))
 

@@ -66,6 +66,10 @@ WORDS = (
         "name with spaces",
         "pkg://arena_core/x",
         "=1+1",
+        "a\r=1+1",
+        "\x85",
+        "\u2028",
+        "\x1b[31m",
     ),
     *(
         "<!DOCTYPE a [<!ENTITY b 'c'>]>",
@@ -107,10 +111,16 @@ VALUES: tuple[Any, ...] = (
         "/dev/zero",
         "\0",
         "\n",
+        "a\r=1+1",
+        "\x85\u2028",
+        6e6,
+        1e8,
+        1e300,
         "a" * 3000,
     ),
     *([], {}, [[]], [None], [1, 2], [1, 2, 3], ["a"], {"": 0}, {"x": 1, "y": 2}, [0] * 200, [[0.0, 0.0]] * 50, {"name": "dwa"}),
 )
+FAR = (6e6, -6e6, 1e8, 1e12, 1e300, np.inf, np.nan)  # one number far off among good ones
 KINDS = ("f4", "f8", "i1", "i4", "i8", "u8", "?", "S3", "U2", "c16", "M8[s]")
 SHAPES = ((), (0,), (1,), (3,), (2, 3), (0, 3), (1, 1, 1), (5, 2), (4, 4, 4))
 
@@ -230,7 +240,7 @@ def changed_npz(draw: st.DrawFn, content: bytes) -> bytes:
         arrays = {name: file[name] for name in file.files}
     for _ in range(draw(st.integers(1, 2))):
         name = draw(st.sampled_from(sorted(arrays)))
-        way = draw(st.integers(0, 5))
+        way = draw(st.integers(0, 7))
         if name == "meta" and way < 4 and str(arrays[name]).startswith("{"):  # not spoilt in the first round
             arrays[name] = np.array(json.dumps(draw(changed_tree(json.loads(str(arrays[name]))))))
         elif way == 0:
@@ -239,6 +249,12 @@ def changed_npz(draw: st.DrawFn, content: bytes) -> bytes:
             arrays[name] = np.zeros(draw(st.sampled_from(SHAPES)), draw(st.sampled_from(KINDS)))
         elif way == 2 and arrays[name].dtype.kind == "f":
             arrays[name] = np.full_like(arrays[name], draw(st.sampled_from((np.nan, np.inf, -np.inf, 1e38, 0.0, -1.0))))
+        elif way == 6 and arrays[name].dtype.kind == "f" and arrays[name].size:
+            one = arrays[name].astype(np.float64)
+            one.flat[draw(st.integers(0, one.size - 1))] = draw(st.sampled_from(FAR))
+            arrays[name] = one
+        elif way == 7 and arrays[name].ndim:
+            arrays[name] = np.concatenate([arrays[name]] * 2)
         elif way == 3 and arrays[name].ndim:
             arrays[name] = arrays[name][: draw(st.integers(0, len(arrays[name])))]
         else:

@@ -271,6 +271,8 @@ def lazily(module: str, name: str, *arguments: Any) -> Callable[[Path], object]:
     return call
 
 
+OWN_MODEL = b"""<mujoco model="m"><size nuserdata="3"/><asset><hfield name="h" nrow="4" ncol="4" size="1 1 1 1"/></asset><worldbody>
+<body name="a"><freejoint/><geom size="1"/><replicate count="4" offset="0 0 1"><geom size=".1"/></replicate></body></worldbody></mujoco>"""
 SITE = lazily("arena_worlds.formats.site_file", "site_grid", 0.1, 0.5)
 PICTURES = {
     "site.pgm": ("PPM", "L"),
@@ -367,6 +369,7 @@ READERS: dict[str, Reader] = {
     "configuration_staged": Reader(
         {"c.json": lambda: configuration("task=staged", "planner=teb", "world=indoor")}, build_configuration, (JSON,), share=0.05
     ),
+    "own_model": Reader({"own.xml": const(OWN_MODEL)}, lazily("arena_mujoco.model_file", "check_model_file"), (XML, TEXT, BYTES)),
     "preset": Reader(
         {"conf/planner/mine.yaml": const(b"name: dwa\nspeed: 1.0\ncontrol_period: null\n")}, compose_own, (TEXT, YAML), share=0.01
     ),

@@ -3,14 +3,22 @@
 The configuration is the same with a fault and without, and so are the records of all other episodes.
 """
 
+import contextlib
+import ctypes
 import math
 import os
+import pathlib
+import resource
 import signal
+import stat
+import subprocess
 import sys
 import threading
 import time
 
-from arena_core import Planner, Robot, Twist, hookimpl
+import numpy as np
+
+from arena_core import Planner, Robot, RunFolderError, Twist, hookimpl, write_text_whole
 
 
 def deadlock():
@@ -43,6 +51,32 @@ def replace_handlers():
         signal.signal(number, lambda *_: None)
 
 
+def leak():
+    while True:
+        kept.append(os.open(os.devnull, os.O_RDONLY))
+
+
+def write_into_the_map(given):
+    ctypes.memset(given.map.data.ctypes.data, 100, given.map.data.size)
+
+
+def go_off():
+    """Start processes that leave the worker's session, one of them its environment as well, as a daemon does."""
+    places = {**os.environ, "PIDS": os.environ.get("PIDS", "")}
+    subprocess.Popen(["sh", "-c", 'echo $$ >> "$PIDS"; exec sleep 1000'], env=places, start_new_session=True)
+    words = 'echo $$ >> "$PIDS"; (setsid env -i sh -c "echo \\$\\$ >> $PIDS; exec sleep 1000" &) ; exit 0'
+    subprocess.run(["sh", "-c", words], env={"PIDS": places["PIDS"], "PATH": os.environ["PATH"]}, start_new_session=True)
+    time.sleep(0.5)
+
+
+def half_a_message():
+    """Write to every pipe and socket of the process, as code does that mistakes a number for its own."""
+    for number in range(3, 64):
+        with contextlib.suppress(OSError):
+            if stat.S_ISSOCK(os.fstat(number).st_mode) or stat.S_ISFIFO(os.fstat(number).st_mode):
+                os.write(number, b"\0\0\x10\0 half")
+
+
 def say(text):
     raise RuntimeError(text)
 
@@ -51,6 +85,7 @@ def throw(error):
     raise error
 
 
+kept = []
 FAULTS = {
     "os._exit": lambda _: os._exit(0),
     "sys.exit": lambda _: sys.exit(5),
@@ -66,6 +101,21 @@ FAULTS = {
     "fork": lambda _: fork(),
     "stdout": lambda _: (sys.stdout.close(), os.close(1)),
     "chdir": lambda _: os.chdir("/"),
+    "descriptors": lambda _: leak(),
+    "few descriptors": lambda _: kept.extend(os.open(os.devnull, os.O_RDONLY) for _ in range(400)),
+    "RunFolderError": lambda _: throw(RunFolderError("cannot write it: No space left on device")),
+    "elsewhere": lambda _: write_text_whole(pathlib.Path("/proc/nowhere/a.txt"), "a"),
+    "file size": lambda _: resource.setrlimit(resource.RLIMIT_FSIZE, (1000, resource.RLIM_INFINITY)),
+    "few files": lambda _: resource.setrlimit(resource.RLIMIT_NOFILE, (3, resource.getrlimit(resource.RLIMIT_NOFILE)[1])),
+    "stack": lambda _: resource.setrlimit(resource.RLIMIT_STACK, (2**20, resource.RLIM_INFINITY)),
+    "np.array": lambda _: setattr(np, "array", None),
+    "np.hypot": lambda _: setattr(np, "hypot", lambda x, y: x + y),
+    "seterr": lambda _: np.seterr(all="raise"),
+    "umask": lambda _: os.umask(0o777),
+    "map": lambda given: write_into_the_map(given),
+    "sessions": lambda _: go_off(),
+    "half a message": lambda _: half_a_message(),
+    "move": lambda _: os.rename(os.environ["MOVED"], os.environ["MOVED"] + ".away"),
     "handlers": lambda _: replace_handlers(),
     "write": lambda given: setattr(given, "goal", None),
     "NaN": lambda _: Twist(math.nan),

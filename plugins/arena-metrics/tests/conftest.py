@@ -29,7 +29,7 @@ def preset(name: str) -> Mapping[str, Any]:
 def make_record(poses: ArrayLike, dt: float = 0.1, meta: Mapping[str, Any] | None = None, **arrays: ArrayLike) -> EpisodeRecord:
     """Make a record from poses (T, 3); the twist follows from them, everything else is uneventful unless given."""
     pose = np.asarray(poses, dtype=float).reshape(-1, 3)
-    steps = len(pose)
+    steps, people = len(pose), np.shape(arrays.get("pedestrian_positions", np.empty((0, 0, 2))))[1]
     usual = {
         "stamp": dt * np.arange(steps),
         "pose": pose,
@@ -43,11 +43,11 @@ def make_record(poses: ArrayLike, dt: float = 0.1, meta: Mapping[str, Any] | Non
         "scan_min": np.concatenate((np.ones(steps - 1), [np.nan])),
         "in_contact": np.zeros(steps, bool),
         "contact_time": np.zeros(steps),
-        "pedestrian_ids": np.empty(0, np.int32),
-        "pedestrian_radii": np.empty(0),
-        "pedestrian_positions": np.empty((steps, 0, 2), np.float32),
-        "pedestrian_velocities": np.empty((steps, 0, 2), np.float32),
-        "pedestrian_states": np.empty((steps, 0), np.int8),
+        "pedestrian_ids": np.arange(people, dtype=np.int32),
+        "pedestrian_radii": np.full(people, 0.3),
+        "pedestrian_positions": np.zeros((steps, people, 2), np.float32),
+        "pedestrian_velocities": np.zeros((steps, people, 2), np.float32),
+        "pedestrian_states": np.zeros((steps, people), np.int8),
         "contact_stamp": np.empty(0),
         "contact_kind": np.empty(0, np.int8),
         "contact_person": np.empty(0, np.int32),

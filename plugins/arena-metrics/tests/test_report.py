@@ -209,6 +209,17 @@ def test_out_leaves_the_runs_untouched(run_folder, tmp_path):
     assert sorted(folder.rglob("*")) == before
 
 
+@pytest.mark.parametrize("name", ["report", "report/tables", "report/replays"])
+def test_a_report_writes_through_no_link_out_of_the_runs_folder(run_folder, tmp_path, name):
+    folder, elsewhere = run_folder(tmp_path / "run"), tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    (folder / name).parent.mkdir(exist_ok=True)
+    (folder / name).symlink_to(elsewhere)
+    with pytest.raises(InputFileError, match="leads out of"):
+        report(folder, "--no-figures")
+    assert not list(elsewhere.iterdir())
+
+
 def test_single_episode_is_reported_without_interval(run_folder, tmp_path):
     folder = run_folder(tmp_path / "a", episodes=1)
     assert report(folder, "--no-figures") == 0

@@ -108,9 +108,9 @@ def wrong(tmp_path, text, ending="xml"):
 @pytest.mark.parametrize(
     ("text", "ending", "said"),
     [
-        ("<mujoco><worldbody>", "xml", "MuJoCo cannot read it"),
+        ("<mujoco><worldbody>", "xml", "is no XML"),
         ("<robot name='a'><link/></robot>", "urdf", "MuJoCo cannot read it"),
-        ("", "xml", "MuJoCo cannot read it"),
+        ("", "xml", "is no XML"),
         ("<mujoco><asset><mesh file='none.stl'/></asset><worldbody><body><freejoint/><geom size='1'/></body></worldbody></mujoco>", "xml",
          "MuJoCo refuses the model .*none.stl"),
         ("<mujoco><worldbody><body name='a'><freejoint/><inertial pos='0 0 0' mass='0' diaginertia='0 0 0'/></body></worldbody></mujoco>",
@@ -178,3 +178,43 @@ def test_picture_has_the_shapes_of_the_file_and_nothing_that_moves(simulate):
     assert (model.njnt, model.nu) == (0, 0)
     assert model.ngeom == 5
     assert set(model.geom_group.tolist()) == {1}
+
+
+BODY = "<worldbody><body name='a'><freejoint/><geom size='1'/>{}</body></worldbody>"
+
+
+@pytest.mark.parametrize(
+    ("content", "fault"),
+    [
+        ("<mujoco><asset><hfield name='h' nrow='60000' ncol='60000' size='1 1 1 1'/></asset>" + BODY, "its size is 3.6e.09"),
+        ("<mujoco><size nuserdata='2000000000'/>" + BODY, "nuserdata is 4e.06"),
+        ("<mujoco><size nuser_body='2000000000'/>" + BODY, "nuser_body is 4e.06"),
+        ("<mujoco><worldbody><replicate count='1000000000'><geom size='1'/></replicate></worldbody>", "has over 20000 elements"),
+        (
+            "<mujoco><worldbody>" + "<replicate count='100'>" * 5 + "<geom size='1'/>" + "</replicate>" * 5 + "</worldbody>",
+            "has over 20000",
+        ),
+        ("<mujoco><custom><numeric name='n' size='1000000000'/></custom>" + BODY, "size is 4e.06"),
+        ("<mujoco><asset><texture name='t' builtin='flat' type='2d' width='90000' height='90000'/></asset>" + BODY, "its size is 8.1e.09"),
+        ("<mujoco><worldbody><composite type='cable' count='100000 100000 1'/></worldbody>", "its size is 4e.06"),
+        ("<mujoco><sensor><user dim='2000000000'/></sensor>" + BODY, "its size is 4e.06"),
+        ("<!DOCTYPE a [<!ENTITY b 'c'>]><mujoco>" + BODY, "line 1: has a document type"),
+        ("<mujoco><include file='own.xml'/><include file='big.xml'/>" + BODY, "big.xml: line 1: has over 20000 elements"),
+    ],
+)
+def test_a_model_that_would_take_the_machines_memory_is_refused_at_once(simulate, tmp_path, content, fault):
+    (tmp_path / "own.xml").write_text(content.format("") + "</mujoco>")
+    (tmp_path / "big.xml").write_text("<mujoco><worldbody><replicate count='1e9'><geom size='1'/></replicate></worldbody></mujoco>")
+    with pytest.raises(InputFileError, match=fault):
+        simulate(robot(), f"simulator.body.model={tmp_path / 'own.xml'}")
+
+
+def test_a_joint_whose_name_is_no_utf8_is_one_line(simulate, tmp_path):
+    content = (
+        "<?xml version='1.0' encoding='latin-1'?><mujoco>"
+        + BODY.format("<body><joint name='r\xe4d'/><geom size='1'/></body>")
+        + "</mujoco>"
+    )
+    (tmp_path / "own.xml").write_bytes(content.encode("latin-1"))
+    with pytest.raises(InputFileError, match="is no text in UTF-8"):
+        simulate(robot(), f"simulator.body.model={tmp_path / 'own.xml'}")

@@ -11,7 +11,7 @@ import onnx
 import pytest
 from onnx import TensorProto, helper, numpy_helper
 
-from arena_core import ArenaError, Footprint, NoValidCommand, ObservationBatch, Pose, Twist, testing
+from arena_core import ArenaError, Footprint, InvalidCommand, NoValidCommand, ObservationBatch, Pose, Twist, testing
 from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.card import PolicyCard, read_card, sha256, write_card
 from arena_policies.planner import PolicyPlanner
@@ -250,11 +250,19 @@ def test_answer_holds_for_as_many_control_steps_as_the_card_says(tmp_path):
     assert planner.compute_velocity(views[6]) != driven[0], "a new episode begins with a new answer"
 
 
-def test_policy_that_answers_no_number_gives_no_command(tmp_path):
+@pytest.mark.parametrize("every", [0, -1, 101, 1e9, 10**12, 1.5, "3", True, None])
+def test_a_card_whose_answers_hold_for_no_time_or_for_ever_is_refused(tmp_path, every):
+    path = write_policy(tmp_path, testing.robot())
+    card = path.with_suffix(".json")
+    card.write_text(json.dumps({**json.loads(card.read_text()), "every": every}))
+    assert "not a whole number from 1 to 100" in refused(path, testing.robot())
+
+
+def test_policy_that_answers_no_number_is_an_error_and_not_a_robot_that_stands(tmp_path):
     robot = testing.robot()
     size = sum(field.size for field in built_encoder(robot).layout())
     path = write_policy(tmp_path, robot, linear_model(size, 2, scale=np.inf))
-    with pytest.raises(NoValidCommand):
+    with pytest.raises(InvalidCommand):
         load_policy(str(path), "rosnav", robot).command(testing.observation(body=robot), Twist(0.0))
 
 

@@ -1,20 +1,36 @@
 """Jobs of submitit give the records that processes give, also when one is killed in the middle. No Slurm is here: cluster=local."""
 
 import csv
+import json
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 import psutil
 import pytest
 
-from arena_core import ConfigurationError, Job, Lost, RunFolderError, compose, load_registry, plain
+from arena_core import (
+    Budgets,
+    ConfigurationError,
+    InputFileError,
+    Job,
+    Lost,
+    RunFolderError,
+    compose,
+    load_registry,
+    plain,
+    write_text_whole,
+)
 from arena_core import run as run_benchmark
 from arena_core.testing import check, robot
 from arena_core.testing.checks import echo
+from arena_slurm.share import Share, _bound, new_answers, starts_of
 
 ROOM = ("planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=7", "world.height=7", "task.pedestrians=2", "report=false")
 LOCAL = ("executor=slurm", "executor.cluster=local", "executor.workers=1", "executor.jobs=2")
@@ -140,3 +156,54 @@ def test_where_no_slurm_is_the_request_is_refused(tmp_path, monkeypatch):
 def test_an_impossible_value_is_named(values, fault):
     with pytest.raises(ConfigurationError, match=fault):
         executor(**values)
+
+
+KILLED = """
+import sys
+from arena_core import run
+
+if __name__ == "__main__":
+    run(sys.argv[2:], sys.argv[1])
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("resumed_by", ["slurm", "processes"])
+def test_a_run_whose_parent_was_killed_is_resumed_without_the_answers_of_its_first_start(by_processes, tmp_path, resumed_by):
+    words, folder = [*ROOM, *LOCAL, "executor.share=10", "episodes=60"], tmp_path / "run"
+    (tmp_path / "start.py").write_text(KILLED)
+    first = subprocess.Popen([sys.executable, str(tmp_path / "start.py"), str(folder), *words])
+    until = time.monotonic() + 120.0
+    while len(list(folder.glob("slurm/*/answers-*/*.json"))) < 8 and time.monotonic() < until:
+        time.sleep(0.02)
+    first.kill()
+    first.wait()
+    own = words if resumed_by == "slurm" else [*ROOM, "episodes=60", "executor.workers=1"]
+    run_benchmark([*own, "resume=true"], folder)
+    assert kept(folder) == by_processes
+
+
+def test_answers_of_another_start_run_or_job_are_refused(tmp_path):
+    own, other = Job({"code": "a"}, str(tmp_path), 0), Job({"code": "a"}, str(tmp_path), 1)
+    share = Share(echo, [own], 1, Budgets(None, None, None, None), str(tmp_path / "answers"), {})
+    for name, sender, job in (
+        ("job", share, other),
+        ("start", replace(share, answers="before"), own),
+        ("run", share, replace(own, folder="elsewhere")),
+        ("code", share, replace(own, config={"code": "b"})),
+    ):
+        write_text_whole(tmp_path / "answers" / "000000.json", json.dumps({**_bound(sender, job), "value": name}))
+        with pytest.raises(InputFileError, match="it answers another job"):
+            list(new_answers(share, set()))
+    write_text_whole(tmp_path / "answers" / "000000.json", json.dumps({**_bound(share, own), "value": 5}))
+    assert list(new_answers(share, set())) == [(own, 5)]
+
+
+def test_a_share_ends_without_a_word_once_another_start_has_taken_the_run_over(tmp_path):
+    (tmp_path / "answers").mkdir()
+    share = Share(
+        echo, [Job({}, str(tmp_path), 0)], 1, Budgets(None, None, None, None), str(tmp_path / "answers"), starts_of([str(tmp_path)])
+    )
+    write_text_whole(tmp_path / "provenance.json", "{}")
+    share()
+    assert not list((tmp_path / "answers").iterdir())

@@ -1,5 +1,6 @@
 """Pixels become the values that navigation2's map server gives them."""
 
+import time
 from pathlib import Path
 
 import numpy as np
@@ -132,3 +133,26 @@ def test_unreadable_image_is_one_line_that_names_it(tmp_path: Path, content: byt
     with pytest.raises(InputFileError, match=r"broken\.pgm: is no image .* allowed: PGM, PNG, BMP, JPEG, GIF, TIFF or WebP$") as caught:
         values(path)
     assert "\n" not in str(caught.value)
+
+
+def read_pgm(folder: Path, content: bytes) -> NDArray[np.int8]:
+    (folder / "map.pgm").write_bytes(content)
+    return values(folder / "map.pgm")
+
+
+@pytest.mark.parametrize("header", [b"#" + b"x" * 60_000_000 + b"\n", b"#\n" * 30_000_000], ids=["one", "many"])
+def test_a_pgm_whose_comments_have_no_end_is_refused_at_once(tmp_path: Path, header: bytes) -> None:
+    began = time.process_time()
+    with pytest.raises(InputFileError, match="its header does not end within 65536 bytes"):
+        read_pgm(tmp_path, b"P5\n" + header + b"2 2\n255\n0000")
+    assert time.process_time() - began < 5.0
+
+
+def test_a_picture_of_one_endless_row_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputFileError, match="has 49000000 x 1 pixels; allowed: 200000 a side"):
+        read_pgm(tmp_path, b"P5\n49000000 1\n255\n" + bytes(49_000_000))
+
+
+def test_a_pgm_with_usual_comments_is_read(tmp_path: Path) -> None:
+    content = b"P5\n# CREATOR: GIMP\n#\n 2 #two\n2\n255\n" + bytes([0, 255, 255, 0]) + bytes(70_000)
+    assert read_pgm(tmp_path, content).tolist() == [[0, 100], [100, 0]]

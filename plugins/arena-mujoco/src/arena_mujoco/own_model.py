@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import ConfigurationError, InputFileError, Positive, Robot, local_path, one_line
+from arena_mujoco.model_file import FORMATS, check_model_file
 
 if TYPE_CHECKING:
     import mujoco
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 PREFIX = "own/"  # of all names of the file in a world's model
 ALONG_Y = 0.9  # how much of a wheel's axis has to lie across the robot
-FORMATS = "a MuJoCo model (MJCF) or URDF"
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,8 +109,7 @@ def _spec(path: Path) -> Any:
     """Return MuJoCo's specification of a file, with nothing in it that moves but by joints."""
     import mujoco
 
-    if not path.is_file():
-        raise InputFileError(f"{path}: is missing; allowed: {FORMATS}")
+    check_model_file(path)
     try:
         spec = mujoco.MjSpec.from_file(str(path))
     except ValueError as error:

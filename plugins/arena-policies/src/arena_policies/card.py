@@ -11,6 +11,7 @@ from typing import Any
 
 from arena_core import InputFileError, ObservationField, one_line, read_json, write_text_whole
 
+MOST_EVERY = 100  # control steps for which one answer may hold
 FORMAT = "arena-policy"
 VERSION = 1
 
@@ -67,7 +68,7 @@ def read_card(path: Path) -> PolicyCard:
             training=dict(content["training"]),
             members={str(name): _member(member) for name, member in content.get("members", {}).items()},
             parts={_part(name): str(value) for name, value in content.get("parts", {}).items()},
-            every=int(content.get("every", 1)),
+            every=_every(content.get("every", 1)),
         )
     except KeyError as error:
         raise InputFileError(f"{path}: {error.args[0]} is missing; allowed: a card as in docs/policies.md") from None
@@ -84,6 +85,12 @@ def _field(fields: Mapping[str, Any]) -> ObservationField:
 
 def _member(member: Mapping[str, Any]) -> dict[str, str]:
     return {key: str(member[key]) for key in ("sha256", "distribution", "version")}
+
+
+def _every(value: Any) -> int:
+    if not isinstance(value, int) or isinstance(value, bool) or not 1 <= value <= MOST_EVERY:
+        raise ValueError(f"every is {value!r}, not a whole number from 1 to {MOST_EVERY}")
+    return value
 
 
 def _part(name: str) -> str:

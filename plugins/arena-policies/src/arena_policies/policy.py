@@ -13,6 +13,7 @@ from arena_core import (
     ConfigurationError,
     EarlierScans,
     InputFileError,
+    InvalidCommand,
     NoValidCommand,
     Observation,
     ObservationBatch,
@@ -57,13 +58,16 @@ class PolicyNetwork:
         return self._network.run(numbers)
 
     def answers(self, observation: Observation, last_command: Twist) -> NDArray[np.float32]:
-        """Return the network's answers (1, A) to one more control step; raise NoValidCommand when something is not a number."""
+        """Return the network's answers (1, A) to one more control step.
+
+        Raises NoValidCommand when something that is seen is not a number, InvalidCommand when an answer is none: that is a broken policy.
+        """
         numbers = self._encoded(self._seen(observation, last_command))
         if not all_finite(numbers):
             raise NoValidCommand(f"{self.card.planner}: the observation has values that are not finite")
         answers = self.run(numbers)
         if not all_finite(answers):
-            raise NoValidCommand(f"{self.card.planner}: the policy answered with values that are not finite")
+            raise InvalidCommand(f"{self.card.planner}: the policy answered with values that are not finite")
         return answers
 
     def _seen(self, observation: Observation, last_command: Twist) -> ObservationBatch:
@@ -97,7 +101,7 @@ class Policy(PolicyNetwork):
         self._scale = scale
 
     def command(self, observation: Observation, last_command: Twist) -> Twist:
-        """Return the velocity for what is seen; raise NoValidCommand when something in it is not a number."""
+        """Return the velocity for what is seen; raise what ``answers`` raises."""
         return Twist(*self._scale.commands(self.answers(observation, last_command))[0].tolist())
 
 
@@ -105,7 +109,7 @@ class Switch(PolicyNetwork):
     """Observation to which of the card's members drives."""
 
     def choice(self, observation: Observation, last_command: Twist) -> int:
-        """Return the place of the member that the network prefers; raise NoValidCommand when something is not a number."""
+        """Return the place of the member that the network prefers; raise what ``answers`` raises."""
         return int(self.answers(observation, last_command)[0].argmax())
 
 

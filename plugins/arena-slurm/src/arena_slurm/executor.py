@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
+from secrets import token_hex
 from time import monotonic, sleep
 from typing import Any, Literal, TypeVar
 
@@ -22,11 +23,12 @@ from arena_core import (
     ProcessExecutor,
     RunStopped,
     Workers,
+    check_inside,
     described,
     interrupts,
     tell,
 )
-from arena_slurm.share import Share, fault_of, new_answers
+from arena_slurm.share import Share, fault_of, new_answers, starts_of
 
 T = TypeVar("T")
 LOOK_EVERY = 0.5  # s between two looks at the answers
@@ -112,7 +114,7 @@ class SlurmExecutor(Executor):
         """Cancel what is under way; remove what submitit wrote, unless something went wrong."""
         self._cancel()
         if self._folder is not None and not self._failed:
-            shutil.rmtree(self._folder, ignore_errors=True)
+            shutil.rmtree(self._folder.parent, ignore_errors=True)
 
     def _send(self, work: Callable[[Job], Any], taken: Sequence[tuple[Job, int]]) -> None:
         """Submit a share."""
@@ -120,16 +122,18 @@ class SlurmExecutor(Executor):
         self._count += 1
         answers = folder / f"answers-{self._count:05d}"
         answers.mkdir(parents=True, exist_ok=True)
-        share = Share(work, [job for job, _ in taken], self._workers, self._budgets, str(answers))
+        jobs = [job for job, _ in taken]
+        share = Share(work, jobs, self._workers, self._budgets, str(answers), starts_of({job.folder for job in jobs}))
+        submitter = self._submitter(folder)
         try:
-            handle = self._submitter(folder).submit(share)
-        except (OSError, RuntimeError) as error:  # FailedJobError of submitit is a RuntimeError: sbatch refuses
+            handle = submitter.submit(share)
+        except Exception as error:  # FailedJobError where sbatch refuses, and whatever submitit makes of strange options
             raise RunStopped(f"Slurm takes no job: {described(error)}; finished episodes are kept, resume=true continues") from error
         self._sent.append(Sent(share, handle, [attempt for _, attempt in taken]))
 
     def _look(self, sent: Sent, waiting: Waiting) -> Iterator[Any]:
         """Yield the answers that have come; where the Slurm job is over, put back what it has not done."""
-        over = sent.handle.done()  # before the answers are looked for: it may write one and end
+        over = _is_over(sent.handle)  # before the answers are looked for: it may write one and end
         for _, answer in new_answers(sent.share, sent.known):
             yield answer
         if len(sent.known) == len(sent.share.jobs):
@@ -154,20 +158,22 @@ class SlurmExecutor(Executor):
                 waiting.appendleft((job, attempt + 1))
 
     def _submitter(self, folder: Path) -> Any:
-        import submitit
-
         try:
+            import submitit
+
             executor = submitit.AutoExecutor(folder=folder, cluster=self._cluster)
             executor.update_parameters(name="arena", cpus_per_task=self._workers, **self._words)
-        except (RuntimeError, ValueError, TypeError, NameError) as error:
+        except Exception as error:  # submitit raises whatever strange options lead it to
             raise ConfigurationError(
                 f"executor.cluster is {self._cluster}, and it cannot be used: {described(error)}; allowed: slurm where sbatch is, local"
             ) from None
         return executor
 
     def _own_folder(self, job: Job) -> Path:
+        """Return this start's folder: what an earlier start left is not read."""
         if self._folder is None:
-            self._folder = Path(job.folder or ".") / FOLDER
+            check_inside(Path(job.folder or "."), Path(job.folder or ".") / FOLDER)
+            self._folder = Path(job.folder or ".") / FOLDER / token_hex(8)
         return self._folder
 
     def _cancel(self) -> None:
@@ -178,5 +184,13 @@ class SlurmExecutor(Executor):
         open_jobs, until = [*self._sent, *self._ending], monotonic() + ENDED_WITHIN
         self._sent.clear()
         self._ending.clear()
-        while (open_jobs := [sent for sent in open_jobs if not sent.handle.done()]) and monotonic() < until:
+        while (open_jobs := [sent for sent in open_jobs if not _is_over(sent.handle)]) and monotonic() < until:
             sleep(LOOK_EVERY / 5)
+
+
+def _is_over(handle: Any) -> bool:
+    """Return whether a Slurm job has ended; not where the site cannot say so."""
+    try:
+        return bool(handle.done())
+    except Exception:  # submitit raises what it cannot make of the words of sacct
+        return False

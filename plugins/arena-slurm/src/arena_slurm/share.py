@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,6 +26,7 @@ from arena_core import (
 )
 
 Work = Callable[[Job], Any]
+Start = tuple[int, int] | None
 ERRORS = {kind.__name__: kind for kind in (OtherCode, RunFolderError)}
 ANSWER = re.compile(r"\d{6}\.json")
 FAULT = "fault.json"
@@ -34,26 +35,47 @@ ALLOWED = "what a job of this run wrote"
 
 @dataclass(frozen=True, slots=True)
 class Share:
-    """The jobs of one Slurm job, what works on them, and the folder for its answers."""
+    """The jobs of one Slurm job, what works on them, the folder for its answers, and the starts (``starts_of``) of their runs."""
 
     work: Work
     jobs: Sequence[Job]
     workers: int
     budgets: Budgets
     answers: str
+    starts: Mapping[str, Start]
 
     def __call__(self) -> None:
-        """Do it; what ends it is written down for the one who waits."""
+        """Do it; what ends it is written down for the one who waits, unless no one does: then this ends without a word."""
         folder = Path(self.answers)
         numbers = {_key(job): number for number, job in enumerate(self.jobs)}
         try:
             with closing(Node(self.workers, self.budgets)) as node:
                 node.add(self.jobs)
-                while node.unfinished:
+                while node.unfinished and self._is_awaited():
                     for one in node.look(self.work):
-                        write_text_whole(folder / f"{numbers[_key(one.job)]:06d}.json", _written(one.answer))
+                        if self._is_awaited():
+                            text = json.dumps({**_bound(self, one.job), **_written(one.answer)})
+                            write_text_whole(folder / f"{numbers[_key(one.job)]:06d}.json", text)
         except Exception as error:
-            write_text_whole(folder / FAULT, json.dumps({"kind": type(error).__name__, "text": described(error)}))
+            if self._is_awaited():
+                write_text_whole(folder / FAULT, json.dumps({"kind": type(error).__name__, "text": described(error)}))
+
+    def _is_awaited(self) -> bool:
+        """Return whether no later start has taken the runs' folders over: whoever sent this share may have been killed."""
+        return Path(self.answers).is_dir() and starts_of(self.starts) == self.starts
+
+
+def starts_of(folders: Iterable[str]) -> dict[str, Start]:
+    """Return by run's folder what its last start has left there: each writes its provenance, as a new file."""
+    return {folder: _start_of(Path(folder) / "provenance.json") for folder in folders}
+
+
+def _start_of(path: Path) -> Start:
+    try:
+        found = path.stat()
+    except OSError:
+        return None
+    return found.st_ino, found.st_mtime_ns
 
 
 def new_answers(share: Share, known: set[int]) -> Iterator[tuple[Job, Any]]:
@@ -64,7 +86,7 @@ def new_answers(share: Share, known: set[int]) -> Iterator[tuple[Job, Any]]:
         number = int(name.partition(".")[0])
         if number not in known and number < len(share.jobs):
             known.add(number)
-            yield share.jobs[number], _read(folder / name, share.jobs[number])
+            yield share.jobs[number], _read(folder / name, share, share.jobs[number])
 
 
 def fault_of(share: Share) -> Exception | None:
@@ -81,17 +103,24 @@ def _key(job: Job) -> tuple[str, int, int | None]:
     return job.folder, job.episode, job.stage
 
 
-def _written(answer: Any) -> str:
+def _bound(share: Share, job: Job) -> dict[str, Any]:
+    """Return what binds an answer to its start, run and job."""
+    return {"answers": share.answers, "job": list(_key(job)), "code": job.config.get("code")}
+
+
+def _written(answer: Any) -> dict[str, Any]:
     if isinstance(answer, Finished):
-        return json.dumps({"row": dict(answer.row), "succeeded": answer.succeeded})
+        return {"row": dict(answer.row), "succeeded": answer.succeeded}
     if isinstance(answer, Lost):
-        return json.dumps({"lost": answer.reason})
-    return json.dumps({"value": answer})
+        return {"lost": answer.reason}
+    return {"value": answer}
 
 
-def _read(path: Path, job: Job) -> Any:
+def _read(path: Path, share: Share, job: Job) -> Any:
     try:
         told = json.loads(path.read_bytes())  # NaN is a figure of a row
+        if any(told[key] != value for key, value in _bound(share, job).items()):
+            raise ValueError("it answers another job")
         if "row" in told:
             return Finished(job, told["row"], bool(told["succeeded"]))
         return Lost(job, str(told["lost"])) if "lost" in told else told["value"]

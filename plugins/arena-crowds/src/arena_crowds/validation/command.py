@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import importlib
 import io
 from collections.abc import Sequence
@@ -15,7 +14,7 @@ from arena_core import (
     PedestrianModel,
     complete_overrides,
     compose,
-    harmless,
+    csv_text,
     load_registry,
     read_words,
     write_bytes_whole,
@@ -79,14 +78,12 @@ def write(findings: Findings, folder: Path, name: str) -> None:
     """Write NAME.csv and NAME.png."""
     from matplotlib.figure import Figure
 
-    text, picture = io.StringIO(), io.BytesIO()
-    writer = csv.DictWriter(text, list(findings.rows[0]), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows({key: harmless(value) for key, value in row.items()} for row in findings.rows)
+    picture = io.BytesIO()
     figure = Figure(figsize=findings.size, layout="constrained")
     findings.draw(figure)
     figure.savefig(picture, format="png", dpi=110)
-    write_text_whole(folder / f"{name}.csv", text.getvalue())
+    columns = list(findings.rows[0])
+    write_text_whole(folder / f"{name}.csv", csv_text([columns, *([row[key] for key in columns] for row in findings.rows)]))
     write_bytes_whole(folder / f"{name}.png", picture.getvalue())
     print(f"written: {folder / name}.csv and .png")
 

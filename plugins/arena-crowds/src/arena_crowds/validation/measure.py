@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Positive, PositiveInt, generator, harmless, key_value, read_words, write_text_whole
+from arena_core import Positive, PositiveInt, csv_text, generator, key_value, read_words, write_text_whole
 from arena_crowds.validation.findings import lines
 from arena_crowds.validation.measured_runs import Extent, benchmark_of, driven, keep, stood
 from arena_crowds.validation.tracks_picture import draw_tracks
@@ -54,11 +52,7 @@ def measure(words: Sequence[str]) -> int:
         for robot in request.robots:
             rows += _rows(request, world, robot)
     print(lines(rows))
-    text = io.StringIO()
-    writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows({key: harmless(value) for key, value in row.items()} for row in rows)
-    write_text_whole(request.out / "measure.csv", text.getvalue())
+    write_text_whole(request.out / "measure.csv", csv_text([rows[0], *([row[key] for key in rows[0]] for row in rows)]))
     print(f"written: {request.out / 'measure.csv'}, and records and tracks.png below {request.out}")
     return 0
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from arena_core import EpisodeRecord, wrap_angle
 
 FloatArray = NDArray[np.float64]
+MOST_SAMPLES = 5_000_000  # of one episode: a day at 0.02 s
 ROUGHNESS_MAX = 1.0  # what a reversal counts, whose triangle has no base
 
 
@@ -89,15 +90,22 @@ def velocities_map(stamps: FloatArray, poses: FloatArray, twists: FloatArray, pe
     vx = c * twists[:, 0] - s * twists[:, 1]
     vy = s * twists[:, 0] + c * twists[:, 1]
     count = math.floor((stamps[-1] - stamps[0]) / period + 1e-6) + 1
-    at = stamps[0] + period * np.arange(count)
+    at = stamps[0] + period * np.arange(_bounded(count))
     return np.stack((np.interp(at, stamps, vx), np.interp(at, stamps, vy)), axis=1)
 
 
 def resample_by_length(points_xy: FloatArray, step: float) -> FloatArray:
     """Return points on the polyline every ``step`` m of arc length from its start, shape (K, 2); standing adds none."""
     along = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points_xy, axis=0).T))))
-    at = step * np.arange(math.floor(along[-1] / step + 1e-6) + 1)
+    at = step * np.arange(_bounded(math.floor(along[-1] / step + 1e-6) + 1))
     return np.stack((np.interp(at, along, points_xy[:, 0]), np.interp(at, along, points_xy[:, 1])), axis=1)
+
+
+def _bounded(samples: int) -> int:
+    """Return a number of samples that memory has room for; raise ValueError for more."""
+    if samples > MOST_SAMPLES:
+        raise ValueError(f"{samples} samples of one episode; allowed: {MOST_SAMPLES}, by a larger period or step")
+    return samples
 
 
 def triangles(points_xy: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:

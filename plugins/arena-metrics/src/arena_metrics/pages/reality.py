@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import csv
-import io
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -13,7 +11,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from arena_core import ArenaError, Command, EpisodeRecord, aligned, read_record, write_text_whole
+from arena_core import ArenaError, Command, EpisodeRecord, aligned, csv_text, read_record, write_text_whole
 from arena_core.statistics import Comparison, after_holm, compare
 from arena_metrics.one_thread import on_one_thread
 from arena_metrics.packs.motion import polyline_length
@@ -182,9 +180,7 @@ def judged_claims(pairs: Sequence[Pair], columns: Sequence[Column], name: str) -
 def _write(folder: Path, tables: Mapping[str, Sequence[Sequence[str]]], pairs: Sequence[Pair]) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for name, rows in tables.items():
-        text = io.StringIO()
-        csv.writer(text, lineterminator="\n").writerows(rows)
-        write_text_whole(folder / f"{name}.csv", text.getvalue())
+        write_text_whole(folder / f"{name}.csv", csv_text(rows))
     _draw(folder / "paths.png", pairs)
 
 

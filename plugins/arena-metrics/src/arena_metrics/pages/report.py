@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
-from arena_core import Command, InputFileError, Reporter, aligned, write_bytes_whole, write_text_whole
+from arena_core import Command, InputFileError, Reporter, aligned, check_inside, write_bytes_whole, write_text_whole
 from arena_metrics.one_thread import on_one_thread
 
 if TYPE_CHECKING:
@@ -22,6 +22,7 @@ Figures = Literal["headline", "all", "none"]
 PICTURES = 12  # cells whose trajectories are drawn unless --pictures says otherwise
 REPLAYS = 6  # episodes that have a replay unless --replays says otherwise
 OPTIONS = ("--out", "--pictures", "--replays", "--baseline", "--pdf", "--all-figures", "--no-figures", "--claims")
+PARTS = ("", "tables", "figures", "replays")  # folders that a report writes to
 PRINTED = 40  # rows of the headline that go to the terminal
 
 
@@ -122,6 +123,8 @@ def write_report(
     from arena_metrics.tables.query import write_table
     from arena_metrics.tables.ranking import ranking_table
 
+    for part in PARTS:
+        check_inside(target.parent if target.name == "report" else target, target / part)
     episodes, repeats = pooled(runs)
     if not episodes:
         raise InputFileError(f"{runs[0].folder / 'episodes.csv'}: holds no episode yet; allowed: a run with one finished episode or more")

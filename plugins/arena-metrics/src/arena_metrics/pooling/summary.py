@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Metric, harmless, write_text_whole
+from arena_core import Metric, csv_text, write_text_whole
 from arena_core.statistics import Estimate, Kind, estimate
 from arena_metrics.pooling.cells import FACTORS, VARIANT, Cell, Cells, cells_of
 from arena_metrics.pooling.problems import labels
@@ -80,9 +78,7 @@ def write_summary(rows: Sequence[Mapping[str, Any]], metrics: Mapping[str, Seque
 
 def summary_csv(summary: Summary) -> str:
     """Return the summary as CSV, one line a cell, metric and choice of episodes; empty where a figure is not defined."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(HEADER)
+    rows: list[Sequence[Any]] = [HEADER]
     by_name = {column.name: column for column in summary.columns}
     cells = {cell.hash: cell for cell in summary.cells.cells}
     for (name, metric, over), one in summary.of.items():
@@ -90,5 +86,5 @@ def summary_csv(summary: Summary) -> str:
         figures = [repr(x) if x == x else "" for x in (one.mean, one.low, one.high)]
         factors = [cell.factors[factor] for factor in (*FACTORS.values(), VARIANT)]
         identity = [name.removesuffix(f"-{cell.code or 'unknown'}"), cell.code, summary.cells.name(cell), *factors]
-        writer.writerow(map(harmless, [*identity, metric, column.unit, over, one.n, one.problems, *figures, one.method]))
-    return text.getvalue()
+        rows.append([*identity, metric, column.unit, over, one.n, one.problems, *figures, one.method])
+    return csv_text(rows)

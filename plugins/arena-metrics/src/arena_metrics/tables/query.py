@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
@@ -14,8 +13,8 @@ from arena_core import (
     ConfigurationError,
     InputFileError,
     aligned,
+    csv_text,
     find_runs,
-    harmless,
     one_line,
     read_words,
     write_text_whole,
@@ -112,22 +111,12 @@ def _answer(database: DuckDBPyConnection, question: str) -> tuple[list[str], lis
 def _tell(database: DuckDBPyConnection, question: str, out: Path | None) -> None:
     head, rows = _answer(database, question)
     if out is not None:
-        write_text_whole(out, _comma_separated(head, rows))
+        write_text_whole(out, csv_text([head, *rows]))
         print(f"{len(rows)} rows: {out}")
         return
     print("\n".join(aligned([head, *([_text(value) for value in row] for row in rows[:PRINTED])])))
     if len(rows) > PRINTED:
         print(f"... {len(rows) - PRINTED} more; out=FILE.csv writes all")
-
-
-def _comma_separated(head: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
-    import io
-
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([harmless(name) for name in head])
-    writer.writerows([harmless(value) if isinstance(value, str) else "" if value is None else value for value in row] for row in rows)
-    return text.getvalue()
 
 
 def _write_parquet(database: DuckDBPyConnection, question: str, beside: Path, out: Path) -> None:

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from arena_core import harmless
+from arena_core import csv_text, one_line
 from arena_core.statistics import Estimate
 from arena_metrics.pooling.cells import VARIANT, Cell
 from arena_metrics.pooling.problems import count
@@ -148,7 +146,7 @@ def markdown(tables: Sequence[Table]) -> str:
 
 def _markdown(table: Table) -> str:
     def line(texts: Iterable[str]) -> str:
-        return "| " + " | ".join(text.replace("|", r"\|") for text in texts) + " |"
+        return "| " + " | ".join(one_line(text).replace("|", r"\|") for text in texts) + " |"
 
     return "\n".join([f"**{table.caption}**", "", line(table.head), line("---" for _ in table.head), *map(line, table.rows), ""])
 
@@ -160,7 +158,7 @@ def latex(tables: Sequence[Table]) -> str:
 
 def _latex(table: Table) -> str:
     def line(texts: Iterable[str]) -> str:
-        return " & ".join("".join(LATEX.get(c, c) for c in text) for text in texts) + r" \\"
+        return " & ".join("".join(LATEX.get(c, c) for c in one_line(text)) for text in texts) + r" \\"
 
     body = [r"\toprule", line(table.head), r"\midrule", *map(line, table.rows), r"\bottomrule"]
     caption = "".join(LATEX.get(c, c) for c in table.caption)
@@ -170,8 +168,4 @@ def _latex(table: Table) -> str:
 
 def comma_separated(tables: Sequence[Table]) -> str:
     """Return tables as CSV, one below the other."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    for table in tables:
-        writer.writerows([map(harmless, row) for row in (table.head, *table.rows)])
-    return text.getvalue()
+    return csv_text(row for table in tables for row in (table.head, *table.rows))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,7 +17,10 @@ from arena_worlds.formats.map_yaml import MapFile
 
 FORMATS = ("PNG", "PPM", "BMP", "JPEG", "GIF", "TIFF", "WEBP")  # of all that Pillow could open; PPM is its name for PGM as well
 ALLOWED = "PGM, PNG, BMP, JPEG, GIF, TIFF or WebP"
+HEADER = re.compile(rb"P\d(?:(?:\s|#[^\r\n]*[\r\n])+\d+){2}\s")
 BAND = 2**20  # pixels
+LONGEST_SIDE = 200_000  # pixels: 10 km at 5 cm
+HEAD = 65_536  # bytes in which the header of a PGM ends: its comments are a line or two, and Pillow reads them byte by byte
 
 
 def occupancy(file: MapFile) -> NDArray[np.int8]:
@@ -31,6 +35,12 @@ def occupancy(file: MapFile) -> NDArray[np.int8]:
 def image_occupancy(content: bytes, file: MapFile) -> NDArray[np.int8]:
     """Return what the pixels of an image stand for in a map that reads like ``file``, row 0 at the top, (H, W)."""
     return np.concatenate([_values(file, *_channels(band)) for band in _bands(content, file.image)])
+
+
+def _check_header(content: bytes, path: Path) -> None:
+    """Raise InputFileError for a PGM whose header has no end."""
+    if content[:1] == b"P" and content[1:2].isdigit() and len(content) > HEAD and not HEADER.match(content, 0, HEAD):
+        raise InputFileError(f"{path}: its header does not end within {HEAD} bytes; allowed: a header of a few lines")
 
 
 def _values(file: MapFile, colours: NDArray[np.float64], alpha: NDArray[np.float64] | None) -> NDArray[np.int8]:
@@ -69,6 +79,7 @@ def _shade(colours: NDArray[np.float64], alpha: NDArray[np.float64] | None) -> N
 
 def _bands(content: bytes, path: Path) -> Iterator[Image.Image]:
     """Yield an image in bands of whole rows, from the top: as numbers they take ten times the memory of the image."""
+    _check_header(content, path)
     # Pillow raises anything, and no common error of its own, for files that are cut off, made up or no images
     try:
         with (
@@ -77,6 +88,8 @@ def _bands(content: bytes, path: Path) -> Iterator[Image.Image]:
         ):
             if image.width * image.height > LIMITS.cells:
                 raise InputFileError(f"{path}: has {image.width} x {image.height} pixels; allowed: {LIMITS.cells} in all")
+            if max(image.size) > LONGEST_SIDE:
+                raise InputFileError(f"{path}: has {image.width} x {image.height} pixels; allowed: {LONGEST_SIDE} a side")
             image.load()
             rows = max(BAND // image.width, 1)
             for top in range(0, image.height, rows):

@@ -1,0 +1,111 @@
+"""What an episode may not change for those after it in the same process, as a value that is compared before and after."""
+
+from __future__ import annotations
+
+import locale
+import os
+import resource
+import signal
+import sys
+import warnings
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+MANY_FILES = 64  # descriptors that an episode may open and keep: libraries open some when they are first used
+FILES_SHARE = 4  # of all that the process may have open, a quarter may be in use
+LIMITS = [getattr(resource, name) for name in dir(resource) if name.startswith("RLIMIT_")]
+GUARDED = ("arena_core", "numpy", "builtins", "math", "os", "posixpath", "time", "random", "json", "io", "zipfile", "struct", "pickle")
+OPEN = ("/proc/self/fd", "/dev/fd")
+
+
+class ProcessState:
+    """Folder, signals, streams, limits, arithmetic and loaded modules of this process, as they are now."""
+
+    def __init__(self) -> None:
+        self._settings = _settings()
+        self._files = _open_files()
+        self._names = {name: dict(vars(module)) for name, module in _guarded()}
+
+    def is_kept(self) -> bool:
+        """Return whether a job may follow: everything is as it was, and not many files more are open than were."""
+        now = _open_files()
+        most = min(self._files + MANY_FILES, resource.getrlimit(resource.RLIMIT_NOFILE)[0] // FILES_SHARE)
+        return self._settings == _settings() and now <= max(most, self._files) and not self._renamed()
+
+    def _renamed(self) -> bool:
+        """Return whether a name of a guarded module stands for something else; new names come with what is first used."""
+        now: Mapping[str, ModuleType] = dict(_guarded())
+        for name, before in self._names.items():
+            values = vars(now[name]) if name in now else {}
+            if any(values.get(key, self) is not value for key, value in before.items()):
+                return True
+        return False
+
+
+def _guarded() -> Iterator[tuple[str, ModuleType]]:
+    for name, module in list(sys.modules.items()):
+        if name.partition(".")[0] in GUARDED and isinstance(module, ModuleType):
+            yield name, module
+
+
+def _settings() -> tuple[Any, ...]:
+    """Return what is compared as a whole."""
+    return (
+        _folder(),
+        tuple(signal.getsignal(number) for number in sorted(signal.valid_signals())),
+        signal.pthread_sigmask(signal.SIG_BLOCK, ()),
+        signal.getitimer(signal.ITIMER_REAL)[0] > 0.0,
+        [(id(stream), stream is None or stream.closed) for stream in (sys.stdout, sys.stderr)],
+        [_file(number) for number in range(3)],
+        [resource.getrlimit(limit) for limit in LIMITS],
+        (_umask(), os.getpriority(os.PRIO_PROCESS, 0), _cores()),
+        (locale.setlocale(locale.LC_ALL), min(sys.getrecursionlimit(), 1000), sys.gettrace(), sys.getprofile()),
+        (np.geterr(), sum(kind == "error" for kind, *_ in warnings.filters)),
+        _arithmetic(),
+    )
+
+
+def _arithmetic() -> tuple[bool, bool, bool]:
+    """Return how the processor rounds and whether it knows the smallest numbers; C code sets both."""
+    tiny, small = np.array([5e-324, 1.0]), np.array([1e-17])
+    return bool((tiny[:1] * tiny[1:])[0] > 0.0), bool(1.0 + small[0] == 1.0), bool(-1.0 - small[0] == -1.0)
+
+
+def _umask() -> int:
+    mask = os.umask(0o077)
+    os.umask(mask)
+    return mask
+
+
+def _cores() -> frozenset[int]:
+    return frozenset(os.sched_getaffinity(0)) if sys.platform == "linux" else frozenset()
+
+
+def _folder() -> str:
+    try:
+        return os.getcwd()
+    except OSError:
+        return ""
+
+
+def _file(number: int) -> tuple[int, int] | None:
+    try:
+        found = os.fstat(number)
+    except OSError:
+        return None
+    return found.st_dev, found.st_ino
+
+
+def _open_files() -> int:
+    """Return how many descriptors are open; more than there can be where none is left to count them with."""
+    for place in OPEN:
+        with suppress(FileNotFoundError):
+            try:
+                return len(os.listdir(place))
+            except OSError:
+                return sys.maxsize
+    return 0
