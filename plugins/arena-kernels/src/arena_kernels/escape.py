@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing, compiled
-from arena_kernels.window import Outline, Window, allowed_gap, clearance
+from arena_kernels.window import Outline, Window, allowed_gap, clearance, keeps_from_walls
 
 FloatArray = NDArray[np.float64]
 
@@ -70,21 +70,24 @@ def escape_commands(least: FloatArray, most: FloatArray, share: float, turn_radi
 
 
 @borrowing
-def keeps_gap(window: Window, outline: Outline, pose: FloatArray, velocity: FloatArray, time: float, wanted: float) -> bool:
+def keeps_gap(
+    window: Window, outline: Outline, pose: FloatArray, velocity: FloatArray, time: float, turn_braking: float, wanted: float
+) -> bool:
     """Return whether a robot at ``pose`` (3,) with a body ``velocity`` (3,) keeps the ``wanted`` gap, m, for ``time`` s.
 
-    Where it stands nearer already, half of that gap is enough. What the robot drives at once is so held against its exact outline, for a
-    plan may be a little off: it thinks of bends that begin slowly, or of mean velocities.
+    A polygon keeps it until it has stopped turning, with ``turn_braking`` rad/s^2. Where the robot stands nearer already, somewhat less is
+    enough. What is driven at once is so held against the exact outline: a plan may be off, for it thinks of mean velocities.
     """
+    if len(outline.points_xy) > 0:
+        time += 0.5 * abs(velocity[2]) / turn_braking
     x, y, theta = pose[0], pose[1], pose[2]
-    least = allowed_gap(clearance(window, outline, x, y, math.cos(theta), math.sin(theta), wanted), wanted)
+    now = (x, y, math.cos(theta), math.sin(theta))
     for _ in range(STEPS):
         dt = time / STEPS
         heading = theta + 0.5 * dt * velocity[2]
         x += dt * (velocity[0] * math.cos(heading) - velocity[1] * math.sin(heading))
         y += dt * (velocity[0] * math.sin(heading) + velocity[1] * math.cos(heading))
         theta += dt * velocity[2]
-        gap = clearance(window, outline, x, y, math.cos(theta), math.sin(theta), wanted)
-        if -math.inf < gap < least:
+        if not keeps_from_walls(window, outline, now, (x, y, math.cos(theta), math.sin(theta)), wanted):
             return False
     return True

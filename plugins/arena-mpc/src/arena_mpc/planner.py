@@ -83,6 +83,7 @@ class MpcPlanner(Planner):
         self._detour = detour
         self._outline = footprint_outline(robot.footprint)
         self._turn_radius = robot.turn_radius
+        self._turn_braking = robot.limits.alpha_max
         self._discs = covering_discs(robot.footprint, discs)
         self._optimiser = Optimiser(self._model, form, self._drive, self._discs, final_state_fixed, grid, weights, obstacles, solver)
         self._escapes = None if escape_speed is None else self._slow_ways(robot, escape_speed)
@@ -142,7 +143,7 @@ class MpcPlanner(Planner):
         if self._gap == 0.0:
             return True
         command = self._command(plan).array()
-        return keeps_gap(scene.window, self._outline, observation.pose.array(), command, self._period, self._gap)
+        return keeps_gap(scene.window, self._outline, observation.pose.array(), command, self._period, self._turn_braking, self._gap)
 
     def _slow_ways(self, robot: Robot, share: float) -> FloatArray:
         drive = self._drive

@@ -6,7 +6,7 @@ import math
 
 from arena_kernels.compiled import borrowing
 from arena_kernels.half_planes import FloatArray
-from arena_kernels.window import Outline, Window, clearance
+from arena_kernels.window import Outline, Window, keeps_from_walls
 from arena_orca.motion import toward
 from arena_orca.parameters import Limits
 
@@ -55,14 +55,17 @@ def can_stop(
     time: float,
     gap: float,
 ) -> bool:
-    """Tell whether the footprint keeps ``gap`` m when ``command`` is held for ``time`` s and then every axis braked, from ``twist`` now."""
-    held = round(time / LAPSE)
+    """Return whether the footprint keeps ``gap`` m when ``command`` is held for ``time`` s and then every axis braked, from ``twist`` now.
+
+    Where it is nearer to a wall already, it may stay so near.
+    """
+    held, now = round(time / LAPSE), stand
     for look in range(MOST_LOOKS):
         twist = next_twist(limits, twist, command if look < held else (0.0, 0.0, 0.0))
         if look >= held and twist[0] == 0.0 and twist[1] == 0.0 and twist[2] == 0.0:
             break
         stand = next_stand(stand, twist)
-        if clearance(window, outline, stand[0], stand[1], stand[2], stand[3], gap) < gap:
+        if not keeps_from_walls(window, outline, now, stand, gap):
             return False
     return True
 

@@ -7,7 +7,7 @@ import math
 from arena_core import Pose
 from arena_kernels.compiled import borrowing, compiled
 from arena_kernels.half_planes import FloatArray
-from arena_kernels.window import Outline, Window, allowed_gap, clearance
+from arena_kernels.window import Outline, Window, clearance
 from arena_orca.braking import can_stop, stand_after
 from arena_orca.parameters import ACKERMANN, OMNIDIRECTIONAL, Settings
 
@@ -26,8 +26,7 @@ def escape_command(
     limits, body = settings.limits, settings.body
     stand = (state[0], state[1], math.cos(state[2]), math.sin(state[2]))
     twist = (state[3], state[4], state[5])
-    gap_now = clearance(window, outline, stand[0], stand[1], stand[2], stand[3], ENOUGH)
-    gap = allowed_gap(gap_now, settings.statics.padding)
+    gap = settings.statics.padding
     found, best, best_x, best_y, best_turn = False, -math.inf, 0.0, 0.0, 0.0
     count = DIRECTIONS if body.kinematics == OMNIDIRECTIONAL else 2 * len(BENDS) + 2
     for choice in range(count):

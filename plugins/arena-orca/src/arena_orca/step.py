@@ -9,7 +9,7 @@ import numpy as np
 from arena_kernels.compiled import borrowing, compiled
 from arena_kernels.half_planes import ALONG_X, ALONG_Y, POINT_X, POINT_Y, FloatArray, lack, put_person
 from arena_kernels.programme import nearest_allowed, safest
-from arena_kernels.window import Outline, Window, allowed_gap, clearance
+from arena_kernels.window import Outline, Window
 from arena_orca.braking import Stand, can_stop, least_gap, stopping_time
 from arena_orca.free_space import MOST_CELLS, MOST_WALLS, put_walls, radius_towards
 from arena_orca.motion import centre_velocity, command_for, put_reach, top_speed
@@ -133,8 +133,7 @@ def stoppable_command(
     A command may lead nearer to someone only if braking at once would do so as well.
     """
     body, limits, _, statics, drive = settings
-    gap_now = clearance(window, outline, stand[0], stand[1], stand[2], stand[3], statics.padding)
-    gap = allowed_gap(gap_now, statics.padding)
+    gap = statics.padding
     brake = command_for(body, limits, twist, (0.0, 0.0), drive.period)
     times = (drive.period, 2.0 * drive.period + stopping_time(limits, twist))
     gap_people = least_gap(people, outline, limits, stand, twist, brake, times, statics.padding)

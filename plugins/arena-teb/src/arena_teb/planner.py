@@ -46,6 +46,7 @@ class TebPlanner(Planner):
     ) -> None:
         self._least, self._most, _ = speed_limits(robot, limits)
         self._turn_radius = turning_radius(robot, limits)
+        self._braking, self._turn_braking = robot.limits.ax_max, robot.limits.alpha_max
         self._holonomic = robot.holonomic
         self._trajectory, self._obstacles, self._polygons, self._recovery = trajectory, obstacles, polygons, recovery
         self._horizon = math.inf if obstacles.prediction_time is None else obstacles.prediction_time
@@ -84,7 +85,7 @@ class TebPlanner(Planner):
         scene = self._scene(window, tracks, plan)
         least_gap = self._least_gap(window, plan, pose)
         topologies = self._topologies.plan(plan, pose.array(), goal, scene, self._ends(observation.twist, complete, stamp), stamp)
-        band = self._feasible(topologies, window, pose, least_gap)
+        band = self._feasible(topologies, window, pose, observation.twist.array(), least_gap)
         self._weighed = topologies, band
         command = self._escape(pose, scene, least_gap, stamp) if band is None else self._drive(band)
         self._oscillation.note(command)
@@ -121,15 +122,28 @@ class TebPlanner(Planner):
         """Return the gap to walls that the robot keeps here, m: less where its path has no more room."""
         return eased(self._obstacles.least_gap, room_along(window, self._outline, plan, pose.x, pose.y, AHEAD), KEPT, 0.0)
 
-    def _feasible(self, topologies: list[Topology], window: Window, pose: Pose, least_gap: float) -> FloatArray | None:
-        """Return the first band whose first poses the robot fits, and whose command it can drive; None if there is none."""
+    def _feasible(self, topologies: list[Topology], window: Window, pose: Pose, twist: FloatArray, least_gap: float) -> FloatArray | None:
+        """Return the first band whose first poses the robot fits, and whose command it can drive.
+
+        Else the one that is free longest, if the robot can stop in that time: at a goal beside a wall no pose may fit. None: there is none.
+        """
         poses = self._trajectory.feasibility_check_no_poses
+        longest, best = self._period + math.hypot(twist[0], twist[1]) / self._braking, None
         for topology in topologies:
-            if free_poses(topology.band, window, self._outline, poses, least_gap) >= min(poses, len(topology.band)):
-                command = self._command(topology.band).array()
-                if least_gap == 0.0 or keeps_gap(window, self._outline, pose.array(), command, self._period, least_gap):
-                    return topology.band
-        return None
+            band = topology.band
+            free = free_poses(band, window, self._outline, poses, least_gap)
+            if least_gap > 0.0 and not self._keeps_gap(band, window, pose, least_gap):
+                continue
+            if free >= min(poses, len(band)):
+                return band
+            if least_gap > 0.0 and float(band[: free - 1, 3].sum()) > longest:
+                longest, best = float(band[: free - 1, 3].sum()), band
+        return best
+
+    def _keeps_gap(self, band: FloatArray, window: Window, pose: Pose, least_gap: float) -> bool:
+        """Return whether the command that a band begins with keeps the gap to walls."""
+        command = self._command(band).array()
+        return keeps_gap(window, self._outline, pose.array(), command, self._period, self._turn_braking, least_gap)
 
     def _drive(self, band: FloatArray) -> Twist:
         self._infeasible_since = None
