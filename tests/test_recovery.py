@@ -11,7 +11,9 @@ from arena_core.runs.benchmark import build_benchmark
 from arena_core.testing import free_costmap, robot
 from arena_core.values.world import LETHAL
 
-RULES = RecoveryRules(["clear", "clear_far", "turn", "back_up", "wait"], 0.5, 10.0, 3.0, 3.0, 5.0, 1.5, 1.0, 0.3, 0.15, 0.5, 0.4, 60.0)
+RULES = RecoveryRules(
+    ["clear", "clear_far", "turn", "back_up", "wait"], 0.5, 10.0, 3.0, 3.0, 5.0, 1.5, 1.0, 0.3, 0.15, 0.5, 0.4, 60.0, 0.3, None
+)
 HERE, AHEAD = Pose(0.0, 0.0, 0.0), Pose(0.0, 2.0)  # the waypoint is to the left
 PERIOD = 0.1
 

@@ -147,7 +147,7 @@ class Guide:
         local_map: Callable[[], Costmap] = Once(lambda: timed("local_map", window().costmap))
         if estimate.pose.distance(self.mission.goal) <= self.mission.goal_radius:
             return View(estimate, self.mission.goal, None, True, (), None, local_map)
-        begun = self._begin_recovery(estimate.pose, sensors.stamp)
+        begun = self._begin_recovery(estimate.pose, sensors.stamp, lambda: self.recoveries.touches(local_map(), estimate.pose))
         before = self._way
         way, waypoint, events = self._plan(estimate.pose, sensors.stamp, window, begun)
         tracks = Once(lambda: timed("tracker", lambda: self.tracker.update(sensors.scan, scan_pose, sensors.stamp)))
@@ -209,9 +209,9 @@ class Guide:
     def _stream(self, name: str) -> np.random.Generator:
         return generator(self.mission.seed, self.mission.scenario, name)
 
-    def _begin_recovery(self, pose: Pose, stamp: float) -> Begun | None:
+    def _begin_recovery(self, pose: Pose, stamp: float, touches: Callable[[], bool]) -> Begun | None:
         """Return the recovery behaviour that begins now; what it wipes off the local map is gone before the scan is taken in."""
-        begun = self.recoveries.begin(pose, stamp)
+        begun = self.recoveries.begin(pose, stamp, touches)
         if begun is not None and begun.clear_beyond is not None:
             self.local_map.clear(pose, begun.clear_beyond)
         if begun is not None and begun.closes and self._way is not None:

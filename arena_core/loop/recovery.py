@@ -15,12 +15,15 @@ from arena_core.values.parameters import NonNegative, Positive
 from arena_core.values.robot import Robot
 from arena_core.values.world import LETHAL, Costmap
 
-Behaviour = Literal["clear", "clear_far", "detour", "wait", "turn", "back_up"]
+Behaviour = Literal["clear", "clear_far", "detour", "wait", "turn", "back_up", "drive_on"]
 AT_ONCE = ("clear", "clear_far", "detour")  # those that take no time
 STAND = Twist(0.0, 0.0, 0.0)
 _OUTLINE = 24  # points of a circle's outline
 _RINGS = (1.0, 0.8, 0.6, 0.4, 0.2)  # sizes of the outline at which a body is tried: a cell apart on the robots at hand
 _LOOK_AHEAD = 0.3  # s of motion that must be free before a step of it is driven
+_MOVING = ("back_up", "drive_on", "turn")  # behaviours that bring a robot off what it leans on
+_LEANING = 0.1  # m, within which a robot stays that leans on something
+_FACING = 0.4  # rad, up to which drive_on turns while it drives
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +33,8 @@ class RecoveryRules:
     The first is due when the robot has stayed within ``progress_radius`` m for ``progress_time`` s, the next ones ``retry_time`` s
     after the one before. ``clear_beyond`` m is what ``clear_far`` keeps; ``wait_time`` s; ``turn_angle`` rad at ``turn_speed`` rad/s;
     ``back_up_distance`` m at ``back_up_speed`` m/s. ``detour`` plans for ``detour_time`` s as if a disc of ``detour_radius`` m stood on the
-    path, ``detour_ahead`` m ahead.
+    path, ``detour_ahead`` m ahead. ``drive_on`` turns to the waypoint and drives ``drive_on_distance`` m at ``back_up_speed``. A robot that has
+    leaned on something for ``lean_time`` s (None: ever) is to move at once.
     """
 
     behaviours: list[Behaviour]
@@ -46,6 +50,8 @@ class RecoveryRules:
     detour_ahead: Positive
     detour_radius: Positive
     detour_time: Positive
+    drive_on_distance: Positive
+    lean_time: Positive | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +73,7 @@ class Recoveries:
     def __init__(self, rules: RecoveryRules, robot: Robot) -> None:
         self._rules = rules
         self._robot = robot
-        self._body = body(robot.footprint)
+        self._body, self._rim = body(robot.footprint), _outline(robot.footprint)
         self._possible = [b for b in rules.behaviours if b != "turn" or robot.kinematics != "ackermann"]
         self.reset()
 
@@ -78,24 +84,50 @@ class Recoveries:
         self._due_at = math.inf
         self._tried = 0
         self._active: Behaviour | None = None
+        self._rest: Pose | None = None  # about where the robot has been since ``_rest_since``
+        self._rest_since = 0.0
+        self._leaned = 0
 
-    def begin(self, pose: Pose, stamp: float) -> Begun | None:
-        """Take in where the robot is, and return the behaviour that begins now, if one does."""
+    def begin(self, pose: Pose, stamp: float, touches: Callable[[], bool] = lambda: False) -> Begun | None:
+        """Take in where the robot is, and return the behaviour that begins now, if one does.
+
+        ``touches`` is asked whether its body touches something where it has not moved for ``lean_time``.
+        """
+        leaning = self._leans(pose, stamp, touches)
         if self._anchor is None or pose.distance(self._anchor) >= self._rules.progress_radius:
             self._anchor, self._since, self._tried = pose, stamp, 0
             self._due_at = stamp + self._rules.progress_time
+        if leaning is not None:
+            self._due_at = max(self._due_at, stamp + self._rules.retry_time)
+            return self._started(leaning, pose, stamp, f"{leaning}: leans on something")
         if self._active is not None or not self._possible or stamp < self._due_at - 1e-9:
             return None
         behaviour = self._possible[self._tried % len(self._possible)]
-        event = Event(stamp, "recovery", f"{behaviour}: no progress for {stamp - self._since:.1f} s")
         self._tried += 1
         self._due_at = stamp + self._rules.retry_time
+        all_failed = self._tried > len(self._possible) and self._tried % len(self._possible) == 1
+        closes = "detour" in self._possible and (behaviour == "detour" or all_failed)
+        return self._started(behaviour, pose, stamp, f"{behaviour}: no progress for {stamp - self._since:.1f} s", closes)
+
+    def _started(self, behaviour: Behaviour, pose: Pose, stamp: float, detail: str, closes: bool = False) -> Begun:
         if behaviour not in AT_ONCE:
             self._active, self._from, self._until = behaviour, pose, stamp + self._longest(behaviour)
             self._turned, self._side = 0.0, 0.0
-        all_failed = self._tried > len(self._possible) and self._tried % len(self._possible) == 1
-        closes = "detour" in self._possible and (behaviour == "detour" or all_failed)
-        return Begun(behaviour, {"clear": 0.0, "clear_far": self._rules.clear_beyond}.get(behaviour), event, closes)
+        clear_beyond = {"clear": 0.0, "clear_far": self._rules.clear_beyond}.get(behaviour)
+        return Begun(behaviour, clear_beyond, Event(stamp, "recovery", detail), closes)
+
+    def _leans(self, pose: Pose, stamp: float, touches: Callable[[], bool]) -> Behaviour | None:
+        """Return the behaviour that brings the robot off what it has leaned on for too long, each in turn; None if it does not lean."""
+        if self._rest is None or pose.distance(self._rest) > _LEANING or self._active is not None:
+            self._rest, self._rest_since = pose, stamp
+        moving = [behaviour for behaviour in self._possible if behaviour in _MOVING]
+        if self._rules.lean_time is None or not moving or stamp - self._rest_since < self._rules.lean_time - 1e-9:
+            return None
+        if not touches():
+            return None
+        self._rest_since = stamp
+        self._leaned += 1
+        return moving[(self._leaned - 1) % len(moving)]
 
     def command(self, pose: Pose, stamp: float, local_map: Callable[[], Costmap], waypoint: Pose) -> Twist | None:
         """Return what the behaviour under way sends now; None when none is, or when it has just ended."""
@@ -111,13 +143,27 @@ class Recoveries:
             return None
         if self._active == "wait":
             return STAND
-        command = self._backwards(pose) if self._active == "back_up" else self._turning(pose, waypoint)
+        moves = {"back_up": self._backwards, "drive_on": self._onwards, "turn": self._turning}
+        command = moves[str(self._active)](pose, waypoint)
         return command if command is not None and self._is_free(local_map(), pose, command) else None
 
-    def _backwards(self, pose: Pose) -> Twist | None:
+    def _backwards(self, pose: Pose, _: Pose) -> Twist | None:
         speed = min(self._rules.back_up_speed, -self._robot.limits.vx_min)
         far = pose.distance(self._from) >= self._rules.back_up_distance
         return None if far or speed <= 0.0 else Twist(-speed)
+
+    def _onwards(self, pose: Pose, waypoint: Pose) -> Twist | None:
+        """Turn to the waypoint, then drive there slowly."""
+        if pose.distance(self._from) >= self._rules.drive_on_distance:
+            return None
+        bearing = float(wrap_angle(math.atan2(waypoint.y - pose.y, waypoint.x - pose.x) - pose.theta))
+        turn = min(self._rules.turn_speed, self._robot.limits.wz_max)
+        speed = min(self._rules.back_up_speed, self._robot.limits.vx_max)
+        if self._robot.kinematics == "ackermann":
+            turn = min(turn, speed / self._robot.turn_radius)
+        elif abs(bearing) > _FACING:
+            speed = 0.0
+        return Twist(speed, 0.0, min(max(2.0 * bearing, -turn), turn))
 
     def _turning(self, pose: Pose, waypoint: Pose) -> Twist | None:
         """Turn on to the side on which the waypoint was when the turn began."""
@@ -130,6 +176,10 @@ class Recoveries:
             self._side = math.copysign(1.0, float(wrap_angle(bearing - pose.theta)))
         return Twist(0.0, 0.0, self._side * min(self._rules.turn_speed, self._robot.limits.wz_max))
 
+    def touches(self, costmap: Costmap, pose: Pose) -> bool:
+        """Return whether the robot's outline lies in an occupied cell or half a cell beside one, where a scan marks what it touches."""
+        return touched(costmap, self._rim * (1.0 + 0.5 * costmap.resolution / self._robot.footprint.radius), pose) > 0
+
     def _is_free(self, costmap: Costmap, pose: Pose, command: Twist) -> bool:
         """Tell whether the body, a little further on this motion, touches nothing that it does not touch already."""
         ahead = Pose(command.vx * _LOOK_AHEAD, 0.0, command.wz * _LOOK_AHEAD)
@@ -138,7 +188,9 @@ class Recoveries:
     def _longest(self, behaviour: Behaviour) -> float:
         """Return for how long a behaviour goes on at most, s: twice what it would take, where the robot moves as told."""
         rules = self._rules
-        times = {"turn": 2.0 * rules.turn_angle / rules.turn_speed, "back_up": 2.0 * rules.back_up_distance / rules.back_up_speed}
+        on = 2.0 * (rules.drive_on_distance / rules.back_up_speed + math.pi / rules.turn_speed)
+        back = 2.0 * rules.back_up_distance / rules.back_up_speed
+        times = {"turn": 2.0 * rules.turn_angle / rules.turn_speed, "back_up": back, "drive_on": on}
         return times.get(behaviour, rules.wait_time)
 
 
