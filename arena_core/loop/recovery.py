@@ -33,8 +33,8 @@ class RecoveryRules:
     The first is due when the robot has stayed within ``progress_radius`` m for ``progress_time`` s, the next ones ``retry_time`` s
     after the one before. ``clear_beyond`` m is what ``clear_far`` keeps; ``wait_time`` s; ``turn_angle`` rad at ``turn_speed`` rad/s;
     ``back_up_distance`` m at ``back_up_speed`` m/s. ``detour`` plans for ``detour_time`` s as if a disc of ``detour_radius`` m stood on the
-    path, ``detour_ahead`` m ahead. ``drive_on`` turns to the waypoint and drives ``drive_on_distance`` m at ``back_up_speed``. A robot that has
-    leaned on something for ``lean_time`` s (None: ever) is to move at once.
+    path, ``detour_ahead`` m ahead. ``drive_on`` turns to the waypoint and drives ``drive_on_distance`` m at ``back_up_speed``. A robot that
+    has leaned on something for ``lean_time`` s (None: ever) is to move at once.
     """
 
     behaviours: list[Behaviour]
