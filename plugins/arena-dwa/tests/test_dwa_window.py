@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arena_dwa.settings import Limits
-from arena_dwa.window import axis_samples, driven, dynamic_window, turn_samples
+from arena_dwa.window import REST, axis_samples, driven, dynamic_window, turn_samples
 
 LIMITS = Limits(-0.3, 0.8, 0.4, 1.5, 0.0, 0.8, 0.0, 1.0, 0.7, 2.0, 0.0)
 SPEED = st.floats(-5.0, 5.0)
@@ -36,7 +36,7 @@ def test_robot_measured_too_fast_has_samples_that_are_driven():
 def test_samples_span_the_window_and_include_rest_where_it_lies_inside(low, width, count):
     samples = axis_samples(low, low + width, count)
     assert (np.diff(samples) > 0.0).all()
-    assert samples[0] >= low - 1e-12
+    assert samples[0] >= low - REST
     assert samples[-1] <= low + width + 1e-12
     assert len(samples) <= max(count, 1) + 1
     if low <= 0.0 <= low + width:

@@ -169,7 +169,7 @@ def test_resizing_never_waits_for_a_compiler(build, costmap, observe):
 
 
 def test_failed_solver_is_answered_with_the_last_plan_then_with_the_brake(build, costmap, observe, monkeypatch):
-    planner = build()
+    planner = build(escape_speed=None)
     planner.compute_velocity(observe(costmap(), Pose(0.0, 0.0), AHEAD, Twist(0.2)))
     expected = planner._plan.states[2, 3:]
     monkeypatch.setattr("arena_mpc.solvers.solve", lambda *_: Solution(None, math.inf, 1))

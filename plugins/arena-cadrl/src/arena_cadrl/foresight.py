@@ -11,7 +11,6 @@ from arena_cadrl.motion import (
     LAPSE,
     Stand,
     Velocity,
-    allowed_gap,
     can_stop,
     gap_to_disc,
     gap_to_people,
@@ -33,7 +32,7 @@ from arena_cadrl.parameters import (
     Rules,
 )
 from arena_kernels.compiled import borrowing
-from arena_kernels.window import Outline, Window, distance_at
+from arena_kernels.window import Outline, Window, allowed_gap, distance_at
 
 Numbers = NDArray[np.float32]
 Flags = NDArray[np.bool_]
@@ -61,7 +60,7 @@ def look_ahead(
     """
     stand, velocity = (state[0], state[1], state[2]), (state[3], state[4], state[5])
     put_state(window, outline, people, rules, target, stand, velocity, 0.0, rows[0])
-    gap = allowed_gap(wall_gap(window, outline, stand, rules.padding), rules.padding, window.resolution)
+    gap = allowed_gap(wall_gap(window, outline, stand, rules.padding), rules.padding, 0.0)
     for a in range(len(commands)):
         command = (commands[a, 0], commands[a, 1], commands[a, 2])
         allowed[a] = can_stop(window, outline, rules.limits, stand, velocity, command, rules.hold, gap)

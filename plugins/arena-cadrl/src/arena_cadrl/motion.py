@@ -66,12 +66,6 @@ def can_stop(
 
 
 @borrowing
-def allowed_gap(gap_now: float, padding: float, resolution: float) -> float:
-    """Return how near a wall may be, m: the padding, or somewhat less than now where the robot already stands nearer."""
-    return min(padding, 0.5 * gap_now if gap_now > 0.0 else gap_now - 0.5 * resolution)
-
-
-@borrowing
 def gap_to_disc(outline: Outline, stand: Stand, x: float, y: float, radius: float) -> float:
     """Return how far the footprint is from a disc at (x, y), m, negative where they overlap; beyond ``FAR`` a lower bound will do."""
     dx, dy = x - stand[0], y - stand[1]

@@ -63,7 +63,7 @@ def obstacle_cost(
     """
     vx, vy, wz = sample
     speed = math.hypot(vx, vy)
-    allowed = outline_growth(body, limits, speed) + allowed_gap(start_clearance, body.padding)
+    allowed = outline_growth(body, limits, speed) + allowed_gap(start_clearance, body.padding, 0.0)
     braking = 0.5 * stopping_time(vx, vy, wz, limits)  # at full speed as far as the robot comes while it brakes evenly
     time = max(roll_out.sim_time, period + braking + roll_out.stop_time_buffer)
     steps = max(1, math.ceil(max(speed * time / roll_out.sim_granularity, abs(wz) * time / roll_out.angular_sim_granularity)))

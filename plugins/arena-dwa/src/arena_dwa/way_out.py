@@ -40,7 +40,7 @@ def best_line(
     before as well.
     """
     gap = clearance(window, body.outline, *start, body.padding)
-    allowed = allowed_gap(gap, body.padding)
+    allowed = allowed_gap(gap, body.padding, 0.0)
     here = goal[clamped_index(window, start[0], start[1])]
     best, direction, heading, length = WORTH, 0.0, 0.0, 0.0
     for k in range(DIRECTIONS):

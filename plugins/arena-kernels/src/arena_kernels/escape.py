@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing, compiled
-from arena_kernels.window import Outline, Window, allowed_gap, clearance, keeps_from_walls
+from arena_kernels.window import CLOSE, Outline, Window, allowed_gap, clearance, keeps_from_walls
 
 FloatArray = NDArray[np.float64]
 
@@ -33,7 +33,7 @@ def escape_command(
     It keeps the ``wanted`` gap, m, or half of the one where it begins. Discs ``positions`` (K, 2) with ``radii`` move on at ``velocities``.
     """
     here = clearance(window, outline, start[0], start[1], math.cos(start[2]), math.sin(start[2]), ENOUGH)
-    least = allowed_gap(here, wanted)
+    least = allowed_gap(here, wanted, CLOSE)
     best, chosen = here + 0.005, -1
     for i in range(len(commands)):
         x, y, theta, gap = start[0], start[1], start[2], math.inf
@@ -88,6 +88,6 @@ def keeps_gap(
         x += dt * (velocity[0] * math.cos(heading) - velocity[1] * math.sin(heading))
         y += dt * (velocity[0] * math.sin(heading) + velocity[1] * math.cos(heading))
         theta += dt * velocity[2]
-        if not keeps_from_walls(window, outline, now, (x, y, math.cos(theta), math.sin(theta)), wanted):
+        if not keeps_from_walls(window, outline, now, (x, y, math.cos(theta), math.sin(theta)), wanted, CLOSE):
             return False
     return True

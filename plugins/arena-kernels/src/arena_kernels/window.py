@@ -13,8 +13,8 @@ from arena_kernels.distance import distance_field
 
 LETHAL = 254  # the cost of a cell that holds an obstacle, as in costmap_2d
 HALF_DIAGONAL = 0.7072  # of a cell, rounded up
-CLOSE = 0.02  # m, from which on a robot keeps the gap that it has
-NEARER = 0.005  # m, by which a robot that touches something may come nearer to it, so that it can turn away
+CLOSE = 0.02  # m, from which on a robot keeps the gap that it has, where it does not drive quite what was planned
+NEARER = 0.005  # m, by which a robot that touches something may come nearer to it
 OUTLINE_SPACING = 0.05  # m, the side of a usual costmap cell: no cell slips between two points
 
 
@@ -186,35 +186,37 @@ def clearance(window: Window, outline: Outline, x: float, y: float, cosine: floa
 
 
 @borrowing
-def allowed_gap(now: float, wanted: float) -> float:
+def allowed_gap(now: float, wanted: float, close: float) -> float:
     """Return how near to an obstacle a motion may lead, m: the ``wanted`` gap, or less where the robot is nearer ``now``.
 
-    One motion may use up half of a gap, down to CLOSE; from there on the robot comes no nearer, so it drives along the wall beside it and
-    does not swing its tail into it. What touches, or seems to because a noisy scan marked the cell beside it, may come NEARER and no more.
+    One motion may use up half of a gap, down to ``close`` m; from there on the robot comes no nearer: what it drives is not quite what was
+    planned. What touches, or seems to because a noisy scan marked the cell beside it, may come NEARER, so that it can turn away.
     """
     if now <= 0.0:
         return min(wanted, now - NEARER)
-    return min(wanted, max(0.5 * now, min(CLOSE, now - 0.1 * min(now, CLOSE))))
+    return min(wanted, max(0.5 * now, min(close, 0.9 * now)))
 
 
 @borrowing
-def keeps_from_walls(window: Window, outline: Outline, now: Stand, then: Stand, wanted: float) -> bool:
-    """Return whether every point of an outline keeps the ``wanted`` gap, m, ``then``; a point that is nearer ``now`` may stay so near.
+def keeps_from_walls(window: Window, outline: Outline, now: Stand, then: Stand, wanted: float, close: float) -> bool:
+    """Return whether an outline keeps the ``wanted`` gap, m, ``then``, or what is allowed from where it is ``now``.
 
-    Point by point: a mark of noise at one corner must not allow another corner to come near to a wall. Beyond the window all is free.
+    Where it touches something now it is judged point by point: a mark of noise at one corner must not let another corner touch a wall.
     """
     x, y, cosine, sine = then
-    centre = distance_at(window, x, y)
-    if centre == -math.inf or centre - outline.radius >= wanted:
-        return True
+    nearest = clearance(window, outline, now[0], now[1], now[2], now[3], wanted)
+    if nearest > 0.0:
+        gap = clearance(window, outline, x, y, cosine, sine, wanted)
+        return gap == -math.inf or gap >= allowed_gap(nearest, wanted, close)
     radius = outline.radius if len(outline.points_xy) == 0 else outline.inscribed_radius
-    if centre - radius < wanted and centre - radius < allowed_gap(distance_at(window, now[0], now[1]) - radius, wanted):
+    centre = distance_at(window, x, y) - radius
+    if -math.inf < centre < allowed_gap(distance_at(window, now[0], now[1]) - radius, wanted, close):
         return False
     for i in range(len(outline.points_xy)):
         px, py = outline.points_xy[i]
         gap = distance_at(window, x + cosine * px - sine * py, y + sine * px + cosine * py)
         if -math.inf < gap < wanted:
             before = distance_at(window, now[0] + now[2] * px - now[3] * py, now[1] + now[3] * px + now[2] * py)
-            if gap < allowed_gap(before, wanted):
+            if gap < allowed_gap(before, wanted, close):
                 return False
     return True

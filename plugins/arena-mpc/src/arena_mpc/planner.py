@@ -12,7 +12,7 @@ import numpy as np
 from arena_core import Candidate, EpisodeStart, Fraction, NonNegativeInt, NoValidCommand, Observation, Planner, Positive, Robot, Twist
 from arena_kernels.escape import escape_command, escape_commands, keeps_gap
 from arena_kernels.passage import eased, room_along
-from arena_kernels.window import allowed_gap, clearance, footprint_outline
+from arena_kernels.window import CLOSE, allowed_gap, clearance, footprint_outline
 from arena_mpc.arrays import FloatArray
 from arena_mpc.detours import detours
 from arena_mpc.footprint import covering_discs, free_until
@@ -277,7 +277,7 @@ class MpcPlanner(Planner):
         """Return for how long the robot's outline touches nothing that stands on this plan, s."""
         x, y, theta = plan.states[0, :3].tolist()
         now = clearance(scene.window, self._outline, x, y, math.cos(theta), math.sin(theta), 0.1)
-        return free_until(scene.window, self._outline, plan.states[:, :3].copy(), allowed_gap(now, self._gap)) * plan.step
+        return free_until(scene.window, self._outline, plan.states[:, :3].copy(), allowed_gap(now, self._gap, CLOSE)) * plan.step
 
     def _braking(self, plan: Plan) -> float:
         """Return how long the robot drives the plan at least, s: one control period, and braking."""

@@ -159,7 +159,7 @@ class MppiPlanner(Planner):
         c, s = math.cos(pose.theta), math.sin(pose.theta)
         wanted = self._static.collision_gap * max(TIGHTEST, self._patience.left(pose, observation.stamp))
         gap = clearance(scene.window, self._body.outline, pose.x, pose.y, c, s, wanted)
-        least = allowed_gap(gap, wanted) if math.isfinite(gap) else wanted
+        least = allowed_gap(gap, wanted, 0.0) if math.isfinite(gap) else wanted
         state = np.array((c, s, *now), np.float32)
         critics = self._critics(observation)
         self._steps += 1

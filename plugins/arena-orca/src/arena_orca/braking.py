@@ -65,7 +65,7 @@ def can_stop(
         if look >= held and twist[0] == 0.0 and twist[1] == 0.0 and twist[2] == 0.0:
             break
         stand = next_stand(stand, twist)
-        if not keeps_from_walls(window, outline, now, stand, gap):
+        if not keeps_from_walls(window, outline, now, stand, gap, 0.0):
             return False
     return True
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from arena_kernels.compiled import borrowing
-from arena_kernels.window import Outline, Window, allowed_gap, clearance
+from arena_kernels.window import CLOSE, Outline, Window, allowed_gap, clearance
 from arena_teb.problem import FloatArray
 from arena_teb.terms import wrapped
 
@@ -21,7 +21,7 @@ def free_poses(band: FloatArray, window: Window, outline: Outline, poses: int, w
     A robot that stands near to something may come nearer by half of the gap. Beyond the window everything counts as free.
     """
     start = clearance(window, outline, band[0, 0], band[0, 1], math.cos(band[0, 2]), math.sin(band[0, 2]), 1.0)
-    least = allowed_gap(start, wanted)
+    least = allowed_gap(start, wanted, CLOSE)
     last = min(poses, len(band))
     for k in range(last - 1):
         dx, dy = band[k + 1, 0] - band[k, 0], band[k + 1, 1] - band[k, 1]
