@@ -1,4 +1,4 @@
-"""Who stands face to face with whom: two who want to go where the other is."""
+"""Who meets whom: two who want to go where the other is, and two who squeeze past each other."""
 
 from __future__ import annotations
 
@@ -8,11 +8,50 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import compiled
+from arena_kernels.ground import Ground, clearance, clearance_and_gradient
 
 Floats = NDArray[np.float64]
 
 NEAR = 0.3  # m between two bodies that may hinder each other
+PASSING = 2.0  # m between two bodies that begin to squeeze past each other
+SAME_WAY = 0.5  # cosine of the angle between two headings from which on one follows the other
 AHEAD = 0.7  # cosine of the angle from the heading, to either side, at which somebody is in the way
+
+
+@compiled
+def leave_out_passing(positions: Floats, radii: Floats, headings: Floats, ground: Ground, pairs: NDArray[np.int32], found: int) -> int:
+    """Take out of the list of pairs who squeeze past each other, shoulder first, and return how many are left.
+
+    They do where two do not fit beside each other, unless both go the same way: there is no other way for them.
+    """
+    kept = 0
+    for k in range(found):
+        i, j = pairs[k, 0], pairs[k, 1]
+        if not _pass(positions, radii, headings, ground, i, j):
+            pairs[kept, 0], pairs[kept, 1] = i, j
+            kept += 1
+    return kept
+
+
+@compiled
+def _pass(positions: Floats, radii: Floats, headings: Floats, ground: Ground, i: int, j: int) -> bool:
+    dx, dy = positions[j, 0] - positions[i, 0], positions[j, 1] - positions[i, 1]
+    beside = radii[i] + radii[j]
+    if dx * dx + dy * dy > (beside + PASSING) ** 2 or headings[i, 0] * headings[j, 0] + headings[i, 1] * headings[j, 1] > SAME_WAY:
+        return False
+    x, y, length = positions[i, 0], positions[i, 1], max(sqrt(dx * dx + dy * dy), 1e-9)
+    for way in (0.5 * length, -beside, length + beside):  # half-way, and behind either: a door is no narrow way
+        if not _is_for_one(ground, x + way / length * dx, y + way / length * dy, beside):
+            return False
+    return True
+
+
+@compiled
+def _is_for_one(ground: Ground, x: float, y: float, beside: float) -> bool:
+    """Tell whether two bodies beside each other, ``beside`` m to either side, fit neither at a free place nor right off its nearest wall."""
+    room, gx, gy = clearance_and_gradient(ground, x, y)
+    step = beside - room
+    return room > 0.0 and step > 0.0 and clearance(ground, x + step * gx, y + step * gy) < beside
 
 
 @compiled
