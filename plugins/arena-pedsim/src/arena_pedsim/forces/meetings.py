@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import compiled
-from arena_kernels.ground import Ground, clearance, clearance_and_gradient
+from arena_kernels.ground import Ground, clearance_and_gradient
 
 Floats = NDArray[np.float64]
 
 NEAR = 0.3  # m between two bodies that may hinder each other
+STEPS_OFF, OFF = 2, 0.1  # steps off the walls on which there may be room, for a corner has two; m that each goes too far
 PASSING = 2.0  # m between two bodies that begin to squeeze past each other
 SAME_WAY = 0.5  # cosine of the angle between two headings from which on one follows the other
 AHEAD = 0.7  # cosine of the angle from the heading, to either side, at which somebody is in the way
@@ -39,19 +40,28 @@ def _pass(positions: Floats, radii: Floats, headings: Floats, ground: Ground, i:
     beside = radii[i] + radii[j]
     if dx * dx + dy * dy > (beside + PASSING) ** 2 or headings[i, 0] * headings[j, 0] + headings[i, 1] * headings[j, 1] > SAME_WAY:
         return False
-    x, y, length = positions[i, 0], positions[i, 1], max(sqrt(dx * dx + dy * dy), 1e-9)
-    for way in (0.5 * length, -beside, length + beside):  # half-way, and behind either: a door is no narrow way
-        if not _is_for_one(ground, x + way / length * dx, y + way / length * dy, beside):
-            return False
-    return True
+    return (
+        _is_for_one(ground, positions[i, 0] + 0.5 * dx, positions[i, 1] + 0.5 * dy, beside)
+        and _is_for_one(ground, positions[i, 0], positions[i, 1], beside)
+        and _is_for_one(ground, positions[j, 0], positions[j, 1], beside)
+    )
 
 
 @compiled
 def _is_for_one(ground: Ground, x: float, y: float, beside: float) -> bool:
-    """Tell whether two bodies beside each other, ``beside`` m to either side, fit neither at a free place nor right off its nearest wall."""
+    """Tell whether a way is too narrow at a free place for two bodies who reach ``beside`` m to either side when beside each other.
+
+    It is not where there is room a little farther from the walls.
+    """
     room, gx, gy = clearance_and_gradient(ground, x, y)
-    step = beside - room
-    return room > 0.0 and step > 0.0 and clearance(ground, x + step * gx, y + step * gy) < beside
+    if room <= 0.0:
+        return False
+    for _ in range(STEPS_OFF):
+        if room >= beside:
+            return False
+        x, y = x + (beside - room + OFF) * gx, y + (beside - room + OFF) * gy
+        room, gx, gy = clearance_and_gradient(ground, x, y)
+    return room < beside
 
 
 @compiled
