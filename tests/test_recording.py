@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
-from arena_core import ABSENT, EpisodeRecord, InputFileError, OccupancyGrid, Pose, RunFolderError
+from arena_core import ABSENT, EpisodeRecord, InputFileError, OccupancyGrid, PedestrianSpec, Pose, RunFolderError, record_digest
 from arena_core.config.configuration import compose, plain
 from arena_core.config.registry import load_registry
 from arena_core.loop import recording
@@ -77,7 +77,7 @@ def test_records_are_rounded_to_their_grain_once_and_for_all(values):
 
 def test_every_step_has_its_row_and_the_last_row_is_the_final_state():
     steps = record(steps=31)
-    rows = {name: len(array) for name, array in steps.arrays.items() if not name.startswith(("contact_", "path_", "pedestrian_"))}
+    rows = {name: len(array) for name, array in steps.arrays.items() if not name.startswith(("contact_", "path_", "pedestrian_", "route_"))}
     assert set(rows.values()) == {31}
     assert len(steps["pedestrian_positions"]) == 31
     assert steps["stamp"][-1] == pytest.approx(3.0)
@@ -90,6 +90,29 @@ def test_contacts_paths_and_events_are_kept(tmp_path):
     assert steps["path_offsets"].tolist() == [0, len(steps["path_poses"])]
     assert steps["path_stamps"].tolist() == [0.0]
     assert steps.meta["events"] == [{"stamp": 0.0, "kind": "replan", "detail": "start"}]
+
+
+def test_where_people_were_going_is_kept_and_no_part_of_the_digest(tmp_path):
+    person = PedestrianSpec(3, np.zeros(2), np.array([[1.0, 2.0], [3.0, 4.0]]), 1.0, 0.3)
+    arrays = recording._route_arrays(np.array([7, 3, 8], np.int32), [person])
+    assert (arrays["route_points"].tolist(), arrays["route_offsets"].tolist()) == ([[1.0, 2.0], [3.0, 4.0]], [0, 0, 2, 2])
+    steps = record()
+    older = EpisodeRecord({name: array for name, array in steps.arrays.items() if not name.startswith("route_")}, steps.meta, {})
+    assert older.arrays.keys() < steps.arrays.keys()
+    assert record_digest(older) == record_digest(steps)
+    write_record(tmp_path, 0, older)
+    assert set(read_record(tmp_path / "records" / "0000.npz").arrays) == set(older.arrays)
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"route_offsets": np.array([0, 0])}, {"route_points": np.zeros((1, 3))}, {"route_offsets": np.array([0, 0, 0])}]
+)
+def test_routes_that_are_not_those_of_the_people_are_no_record(tmp_path, wrong):
+    steps = record()
+    arrays = {**steps.arrays, "route_points": np.zeros((1, 2)), "route_offsets": np.array([0, 1]), **wrong}
+    write_record(tmp_path, 0, EpisodeRecord(arrays, steps.meta, {}))
+    with pytest.raises(InputFileError, match="no record"):
+        read_record(tmp_path / "records" / "0000.npz")
 
 
 def test_who_leaves_keeps_the_column_and_is_nowhere():

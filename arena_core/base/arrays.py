@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import math
 import zipfile
-from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
@@ -13,7 +12,7 @@ from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from arena_core.base.errors import InputFileError
-from arena_core.base.files import read_bytes, reason_of
+from arena_core.base.files import AnyPath, read_bytes, reason_of
 from arena_core.base.limits import LIMITS
 
 MOST_MEMBERS = 1000  # arrays of one file
@@ -21,7 +20,7 @@ PACKINGS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # others take memory as t
 KINDS = "biufUS"  # truths, numbers and texts; no objects, which could be code
 
 
-def read_arrays(path: Path, allowed: str) -> dict[str, NDArray[Any]]:
+def read_arrays(path: AnyPath, allowed: str) -> dict[str, NDArray[Any]]:
     """Return the arrays of an .npz file by their names; raise InputFileError, which names ``allowed`` as what may be there."""
     content = read_bytes(path, LIMITS.arrays_bytes, allowed)
     try:
@@ -33,7 +32,7 @@ def read_arrays(path: Path, allowed: str) -> dict[str, NDArray[Any]]:
         raise InputFileError(f"{path}: damaged ({reason_of(error)}); allowed: {allowed}") from None
 
 
-def read_array(path: Path, allowed: str) -> NDArray[Any]:
+def read_array(path: AnyPath, allowed: str) -> NDArray[Any]:
     """Return the array of an .npy file; raise InputFileError."""
     content = read_bytes(path, LIMITS.arrays_bytes, allowed)
     try:

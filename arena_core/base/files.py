@@ -20,18 +20,20 @@ from arena_core.base.limits import LIMITS
 if TYPE_CHECKING:
     import yaml
 
+AnyPath = str | Path
 QUOTED = 120  # characters of a reason
 PART = 2**20  # bytes
 BRACKETS = {ord("["): 1, ord("{"): 1, ord("]"): -1, ord("}"): -1}
 
 
-def read_bytes(path: Path, largest: int, allowed: str, unpack: bool = True) -> bytes:
+def read_bytes(path: AnyPath, largest: int, allowed: str, unpack: bool = True) -> bytes:
     """Return a file's content; raise InputFileError, which names ``allowed`` as what may be there.
 
     A file whose name ends in .gz is unpacked unless that is not wanted.
 
     More than ``largest`` bytes are refused, and so is what is no file: a folder, a pipe that would be waited for, a device without end.
     """
+    path = Path(path)
     packed = unpack and path.suffix == ".gz"
     if not is_readable(path):
         raise InputFileError(f"{path}: lies outside the folder that is served, or leads out of it; allowed: a file in it")
@@ -52,15 +54,15 @@ def read_bytes(path: Path, largest: int, allowed: str, unpack: bool = True) -> b
     return content
 
 
-def is_file(path: Path) -> bool:
-    """Tell whether a file is there and may be read; not where no file can be, by a name that is too long or has a NUL in it."""
+def is_file(path: AnyPath) -> bool:
+    """Return whether a file is there and may be read; not where no file can be, by a name that is too long or has a NUL in it."""
     try:
-        return is_readable(path) and path.is_file()
+        return is_readable(Path(path)) and Path(path).is_file()
     except (OSError, ValueError):
         return False
 
 
-def read_text(path: Path, largest: int, allowed: str) -> str:
+def read_text(path: AnyPath, largest: int, allowed: str) -> str:
     """Return a file's text, UTF-8 with or without a byte order mark; raise InputFileError."""
     try:
         return read_bytes(path, largest, allowed).decode("utf-8-sig")
@@ -68,7 +70,7 @@ def read_text(path: Path, largest: int, allowed: str) -> str:
         raise InputFileError(f"{path}: is no text in UTF-8 ({reason_of(error)}); allowed: {allowed}") from None
 
 
-def read_json(path: Path, allowed: str) -> Any:
+def read_json(path: AnyPath, allowed: str) -> Any:
     """Return what a JSON file holds; raise InputFileError for anything else, a key that is there twice and NaN among it."""
     text = read_text(path, LIMITS.json_bytes, allowed)
     try:
@@ -80,7 +82,7 @@ def read_json(path: Path, allowed: str) -> Any:
         raise InputFileError(f"{path}: is no JSON ({reason_of(error)}); allowed: {allowed}") from None
 
 
-def read_yaml(path: Path, allowed: str) -> Any:
+def read_yaml(path: AnyPath, allowed: str) -> Any:
     """Return what a YAML file holds; raise InputFileError for anything else, aliases and a key that is there twice among it."""
     import yaml
 
@@ -97,7 +99,7 @@ def read_yaml(path: Path, allowed: str) -> Any:
         raise InputFileError(f"{path}: is no YAML ({place}{reason_of(error)}); allowed: {allowed}") from None
 
 
-def read_table(path: Path, allowed: str) -> tuple[list[str], list[dict[str, str]]]:
+def read_table(path: AnyPath, allowed: str) -> tuple[list[str], list[dict[str, str]]]:
     """Return the columns and rows of a CSV file; raise InputFileError, also for a row of another length than the first."""
     text = read_text(path, LIMITS.table_bytes, allowed)
     try:

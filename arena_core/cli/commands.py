@@ -6,6 +6,7 @@ import argparse
 import os
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import chdir
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -66,7 +67,8 @@ class RunTask:
 
         hydra: Any = HydraConfig.instance().cfg
         one = request(config, hydra)
-        told = self.run([one])
+        with chdir(hydra.hydra.runtime.cwd):  # where hydra.job.chdir has left it, relative paths would mean others
+            told = self.run([one])
         if hydra.hydra.mode == RunMode.MULTIRUN:  # this is the process of another launcher: nobody will look at this object
             if self.error is not None:
                 raise self.error
@@ -74,8 +76,8 @@ class RunTask:
                 raise RunStopped(f"{one.folder}: some episode failed with an error; its episodes.csv says which")
         return told[0] if told else None
 
-    def run(self, requests: Sequence[RunRequest]) -> list[Any]:
-        """Run all requests; return for each its objective, else the exit status.
+    def run(self, requests: Sequence[RunRequest], above: Path | None = None) -> list[Any]:
+        """Run all requests, those of a multirun in folders below ``above``; return for each its objective, else the exit status.
 
         Keeps the worst exit status, or the error, and then returns nothing: Hydra would print lines of its own about it.
         """
@@ -86,7 +88,7 @@ class RunTask:
                 if objective is not None:
                     check_objective(plain(one.config), registry)
             runs = run_all(requests, registry)
-            report(runs, registry)
+            report(runs, registry, above)
             self.status = max(self.status, *(int(run.failed) for run in runs))
             folders = [request.folder for request in requests]
             return [self.status if o is None else objective_of(folder, o) for folder, o in zip(folders, wanted, strict=True)]

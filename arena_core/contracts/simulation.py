@@ -67,9 +67,11 @@ class PedestrianModel(ABC):
     Where its configuration has a key ``reaction`` (to the robot: ignore, yield ...), tables tell cells apart by it.
 
     ``gait`` is how lidars see who ``walks``: as two legs; None: everybody is a disc. Contacts and clearances are those of discs always.
+    ``through_walls``: nothing that stands stops them, for they walk as somebody else has seen them walk.
     """
 
     gait: Gait | None = None
+    through_walls: bool = False
 
     @abstractmethod
     def reset(self, slots: NDArray[np.int64], scenarios: Sequence[Scenario], total: int) -> Crowd:

@@ -37,8 +37,10 @@ LAYOUT: Mapping[str, tuple[Extents, str]] = {
     "path_stamps": (("K",), REAL),
 }
 
-# only where a run kept them (arena_core.loop.extras); each with what its offsets count
+# only where a run kept them (arena_core.loop.extras), or since records hold them; each with what its offsets count
 EXTRAS: Mapping[str, tuple[Extents, str]] = {
+    "route_points": (("W", 2), REAL),
+    "route_offsets": (("B",), WHOLE),  # one more than people
     "considered_rows": (("R",), WHOLE),
     "considered_offsets": (("O",), WHOLE),
     "considered_points": (("M", 2), REAL),
@@ -51,6 +53,7 @@ EXTRAS: Mapping[str, tuple[Extents, str]] = {
     "track_radii": (("K",), REAL),
 }
 OFFSETS = {
+    "route": (("route_offsets", "route_points"),),
     "considered": (("considered_rows", "considered_costs"), ("considered_offsets", "considered_points")),
     "track": (("track_rows", "track_ids"),),
 }
@@ -124,7 +127,7 @@ def _fault_of_extras(arrays: Mapping[str, NDArray[Any]]) -> str:
         layout = {name: said for name, said in EXTRAS.items() if name.startswith(f"{prefix}_")}
         if not any(name in arrays for name in layout):
             continue
-        if fault := _misfit(arrays, layout, {"R": len(arrays["stamp"])}):
+        if fault := _misfit(arrays, layout, {"R": len(arrays["stamp"]), "B": len(arrays["pedestrian_ids"]) + 1}):
             return fault
         places = [name for name in layout if name.endswith(("_points", "_positions", "_velocities", "_radii"))]
         if far := next((name for name in places if not (np.abs(arrays[name]) <= LIMITS.record_farthest).all()), ""):

@@ -5,40 +5,43 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+from arena_core.base.files import AnyPath
+
 SHARD = 1000  # episodes of one folder: file systems, and people, are slow in folders of a hundred thousand files
 PARTS = ("records", "timing")
 OF_EPISODE = r"(?:\d{3,5}/)?\d{4,8}\.npz"  # below a part's folder
 NUMBERED = re.compile(r"\d{3,5}")
 
 
-def record_path(folder: Path, episode: int) -> Path:
+def record_path(folder: AnyPath, episode: int) -> Path:
     """Return where the record of an episode lies in its run's folder: ``records/0007.npz``, ``records/012/12345.npz``."""
     return part_path(folder, "records", episode)
 
 
-def timing_path(folder: Path, episode: int) -> Path:
+def timing_path(folder: AnyPath, episode: int) -> Path:
     """Return where an episode's wall-clock times lie."""
     return part_path(folder, "timing", episode)
 
 
-def part_path(folder: Path, part: str, episode: int) -> Path:
+def part_path(folder: AnyPath, part: str, episode: int) -> Path:
     """Return where a part of an episode lies, one of ``PARTS``."""
-    name = f"{episode:04d}.npz"
+    folder, name = Path(folder), f"{episode:04d}.npz"
     return folder / part / name if episode < SHARD else folder / part / f"{episode // SHARD:03d}" / name
 
 
-def record_paths(folder: Path) -> list[Path]:
+def record_paths(folder: AnyPath) -> list[Path]:
     """Return the records that a run's folder holds, in order of episode."""
     return part_paths(folder, "records")
 
 
-def timing_paths(folder: Path) -> list[Path]:
+def timing_paths(folder: AnyPath) -> list[Path]:
     """Return the files of wall-clock times that a run's folder holds, in order of episode."""
     return part_paths(folder, "timing")
 
 
-def part_paths(folder: Path, part: str) -> list[Path]:
+def part_paths(folder: AnyPath, part: str) -> list[Path]:
     """Return the files of one part, one of ``PARTS``, in order of episode."""
+    folder = Path(folder)
     found = [*(folder / part).glob("[0-9]*.npz"), *(folder / part).glob("[0-9][0-9][0-9]*/[0-9]*.npz")]
     return sorted((path for path in found if path.stem.isdecimal()), key=lambda path: int(path.stem))
 

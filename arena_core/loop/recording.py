@@ -6,7 +6,7 @@ import io
 import json
 import os
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from hashlib import blake2b
 from pathlib import Path
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from arena_core.base.arrays import read_arrays
 from arena_core.base.errors import InputFileError, RunFolderError, one_line
-from arena_core.base.files import reason_of
+from arena_core.base.files import AnyPath, reason_of
 from arena_core.base.frozen import frozen
 from arena_core.base.limits import LIMITS
 from arena_core.base.stopwatch import Duration
@@ -33,7 +33,7 @@ from arena_core.values.furniture import furniture_meta
 from arena_core.values.geometry import Pose
 from arena_core.values.robot import Robot
 from arena_core.values.sensing import Sensors
-from arena_core.values.world import OccupancyGrid
+from arena_core.values.world import OccupancyGrid, PedestrianSpec
 from arena_core.values.world import Path as GlobalPath
 
 FORMAT = 1
@@ -67,6 +67,7 @@ class Recorder:
         keep_tracks: bool = False,
         keep_considered: bool = False,
     ) -> None:
+        self._people = scenario.pedestrians
         self._meta = {"format": FORMAT, **meta, "scenario": _scenario_meta(scenario), "robot": robot_meta(robot)}
         self._keep_scans, self._keep_tracks, self.keeps_considered = keep_scans, keep_tracks, keep_considered
         self._states: list[WorldState] = []
@@ -97,6 +98,7 @@ class Recorder:
             **_truth_arrays(states),
             **_decision_arrays(self._decisions, decision),
             **_people_arrays(states),
+            **_route_arrays(states[0].pedestrians.ids, self._people),
             **_contact_arrays([c for s in states for c in s.contacts]),
             **_path_arrays(self._decisions),
             "scan_min": np.array([*self._scan_minima, np.nan]),
@@ -122,8 +124,9 @@ def write_record(folder: Path, episode: int, record: EpisodeRecord) -> None:
     write_whole(arrays, lambda file: _write_npz(file, {"meta": np.array(meta), **record.arrays}))
 
 
-def read_record(path: Path) -> EpisodeRecord:
+def read_record(path: AnyPath) -> EpisodeRecord:
     """Read a record with its timing; raise InputFileError when it is missing, damaged, of another format, or a link out of the run."""
+    path = Path(path)
     check_inside(run_folder_of(path), path)
     arrays = _read_npz(path)
     try:
@@ -146,8 +149,9 @@ def _read_timing(path: Path) -> dict[str, NDArray[np.float64]]:
     return arrays
 
 
-def find_runs(directory: Path) -> list[Path]:
+def find_runs(directory: AnyPath) -> list[Path]:
     """Return every run's folder at or below ``directory``, sorted; raise InputFileError when there is none."""
+    directory = Path(directory)
     try:
         there = directory.is_dir()
     except (OSError, ValueError) as error:  # a name that is too long, or that none can have
@@ -160,10 +164,10 @@ def find_runs(directory: Path) -> list[Path]:
     return runs
 
 
-def check_inside(folder: Path, path: Path) -> None:
+def check_inside(folder: AnyPath, path: AnyPath) -> None:
     """Raise InputFileError where a path leads out of a folder, by .. or by a link."""
     try:
-        real, root = path.resolve(), folder.resolve()
+        real, root = Path(path).resolve(), Path(folder).resolve()
     except (OSError, ValueError, RuntimeError) as error:  # RuntimeError: links in a circle; ValueError: a null
         raise InputFileError(f"{path}: cannot be found ({reason_of(error)}); allowed: a file inside {folder}") from None
     if not real.is_relative_to(root):
@@ -182,9 +186,9 @@ def write_grid(folder: Path, grid: OccupancyGrid) -> str:
     return name
 
 
-def read_grid(path: Path) -> OccupancyGrid:
+def read_grid(path: AnyPath) -> OccupancyGrid:
     """Read a run's map, ``worlds/HASH.npz``; raise InputFileError when it is missing, damaged or leads out of the run's folder."""
-    allowed = "the maps that `arena run` wrote beside the records"
+    path, allowed = Path(path), "the maps that `arena run` wrote beside the records"
     check_inside(path.parent.parent, path)
     content = read_arrays(path, allowed)
     try:
@@ -198,11 +202,12 @@ def read_grid(path: Path) -> OccupancyGrid:
     return OccupancyGrid(data, resolution, Pose.of(origin))
 
 
-def write_whole(path: Path, write: Callable[[IO[bytes]], object]) -> None:
+def write_whole(path: AnyPath, write: Callable[[IO[bytes]], object]) -> None:
     """Write a file beside its place, have the disk take it, and rename it: no half-written file is ever seen, not after a power cut either.
 
     Raises RunFolderError with the file and the reason (no space left, not writable).
     """
+    path = Path(path)
     temporary = path.parent / f".{path.name}.{token_hex(4)}"  # named before it is made: Ctrl-C may come right after
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -221,12 +226,12 @@ def write_whole(path: Path, write: Callable[[IO[bytes]], object]) -> None:
         raise
 
 
-def write_text_whole(path: Path, text: str) -> None:
+def write_text_whole(path: AnyPath, text: str) -> None:
     """Write a text file as ``write_whole`` does, UTF-8, with escapes in place of what UTF-8 has not (lone surrogates)."""
     write_bytes_whole(path, text.encode(errors="backslashreplace"))
 
 
-def write_bytes_whole(path: Path, content: bytes) -> None:
+def write_bytes_whole(path: AnyPath, content: bytes) -> None:
     """Write a file as ``write_whole`` does."""
     write_whole(path, lambda file: file.write(content))
 
@@ -318,6 +323,16 @@ def _people_arrays(states: list[WorldState]) -> dict[str, NDArray[Any]]:
         "pedestrian_positions": np.array([p.positions for p in people], dtype=np.float32),
         "pedestrian_velocities": np.array([p.velocities for p in people], dtype=np.float32),
         "pedestrian_states": np.array([p.states for p in people], dtype=np.int8),
+    }
+
+
+def _route_arrays(ids: NDArray[Any], people: Sequence[PedestrianSpec]) -> dict[str, NDArray[Any]]:
+    """Return where everybody was to go: nowhere for those of whom the scenario does not say."""
+    waypoints = {person.id: person.waypoints_xy for person in people}
+    routes = [waypoints.get(number, np.empty((0, 2))) for number in ids.tolist()]
+    return {
+        "route_points": np.concatenate([np.empty((0, 2)), *routes]),
+        "route_offsets": np.cumsum([0, *map(len, routes)], dtype=np.int64),
     }
 
 

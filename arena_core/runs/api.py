@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 class Run:
     """One run on disk: a cell's episodes. ``folder`` is where it lies."""
 
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
+    def __init__(self, folder: str | Path) -> None:
+        self.folder = Path(folder)
 
     @property
     def config(self) -> Mapping[str, Any]:

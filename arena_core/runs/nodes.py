@@ -42,9 +42,9 @@ class Delivery:
 class Node:
     """A machine's share of runs; ``folder``, of its own, is where its workers write; None: straight to the runs' folders."""
 
-    def __init__(self, workers: int | None, budgets: Budgets, folder: Path | None = None) -> None:
+    def __init__(self, workers: int | None, budgets: Budgets, folder: str | Path | None = None) -> None:
         self._supervisor = Supervisor(workers, budgets)
-        self._folder = folder
+        self._folder = None if folder is None else Path(folder)
         self._homes: dict[str, str] = {}
         self._handed_over: set[Path] = set()
         self._checked: set[int] = set()

@@ -26,10 +26,10 @@ class OutsideRun:
     where a run is there already.
     """
 
-    def __init__(self, folder: Path, config: Mapping[str, Any], registry: Registry, code: Code, notes: Sequence[str] = ()) -> None:
-        if (folder / NAME).exists():
+    def __init__(self, folder: str | Path, config: Mapping[str, Any], registry: Registry, code: Code, notes: Sequence[str] = ()) -> None:
+        self.folder = Path(folder)
+        if (self.folder / NAME).exists():
             raise ConfigurationError(f"{folder} holds a run already; allowed: a folder that is free")
-        self.folder = folder
         self._config, self._code, self._notes = dict(config), code, list(notes)
         self._packs = build_metrics(config, registry)
         self.rows: list[dict[str, Any]] = []

@@ -16,7 +16,7 @@ from typing import Any
 from pluggy import PluginManager
 
 from arena_core.base.errors import RunFolderError, one_line
-from arena_core.base.files import read_json
+from arena_core.base.files import AnyPath, read_json
 from arena_core.config.configuration import option_files
 from arena_core.runs.benchmark import config_hash
 from arena_core.runs.code_digest import Code
@@ -87,9 +87,9 @@ def cpu_kind() -> str:
     return platform.processor() or platform.machine()
 
 
-def read_provenance(folder: Path) -> dict[str, Any]:
+def read_provenance(folder: AnyPath) -> dict[str, Any]:
     """Return what a run's folder says of its run; raise RunFolderError where it is damaged."""
-    path = folder / NAME
+    path = Path(folder) / NAME
     try:
         facts: dict[str, Any] = read_json(path, "what `arena run` wrote")
         facts["config"]["seed"]

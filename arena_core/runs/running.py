@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -66,16 +67,26 @@ def run_all(requests: Sequence[RunRequest], registry: Registry) -> list[OpenRun]
     return runs
 
 
-def report(runs: Sequence[OpenRun], registry: Registry) -> None:
-    """Write a report over the runs where a plugin offers one and the configuration wants it; else say where the records are."""
+def report(runs: Sequence[OpenRun], registry: Registry, above: Path | None = None) -> None:
+    """Write a report over the runs where a plugin offers one and the configuration wants it; else say where the records are.
+
+    That of several runs lies in the folder ``above`` them, or in the one that they share where some lie elsewhere.
+    """
     reporters = registry.names("reporter")
     if not reporters or not all(run.config["report"] for run in runs):
         for run in runs:
             print(f"records: {run.folder}")
         return
-    folder = runs[0].folder if len(runs) == 1 else runs[0].folder.parent
+    folder = runs[0].folder if len(runs) == 1 else _shared([run.folder for run in runs], above)
     with interrupts.heard():
         registry.component("reporter", reporters[0]).resolve()().report([folder], folder / "report")
+
+
+def _shared(folders: Sequence[Path], above: Path | None) -> Path:
+    """Return the folder in which all of several lie: ``above`` where it is one, else the deepest."""
+    if above is not None and all(folder.is_relative_to(above.resolve()) for folder in folders):
+        return above
+    return Path(os.path.commonpath(folders))
 
 
 def _drive(runs: Sequence[OpenRun], executor: Executor, staff: ExitStack) -> None:

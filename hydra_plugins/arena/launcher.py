@@ -39,7 +39,7 @@ class ArenaLauncher(Launcher):
                 self.task.show.show(initial_job_idx + i, overrides, self._composed(list(overrides), initial_job_idx + i))
             raise Shown
         prepared = [self._prepare(list(overrides), initial_job_idx + i) for i, overrides in enumerate(job_overrides)]
-        told = self.task.run([request(job.cfg, job.hydra_cfg) for job in prepared])
+        told = self.task.run([request(job.cfg, job.hydra_cfg) for job in prepared], Path(str(self.config.hydra.sweep.dir)).absolute())
         if self.task.error is not None:
             raise self.task.error
         for i, (job, value) in enumerate(zip(prepared, told, strict=True)):

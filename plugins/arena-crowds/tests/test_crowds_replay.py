@@ -1,10 +1,12 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_core import ABSENT, ConfigurationError, ImpossibleScenario, InputFileError, local_path
-from arena_core.testing import component
+from arena_core import ABSENT, ConfigurationError, ImpossibleScenario, InputFileError, Obstacle, local_path
+from arena_core.testing import component, robot
 from arena_crowds.replay.recordings import read_recording
 
 
@@ -148,3 +150,47 @@ def test_a_bad_recording_is_one_line(tmp_path, content, says):
 def test_bad_settings_are_one_line(override, says):
     with pytest.raises((InputFileError, ConfigurationError), match=says):
         replay(override)
+
+
+@pytest.fixture
+def straight(tmp_path):
+    """Return a recording: person 3 walks from x = 1 to 9 at y = 5 in 8 s, through whatever is there."""
+    path = tmp_path / "straight.txt"
+    path.write_text("# framerate: 5\n# frame id x/m y/m\n" + "".join(f"{k} 3 {1.0 + 0.2 * k:.1f} 5\n" for k in range(41)))
+    return path
+
+
+@pytest.mark.parametrize("walls", [(), ((4.0, 3.0, 4.05, 9.0),), ((3.0, 2.0, 7.0, 9.0),)], ids=["open", "thin", "thick"])
+def test_a_recorded_person_walks_through_walls_and_obstacles_in_a_run(stage, straight, walls, capsys):
+    grid = stage.hall(10, 10, walls)
+    obstacle = Obstacle(np.array([[8.0, 5.0]]), 0.3)
+    scenario = replace(stage.scenario(grid), obstacles=(obstacle,))
+    people = replay(f"path={straight}", "start_time=0.0")
+    simulator = component("simulator", "sim2d", robot=robot(), pedestrians=people)
+    snapshot = simulator.reset([scenario])
+    for _ in range(70):
+        snapshot = simulator.advance(np.zeros((1, 3)), round(0.1 / simulator.inner_step))
+        assert snapshot.crowd.positions[0, 0] == pytest.approx((1.0 + float(snapshot.stamps[0]), 5.0), abs=1e-6)
+    told = f"{straight}: person 3, and maybe others, walk through walls of hall"
+    assert (told in capsys.readouterr().err) == bool(walls)
+
+
+def test_a_person_who_left_for_a_while_was_not_there(stage, tmp_path):
+    path = tmp_path / "absence.txt"
+    seen = [*range(11), *range(50, 61)]  # at 5 frames a second: two seconds, eight seconds away, two seconds
+    path.write_text("# framerate: 5\n# frame id x/m y/m\n" + "".join(f"{k} 3 {0.2 * k:.1f} {5.0 if k < 20 else 7.0}\n" for k in seen))
+    model = replay(f"path={path}", "start_time=0.0")
+    crowds = list(stage.walk(model, [stage.scenario(stage.hall(20, 20))], 11.9, dt=0.1))
+    there = [crowd.states[0, 0] != ABSENT for crowd in crowds]
+    assert [k for k in range(1, 119) if there[k] != there[k - 1]] == [20, 99]
+    assert {tuple(np.round(crowd.velocities[0, 0], 6)) for crowd, is_there in zip(crowds, there, strict=True) if is_there} == {(1.0, 0.0)}
+    recording = read_recording(path, "frames")
+    assert recording.longest_gap == pytest.approx(1.0)
+
+
+def test_rare_samples_are_no_absences(tmp_path):
+    path = tmp_path / "rare.txt"
+    path.write_text("# framerate: 1\n# frame id x/m y/m\n" + "".join(f"{3 * k} 3 {3.0 * k} 0\n" for k in (0, 1, 2, 4, 5, 6)))
+    recording = read_recording(path, "frames")
+    positions, _ = recording.at(np.zeros(7, np.int64), np.arange(7.0, 14.0))
+    assert np.isfinite(positions).all()

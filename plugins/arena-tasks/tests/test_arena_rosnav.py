@@ -152,6 +152,12 @@ def test_what_is_not_representable_is_noted_in_one_line(tmp_path: Path, content:
     assert noted([read(tmp_path, content)]) == note
 
 
+def test_a_round_of_a_kind_that_nobody_knows_is_a_loop_and_noted(tmp_path: Path) -> None:
+    problem = read(tmp_path, with_person(waypoint_mode=2))
+    assert "waypoint_mode" not in problem.pedestrians[0].behaviour
+    assert "people of waypoint_mode 2 walk their waypoints in a loop (1)" in problem.notes
+
+
 @pytest.mark.parametrize(
     ("content", "said"),
     [
@@ -160,7 +166,7 @@ def test_what_is_not_representable_is_noted_in_one_line(tmp_path: Path, content:
         ({**GOOD, "robots": [{"start": ["X", "Y"], "goal": [0, 0]}]}, r'robots\[0\]\.start\[0\] is "X"; allowed: a finite number'),
         ({**GOOD, "obstacles": {"dynamic": ["<AGENT>"]}}, r'obstacles\.dynamic\[0\] is "<AGENT>"; allowed: a mapping'),
         (with_person(waypoints=[[1]]), r"obstacles\.dynamic\[0\]\.waypoints\[0\] is \[1\]; allowed: \[x, y\] or \[x, y, theta\]"),
-        (with_person(waypoint_mode=2), r"obstacles\.dynamic\[0\]\.waypoint_mode is 2; allowed: a whole number 0 \.\. 1"),
+        (with_person(waypoint_mode="2"), r'obstacles\.dynamic\[0\]\.waypoint_mode is "2"; allowed: a whole number'),
         (with_obstacles(dynamic=[{"waypoints": []}]), r"obstacles\.dynamic\[0\]\.pos is missing"),
         (with_obstacles(static=[{"pos": [1, 2, 3]}]), r"obstacles\.static\[0\]\.model is missing"),
         (with_obstacles(static=[{"model": "", "pos": [1, 2, 3]}]), r'obstacles\.static\[0\]\.model is ""; allowed: a text'),

@@ -69,6 +69,13 @@ def test_a_round_at_random_is_left_to_the_model(tmp_path: Path) -> None:
     assert problem.pedestrians[0].behaviour["waypoint_mode"] == 1
 
 
+def test_a_round_of_a_kind_that_nobody_knows_is_a_loop_and_noted(tmp_path: Path) -> None:
+    agents = [{**AGENT, "waypoint_mode": mode} for mode in (2, 0, 7, 2)]
+    (problem,) = read_scenarios(write(tmp_path, {**GOOD, "pedsim_agents": agents}), DEFAULTS)
+    assert [person.behaviour.get("waypoint_mode") for person in problem.pedestrians] == [None] * 4
+    assert problem.notes == ("people of waypoint_mode 2, 7 walk their waypoints in a loop (3)",)
+
+
 MODEL = """
 bodies:
   - name: base
@@ -162,8 +169,8 @@ def test_a_group_stands_close_together_without_touching(tmp_path: Path) -> None:
         ({**GOOD, "robot_goal": [1]}, r"robot_goal is \[1\]; allowed: \[x, y\]"),
         ({k: v for k, v in GOOD.items() if k != "robot_position"}, "robot_position is missing"),
         (
-            {**GOOD, "pedsim_agents": [{**AGENT, "waypoint_mode": 2}]},
-            r"pedsim_agents\[0\]\.waypoint_mode is 2; allowed: a whole number 0 \.\. 1",
+            {**GOOD, "pedsim_agents": [{**AGENT, "waypoint_mode": 0.5}]},
+            r"pedsim_agents\[0\]\.waypoint_mode is 0\.5; allowed: a whole number",
         ),
         (
             {**GOOD, "pedsim_agents": [{**AGENT, "number_of_peds": 0}]},

@@ -196,6 +196,30 @@ def test_the_map_of_our_own_format_lies_where_the_file_says(tmp_path: Path) -> N
         find_map(file, None)
 
 
+FORMATS = {
+    "arena-rosnav": {"robots": [{"start": [1, 1], "goal": [2, 2]}], "obstacles": {}},
+    "arena-tools": {"pedsim_agents": [], "map_path": "/home/somebody/maps/hall/map.yaml"},
+    "arena-tools in a world": {"pedsim_agents": [], "map_path": "/home/somebody/worlds/hall/map/map.yaml"},
+    "arena-tools without a map": {"pedsim_agents": []},
+    "flatland": {"scenarios": [{"scene_name": "s"}]},
+    "ours": {"format": "arena-scenario", "version": 2, "scenarios": []},
+}
+
+
+@pytest.mark.parametrize("written", FORMATS.values(), ids=FORMATS)
+@pytest.mark.parametrize("place", ["hall/map", "hall"])
+@pytest.mark.parametrize("folder", ["scenarios", "scenarios/easy"])
+def test_a_scenario_of_any_format_finds_the_map_of_the_world_it_lies_in(tmp_path: Path, written: Any, place: str, folder: str) -> None:
+    worlds = tmp_path / "worlds"
+    wanted = site(worlds / place)
+    site(worlds / "other" / "map")
+    file = worlds / "hall" / folder / "s.json"
+    file.parent.mkdir(parents=True)
+    file.write_text(json.dumps(written))
+    assert find_map(file, None).resolve() == wanted.resolve()
+    assert find_map(file, worlds).resolve() == wanted.resolve()
+
+
 @pytest.mark.parametrize(
     ("map_path", "said"),
     [

@@ -43,6 +43,7 @@ PERSON = np.dtype(
         ("walks", np.int64),  # 1: lidars see two legs
         *((name, np.float64) for name in ("steps", "leg_vx", "leg_vy")),  # steps walked, and the velocity that the legs have taken up
         *((name, np.float64) for name in ("from_x", "from_y")),  # where it was when the steps were last counted
+        ("through_walls", np.int64),  # 1: nothing that stands stops it
         ("alone", np.int64),  # 1: it meets nothing in the ticks that are run
     ]
 )

@@ -27,7 +27,7 @@ def move_people(world: World, tick: int, dt: float) -> None:
         if person.alone:
             person.x, person.y = x, y
             continue
-        if not is_clear(world, x, y, person.radius):
+        if not person.through_walls and not is_clear(world, x, y, person.radius):
             x, y, free = _out_of_things(world, person)
         near = world.body.radius + person.radius
         if free and (x - robot.x) ** 2 + (y - robot.y) ** 2 < near * near:
@@ -71,7 +71,9 @@ def _off_the_robot(world: World, i: int, tick: int, dt: float, x: float, y: floa
     x, y = x + (TOLERANCE - gap[0]) * gap[1], y + (TOLERANCE - gap[0]) * gap[2]
     body = disc_like(world.person, person.radius)
     place(body, x, y, 0.0)
-    free = gap_to_disc(world.body, x, y, person.radius)[0] >= 0.0 and gap_of_person(world, body, -TOLERANCE)[0] == math.inf
+    free = gap_to_disc(world.body, x, y, person.radius)[0] >= 0.0
+    if not person.through_walls:
+        free &= gap_of_person(world, body, -TOLERANCE)[0] == math.inf
     return x, y, free
 
 

@@ -108,6 +108,7 @@ class Sim2d(Simulator):
         scenarios = [self._scenarios[slot] for slot in slots.tolist()]
         self._crowd = self._pedestrians.reset(slots, scenarios, len(self._scenarios))
         self._worlds = begin(self._worlds, self._scenarios, slots, self._crowd, self._pool, self._edges, self._reach)
+        self._worlds.people["through_walls"] = self._pedestrians.through_walls
         if self._pedestrians.gait is not None:
             begin_walking(self._worlds.people, self._pedestrians.walks(self._crowd), scenarios, slots)
         self._measure_gaps(self._worlds, slots, self._gaps)

@@ -20,8 +20,10 @@ from arena_core import (
     Positive,
     RobotBatch,
     Scenario,
+    World,
     generator,
     local_path,
+    tell,
 )
 from arena_crowds.replay.recordings import Format, read_recording
 from arena_crowds.replay.scale import Unit
@@ -34,7 +36,12 @@ NOBODY = -1
 
 
 class ReplayedCrowd(PedestrianModel):
-    """People of a recording. Scenarios' own people are left out; neither robots nor walls change anything."""
+    """People of a recording. Scenarios' own people are left out; neither robots nor walls change anything.
+
+    Whoever walks through a wall, since the recording is not of this map, is told of.
+    """
+
+    through_walls = True
 
     def __init__(
         self,
@@ -61,6 +68,7 @@ class ReplayedCrowd(PedestrianModel):
             raise ConfigurationError(
                 f"pedestrians.start_time is {start_time:g}; allowed: below {recording.duration:g} s, the recording's end"
             )
+        self._path, self._unaware_of_walls = path, True
         self._cubic = interpolation == "cubic"
         self._speed, self._start_time, self._clear_start, self._radius = speed, start_time, clear_start, radius
         self._clear(0)
@@ -83,8 +91,19 @@ class ReplayedCrowd(PedestrianModel):
             self._walks = grown(self._walks, len(walks), NOBODY)
             self._walks[slot, : len(walks)], self._walks[slot, len(walks) :] = walks, NOBODY
             worlds[slot] = self._people(walks, begin)
+            self._tell_of_walls(walks, scenario.world)
         self._crowd = with_worlds(self._crowd, worlds)
         return self._crowd
+
+    def _tell_of_walls(self, walks: NDArray[np.int64], world: World) -> None:
+        """Tell once whether somebody walks where the map has a wall."""
+        bounds, grid = self._recording.first, world.grid
+        for walk in walks.tolist() if self._unaware_of_walls else ():
+            cells = grid.cells(self._recording.positions[bounds[walk] : bounds[walk + 1]])
+            if grid.occupied[tuple(cells[grid.contains(cells)].T)].any():
+                tell(f"{self._path}: person {self._recording.ids[walk]}, and maybe others, walk through walls of {world.name}")
+                self._unaware_of_walls = False
+                return
 
     def step(self, crowd: Crowd, robots: RobotBatch, ticks: NDArray[np.int64], dt: float) -> Crowd:
         """Return where the recorded people are ``dt`` seconds later, wherever those of ``crowd`` were held up."""

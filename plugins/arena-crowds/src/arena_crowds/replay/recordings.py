@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 from array import array
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal, NamedTuple
 
@@ -42,6 +42,7 @@ VELOCITY = {"obsmat": (5, 7)}  # the columns of a velocity, m/s
 WALKING = (0.3, 2.5)  # m/s, between which people's median speed lies
 LARGEST = 1e9  # of any number: ids are whole numbers of 32 bits
 LONGEST = 1e5  # s, a day and more; known recordings have some minutes
+BREAK, BREAK_SAMPLES = 1.0, 5.0  # s, and of the usual time between samples: whoever is not seen for longer than either was not there
 STRIDE = 0.4  # s, over which a speed is measured: shorter ones are those of heads that sway
 
 
@@ -49,13 +50,15 @@ STRIDE = 0.4  # s, over which a speed is measured: shorter ones are those of hea
 class Recording:
     """P walks, packed: walk k is ``positions[first[k]:first[k + 1]]`` (S, 2) m at ``stamps`` (S,) s, which rise within a walk.
 
-    ``ids`` (P,) are the recording's own numbers of the people. The earliest stamp of all is 0.
+    ``ids`` (P,) are the recording's own numbers of the people. The earliest stamp of all is 0. Who is not seen for more than
+    ``longest_gap`` s was not there.
     """
 
     ids: NDArray[np.int32]
     first: NDArray[np.int64]
     stamps: Floats
     positions: Floats
+    longest_gap: float
 
     @property
     def begins(self) -> Floats:
@@ -87,7 +90,7 @@ class Recording:
         """Return the recording turned about its origin, then shifted."""
         c, s = np.cos(rotation), np.sin(rotation)
         x, y = self.positions.T
-        return Recording(self.ids, self.first, self.stamps, np.stack((c * x - s * y, s * x + c * y), axis=1) + offset_xy)
+        return replace(self, positions=np.stack((c * x - s * y, s * x + c * y), axis=1) + offset_xy)
 
     def sampled(self, rate: float) -> Floats:
         """Return positions (T, P, 2) m, ``rate`` times a second from 0 s on; NaN when absent."""
@@ -99,7 +102,7 @@ class Recording:
     def at(self, people: NDArray[np.int64], times: Floats, cubic: bool = True) -> tuple[Floats, Floats]:
         """Return positions and velocities, each (K, 2), of ``people`` (K,), indices of walks, at ``times`` (K,) s; NaN when absent."""
         positions, velocities = np.empty((len(people), 2)), np.empty((len(people), 2))
-        interpolate(self.first, self.stamps, self.positions, people, times, cubic, positions, velocities)
+        interpolate(self.first, self.stamps, self.positions, self.longest_gap, people, times, cubic, positions, velocities)
         return positions, velocities
 
 
@@ -124,10 +127,16 @@ def read_recording(path: Path, layout: Format, frame_rate: float | None = None, 
     measured = measured_rate(persons, frames, places, rows[:, VELOCITY[layout]]) if layout in VELOCITY else None
     scale = scale_of(path, layout, comments, measured, unit, frame_rate)
     stamps = (frames - frames.min()) / scale.frame_rate
-    recording = Recording(ids.astype(np.int32), np.append(first, len(rows)), stamps, places * scale.metres)
+    gap = _longest_gap(np.diff(stamps)[np.diff(persons) == 0])
+    recording = Recording(ids.astype(np.int32), np.append(first, len(rows)), stamps, places * scale.metres, gap)
     _check_extent(path, recording)
     _check_speed(path, recording)
     return recording
+
+
+def _longest_gap(steps: Floats) -> float:
+    """Return for how long somebody may go unseen who is there all the same, s, by the times between samples, ``steps`` (S,) s."""
+    return max(BREAK, BREAK_SAMPLES * float(np.median(steps))) if len(steps) else BREAK
 
 
 def _check_extent(path: Path, recording: Recording) -> None:
@@ -185,13 +194,15 @@ def interpolate(
     first: NDArray[np.int64],
     stamps: Floats,
     places: Floats,
+    longest: float,
     people: NDArray[np.int64],
     times: Floats,
     cubic: bool,
     positions: Floats,
     velocities: Floats,
 ) -> None:
-    """Write where ``people`` are at ``times``, and how fast they go; NaN before the first and after the last sample of a walk.
+    """Write where ``people`` are at ``times``, and how fast they go; NaN before the first and after the last sample of a walk, and
+    between two samples that are more than ``longest`` s apart.
 
     At a stamp (to a microsecond) the position is the sample itself. Between samples it is linear, or a cubic whose velocity at a sample
     is that from the sample before to the one after (Catmull and Rom 1974).
@@ -213,9 +224,15 @@ def interpolate(
             before = after
         span = stamps[after] - stamps[before]
         share = (t - stamps[before]) / span if t - stamps[before] > SAME else 0.0
+        if share > 0.0 and span > longest:
+            positions[k, 0], positions[k, 1], velocities[k, 0], velocities[k, 1] = np.nan, np.nan, np.nan, np.nan
+            continue
         for axis in range(2):
             p, q = places[before, axis], places[after, axis]
-            leaving, arriving = _slope(stamps, places, before, low, high, axis), _slope(stamps, places, after, low, high, axis)
+            leaving, arriving = (
+                _slope(stamps, places, longest, before, low, high, axis),
+                _slope(stamps, places, longest, after, low, high, axis),
+            )
             if share == 0.0:
                 positions[k, axis], velocities[k, axis] = p, leaving
             elif cubic:
@@ -225,9 +242,13 @@ def interpolate(
 
 
 @compiled
-def _slope(stamps: Floats, places: Floats, k: int, low: int, high: int, axis: int) -> float:
-    """Return the velocity at a sample, from the sample before to the one after."""
+def _slope(stamps: Floats, places: Floats, longest: float, k: int, low: int, high: int, axis: int) -> float:
+    """Return the velocity at a sample, from the sample before to the one after, of which neither lies beyond a break."""
     earlier, later = max(k - 1, low), min(k + 1, high)
+    if stamps[k] - stamps[earlier] > longest:
+        earlier = k
+    if stamps[later] - stamps[k] > longest:
+        later = k
     if later == earlier:
         return 0.0
     return (places[later, axis] - places[earlier, axis]) / (stamps[later] - stamps[earlier])  # type: ignore[no-any-return]

@@ -14,7 +14,7 @@ from arena_kernels.ground import Ground, Land, ground_below
 from arena_kernels.neighbours import CELLS_FROM, near_pairs
 from arena_pedsim.forces.acceleration import accelerate, sum_forces
 from arena_pedsim.forces.giving_way import detour
-from arena_pedsim.forces.meetings import notice_meetings
+from arena_pedsim.forces.meetings import leave_out_passing, notice_meetings
 from arena_pedsim.forces.reactions import notice_robot, turn_to_robot
 from arena_pedsim.forces.walking import walk
 from arena_pedsim.people import COME, NOTHING, ON_ERRAND
@@ -77,6 +77,7 @@ def _step_crowd(
     """Move the people of one world in place; return the pair list for further use."""
     _choose_headings(bodies, people, corners, ground, robot, dt, parameters, headings)
     pairs, found = near_pairs(bodies.positions, parameters.social_range, pairs)
+    found = leave_out_passing(bodies.positions, bodies.radii, headings, ground, pairs, found)
     notice_meetings(bodies.positions, bodies.radii, people, headings, pairs, found)
     sum_forces(bodies, people, ground, robot, parameters, headings, pairs, found, forces)
     accelerate(bodies, people, robot, dt, parameters, forces)

@@ -1,4 +1,4 @@
-"""Who stands face to face with whom: two who want to go where the other is."""
+"""Who meets whom: two who want to go where the other is, and two who squeeze past each other."""
 
 from __future__ import annotations
 
@@ -8,11 +8,60 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import compiled
+from arena_kernels.ground import Ground, clearance_and_gradient
 
 Floats = NDArray[np.float64]
 
 NEAR = 0.3  # m between two bodies that may hinder each other
+STEPS_OFF, OFF = 2, 0.1  # steps off the walls on which there may be room, for a corner has two; m that each goes too far
+PASSING = 2.0  # m between two bodies that begin to squeeze past each other
+SAME_WAY = 0.5  # cosine of the angle between two headings from which on one follows the other
 AHEAD = 0.7  # cosine of the angle from the heading, to either side, at which somebody is in the way
+
+
+@compiled
+def leave_out_passing(positions: Floats, radii: Floats, headings: Floats, ground: Ground, pairs: NDArray[np.int32], found: int) -> int:
+    """Take out of the list of pairs who squeeze past each other, shoulder first, and return how many are left.
+
+    They do where two do not fit beside each other, unless both go the same way: there is no other way for them.
+    """
+    kept = 0
+    for k in range(found):
+        i, j = pairs[k, 0], pairs[k, 1]
+        if not _pass(positions, radii, headings, ground, i, j):
+            pairs[kept, 0], pairs[kept, 1] = i, j
+            kept += 1
+    return kept
+
+
+@compiled
+def _pass(positions: Floats, radii: Floats, headings: Floats, ground: Ground, i: int, j: int) -> bool:
+    dx, dy = positions[j, 0] - positions[i, 0], positions[j, 1] - positions[i, 1]
+    beside = radii[i] + radii[j]
+    if dx * dx + dy * dy > (beside + PASSING) ** 2 or headings[i, 0] * headings[j, 0] + headings[i, 1] * headings[j, 1] > SAME_WAY:
+        return False
+    return (
+        _is_for_one(ground, positions[i, 0] + 0.5 * dx, positions[i, 1] + 0.5 * dy, beside)
+        and _is_for_one(ground, positions[i, 0], positions[i, 1], beside)
+        and _is_for_one(ground, positions[j, 0], positions[j, 1], beside)
+    )
+
+
+@compiled
+def _is_for_one(ground: Ground, x: float, y: float, beside: float) -> bool:
+    """Tell whether a way is too narrow at a free place for two bodies who reach ``beside`` m to either side when beside each other.
+
+    It is not where there is room a little farther from the walls.
+    """
+    room, gx, gy = clearance_and_gradient(ground, x, y)
+    if room <= 0.0:
+        return False
+    for _ in range(STEPS_OFF):
+        if room >= beside:
+            return False
+        x, y = x + (beside - room + OFF) * gx, y + (beside - room + OFF) * gy
+        room, gx, gy = clearance_and_gradient(ground, x, y)
+    return room < beside
 
 
 @compiled

@@ -10,7 +10,7 @@ from arena_tasks.scenario_files.companions import numbered
 from arena_tasks.scenario_files.flatland import placed_shape
 from arena_tasks.scenario_files.flatland_model import Shapes, placed_model
 from arena_tasks.scenario_files.json_fields import Field
-from arena_tasks.scenario_files.pedsim_agent import people_of
+from arena_tasks.scenario_files.pedsim_agent import notes_on, people_of
 from arena_tasks.scenario_files.problem import MOST_REPEATS, Keys, PersonDefaults, Problem
 
 MODEL_KEYS = "model", "model_path", "yaml_path"
@@ -105,5 +105,6 @@ def _notes(robots: list[Field], dynamic: Iterable[Field]) -> list[str]:
         *([f"robots after the first are left out ({len(robots) - 1}), for here one robot drives"] if len(robots) > 1 else []),
         *([f"people's {', '.join(unknown)} is not read"] if unknown else []),
         *([f"people of type {', '.join(types)} are adults here"] if types else []),
+        *notes_on(agents),
         *([f"people without pos begin at their first waypoint ({without})"] if without else []),
     ]

@@ -7,7 +7,7 @@ from arena_tasks.scenario_files.companions import numbered
 from arena_tasks.scenario_files.flatland import placed_shape
 from arena_tasks.scenario_files.flatland_model import Shapes, placed_model
 from arena_tasks.scenario_files.json_fields import Field
-from arena_tasks.scenario_files.pedsim_agent import people_of
+from arena_tasks.scenario_files.pedsim_agent import notes_on, people_of
 from arena_tasks.scenario_files.problem import MOST_REPEATS, Keys, PersonDefaults, Problem
 
 STANDS = "interactive obstacles stand there: nobody loads and unloads them"
@@ -20,7 +20,8 @@ def is_arena_tools(root: Field) -> bool:
 
 def read_arena_tools(root: Field, defaults: PersonDefaults) -> tuple[Problem]:
     """Read the one problem of a file; raise InputFileError. Its ``map_path`` belongs to another machine and is ignored."""
-    crowd = [(agent.key, person) for agent in root["pedsim_agents"].items() for person in people_of(agent, defaults)]
+    agents = root["pedsim_agents"].items()
+    crowd = [(agent.key, person) for agent in agents for person in people_of(agent, defaults)]
     static, interactive = (root[key].items() if root.has(key) else [] for key in ("static_obstacles", "interactive_obstacles"))
     shapes = [_shapes(obstacle) for obstacle in (*static, *interactive)]
     problem = Problem(
@@ -33,7 +34,7 @@ def read_arena_tools(root: Field, defaults: PersonDefaults) -> tuple[Problem]:
         time_limit=None,
         keys=Keys("robot_position", "robot_goal", tuple(key for key, _ in crowd)),
         repeats=max(root["resets"].integer(0, MOST_REPEATS), 1) if root.has("resets") else 1,
-        notes=tuple(note for shape in shapes for note in shape.notes) + (STANDS,) * bool(interactive),
+        notes=(*notes_on(agents), *(note for shape in shapes for note in shape.notes), *((STANDS,) if interactive else ())),
     )
     return (problem,)
 

@@ -140,6 +140,6 @@ def _said(value: Any) -> str:
         return reprlib.repr(value)
 
 
-def read_json(path: Path) -> Field:
+def read_json(path: str | Path) -> Field:
     """Read a JSON file; raise InputFileError when it is missing or malformed, repeats a key or holds NaN."""
-    return Field(path, "", arena_core.read_json(path, "a JSON file of scenarios"))
+    return Field(Path(path), "", arena_core.read_json(path, "a JSON file of scenarios"))

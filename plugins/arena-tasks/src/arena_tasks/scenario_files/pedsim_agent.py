@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,7 +14,8 @@ from arena_tasks.scenario_files.problem import PersonDefaults
 
 # what a person's own fields hold, and what is of no use here
 READ_ELSEWHERE = {"name", "id", "pos", "yaml_file", "yaml_path", "model", "number_of_peds", "vmax", "waypoints", "waypoint_mode"}
-LOOP, AT_RANDOM = 0, 1  # waypoint_mode: in turn, or the next one drawn among the others
+MODES = LOOP, AT_RANDOM = 0, 1  # waypoint_mode: in turn, or the next one drawn among the others
+LARGEST_MODE = 1_000_000
 
 
 def people_of(agent: Field, defaults: PersonDefaults) -> list[PedestrianSpec]:
@@ -39,11 +42,22 @@ def places(field: Field) -> NDArray[np.float64]:
 
 
 def _behaviour(agent: Field) -> dict[str, float | str]:
-    """Return the numbers and texts that only a pedestrian model can make something of; a round is a loop unless it is at random."""
+    """Return the numbers and texts that only a pedestrian model can make something of; a round is a loop unless it is drawn."""
     found: dict[str, float | str] = {}
     for name, field in agent.entries():
         if name not in READ_ELSEWHERE and isinstance(field.value, int | float | str) and not isinstance(field.value, bool):
             found[name] = field.value if isinstance(field.value, str) else field.number()
-    if agent.has("waypoint_mode") and agent["waypoint_mode"].integer(LOOP, AT_RANDOM) == AT_RANDOM:
+    if _mode(agent) == AT_RANDOM:
         found["waypoint_mode"] = float(AT_RANDOM)
     return found
+
+
+def _mode(agent: Field) -> int:
+    return agent["waypoint_mode"].integer(-LARGEST_MODE, LARGEST_MODE) if agent.has("waypoint_mode") else LOOP
+
+
+def notes_on(agents: Iterable[Field]) -> list[str]:
+    """Return what of some agents was not taken as written, in words."""
+    unknown = [mode for agent in agents if (mode := _mode(agent)) not in MODES]
+    said = ", ".join(map(str, sorted(set(unknown))))
+    return [f"people of waypoint_mode {said} walk their waypoints in a loop ({len(unknown)})"] if unknown else []

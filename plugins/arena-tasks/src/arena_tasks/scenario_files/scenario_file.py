@@ -41,12 +41,12 @@ class ScenarioFile:
     map: str = ""
 
 
-def read_scenarios(path: Path, defaults: PersonDefaults) -> tuple[Problem, ...]:
+def read_scenarios(path: str | Path, defaults: PersonDefaults) -> tuple[Problem, ...]:
     """Read all problems of a file in one of the formats of docs/formats.md; raise InputFileError with file and key."""
     return read_scenario_file(path, defaults).problems
 
 
-def read_scenario_file(path: Path, defaults: PersonDefaults) -> ScenarioFile:
+def read_scenario_file(path: str | Path, defaults: PersonDefaults) -> ScenarioFile:
     """Read a file in one of the formats of docs/formats.md; raise InputFileError with file and key."""
     return read_content(read_json(path), defaults)
 
@@ -87,7 +87,7 @@ def _within_limits(path: Path, file: ScenarioFile) -> ScenarioFile:
     return file
 
 
-def save_scenarios(path: Path, scenarios: Sequence[Scenario | Problem], title: str = "", map_file: str = "") -> None:
+def save_scenarios(path: str | Path, scenarios: Sequence[Scenario | Problem], title: str = "", map_file: str = "") -> None:
     """Write scenarios in our format, whole or not at all; ``map_file`` is their map's YAML file, relative to ``path``."""
     write_text_whole(path, scenario_text(content_of(scenarios, title, map_file)))
 

@@ -17,10 +17,10 @@ def map_yamls_of(path: Path) -> list[Path]:
     """Return the map_server YAMLs that ``path`` stands for: itself, those of a Flatland world's layers, or that of a folder.
 
     A folder's map is that of its map.world.yaml, else its map.yaml, else its only file that ends in .world.yaml. A file is a Flatland
-    world by its name, or when it has layers and no image. Raises InputFileError for a world without a map.
+    world when it has layers and no image; where it has both or neither, by its name. Raises InputFileError for a world without a map.
     """
     path = _in_folder(path) if path.is_dir() else path
-    if not path.name.endswith(ENDING) and not _has_layers(path):
+    if not _is_world(path):
         return [path]
     keys = read_mapping(path, ALLOWED)
     if keys.get("models"):
@@ -34,12 +34,14 @@ def _in_folder(folder: Path) -> Path:
     return next((path for path in usual if path.is_file()), folder / "map.yaml")
 
 
-def _has_layers(path: Path) -> bool:
+def _is_world(path: Path) -> bool:
+    """Return whether a file is a Flatland world by its keys, or by its name where these do not tell."""
+    named = path.name.endswith(ENDING)
     try:
         keys = read_mapping(path, ALLOWED)
     except InputFileError:
-        return False  # the reader of maps says it better
-    return "layers" in keys and "image" not in keys
+        return named  # the reader of maps or that of worlds says it better
+    return "layers" in keys if ("layers" in keys) != ("image" in keys) else named
 
 
 def _maps(path: Path, layers: Any) -> list[str]:

@@ -8,12 +8,11 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from arena_core import InputFileError, Pose
-from arena_worlds.formats.solids import Shape, Solids, solids_from
+from arena_worlds.formats.solids import UPRIGHT, Shape, Solids, solids_from
 from arena_worlds.formats.xml_file import numbers, read_xml, shown
 
 ALLOWED = "a MuJoCo model (.xml)"
 MAP_BODY = "map"  # the body whose plane bounds the map; any other plane is a ground without end
-UPRIGHT = 1e-6  # rad
 MOVING = ("joint", "freejoint")
 NOT_READ = ("include", "default", "frame", "replicate", "composite", "flexcomp", "attach")  # they would change what stands where
 NOT_READ_OF_GEOM = ("class", "axisangle", "xyaxes", "zaxis", "fromto", "mesh", "hfield")

@@ -33,19 +33,30 @@ class ScenarioMap(WorldSource):
 def find_map(scenario: Path, maps: Path | None) -> Path:
     """Return the map of a scenario: FOLDER/FILE, the end of its map_path, or that of the world that it names, anywhere below ``maps``.
 
-    Where ``maps`` is None, a map_path as it stands counts first, then the folders of ``_folders``. The ``map`` of a file in our own
-    format lies where it says, seen from the file. Raises InputFileError that says what was looked for and where, or that it is there
-    more than once.
+    Where ``maps`` is None, a map_path as it stands counts first, then the folders of ``_folders``. A file of any format that names no
+    map has that of the world in whose folder it lies. The ``map`` of a file in our own format lies where it says, seen from the file.
+    Raises InputFileError that says what was looked for and where, or that it is there more than once.
     """
     keys = _keys(scenario)
+    stated = keys.get("map_path")
     if keys.get("format") == OURS and isinstance(keys.get("map"), str):
         return scenario.parent / str(keys["map"])
     if isinstance(keys.get("robots"), list) and "map_path" not in keys:
         return _looked_up(scenario, "map", _maps_of_world(scenario, keys.get("map")), _folders(scenario, maps))
-    stated = _map_path(scenario, keys.get("map_path"))
-    if maps is None and is_file(Path(stated)):
-        return Path(stated)
-    return _looked_up(scenario, "map_path", [f"{stated.parent.name}/{stated.name}"], _folders(scenario, maps))
+    if stated in (None, "") and _world_folder(scenario):
+        return _looked_up(scenario, "map_path", _maps_of_world(scenario, None), _folders(scenario, maps))
+    path = _map_path(scenario, stated)
+    if maps is None and is_file(Path(path)):
+        return Path(path)
+    return _looked_up(scenario, "map_path", _ends(path), _folders(scenario, maps))
+
+
+def _ends(path: PurePosixPath) -> list[str]:
+    """Return how the path of a map may end here: WORLD/map/FILE and FOLDER/FILE mean the same world, whoever wrote them."""
+    folder, world, file = path.parent.name, path.parent.parent.name, path.name
+    if folder == MAP_FOLDER and world not in ("", ".."):
+        return [f"{world}/{folder}/{file}", f"{world}/{file}", f"{folder}/{file}"]
+    return [f"{folder}/{file}", f"{folder}/{MAP_FOLDER}/{file}"]
 
 
 def _folders(scenario: Path, maps: Path | None) -> list[Path]:
@@ -82,8 +93,8 @@ def _looked_up(scenario: Path, key: str, wanted: Sequence[str], folders: Sequenc
                 raise InputFileError(f"{scenario}: {key}: {end} is there {len(found)} times ({places}); allowed: once, {INSTEAD}")
             if found:
                 return found[0]
-    places, ends = ", ".join(map(str, folders)), " or ".join(wanted)
-    raise InputFileError(f"{scenario}: {key}: no {ends} below {places}; allowed: world.maps=FOLDER with such a map, {INSTEAD}")
+    places = ", ".join(map(str, folders))
+    raise InputFileError(f"{scenario}: {key}: no {wanted[0]} below {places}; allowed: world.maps=FOLDER with such a map, {INSTEAD}")
 
 
 def _below(folder: Path, end: str) -> list[Path]:

@@ -2,27 +2,33 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from urllib.parse import unquote
 from xml.etree import ElementTree
 
 from arena_core import InputFileError, Pose
-from arena_worlds.formats.solids import Shape, Solids, solids_from
+from arena_worlds.formats.sdf_state import State, state_of
+from arena_worlds.formats.solids import UPRIGHT, Shape, Solids, solids_from
 from arena_worlds.formats.xml_file import numbers, read_xml, shown
 
 ALLOWED = "a Gazebo world file (.sdf, .world or .world.gz)"
 GROUND = "map_ground"  # the model whose plane bounds the map; any other plane is a ground without end
-UPRIGHT = 1e-6  # rad
-HARMLESS = {"model://sun", "model://ground_plane"}  # includes that nobody can bump into
+# Includes that nobody can bump into: of Gazebo Classic, and of Fuel with or without a version
+HARMLESS = re.compile(
+    r"(model:/|https?://[\w.]+/([\d.]+/)?openrobotics/(fuel/)?models)/(sun|ground[_ ]plane)(/(\d+|tip))?/?", re.IGNORECASE
+)
 
 
 def read_sdf(path: Path) -> Solids:
     """Read the boxes and cylinders of a Gazebo world; raise InputFileError with file, element and what is allowed.
 
-    Models have to stand still; any other collision shape is refused but for planes, the ground. Heights are not read, nor are
-    poses under ``state``.
+    Models have to stand still; any other collision shape is refused but for planes, the ground. Heights are not read. Where a file
+    has a ``state``, models and links stand where it says.
     """
-    return solids_of_models(path, models_of(path, read_xml(path, ALLOWED)))
+    root = read_xml(path, ALLOWED)
+    return solids_of_models(path, models_of(path, root), state_of(path, root))
 
 
 def models_of(path: Path, root: ElementTree.Element) -> list[ElementTree.Element]:
@@ -30,27 +36,37 @@ def models_of(path: Path, root: ElementTree.Element) -> list[ElementTree.Element
     worlds = root.findall("world") if root.tag == "sdf" else []
     if len(worlds) != 1:
         raise InputFileError(f"{path}: holds {len(worlds)} elements sdf/world; allowed: a Gazebo world file, with exactly one")
-    for include in worlds[0].findall("include"):
-        uri = (include.findtext("uri") or "").strip()
-        if uri not in HARMLESS:
-            raise InputFileError(f"{path}: world/include is {shown(uri)}; allowed: models written out in the file")
+    _check_includes(path, worlds[0])
     return worlds[0].findall("model")
 
 
-def solids_of_models(path: Path, models: Sequence[ElementTree.Element]) -> Solids:
-    """Return what of models can be hit; raise InputFileError as ``read_sdf`` does."""
-    shapes = [shape for model in models for shape in _shapes(path, model, Pose(0.0, 0.0), False)]
+def _check_includes(path: Path, parent: ElementTree.Element) -> None:
+    for include in parent.findall("include"):
+        uri = (include.findtext("uri") or "").strip()
+        if not HARMLESS.fullmatch(unquote(uri)):
+            name = parent.get("name", "")
+            raise InputFileError(f"{path}: {parent.tag} {shown(name)}: include is {shown(uri)}; allowed: models written out in the file")
+    for other in parent.findall("population"):
+        raise InputFileError(f"{path}: population {shown(other.get('name', ''))} is there; allowed: models written out in the file")
+
+
+def solids_of_models(path: Path, models: Sequence[ElementTree.Element], state: State) -> Solids:
+    """Return what of models can be hit, where ``state`` has them; raise InputFileError as ``read_sdf`` does."""
+    shapes = [shape for model in models for shape in _shapes(path, model, Pose(0.0, 0.0), False, state)]
     if not shapes:
         raise InputFileError(f"{path}: holds no cylinder and no box; allowed: a world with at least one, and static")
     return solids_from(shapes)
 
 
-def _shapes(path: Path, model: ElementTree.Element, parent: Pose, static: bool) -> Iterator[Shape]:
+def _shapes(path: Path, model: ElementTree.Element, parent: Pose, static: bool, state: State) -> Iterator[Shape]:
     name = model.get("name", "")
-    place = parent.compose(_pose(path, name, model))
+    _check_includes(path, model)
+    now = state.models.get(name, State())
+    place = parent.compose(_pose(path, name, model)) if now.element is None else _pose(path, name, now.element)
     static = static or (model.findtext("static") or "").strip().lower() in ("1", "true")
     for link in model.findall("link"):
-        link_place = place.compose(_pose(path, name, link))
+        moved = now.links.get(link.get("name", ""))
+        link_place = place.compose(_pose(path, name, link)) if moved is None else _pose(path, name, moved)
         for collision in link.findall("collision"):
             shape = _shape(path, name, collision, link_place.compose(_pose(path, name, collision)))
             if shape is None:
@@ -60,7 +76,7 @@ def _shapes(path: Path, model: ElementTree.Element, parent: Pose, static: bool) 
                 raise InputFileError(f"{path}: model {name!r}: static is {said!r}; allowed: 1 (what moves is not read)")
             yield shape
     for nested in model.findall("model"):
-        yield from _shapes(path, nested, place, static)
+        yield from _shapes(path, nested, place, static, now)
 
 
 def _shape(path: Path, name: str, collision: ElementTree.Element, place: Pose) -> Shape | None:

@@ -28,6 +28,7 @@ from arena_core import (
 from arena_worlds.formats.animation import Animation, read_animation
 from arena_worlds.formats.barn import world_files
 from arena_worlds.formats.sdf import ALLOWED, measures, models_of, solids_of_models
+from arena_worlds.formats.sdf_state import state_of
 from arena_worlds.formats.solids import Solids, grid_of
 from arena_worlds.formats.xml_file import parse_xml, shown
 from arena_worlds.generators.motions import Level, Square, draw_animation
@@ -115,7 +116,7 @@ def read_dynabarn(path: Path, plugins: Path | None) -> MovingField:
     if not moved:
         raise InputFileError(f"{path}: no model has a plugin; allowed: DynaBARN's worlds (those of BARN are world=barn)")
     movers = tuple(_mover(path, model, plugins) for model in moved)
-    return MovingField(solids_of_models(path, [model for model in models if model not in moved]), movers)
+    return MovingField(solids_of_models(path, [model for model in models if model not in moved], state_of(path, root)), movers)
 
 
 def _mover(path: Path, model: ElementTree.Element, plugins: Path | None) -> Mover:
