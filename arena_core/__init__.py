@@ -88,6 +88,7 @@ from arena_core.runs.executors import ProcessExecutor
 from arena_core.runs.forms import Field, Form, check_settings, default_options, form_of, option_names, settings_form
 from arena_core.runs.nodes import Delivery, Node, OtherCode, take_in
 from arena_core.runs.outside import OutsideRun
+from arena_core.runs.pace import Pace
 from arena_core.runs.provenance import cpu_kind, read_provenance, untuned, versions
 from arena_core.runs.repeating import repeat
 from arena_core.runs.rows import COLUMNS as EPISODE_COLUMNS
@@ -233,6 +234,7 @@ __all__ = [
     "OtherCode",
     "Outcome",
     "OutsideRun",
+    "Pace",
     "Path",
     "PathBatch",
     "PedestrianModel",
