@@ -4,44 +4,45 @@ from __future__ import annotations
 
 import json
 import os
-from collections import defaultdict
+from collections import defaultdict, deque
 from collections.abc import Hashable, Mapping
-from dataclasses import dataclass
-from math import sqrt
+from dataclasses import dataclass, field
+from math import ceil, sqrt
+from statistics import fmean, stdev
 from typing import Any
 
 LEAST = 4  # times between two ends of a kind of episode that an estimate needs
-SURE = 1.0 / 3.0  # standard error of their mean, at most, to that mean
+SURE = 0.3  # standard error of their mean, at most, to that mean
+KEPT = 300  # of these times at most, of which the latest two thirds count: at first machines are busy with what starts
 APART = ("seed", "episodes", "code", "executor", "report")  # keys by which episodes do not differ in how long they take
 
 
 @dataclass(slots=True)
 class _Kind:
-    """How many episodes of a kind have ended, and how many times between two ends count, with their sum (s) and that of their squares."""
+    """How many episodes of a kind have ended, and the times between two ends, s."""
 
     ended: int = 0
-    counted: int = 0
-    seconds: float = 0.0
-    squares: float = 0.0
+    times: deque[float] = field(default_factory=lambda: deque(maxlen=KEPT))
 
-    def add(self, seconds: float) -> None:
-        self.counted += 1
-        self.seconds += seconds
-        self.squares += seconds * seconds
+    def mean(self, workers: int) -> float | None:
+        """Return the time between two ends, s, None where it is not sure enough.
 
-    def mean(self) -> float | None:
-        """Return the time between two ends, s, None where it is not sure enough."""
-        if self.counted < LEAST:
+        How sure it is follows from the times in which ``workers`` episodes end: workers that begin together end together.
+        """
+        least = max(LEAST, workers + 2)
+        latest = list(self.times)[-max(least, ceil(len(self.times) * 2 / 3)) :]
+        if len(latest) < least:
             return None
-        mean = self.seconds / self.counted
-        spread = sqrt(max(0.0, self.squares / self.counted - mean * mean) / (self.counted - 1))
-        return mean if spread <= SURE * mean else None
+        rounds = [sum(latest[first : first + workers]) for first in range(len(latest) - workers + 1)]
+        sure = stdev(rounds) <= SURE * fmean(rounds) * sqrt(len(latest) / workers)
+        return fmean(latest) if sure else None
 
 
 class Pace:
     """The time between the ends of episodes that ``workers`` drive at once, kind by kind.
 
-    The first ends of each kind do not count, one for each worker: until then workers start, build, load and compile.
+    The first ends of each kind do not count, two for each worker: until then workers start, build, load and compile, and
+    those that have compiled are replaced.
     """
 
     def __init__(self, workers: int) -> None:
@@ -62,15 +63,15 @@ class Pace:
     def add(self, kind: Hashable, time: float) -> None:
         """Take in that an episode ended at this time, s, not before the one before."""
         one = self._kinds[kind]
-        if self._last is not None and one.ended >= self._workers:
-            one.add(time - self._last)
+        if self._last is not None and one.ended >= 2 * self._workers:
+            one.times.append(time - self._last)
         one.ended += 1
         self._last = time
 
     def left(self, episodes: Mapping[Hashable, int], time: float) -> float | None:
         """Return how long, from this time on, so many episodes of each kind may take, s; None where there is no ground for a guess."""
         due = {kind: number for kind, number in episodes.items() if number > 0}
-        means = {kind: self._kinds[kind].mean() if kind in self._kinds else None for kind in due}
+        means = {kind: self._kinds[kind].mean(self._workers) if kind in self._kinds else None for kind in due}
         total = 0.0
         for kind, mean in means.items():
             if mean is None:

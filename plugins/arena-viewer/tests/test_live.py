@@ -74,7 +74,7 @@ def test_time_left_follows_from_when_records_were_written_but_for_the_first(tmp_
     (run / "episodes.csv").write_text("\n".join(["episode,success", *(f"{episode},1" for episode in range(8))]) + "\n")
     now = time.time()
     os.utime(run / "provenance.json", (now - 120.0, now - 120.0))
-    for episode in range(8):  # the first took 92 s, the others 4 s each
+    for episode in range(8):  # the first took 92 s, with compiling, the others 4 s each
         path = run / "records" / f"{episode:04d}.npz"
         path.touch()
         os.utime(path, (now - 28.0 + 4.0 * episode,) * 2)
