@@ -7,21 +7,25 @@ from difflib import get_close_matches
 from typing import Any
 
 MOST = 3  # guesses
-LIKELY = 0.8  # likeness of names, as difflib counts it, from which on one is guessed before the same name elsewhere
+LIKELY = 0.8  # likeness of names, as difflib counts it, from which on one is taken for a slip of the other
 DEEPEST = 6  # levels of a configuration that are searched
 
 
 def did_you_mean(name: str, beside: Iterable[str], below: Iterable[str] = ()) -> str:
-    """Return ``; did you mean ...?`` with those of the same name ``below`` (a.b.name) and the nearest name ``beside``, or nothing.
+    """Return ``; did you mean ...?``: the name ``beside`` that it is a slip of, or the same name ``below`` (a.b.name), or one like it.
 
-    Of those below that are only alike, one is guessed where there is nothing better.
+    Nothing where there is none.
     """
-    paths = sorted(below, key=lambda path: (path.count("."), path))
-    here, alike = list(beside), [path for path in paths if _last(path) == name]
-    found = list(dict.fromkeys([*get_close_matches(name, here, n=1, cutoff=LIKELY), *alike, *get_close_matches(name, here, n=1)]))
-    if not found and (near := get_close_matches(name, {_last(path): None for path in paths}, n=1)):
-        found = [path for path in paths if _last(path) == near[0]]
+    found = _guesses(name, list(beside), sorted(below, key=lambda path: (path.count("."), path)))
     return f"; did you mean {' or '.join(found[:MOST])}?" if found else ""
+
+
+def _guesses(name: str, beside: list[str], paths: list[str]) -> list[str]:
+    if likely := get_close_matches(name, beside, n=1, cutoff=LIKELY):
+        return likely
+    found = [path for path in paths if _last(path) == name] + get_close_matches(name, beside, n=1)
+    like = [] if found else get_close_matches(name, {_last(path): None for path in paths}, n=1)
+    return found or [path for path in paths if _last(path) in like]
 
 
 def keys_below(node: Mapping[Any, Any], levels: int = DEEPEST) -> Iterator[str]:
