@@ -84,6 +84,7 @@ from arena_core.runs.api import Run, Runs, run
 from arena_core.runs.benchmark import Benchmark, build_benchmark, build_guide, build_metrics, check_sections
 from arena_core.runs.budgets import Budgets
 from arena_core.runs.code_digest import Code, code_of
+from arena_core.runs.compiling import tell_of_compiling
 from arena_core.runs.executors import ProcessExecutor
 from arena_core.runs.forms import Field, Form, check_settings, default_options, form_of, option_names, settings_form
 from arena_core.runs.nodes import Delivery, Node, OtherCode, take_in
@@ -357,6 +358,7 @@ __all__ = [
     "succeeded",
     "take_in",
     "tell",
+    "tell_of_compiling",
     "timing_paths",
     "untuned",
     "versions",
