@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ConfigurationError
+from arena_core import ConfigurationError, interrupts
 from arena_gym.building import build_parts
 from arena_gym.seeds import check_unseen_seed
 from arena_gym.vector_environment import NavigationVectorEnv
@@ -82,6 +82,7 @@ def outcomes(
     ended: list[list[str]] = [[] for _ in range(env.num_envs)]
     observations = env.reset(seed=seed)[0]
     while any(len(world) < wanted for world, wanted in zip(ended, quota.tolist(), strict=True)):
+        interrupts.check()
         observations, _, terminated, truncated, ends = env.step(act(observations))
         for slot in np.flatnonzero(terminated | truncated).tolist():
             if len(ended[slot]) < quota[slot]:

@@ -15,6 +15,7 @@ from arena_core import (
     ConfigurationError,
     ObservationEncoder,
     code_of,
+    interrupts,
     load_registry,
     local_path,
     read_json,
@@ -50,13 +51,20 @@ NO_PART = ("metrics", "executor", "command", "listing")  # kinds that have no pa
 def run_training(config: Mapping[str, Any], folder: Path, resume: bool, force: bool = False, robot: str | None = None) -> int:
     """Train by a composed configuration; write the best weights to ``folder``, which may hold its beginning, the last to ``last`` in it.
 
-    ``robot`` is the name of its file, by which a teacher is tuned, and which the card names; its own where it is None.
+    ``robot`` is the name of its file, by which a teacher is tuned, and which the card names; its own where it is None. Ctrl-C comes between
+    two steps: within a compiled kernel it would turn into another error.
     """
+    with interrupts.heard(), interrupts.held():
+        return _run_training(config, folder, resume, force, robot)
+
+
+def _run_training(config: Mapping[str, Any], folder: Path, resume: bool, force: bool, robot: str | None) -> int:
     print(f"{config['planner']} for {robot or config['robot']['name']}, to {folder}: building its worlds", flush=True)
     settings = training_settings(config)
     check_apart(config)
     registry = load_registry()
     parts, chosen = build_parts(config, registry), settings.validation
+    interrupts.check()
     tell_of_compiling()
     if parts.switch is not None:
         _check_switch(settings.network)
@@ -64,6 +72,7 @@ def run_training(config: Mapping[str, Any], folder: Path, resume: bool, force: b
     validation = unseen_worlds(config, chosen.episodes, chosen.seed, "training.validation.seed")
     for pool in (parts.pool, validation.batch.parts.pool):
         (pool.at_stage(pool.staging.start) if pool.staging else pool).check()  # worlds in which none can be drawn are told of now
+    interrupts.check()
     env = NavigationVectorEnv(settings.optimization.environments, parts=parts)
     changed = settings.later.reward
     later = None if changed is None else registry.build("reward", {**config["reward"], **changed}, robot=parts.robot)
@@ -89,6 +98,7 @@ def run_training(config: Mapping[str, Any], folder: Path, resume: bool, force: b
     def write(found: Mapping[str, Any]) -> None:
         _write_policy(config, parts, name, learner, folder / "policy.onnx", {**told, **found})
 
+    interrupts.check()
     with TrainingReport(settings.total_steps) as report, keeping_a_policy(learner, folder, write):
         trained = train(settings, learner, worlds, validation, levels, folder, report, later, classroom)
         line = _export(config, parts, trained, told, folder, name, report)

@@ -19,7 +19,7 @@ import torch
 from numpy.typing import NDArray
 from stable_baselines3 import PPO
 
-from arena_core import ConfigurationError, Registry, compose, generator, plain, untuned, write_bytes_whole
+from arena_core import ConfigurationError, Registry, compose, generator, interrupts, plain, untuned, write_bytes_whole
 from arena_gym.batch import NavigationBatch
 from arena_gym.driver import Driver
 from arena_gym.reports import outcome
@@ -101,6 +101,7 @@ class Classroom:
         places = [(batch.seen, slot) for slot in range(count)]
         self._begin(range(count))
         for decision in range(decisions):
+            interrupts.check()
             decided(decision)
             commands = np.array([driver.drive(0, *place) for driver, place in zip(self._drivers, places, strict=True)])
             wanted = batch.parts.scale.actions(commands).astype(np.float32)
@@ -171,6 +172,7 @@ def imitate(
         group["lr"] = settings.learning_rate * max(left, 0.1)
     total = 0.0
     for _ in range(settings.epochs):
+        interrupts.check()
         total = 0.0
         order = torch.from_numpy(random.permutation(len(seen))).to(device)
         for first in range(0, len(order), settings.minibatch):

@@ -14,7 +14,7 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import Logger
 
-from arena_core import ArenaError, Reward, RunFolderError, write_text_whole
+from arena_core import ArenaError, Reward, RunFolderError, interrupts, write_text_whole
 from arena_gym.training.checkpoint import Weights, all_finite, load_checkpoint, save_checkpoint, weights_of
 from arena_gym.training.evaluation import evaluate
 from arena_gym.training.export import Actor
@@ -101,6 +101,7 @@ class Trainer(BaseCallback):
             limit_spread(self._learner, initial + min(self._learner.num_timesteps / self._settings.total_steps, 1.0) * (final - initial))
 
     def _on_step(self) -> bool:
+        interrupts.check()
         for info in self.locals["infos"]:
             if "episode" in info:
                 success = bool(info["is_success"])

@@ -37,6 +37,7 @@ def _keep(learner: PPO, folder: Path, write: Write) -> str:
     policy = folder / "policy.onnx"
     if _is_tested(policy):
         return f"{kept}, and {policy} as it was; {GOES_ON}"
+    print(f"interrupted: writing {policy} (again: at once, without it) ...", flush=True)
     round_as_kept(Actor(learner.policy))
     write(told)
     return f"{kept}, and {policy}, untested; {GOES_ON}"
