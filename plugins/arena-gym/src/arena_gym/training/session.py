@@ -100,7 +100,7 @@ def _run_training(config: Mapping[str, Any], folder: Path, resume: bool, force: 
 
     interrupts.check()
     with TrainingReport(settings.total_steps) as report, keeping_a_policy(learner, folder, write):
-        trained = train(settings, learner, worlds, validation, levels, folder, report, later, classroom)
+        trained = train(settings, learner, worlds, validation, levels, folder, later, classroom, report)
         line = _export(config, parts, trained, told, folder, name, report)
     print(line)
     print(f"policy: {folder / 'policy.onnx'}")

@@ -224,9 +224,9 @@ def train(
     validation: NavigationVectorEnv,
     levels: Levels,
     folder: Path,
-    report: TrainingReport,
     later: Reward | None = None,
     classroom: Classroom | None = None,
+    report: TrainingReport | None = None,
 ) -> Trained:
     """Train until the steps are spent or the target is reached; from ``settings.later.share`` of them on by the reward ``later``, if any.
 
@@ -234,6 +234,7 @@ def train(
     ``folder`` keeps checkpoint, curve and logs; where there is a checkpoint, its training goes on as if it had never stopped. Raises
     ConfigurationError for one of another training, TrainingStopped where it cannot go on.
     """
+    report = report or TrainingReport(settings.total_steps)  # which shows nothing, as nobody has started it
     trainer = Trainer(learner, settings, levels, worlds, validation, folder, report, later)
     with trainer.stopping_in_one_line():
         if classroom is not None:
