@@ -124,9 +124,9 @@ class Classroom:
             self._drivers[slot].begin(self.batch.episodes[slot].problem)
 
 
-def teach(learner: PPO, classroom: Classroom, settings: Teacher, seed: int, folder: Path, report: TrainingReport) -> None:
+def teach(learner: PPO, classroom: Classroom, settings: Teacher, seed: int, folder: Path, report: TrainingReport | None = None) -> None:
     """Let the learner's policy imitate the teacher for all rounds that ``folder`` does not hold yet; each is kept there when it is over."""
-    actor = Actor(learner.policy)
+    actor, report = Actor(learner.policy), report or TrainingReport(0)  # one that nobody has started shows nothing
     optimizer = torch.optim.Adam(actor.parameters(), lr=settings.learning_rate)
     done = _take_up(folder, actor, optimizer)
     lessons = [_read_lesson(_lesson_file(folder, number)) for number in range(done)] if done < settings.rounds else []
