@@ -85,10 +85,12 @@ from arena_core.runs.api import Run, Runs, run
 from arena_core.runs.benchmark import Benchmark, build_benchmark, build_guide, build_metrics, check_sections
 from arena_core.runs.budgets import Budgets
 from arena_core.runs.code_digest import Code, code_of
+from arena_core.runs.compiling import tell_of_compiling
 from arena_core.runs.executors import ProcessExecutor
 from arena_core.runs.forms import Field, Form, check_settings, default_options, form_of, option_names, settings_form
 from arena_core.runs.nodes import Delivery, Node, OtherCode, take_in
 from arena_core.runs.outside import OutsideRun
+from arena_core.runs.pace import Pace
 from arena_core.runs.provenance import cpu_kind, read_provenance, untuned, versions
 from arena_core.runs.repeating import repeat
 from arena_core.runs.rows import COLUMNS as EPISODE_COLUMNS
@@ -234,6 +236,7 @@ __all__ = [
     "OtherCode",
     "Outcome",
     "OutsideRun",
+    "Pace",
     "Path",
     "PathBatch",
     "PedestrianModel",
@@ -358,6 +361,7 @@ __all__ = [
     "succeeded",
     "take_in",
     "tell",
+    "tell_of_compiling",
     "timing_paths",
     "untuned",
     "versions",

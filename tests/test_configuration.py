@@ -4,6 +4,7 @@ from hydra.core.global_hydra import GlobalHydra
 
 from arena_core import ConfigurationError, DuplicateComponent
 from arena_core.config.configuration import compose, conf_directory, plain, search_path
+from arena_core.config.registry import load_registry
 
 PLUGIN = """
     from arena_core import hookimpl
@@ -174,3 +175,33 @@ def test_an_own_file_may_use_a_few_aliases(tmp_path, monkeypatch):
     (tmp_path / "conf" / "executor").mkdir(parents=True)
     (tmp_path / "conf" / "executor" / "two.yaml").write_text("name: &name processes\nworkers: 2\nbudgets: {a: &a [1], b: *a, c: *name}\n")
     assert component("executor=two")["executor"]["budgets"] == {"a": [1], "b": [1], "c": "processes"}
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("robot.vx_max=1", "robot has no key vx_max; did you mean limits.vx_max? (possible: "),
+        ("robot.range_max=1", "robot has no key range_max; did you mean lidar.range_max or steering_max? (possible: "),
+        ("robot.vx_mx=1", "robot has no key vx_mx; did you mean limits.vx_max? (possible: "),
+        ("robot.limit.vx_max=1", "robot has no key limit; did you mean limits? (possible: "),
+        ("robot.vx_max.high=1", "robot has no key vx_max; did you mean limits.vx_max? (possible: "),
+        ("planner.vx_max=1", "planner has no key vx_max; did you mean limits.vx_max? (possible: "),
+        ("task.min_distance=1", "task has no key min_distance; did you mean trip.min_distance? (possible: "),
+        ("min_distance=1", "the configuration has no key min_distance; did you mean task.trip.min_distance? (possible: "),
+        ("vx_max=1", "the configuration has no key vx_max; did you mean planner.limits.vx_max or robot.limits.vx_max? (possible: "),
+        ("robot.limits.vx_max.high=1", "robot.limits.vx_max has no key high (possible: none)"),
+        ("simulator.colour=1", "simulator has no key colour (possible: "),
+    ],
+)
+def test_a_key_that_lies_deeper_is_suggested(words, said):
+    with pytest.raises(ConfigurationError) as error:
+        compose(words.split())
+    assert str(error.value).startswith(said)
+
+
+def test_a_key_of_a_file_that_lies_deeper_is_suggested():
+    registry, node = load_registry(), plain(compose(["robot=jackal"]))["robot"]
+    with pytest.raises(ConfigurationError, match=r"robot has no parameter vx_max; did you mean limits\.vx_max\? \(allowed: "):
+        registry.build("robot", {**node, "vx_max": 1.0})
+    with pytest.raises(ConfigurationError, match=r"robot\.limits has no parameter vx_mx; did you mean vx_max\? \(allowed: "):
+        registry.build("robot", {**node, "limits": {**node["limits"], "vx_mx": 1.0}})

@@ -103,6 +103,15 @@ WORK = """
         pulse.beat()
         return where(job)
 
+    def hang_in_the_first_command(job):
+        pulse.beat()
+        if job.config.get("compiles"):
+            pulse.compile()
+        if job.episode == 2:
+            time.sleep(1000)
+        pulse.finish()
+        return where(job)
+
     def once(job):
         if job.episode == 2 and not os.path.exists(job.folder):
             open(job.folder, "w").close()
@@ -287,6 +296,36 @@ def test_time_in_which_the_supervisor_sleeps_counts_for_nobody():
     assert watch.look(2, 0.1, 0) is None
     assert watch.look(2, 3600.0, 0) is None
     assert [watch.look(2, 0.9, 0) for _ in range(2)] == [None, "no command within 2.5 s"]
+
+
+@pytest.mark.parametrize(
+    ("beats", "warm", "seconds"), [(0, False, 600), (1, False, 600), (0, True, 60), (1, True, 5), (2, False, 5), (2, True, 5)]
+)
+def test_a_warm_worker_has_no_longer_for_its_first_command_than_for_any_other(beats, warm, seconds):
+    watch = Watch(Budgets(600.0, 5.0, None, None))
+    told = [watch.look(beats, 1.0, 0, warm) for _ in range(700)]
+    assert told.index(f"no {'first ' * (beats < 2)}command within {seconds} s") == seconds + 1
+
+
+@pytest.mark.parametrize(("first", "command", "limit"), [(3.0, 5.0, 3.0), (None, 5.0, 5.0), (3.0, None, 3.0), (None, None, None)])
+def test_the_lesser_budget_holds_in_a_warm_worker(first, command, limit):
+    assert Watch(Budgets(first, command, None, None))._limit(False) is None, "it has not begun"
+    watch = Watch(Budgets(first, command, None, None))
+    watch.look(1, 0.0, 0, True)
+    assert watch._limit(True) == limit
+
+
+def test_a_planner_that_hangs_in_its_first_command_costs_a_warm_worker_a_command(working):
+    answers = rows(processes(1, Budgets(600.0, 1.0, None, None)), working.hang_in_the_first_command)
+    assert [answer.reason for answer in answers if isinstance(answer, Lost)] == ["no first command within 1 s"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("config", [{"compiles": True}, {"planner": {"name": "new"}}], ids=["compiles", "others"])
+def test_a_worker_that_compiles_or_has_other_components_has_the_first_budget(working, config):
+    jobs = [JOBS[0], Job(config, "", 2)]
+    answers = rows(processes(1, Budgets(4.0, 1.0, None, None)), working.hang_in_the_first_command, jobs)
+    assert [answer.reason for answer in answers if isinstance(answer, Lost)] == ["no first command within 4 s"]
 
 
 SUPERVISOR = """

@@ -5,6 +5,7 @@ import signal
 import pytest
 
 from arena_core.base.ctrl_c import interrupts
+from arena_core.cli import main
 
 
 @pytest.fixture(autouse=True)
@@ -55,3 +56,18 @@ def test_process_that_ignores_interrupts_goes_on_ignoring_them():
         signal.raise_signal(signal.SIGINT)
     interrupts.check()
     assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+
+
+@pytest.mark.parametrize(
+    ("note", "said"), [(None, "arena: interrupted\n"), ("half of it is kept", "arena: interrupted; half of it is kept\n")]
+)
+def test_what_is_kept_is_said_as_the_interrupt_tells_it(monkeypatch, capsys, note, said):
+    def interrupted(registry, arguments):
+        error = KeyboardInterrupt(signal.SIGINT)
+        if note:
+            error.add_note(note)
+        raise error
+
+    monkeypatch.setattr(main, "_dispatch", interrupted)
+    assert main.main(["train"]) == 130
+    assert capsys.readouterr().err == said

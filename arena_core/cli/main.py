@@ -30,7 +30,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt as interrupt:
         came = signal.Signals(interrupt.args[0] if interrupt.args else signal.SIGINT)
         said = "interrupted" if came == signal.SIGINT else f"ended by {came.name}"
-        print("; ".join([f"arena: {said}", *_kept(registry, arguments)]), file=sys.stderr)
+        print("; ".join([f"arena: {said}", *getattr(interrupt, "__notes__", _kept(registry, arguments))]), file=sys.stderr)
         return SIGNAL_STATUS + came
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python complains again when it flushes at its end

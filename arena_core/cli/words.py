@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import Any
 
 from arena_core.base.errors import ConfigurationError
+from arena_core.base.hints import did_you_mean
 from arena_core.config.binding import read_settings
 
 MARKS = "+~"  # with which Hydra adds and deletes a key
@@ -95,9 +95,7 @@ def _check_own(found: Words, given: Sequence[str]) -> None:
 def _check_overrides(found: Words, keys: Collection[str], parts: Collection[str] | None) -> None:
     for key, _ in map(key_value, found.overrides):
         if parts is not None and key.partition(".")[0] not in parts:
-            near = get_close_matches(key, list(keys), n=1)
-            hint = f" did you mean {near[0]}?" if near else ""
-            raise ConfigurationError(f"there is no key {key};{hint} allowed: {found.usage}")
+            raise ConfigurationError(f"there is no key {key}{did_you_mean(key, keys) or ';'} allowed: {found.usage}")
 
 
 def _plain(text: str) -> Any:

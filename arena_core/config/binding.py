@@ -6,12 +6,12 @@ import dataclasses
 import inspect
 import reprlib
 import types
-from collections.abc import Callable, Mapping, Sequence
-from difflib import get_close_matches
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from arena_core.base.errors import ConfigurationError
+from arena_core.base.hints import did_you_mean
 from arena_core.base.limits import LIMITS
 from arena_core.values.parameters import Bounds
 
@@ -37,7 +37,7 @@ def arguments(factory: Callable[..., Any], node: Mapping[str, Any], key: str, co
     """Return what ``build`` would take from ``node``, converted; raise ConfigurationError as it does."""
     expected = parameters(factory)
     given = {name: value for name, value in node.items() if name != "name" or "name" in expected}
-    own = [name for name in expected if name not in context]
+    own = {name: annotation for name, annotation in expected.items() if name not in context}
     _check_keys(given, own, _optional_ones(factory), key)
     return {name: convert(given[name], expected[name], f"{key}.{name}".lstrip("."), context, nested) for name in own if name in given}
 
@@ -137,12 +137,19 @@ def _check(possible: bool, value: Any, key: str, allowed: str) -> Any:
     return value
 
 
-def _check_keys(given: Mapping[str, Any], expected: list[str], optional: frozenset[str], key: str) -> None:
+def _check_keys(given: Mapping[str, Any], expected: Mapping[str, Any], optional: frozenset[str], key: str) -> None:
     for name in given:
         if name not in expected:
-            near = get_close_matches(str(name), expected, n=1)
-            hint = f"; did you mean {near[0]}?" if near else ""
+            hint = did_you_mean(str(name), expected, _below(expected))
             raise ConfigurationError(f"{key} has no parameter {name}{hint} (allowed: {', '.join(expected) or 'none'})")
     missing = [name for name in expected if name not in given and name not in optional]
     if missing:
         raise ConfigurationError(f"{key} lacks {', '.join(missing)}")
+
+
+def _below(expected: Mapping[str, Any], levels: int = 3) -> Iterator[str]:
+    """Yield the keys of the records among parameters, with those that lead there, so many levels down."""
+    for name, annotation in expected.items():
+        for record in (one for one in (annotation, *get_args(annotation)) if dataclasses.is_dataclass(one) and inspect.isclass(one)):
+            inner = parameters(record)
+            yield from (f"{name}.{key}" for key in (*inner, *(_below(inner, levels - 1) if levels else ())))

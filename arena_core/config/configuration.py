@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from difflib import get_close_matches
 from functools import cache
 from importlib.resources import files
 from importlib.resources.abc import Traversable
@@ -15,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from arena_core.base.errors import ArenaError, ConfigurationError, DuplicateComponent
 from arena_core.base.files import reason_of
+from arena_core.base.hints import did_you_mean, keys_below
 from arena_core.base.suite import whence
 from arena_core.config.plugins import config_packages, load_plugins
 from arena_core.config.registry import unknown
@@ -192,7 +192,8 @@ def _one_line(error: BaseException) -> str:
         return f"{error.override} cannot be read: {reason}; allowed: KEY=VALUE, lists as [a,b], texts with spaces in quotes"
     override = re.search(r"Could not override '([^']+)'", text)
     if override:
-        return _no_key(override.group(1), getattr(error.__cause__, "parent_node", None))
+        cause = error.__cause__
+        return _no_key(getattr(cause, "full_key", None) or override.group(1), getattr(cause, "parent_node", None))
     return _joined(f"{text} {error.__cause__ or ''}")
 
 
@@ -210,9 +211,11 @@ def _joined(text: str) -> str:
 
 
 def _no_key(key: str, parent: Any) -> str:
-    """Return the line for a key that the configuration lacks, with the nearest one and all that stand beside it."""
+    """Return the line for a key that the configuration lacks, with what may be meant, here or deeper, and all that stand beside it."""
+    from omegaconf import OmegaConf
+
     place, _, name = key.rpartition(".")
-    beside = sorted(str(k) for k in parent if k != "hydra") if isinstance(parent, Mapping) else []
-    near = get_close_matches(name, beside, n=1)
-    hint = f"; did you mean {near[0]}?" if near else ""
-    return f"{place or 'the configuration'} has no key {name}{hint} (possible: {', '.join(beside) or 'none'})"
+    inside: Any = OmegaConf.to_container(parent) if isinstance(parent, Mapping) else {}
+    there = {str(name): value for name, value in inside.items() if name != "hydra"}
+    hint = did_you_mean(name, sorted(there), keys_below(there))
+    return f"{place or 'the configuration'} has no key {name}{hint} (possible: {', '.join(sorted(there)) or 'none'})"

@@ -5,13 +5,13 @@ from __future__ import annotations
 import importlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from difflib import get_close_matches
 from functools import lru_cache
 from typing import Any
 
 import pluggy
 
 from arena_core.base.errors import ArenaError, BrokenPlugin, ConfigurationError, DuplicateComponent, UnknownComponent, described
+from arena_core.base.hints import did_you_mean
 from arena_core.base.suite import whence
 from arena_core.config.binding import Nested, arguments, build, parameters
 from arena_core.config.plugins import broken, distributions, load_plugins
@@ -187,6 +187,4 @@ def unknown(kind: str, name: str, known: list[str]) -> str:
     """Return the line for a name that nothing installed has: who brings it, or the nearest one."""
     if brought := whence(kind, name):
         return f"{kind} {name} {brought}"
-    near = get_close_matches(name, known, n=1)
-    hint = f"; did you mean {near[0]}?" if near else ""
-    return f"unknown {kind} {name!r}{hint} (possible: {', '.join(known) or 'none installed'})"
+    return f"unknown {kind} {name!r}{did_you_mean(name, known)} (possible: {', '.join(known) or 'none installed'})"

@@ -114,7 +114,10 @@ class Listing(ABC):
 
 
 class Command(ABC):
-    """A subcommand of ``arena``; ``kept`` is said when Ctrl-C ended it: what is not lost, and how it goes on."""
+    """A subcommand of ``arena``; ``kept`` is said when Ctrl-C ended it: what is not lost, and how it goes on.
+
+    A note of the KeyboardInterrupt (``add_note``) is said in its place, where that depends on when it came.
+    """
 
     help: ClassVar[str]
     kept: ClassVar[str] = ""

@@ -6,7 +6,6 @@ import json
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from hashlib import blake2b
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -15,6 +14,7 @@ import numpy as np
 
 from arena_core.base.errors import ConfigurationError
 from arena_core.base.folders import writing
+from arena_core.base.hints import did_you_mean
 from arena_core.base.stopwatch import Stopwatch
 from arena_core.config.binding import read_settings
 from arena_core.config.configuration import plain
@@ -257,8 +257,7 @@ def check_complete(config: Mapping[str, Any]) -> None:
     known = (*NEEDED, *RunSettings.__slots__, "metrics", "choices")
     foreign = [str(key) for key in config if key not in known]
     if foreign:
-        near = get_close_matches(foreign[0], known, n=1)
-        hint = f"; did you mean {near[0]}?" if near else ""
+        hint = did_you_mean(foreign[0], known)
         raise ConfigurationError(f"the configuration has a key {foreign[0]} that nothing reads{hint} (possible: {', '.join(known[:-1])})")
 
 

@@ -9,8 +9,10 @@ import sys
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from importlib import import_module
+from itertools import count
 from typing import Any
 
+from arena_core.base.notices import tell
 from arena_core.contracts.running import Job
 from arena_core.runs.benchmark import BRAIN
 
@@ -39,6 +41,17 @@ def announce(compiled: Callable[[], None]) -> None:
 
     event.register("numba:compile", Listener())
     _told.append(compiled)
+
+
+def tell_of_compiling() -> None:
+    """Say it, once, when this process has begun to compile more than a few kernels; of no use before numba is imported."""
+    kernels = count(1)
+
+    def compiled() -> None:
+        if next(kernels) == MANY:
+            tell(NOTICE)
+
+    announce(compiled)
 
 
 class Turns:

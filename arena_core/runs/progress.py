@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Callable, Hashable, Sequence
+from datetime import timedelta
 from time import monotonic
 from types import TracebackType
 from typing import Any
 
 from arena_core.contracts.running import Finished, Job
+from arena_core.runs.pace import Pace
 from arena_core.runs.schedule import Block, OpenRun
 
 LINE_EVERY = 30.0  # s between two lines where there is no terminal
@@ -20,13 +23,18 @@ class Progress:
     def __init__(self, runs: Sequence[OpenRun]) -> None:
         self._runs = runs
         self._told = [len(_ended(run)) for run in runs]
-        self._bar = _bar() if sys.stderr.isatty() else None
+        self._kinds = {str(run.folder): Pace.kind(run.config) for run in runs}
+        self._due: Counter[Hashable] = Counter()
+        for run in runs:
+            self._due[self._kinds[str(run.folder)]] += run.left()
+        self._pace = Pace.of_run(runs[0].config if runs else {})
+        self._bar = _bar(self._left) if sys.stderr.isatty() else None
         done, left = sum(len(run.rows) for run in runs), sum(run.left() for run in runs)
         self._task = self._bar.add_task("episodes", total=done + left, completed=done, successes="-") if self._bar else None
         self._before, self._all = done, done + left
         self._successes = 0
         self._seen = 0
-        self._began = self._last_line = monotonic()
+        self._last_line = monotonic()
 
     def __enter__(self) -> Progress:
         if self._bar:
@@ -47,17 +55,23 @@ class Progress:
         """Take in a finished episode, which its run has already."""
         self._seen += 1
         self._successes += finished.succeeded
+        now, kind = monotonic(), self._kinds[finished.job.folder]
+        self._pace.add(kind, now)
+        self._due[kind] -= 1
         if self._bar and self._task is not None:
             self._bar.update(self._task, advance=1, successes=f"{self._successes}/{self._seen}")
-        elif monotonic() > self._last_line + LINE_EVERY:
-            self._last_line = monotonic()
-            print(f"arena: {self._standing(self._last_line - self._began)}", file=sys.stderr, flush=True)
+        elif now > self._last_line + LINE_EVERY:
+            self._last_line = now
+            print(f"arena: {self._standing()}", file=sys.stderr, flush=True)
 
-    def _standing(self, seconds: float) -> str:
-        """Return how far the run is: ``12 of 50 episodes, 9 of 12 succeeded, 0.8/s, 48 s left``."""
-        rate, there = self._seen / seconds, self._before + self._seen
-        said = f"{there} of {self._all} episodes, {self._successes} of {self._seen} succeeded"
-        return f"{said}, {rate:.2g}/s, {(self._all - there) / rate:.0f} s left"
+    def _standing(self) -> str:
+        """Return how far the run is: ``12 of 50 episodes, 9 of 12 succeeded, about 48 s left``."""
+        left = self._left()
+        said = f"{self._before + self._seen} of {self._all} episodes, {self._successes} of {self._seen} succeeded"
+        return f"{said}, {'time left not known yet' if left is None else f'about {left:.0f} s left'}"
+
+    def _left(self) -> float | None:
+        return self._pace.left(self._due, monotonic())
 
     def end(self) -> None:
         """End a round: say what became of the blocks that ended in it."""
@@ -83,22 +97,24 @@ def _line(run: OpenRun, block: Block) -> str:
     return f"{said}, {move}"
 
 
-def _bar() -> Any:
+def _bar(left: Callable[[], float | None]) -> Any:
     from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, ProgressColumn, TextColumn, TimeRemainingColumn
+    from rich.progress import BarColumn, MofNCompleteColumn, ProgressColumn, TextColumn
     from rich.progress import Progress as RichProgress
     from rich.text import Text
 
-    class Rate(ProgressColumn):
+    class TimeLeft(ProgressColumn):
+        max_refresh = 0.5
+
         def render(self, task: Any) -> Text:
-            return Text(f"{task.speed:.2f}/s" if task.speed else "-/s")
+            seconds = left()
+            return Text("time left not known yet" if seconds is None else f"{timedelta(seconds=round(seconds))} left")
 
     return RichProgress(
         TextColumn("{task.description}"),
         BarColumn(),
         MofNCompleteColumn(),
-        Rate(),
         TextColumn("success {task.fields[successes]}"),
-        TimeRemainingColumn(),
+        TimeLeft(),
         console=Console(stderr=True),
     )

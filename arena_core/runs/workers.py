@@ -19,6 +19,7 @@ from arena_core.base.pulse import FINISHING, STARTING
 from arena_core.contracts.running import Job
 from arena_core.runs import strays
 from arena_core.runs.budgets import Watch
+from arena_core.runs.compiling import Parts, parts_of
 from arena_core.runs.messages import Inbox, new_mark
 from arena_core.runs.serving import LEFT_TO_THE_PARENT, serve
 
@@ -69,6 +70,8 @@ class Worker:
         self.mark, mark = strays.new_mark(), new_mark()
         self._inbox = Inbox(self.connection, mark)
         self._mute = False
+        self._driven: set[Parts] = set()
+        self._compiled_before = 0
         self._beats, self._compiled = context.RawValue("q", 0), context.RawValue("q", 0)
         cells = (self._beats, self._compiled)
         self._process = context.Process(target=serve, args=(theirs, mark, cells, os.getpid(), self.mark), name="arena worker")
@@ -85,6 +88,7 @@ class Worker:
     def begin(self, work: Work, task: Task) -> bool:
         """Hand a job over; tell whether the worker was there to take it."""
         self._beats.value = STARTING
+        self._compiled_before = self.compiled()
         try:
             self.connection.send((work, task.job))
         except OSError:
@@ -96,10 +100,13 @@ class Worker:
         """Return what the worker has sent, None if nothing is there."""
         try:
             sent = self._inbox.take()
-            return None if sent is None else Answer(*sent)
+            answer = None if sent is None else Answer(*sent)
         except Exception:  # closed, or no answer: nothing more will come
             self._mute = True
             return None
+        if answer is not None and self.task is not None and self.has_commanded():
+            self._driven.add(_components(self.task.job))
+        return answer
 
     def death(self) -> str | None:
         """Return how the worker ended, None while it lives. Asks the kernel: a pipe may be held open by a forked child."""
@@ -120,7 +127,11 @@ class Worker:
 
     def over_budget(self, passed: float) -> str | None:
         """Return which budget of the task is at its end, ``passed`` seconds after the last look."""
-        return self.task.watch.look(self._beats.value, passed, self._memory()) if self.task else None
+        return self.task.watch.look(self._beats.value, passed, self._memory(), self._warm(self.task.job)) if self.task else None
+
+    def _warm(self, job: Job) -> bool:
+        """Tell whether the process has given a first command with the same components, and has compiled nothing for this job."""
+        return _components(job) in self._driven and self.compiled() == self._compiled_before
 
     def end(self) -> None:
         """End the process and all that it has started, at once, whatever they are at; ``end_strays`` finds what has left its parents."""
@@ -138,6 +149,10 @@ class Worker:
             return int(psutil.Process(self._process.pid).memory_info().rss)
         except psutil.Error:  # it has just died
             return 0
+
+
+def _components(job: Job) -> Parts:
+    return parts_of(job, job.config)
 
 
 def _signal_name(number: int) -> str:

@@ -32,7 +32,7 @@ def test_gymnasium_finds_nothing_wrong(robot):
     env = gymnasium.make("arena/Navigation-v0", robot=robot, overrides=SMALL)
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "The environment .* is different from the unwrapped version")
-        check_env(env.unwrapped, skip_render_check=True)  # a window needs a display; the rest has tests of its own
+        check_env(env.unwrapped)
     env.close()
 
 

@@ -1,9 +1,12 @@
+import sys
+
 import gymnasium
 import numpy as np
 import pytest
 
 import arena_gym.envs  # noqa: F401 - registers the environments
 from arena_core import ArenaError
+from arena_drawing import frames
 from arena_gym.environment import NavigationEnv
 from arena_gym.vector_environment import NavigationVectorEnv
 
@@ -55,3 +58,18 @@ def test_what_cannot_be_shown_is_said_at_once():
     env = NavigationEnv(overrides=SMALL, render_mode="rgb_array")
     with pytest.raises(gymnasium.error.ResetNeeded):
         env.render()
+
+
+@pytest.mark.parametrize(
+    ("here", "modes"),
+    [("a display", ["human", "rgb_array"]), ("no display", ["rgb_array"]), ("no drawing", [])],
+    ids=lambda value: str(value),
+)
+def test_an_environment_offers_the_modes_that_are_possible_here(monkeypatch, here, modes):
+    if here == "no drawing":
+        monkeypatch.setitem(sys.modules, "arena_drawing.frames", None)
+    else:
+        monkeypatch.setattr(frames, "has_display", lambda: here == "a display")
+    env = NavigationEnv(overrides=SMALL)
+    assert env.metadata == {"render_modes": modes, "render_fps": 10}
+    assert NavigationEnv.metadata["render_modes"] == ["human", "rgb_array"]

@@ -264,7 +264,7 @@ def test_lessons_that_were_cut_off_go_on_to_the_same_weights(here, capsys, monke
 
 def refused(words, capsys):
     assert main(list(words)) == 2
-    lines = capsys.readouterr().err.strip().splitlines()
+    lines = [line for line in capsys.readouterr().err.strip().splitlines() if "compiling kernels" not in line]
     assert len(lines) == 1, lines
     return lines[0]
 

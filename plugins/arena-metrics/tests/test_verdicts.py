@@ -8,6 +8,7 @@ import pytest
 
 from arena_core.statistics import compare
 from arena_metrics.pages.headline import answers
+from arena_metrics.pages.page import episodes_of
 from arena_metrics.pages.report import ReportCommand
 from arena_metrics.pooling.cells import cells_of
 from arena_metrics.pooling.codes import other_code
@@ -102,7 +103,7 @@ def test_episodes_of_a_file_are_its_problems(run_folder, tmp_path):
     (cell,) = summary.cells.cells
     success = next(column for column in summary.columns if column.name == "success")
     assert (summary.get(cell, success).n, summary.get(cell, success).problems) == (36, 6)
-    assert headline(summary).rows[0][1] == "36 of 6 problems"
+    assert headline(summary).rows[0][1] == "36 on 6 problems"
     table = problem_table(summary.cells, summary.columns)
     assert [row[1:3] for row in table.rows] == [[f"p{i}", "6"] for i in range(6)]
     assert table.rows[0][3].startswith("50 [")
@@ -117,7 +118,7 @@ def test_drawn_problems_have_no_table_of_their_own(run_folder, tmp_path):
 def test_one_problem_again_and_again_has_no_interval_but_is_shown(run_folder, tmp_path):
     folder = run_folder(tmp_path / "a", episodes=12, problems=1, only=FEW)
     summary = summary_of(folder)
-    assert headline(summary).rows[0][1:3] == ["12 of 1 problem", "50"]
+    assert headline(summary).rows[0][1:3] == ["12 on 1 problem", "50"]
     assert problem_table(summary.cells, summary.columns).rows[0][3].startswith("50 [25 –")
     assert ReportCommand().run([str(folder)]) == 0
     assert "Problem by problem" in (folder / "report" / "index.html").read_text()
@@ -163,3 +164,10 @@ def test_parts_of_other_code_than_the_rows_are_not_believed(run_folder, tmp_path
     facts = json.loads((folder / "provenance.json").read_text()) | {"code": broken}
     (folder / "provenance.json").write_text(json.dumps(facts))
     assert other_code(summary_of(tmp_path).cells) == []
+
+
+@pytest.mark.parametrize(
+    ("there", "wanted", "said"), [(3, 10, "3 of 10"), (10, 10, "10 of 10"), (10, 2, "10"), (4, None, "4"), (4, "many", "4")]
+)
+def test_no_more_episodes_are_told_than_were_wanted(there, wanted, said):
+    assert episodes_of(there, wanted) == said

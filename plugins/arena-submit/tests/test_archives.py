@@ -99,7 +99,7 @@ def test_a_file_that_is_missing_is_found_out(packed, tmp_path):
 def test_a_run_that_is_not_finished_is_not_packed(copied, tmp_path):
     table = copied / "episodes.csv"
     table.write_text("".join(table.read_text().splitlines(keepends=True)[:-1]))
-    with pytest.raises(InputFileError, match=r"copied: holds 2 of 3 episodes; allowed: finished runs"):
+    with pytest.raises(InputFileError, match=r"copied: holds 2 episodes of a run of 3; allowed: finished runs"):
         write_pack([copied], tmp_path / "pack.zip")
     assert not (tmp_path / "pack.zip").exists()
 

@@ -4,6 +4,7 @@ import http.client
 import json
 import os
 import threading
+import time
 from urllib.parse import urlsplit
 
 import pytest
@@ -63,6 +64,26 @@ def test_finished_episodes_are_told(folder):
     (run,) = state["runs"]
     assert run["name"] == "0"
     assert [row["episode"] for row in run["rows"]] == ["0", "1"]
+
+
+def test_time_left_follows_from_when_records_were_written_but_for_the_first(tmp_path):
+    run = tmp_path / "run"
+    (run / "records").mkdir(parents=True)
+    facts = {"episodes": 20, "config": {"executor": {"name": "processes", "workers": 1}}}
+    (run / "provenance.json").write_text(json.dumps(facts))
+    (run / "episodes.csv").write_text("\n".join(["episode,success", *(f"{episode},1" for episode in range(8))]) + "\n")
+    now = time.time()
+    os.utime(run / "provenance.json", (now - 120.0, now - 120.0))
+    for episode in range(8):  # the first took 92 s, with compiling, the others 4 s each
+        path = run / "records" / f"{episode:04d}.npz"
+        path.touch()
+        os.utime(path, (now - 28.0 + 4.0 * episode,) * 2)
+    state = state_of(Watched(run))
+    assert 44.0 <= state["left"] <= 48.0
+    assert set(state["runs"][0]) == {"number", "name", "total", "done", "succeeded", "rows", "running"}
+    for episode in range(4, 8):
+        (run / "records" / f"{episode:04d}.npz").unlink()
+    assert state_of(Watched(run))["left"] is None
 
 
 def test_running_episodes_are_told_while_they_tell(folder, telling):

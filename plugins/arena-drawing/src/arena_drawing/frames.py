@@ -141,7 +141,7 @@ class FrameWindow:
     def __init__(self, title: str, fps: float) -> None:
         import matplotlib.pyplot as plt
 
-        if plt.get_backend().lower() not in {name.lower() for name in _interactive()}:
+        if not has_display():
             raise ArenaError("render_mode is human, and there is no display; allowed here: rgb_array")
         self._plt, self._pause = plt, 1.0 / fps
         plt.ion()
@@ -161,6 +161,13 @@ class FrameWindow:
     def close(self) -> None:
         """Close the window."""
         self._plt.close(self._figure)
+
+
+def has_display() -> bool:
+    """Return whether a window can be opened here."""
+    import matplotlib.pyplot as plt
+
+    return plt.get_backend().lower() in {name.lower() for name in _interactive()}
 
 
 def _interactive() -> Sequence[str]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_gym.building import build_parts, compose_environment
-from arena_gym.rendering import MODES, Renderer
+from arena_gym.rendering import Metadata, Renderer
 from arena_gym.reports import final_report, start_report
 from arena_gym.spaces import action_space, observation_space
 from arena_gym.switched_batch import make_batch
@@ -26,7 +26,7 @@ class NavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     ``rgb_array``, ``human`` or none (arena-gym[render]).
     """
 
-    metadata = {"render_modes": list(MODES), "render_fps": 10}  # noqa: RUF012 - gymnasium's own form
+    metadata = Metadata()
 
     def __init__(
         self,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,23 @@ if TYPE_CHECKING:
 
 Frame = NDArray[np.uint8]
 MODES = ("human", "rgb_array")
+
+
+class Metadata:
+    """What gymnasium asks of an environment: all render modes of its class, those that are possible on this machine of its objects."""
+
+    def __get__(self, env: object | None, owner: type | None = None) -> dict[str, Any]:
+        """Return the modes and the frames a second."""
+        return {"render_modes": list(MODES if env is None else possible_modes()), "render_fps": 10}
+
+
+def possible_modes() -> tuple[str, ...]:
+    """Return the modes that work here: none without arena-drawing, and no window without a display."""
+    try:
+        from arena_drawing.frames import has_display
+    except ImportError:
+        return ()
+    return MODES if has_display() else ("rgb_array",)
 
 
 class Renderer:

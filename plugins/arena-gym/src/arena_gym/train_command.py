@@ -24,7 +24,6 @@ class TrainCommand(Command):
     """Train a learned planner for a robot."""
 
     help: ClassVar[str] = "train a learned planner: arena train planner=rosnav robot=jackal"
-    kept: ClassVar[str] = "the last checkpoint and all lessons are kept, resume=true (with the same words) goes on from there"
 
     def run(self, arguments: Sequence[str]) -> int:
         """Train, and write policy, card, curve and logs to a folder; one training after the other where there are several seeds."""
@@ -54,7 +53,7 @@ class TrainCommand(Command):
                 print(f"seed {config['seed']}: {folder}", flush=True)
             if config["trainer"] is not None:
                 _check_unused(config)
-                load_registry().build("trainer", config["trainer"]).train(config, folder, RESUME[resume][0])
+                _train_in_a_way_of_its_own(config, folder, RESUME[resume][0])
             else:
                 run_training(config, folder, *RESUME[resume], robot)
         return 0
@@ -64,6 +63,16 @@ class TrainCommand(Command):
         if word.startswith("planner="):
             return [f"planner={recipe}" for recipe in option_files("recipe", load_registry().manager)]
         return [*(f"{key}=" for key in OWN), "resume=true", "resume=force", *complete_overrides(words, word, primary="train")]
+
+
+def _train_in_a_way_of_its_own(config: Mapping[str, Any], folder: Path, resume: bool) -> None:
+    try:
+        load_registry().build("trainer", config["trainer"]).train(config, folder, resume)
+    except KeyboardInterrupt as interrupt:
+        there = folder / "checkpoint.pt"
+        said = f"{there} is kept, resume=true (with the same words) goes on from there" if there.exists() else "nothing was kept as yet"
+        interrupt.add_note(said)
+        raise
 
 
 def _robot(overrides: Sequence[str], config: Mapping[str, Any]) -> str:

@@ -82,7 +82,7 @@ def _files(run: Path) -> list[Path]:
     facts = read_provenance(run)
     rows, wanted = read_table(run / "episodes.csv", "a table that `arena run` wrote")[1], facts["config"].get("episodes")
     if len(rows) != wanted:
-        raise InputFileError(f"{run}: holds {len(rows)} of {wanted} episodes; allowed: finished runs, resume=true finishes one")
+        raise InputFileError(f"{run}: holds {len(rows)} episodes of a run of {wanted}; allowed: finished runs, resume=true finishes one")
     parts = [*record_paths(run), *timing_paths(run), *sorted((run / "worlds").glob("[0-9a-f]*.npz"))]
     found = [run / "episodes.csv", run / "provenance.json", *parts]
     for path in found:

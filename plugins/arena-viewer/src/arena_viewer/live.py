@@ -5,18 +5,32 @@ from __future__ import annotations
 import json
 import re
 import time
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Hashable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from arena_core import LIMITS, ArenaError, InputFileError, find_runs, one_line, read_bytes, read_grid, read_json, read_table, record_path
+from arena_core import (
+    LIMITS,
+    ArenaError,
+    InputFileError,
+    Pace,
+    find_runs,
+    one_line,
+    read_bytes,
+    read_grid,
+    read_json,
+    read_table,
+    record_path,
+)
 from arena_viewer.document import FREE, OCCUPIED, UNKNOWN, document, finite, read_recorded
 
 LOOK_EVERY, RUNS_EVERY = 0.2, 5.0  # s between two looks at the folder, and for new runs
 GRID = re.compile(r"worlds/[0-9a-f]+\.npz")  # as a run writes them
 STALE = 10.0  # s after which a running episode that tells nothing counts as lost
 SHOWN, DRAWN = 200, 12  # rows of finished episodes, the newest, and running episodes, that are told
+OWN = ("ends", "config")  # what is kept of a run, and not told
 ROW = ("episode", "preset", "robot", "world", "seed", "outcome", "success", "collisions", "time_to_goal", "error")
 
 
@@ -36,7 +50,8 @@ class Watched:
         if now - self._looked >= LOOK_EVERY:
             self._looked = now
             runs = [self._run(number, run) for number, run in enumerate(self._found(now))]
-            self._state = json.dumps(finite({"runs": runs, **_sums(runs)})).encode()
+            told = {"runs": [{key: value for key, value in run.items() if key not in OWN} for run in runs], **_sums(runs)}
+            self._state = json.dumps(finite(told)).encode()
         return "application/json", self._state
 
     def document(self, asked: Mapping[str, str]) -> tuple[str, bytes]:
@@ -73,17 +88,17 @@ class Watched:
     def _run(self, number: int, folder: Path) -> dict[str, Any]:
         try:
             facts = read_json(folder / "provenance.json", "what `arena run` wrote")
-            began, total = (folder / "provenance.json").stat().st_mtime, int(facts["episodes"])
+            began, total, config = (folder / "provenance.json").stat().st_mtime, int(facts["episodes"]), dict(facts["config"])
         except (ArenaError, OSError, ValueError, KeyError, TypeError):
-            began, total = 0.0, 0
+            began, total, config = 0.0, 0, {}
         rows = self._rows(folder)
         return {
             "number": number,
             "name": str(folder.relative_to(self._folder)) if folder != self._folder else folder.name,
             "total": max(total, len(rows)),
             "done": len(rows),
-            "new": sum(_is_newer(record_path(folder, int(row["episode"])), began) for row in rows[-SHOWN:]),
-            "seconds": time.time() - began if began else None,
+            "ends": _ends([record_path(folder, int(row["episode"])) for row in rows[-SHOWN:]], began),
+            "config": config,
             "succeeded": sum(row.get("success") in ("1", "1.0") for row in rows),
             "rows": [{name: row.get(name, "") for name in ROW} for row in rows[-SHOWN:]],
             "running": _running(folder, {int(row["episode"]) for row in rows}),
@@ -112,19 +127,30 @@ def _running(folder: Path, done: set[int]) -> list[dict[str, Any]]:
 
 
 def _sums(runs: list[dict[str, Any]]) -> dict[str, Any]:
-    """Return sums over runs, and how many s it may take still: None where nothing of this start has finished yet."""
+    """Return sums over runs, and how many s it may take still: None where too little of this start has finished to say."""
     total, done, succeeded = (sum(run[name] for run in runs) for name in ("total", "done", "succeeded"))
-    new, seconds = sum(run["new"] for run in runs), max((run["seconds"] or 0.0 for run in runs), default=0.0)
-    left = seconds * (total - done) / new if new else None
     workers = len({said.get("worker") for run in runs for said in run["running"]})
-    return {"total": total, "done": done, "succeeded": succeeded, "left": 0.0 if runs and total == done else left, "workers": workers}
+    left = 0.0 if runs and total == done else _left(runs)
+    return {"total": total, "done": done, "succeeded": succeeded, "left": left, "workers": workers}
 
 
-def _is_newer(path: Path, since: float) -> bool:
-    try:
-        return path.stat().st_mtime >= since
-    except OSError:
-        return False
+def _left(runs: list[dict[str, Any]]) -> float | None:
+    kinds, due = [Pace.kind(run["config"]) for run in runs], Counter[Hashable]()
+    pace = Pace.of_run(runs[0]["config"] if runs else {})
+    for kind, run in zip(kinds, runs, strict=True):
+        due[kind] += run["total"] - run["done"]
+    for end, number in sorted((end, number) for number, run in enumerate(runs) for end in run["ends"]):
+        pace.add(kinds[number], end)
+    return pace.left(due, time.time()) if runs else None
+
+
+def _ends(records: list[Path], since: float) -> list[float]:
+    """Return when these records were written, of those of this start."""
+    found = []
+    for path in records:
+        with suppress(OSError):
+            found.append(path.stat().st_mtime)
+    return [end for end in found if end >= since]
 
 
 def _number(asked: Mapping[str, str], name: str) -> int:

@@ -83,6 +83,14 @@ def load_checkpoint(path: Path, learner: PPO, worlds: WorldsInStep | None = None
     return progress, best
 
 
+def steps_of(path: Path) -> int:
+    """Return after how many steps a checkpoint was written, 0 where there is none; raise ConfigurationError for a file that is none."""
+    if not path.exists():
+        return 0
+    with of_this_training(path):
+        return int(torch.load(path, weights_only=True, map_location="cpu")["steps"])
+
+
 def _random_state() -> dict[str, Any]:
     """Return the streams that Stable-Baselines3 draws from: torch's for exploration, numpy's global one for minibatches."""
     _, keys, place, has_gauss, gauss = np.random.get_state(legacy=True)  # noqa: NPY002 - the one that the library uses

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ConfigurationError
+from arena_core import ConfigurationError, interrupts
 from arena_gym.building import build_parts
 from arena_gym.seeds import check_unseen_seed
 from arena_gym.vector_environment import NavigationVectorEnv
@@ -61,13 +61,15 @@ def check_apart(config: Mapping[str, Any]) -> None:
         raise ConfigurationError(f"training.test.seed is {tested}; allowed: any other than training.validation.seed, which chooses weights")
 
 
-def evaluate(env: NavigationVectorEnv, act: Act, episodes: int, seed: int) -> Score:
-    """Return how well ``act`` drives in the first episodes of each world."""
-    ended = outcomes(env, act, episodes, seed)
+def evaluate(env: NavigationVectorEnv, act: Act, episodes: int, seed: int, ended_one: Callable[[int], None] = lambda ended: None) -> Score:
+    """Return how well ``act`` drives in the first episodes of each world; ``ended_one`` hears how many have ended."""
+    ended = outcomes(env, act, episodes, seed, ended_one)
     return Score(len(ended), *(ended.count(outcome) / len(ended) for outcome in ("goal_reached", "collision", "time_out")))
 
 
-def outcomes(env: NavigationVectorEnv, act: Act, episodes: int, seed: int) -> list[str]:
+def outcomes(
+    env: NavigationVectorEnv, act: Act, episodes: int, seed: int, ended_one: Callable[[int], None] = lambda ended: None
+) -> list[str]:
     """Drive the first episodes of each world until there are ``episodes`` of them; return how they ended, world by world.
 
     One with a collision, even in the step that reached the goal, ended by that.
@@ -80,9 +82,11 @@ def outcomes(env: NavigationVectorEnv, act: Act, episodes: int, seed: int) -> li
     ended: list[list[str]] = [[] for _ in range(env.num_envs)]
     observations = env.reset(seed=seed)[0]
     while any(len(world) < wanted for world, wanted in zip(ended, quota.tolist(), strict=True)):
+        interrupts.check()
         observations, _, terminated, truncated, ends = env.step(act(observations))
         for slot in np.flatnonzero(terminated | truncated).tolist():
             if len(ended[slot]) < quota[slot]:
                 info = ends["final_info"]
                 ended[slot].append("collision" if info["collisions"][slot] else str(info["outcome"][slot]))
+                ended_one(sum(map(len, ended)))
     return [outcome for world in ended for outcome in world]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ConfigurationError
+from arena_core import ConfigurationError, interrupts
 from arena_gym.batch import NavigationBatch
 from arena_gym.episodes import EpisodeKey
 
@@ -32,6 +32,7 @@ class RunningEpisodes:
         observations = batch.begin_at(self.keys)
         steps = len(self.actions)
         for step, actions in enumerate(self.actions):
+            interrupts.check()
             self._begin(steps - step, batch, observations)
             observations = batch.step(actions).observations
         self._begin(0, batch, observations)

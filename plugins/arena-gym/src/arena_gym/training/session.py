@@ -15,24 +15,29 @@ from arena_core import (
     ConfigurationError,
     ObservationEncoder,
     code_of,
+    interrupts,
     load_registry,
     local_path,
     read_json,
     read_settings,
+    tell_of_compiling,
     write_bytes_whole,
     write_text_whole,
 )
 from arena_core.statistics import wilson
 from arena_gym.building import Parts, build_parts
-from arena_gym.training.checkpoint import digest_of
+from arena_gym.training.checkpoint import digest_of, steps_of
 from arena_gym.training.evaluation import check_apart, evaluate, unseen_worlds
 from arena_gym.training.export import Actor, round_as_kept, to_onnx
 from arena_gym.training.folder import open_folder
 from arena_gym.training.levels import make_levels
+from arena_gym.training.plan import plan
+from arena_gym.training.report import TrainingReport
 from arena_gym.training.selection import rule
 from arena_gym.training.settings import Network, TrainingSettings
 from arena_gym.training.teaching import Classroom
 from arena_gym.training.trainer import CHECKPOINT, Trained, prepare, train
+from arena_gym.training.unfinished import keeping_a_policy
 from arena_gym.vector_environment import NavigationVectorEnv
 from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.card import PolicyCard, part_path, sha256, write_card
@@ -46,18 +51,28 @@ NO_PART = ("metrics", "executor", "command", "listing")  # kinds that have no pa
 def run_training(config: Mapping[str, Any], folder: Path, resume: bool, force: bool = False, robot: str | None = None) -> int:
     """Train by a composed configuration; write the best weights to ``folder``, which may hold its beginning, the last to ``last`` in it.
 
-    ``robot`` is the name of its file, by which a teacher is tuned, and which the card names; its own where it is None.
+    ``robot`` is the name of its file, by which a teacher is tuned, and which the card names; its own where it is None. Ctrl-C comes between
+    two steps: within a compiled kernel it would turn into another error.
     """
+    with interrupts.heard(), interrupts.held():
+        return _run_training(config, folder, resume, force, robot)
+
+
+def _run_training(config: Mapping[str, Any], folder: Path, resume: bool, force: bool, robot: str | None) -> int:
+    print(f"{config['planner']} for {robot or config['robot']['name']}, to {folder}: building its worlds", flush=True)
     settings = training_settings(config)
     check_apart(config)
     registry = load_registry()
     parts, chosen = build_parts(config, registry), settings.validation
+    interrupts.check()
+    tell_of_compiling()
     if parts.switch is not None:
         _check_switch(settings.network)
     levels = make_levels(settings.levels, parts.pool.staging, settings.mixture)
     validation = unseen_worlds(config, chosen.episodes, chosen.seed, "training.validation.seed")
     for pool in (parts.pool, validation.batch.parts.pool):
         (pool.at_stage(pool.staging.start) if pool.staging else pool).check()  # worlds in which none can be drawn are told of now
+    interrupts.check()
     env = NavigationVectorEnv(settings.optimization.environments, parts=parts)
     changed = settings.later.reward
     later = None if changed is None else registry.build("reward", {**config["reward"], **changed}, robot=parts.robot)
@@ -75,8 +90,20 @@ def run_training(config: Mapping[str, Any], folder: Path, resume: bool, force: b
             print(f"note: {note}", flush=True)
     if (folder / CHECKPOINT).exists():
         classroom = None  # it has taught
-    trained = train(settings, learner, worlds, validation, levels, folder, later, classroom)
-    _export(config, parts, trained, told, folder, robot or parts.robot.name)
+    for line in plan(settings, steps_of(folder / CHECKPOINT), classroom is None):
+        print(line, flush=True)
+    name = robot or parts.robot.name
+    told = {**_told_of(config), **told}
+
+    def write(found: Mapping[str, Any]) -> None:
+        _write_policy(config, parts, name, learner, folder / "policy.onnx", {**told, **found})
+
+    interrupts.check()
+    with TrainingReport(settings.total_steps) as report, keeping_a_policy(learner, folder, write):
+        trained = train(settings, learner, worlds, validation, levels, folder, later, classroom, report)
+        line = _export(config, parts, trained, told, folder, name, report)
+    print(line)
+    print(f"policy: {folder / 'policy.onnx'}")
     return 0
 
 
@@ -90,28 +117,40 @@ def _check_switch(network: Network) -> None:
         raise ConfigurationError("training.network.log_std_unit is si; allowed: range for a switch, whose actions have no unit")
 
 
-def _export(config: Mapping[str, Any], parts: Parts, trained: Trained, by: Mapping[str, Any], folder: Path, robot: str) -> None:
-    """Write the last weights, then those that were chosen, with what a test says of them; ``by`` tells of the code, and of a teacher."""
-    told = {"seed": config["seed"], "steps": trained.steps, "curve": trained.curve, "config": dict(config), **by}
-    told |= {"versions": {name: version(name) for name in PACKAGES}}
+def _told_of(config: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what a card tells of a training, whatever came of it."""
+    told: dict[str, Any] = {"seed": config["seed"], "config": dict(config), "versions": {name: version(name) for name in PACKAGES}}
     if (begun := training_settings(config).start.policy) is not None:
         told["start"] = sha256(network_content(local_path(begun)))
+    return told
+
+
+def _export(
+    config: Mapping[str, Any], parts: Parts, trained: Trained, by: Mapping[str, Any], folder: Path, robot: str, report: TrainingReport
+) -> str:
+    """Write the last weights, then those that were chosen, with what a test says of them; return that.
+
+    ``by`` tells of the configuration, the code, and a teacher.
+    """
+    told = {**by, "steps": trained.steps, "curve": trained.curve}
     _write_policy(config, parts, robot, trained.learner, folder / "last" / "policy.onnx", {**told, "weights": "last", "score": None})
     trained.learner.policy.load_state_dict(trained.best)
     round_as_kept(Actor(trained.learner.policy))
-    score = _tested(config, trained, by["code"], folder / TESTED)
+    score = _tested(config, trained, by["code"], folder / TESTED, report) if training_settings(config).test.episodes else None
     choice = {**trained.choice.as_row(), "rule": rule(training_settings(config).validation)}
     path = folder / "policy.onnx"
     _write_policy(config, parts, robot, trained.learner, path, {**told, "weights": "best", "choice": choice, "score": score})
+    weights = f"weights after {trained.choice.steps} of {trained.steps} steps"
+    if score is None:
+        return f"test: none; {weights}"
     low, high = score["interval"]
-    print(
+    return (
         f"test: success {score['success']:.3f} ({low:.3f} .. {high:.3f}), collision {score['collision']:.3f}, time out "
-        f"{score['time_out']:.3f} of {score['episodes']}; weights after {trained.choice.steps} of {trained.steps} steps"
+        f"{score['time_out']:.3f} of {score['episodes']}; {weights}"
     )
-    print(f"policy: {path}")
 
 
-def _tested(config: Mapping[str, Any], trained: Trained, code: str, file: Path) -> dict[str, Any]:
+def _tested(config: Mapping[str, Any], trained: Trained, code: str, file: Path, report: TrainingReport) -> dict[str, Any]:
     """Return the score of the chosen weights in the test, from ``file`` where this ``code`` tested them before."""
     chosen = training_settings(config).test
     of = {"weights": digest_of(trained.best), "seed": chosen.seed, "wanted": chosen.episodes, "code": code}
@@ -121,7 +160,8 @@ def _tested(config: Mapping[str, Any], trained: Trained, code: str, file: Path) 
             return dict(before["score"])
     print(f"test: {chosen.episodes} episodes ...", flush=True)
     worlds = unseen_worlds(config, chosen.episodes, chosen.seed, "training.test.seed")
-    found = evaluate(worlds, Actor(trained.learner.policy).act, chosen.episodes, chosen.seed)
+    report.besides("test, episodes", chosen.episodes)
+    found = evaluate(worlds, Actor(trained.learner.policy).act, chosen.episodes, chosen.seed, report.part)
     score = {**found.as_row(), "interval": list(wilson(found.success, found.episodes)), "method": "Wilson, 95 %", "seed": chosen.seed}
     write_text_whole(file, json.dumps({"of": of, "score": score}, indent=1) + "\n")
     return score

@@ -90,9 +90,9 @@ class Validation:
 
 @dataclass(frozen=True, slots=True)
 class Test:
-    """What the weights that were chosen are tried on once: ``episodes`` of ``seed``."""
+    """What the weights that were chosen are tried on once: ``episodes`` of ``seed``; 0: they are not."""
 
-    episodes: PositiveInt
+    episodes: NonNegativeInt
     seed: NonNegativeInt
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import io
 import shutil
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
@@ -19,13 +19,14 @@ import torch
 from numpy.typing import NDArray
 from stable_baselines3 import PPO
 
-from arena_core import ConfigurationError, Registry, compose, generator, plain, untuned, write_bytes_whole
+from arena_core import ConfigurationError, Registry, compose, generator, interrupts, plain, untuned, write_bytes_whole
 from arena_gym.batch import NavigationBatch
 from arena_gym.driver import Driver
 from arena_gym.reports import outcome
 from arena_gym.seeds import training_seed
 from arena_gym.training.checkpoint import all_finite, of_this_training
 from arena_gym.training.export import Actor
+from arena_gym.training.report import TrainingReport
 from arena_gym.training.settings import Teacher
 from arena_gym.training.worlds_in_step import SEEDS_APART
 from arena_policies.members import Members
@@ -85,8 +86,13 @@ class Classroom:
 
         self._drivers = [make_driver() for _ in range(batch.worlds)]
 
-    def hold(self, actor: Actor, decisions: int, share: float, first_seed: int) -> Lesson:
-        """Drive new episodes for so many decisions, the first ``share`` of the worlds by the teacher, the rest by the policy."""
+    def hold(
+        self, actor: Actor, decisions: int, share: float, first_seed: int, decided: Callable[[int], None] = lambda decisions: None
+    ) -> Lesson:
+        """Drive new episodes for so many decisions, the first ``share`` of the worlds by the teacher, the rest by the policy.
+
+        ``decided`` hears how many decisions are over.
+        """
         batch, count = self.batch, self.batch.worlds
         seen, shown = [], []
         by_teacher = np.arange(count) < round(share * count)
@@ -94,7 +100,9 @@ class Classroom:
         now = batch.reset([first_seed + k for k in range(count)])
         places = [(batch.seen, slot) for slot in range(count)]
         self._begin(range(count))
-        for _ in range(decisions):
+        for decision in range(decisions):
+            interrupts.check()
+            decided(decision)
             commands = np.array([driver.drive(0, *place) for driver, place in zip(self._drivers, places, strict=True)])
             wanted = batch.parts.scale.actions(commands).astype(np.float32)
             seen.append(now.copy())
@@ -108,6 +116,7 @@ class Classroom:
                 for row, slot in enumerate(ended.tolist()):
                     places[slot] = (batch.seen, row)
                 self._begin(ended.tolist())
+        decided(decisions)
         return Lesson(np.concatenate(seen), np.concatenate(shown), ends)
 
     def _begin(self, slots: range | list[int]) -> None:
@@ -115,16 +124,17 @@ class Classroom:
             self._drivers[slot].begin(self.batch.episodes[slot].problem)
 
 
-def teach(learner: PPO, classroom: Classroom, settings: Teacher, seed: int, folder: Path) -> None:
+def teach(learner: PPO, classroom: Classroom, settings: Teacher, seed: int, folder: Path, report: TrainingReport | None = None) -> None:
     """Let the learner's policy imitate the teacher for all rounds that ``folder`` does not hold yet; each is kept there when it is over."""
-    actor = Actor(learner.policy)
+    actor, report = Actor(learner.policy), report or TrainingReport(0)  # one that nobody has started shows nothing
     optimizer = torch.optim.Adam(actor.parameters(), lr=settings.learning_rate)
     done = _take_up(folder, actor, optimizer)
     lessons = [_read_lesson(_lesson_file(folder, number)) for number in range(done)] if done < settings.rounds else []
     for number in range(done, settings.rounds):
         share = 1.0 - number / max(settings.rounds - 1, 1)
         first_seed = seed * SEEDS_APART + _FIRST_SEED + number % (_FIRST_SEED // classroom.batch.worlds) * classroom.batch.worlds
-        lesson = classroom.hold(actor, settings.decisions, share, first_seed)
+        report.besides(f"lesson {number + 1} of {settings.rounds}, decisions", settings.decisions)
+        lesson = classroom.hold(actor, settings.decisions, share, first_seed, report.part)
         _write_lesson(_lesson_file(folder, number), lesson)
         lessons.append((lesson.seen, lesson.shown))
         left = 1.0 - number / settings.rounds
@@ -162,6 +172,7 @@ def imitate(
         group["lr"] = settings.learning_rate * max(left, 0.1)
     total = 0.0
     for _ in range(settings.epochs):
+        interrupts.check()
         total = 0.0
         order = torch.from_numpy(random.permutation(len(seen))).to(device)
         for first in range(0, len(order), settings.minibatch):
@@ -194,6 +205,11 @@ def _keep(folder: Path, actor: Actor, optimizer: torch.optim.Optimizer, rounds: 
     content = io.BytesIO()
     torch.save({"rounds": rounds, "actor": actor.state_dict(), "optimizer": optimizer.state_dict()}, content)
     write_bytes_whole(folder / TAUGHT, content.getvalue())
+
+
+def take_taught(folder: Path, actor: Actor) -> int:
+    """Give the policy what a folder's lessons have taught it; return how many there were."""
+    return _take_up(folder, actor, torch.optim.Adam(actor.parameters()))
 
 
 def _take_up(folder: Path, actor: Actor, optimizer: torch.optim.Optimizer) -> int:

@@ -14,12 +14,13 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import Logger
 
-from arena_core import ArenaError, Reward, RunFolderError, write_text_whole
+from arena_core import ArenaError, Reward, RunFolderError, interrupts, write_text_whole
 from arena_gym.training.checkpoint import Weights, all_finite, load_checkpoint, save_checkpoint, weights_of
 from arena_gym.training.evaluation import evaluate
 from arena_gym.training.export import Actor
 from arena_gym.training.learning import limit_spread, make_learner, spread_in_si
 from arena_gym.training.levels import Levels
+from arena_gym.training.plan import steps_driven
 from arena_gym.training.report import LateEpisodes, TrainingReport
 from arena_gym.training.selection import Choice, candidate, is_better
 from arena_gym.training.settings import TrainingSettings
@@ -90,6 +91,7 @@ class Trainer(BaseCallback):
 
     def _on_rollout_start(self) -> None:
         self._after_update()
+        self._report.mark(self._learner.num_timesteps)
         if self._settings.begins_able:
             hold_policy(self._learner, self._learner.num_timesteps < self._settings.start.value_steps)
         if self._later is not None and self._learner.num_timesteps >= self._settings.later.share * self._settings.total_steps:
@@ -99,6 +101,7 @@ class Trainer(BaseCallback):
             limit_spread(self._learner, initial + min(self._learner.num_timesteps / self._settings.total_steps, 1.0) * (final - initial))
 
     def _on_step(self) -> bool:
+        interrupts.check()
         for info in self.locals["infos"]:
             if "episode" in info:
                 success = bool(info["is_success"])
@@ -129,7 +132,8 @@ class Trainer(BaseCallback):
         """Validate the weights as they are, take them where they are best, and keep all."""
         chosen, steps = self._settings.validation, self._learner.num_timesteps
         self._next_validation = steps + chosen.every
-        score = evaluate(self._validation, Actor(self._learner.policy).act, chosen.episodes, chosen.seed)
+        self._report.besides(f"validation after {steps} steps, episodes", chosen.episodes)
+        score = evaluate(self._validation, Actor(self._learner.policy).act, chosen.episodes, chosen.seed, self._report.part)
         training = {"training": self._late.success, "training_collisions": self._late.collisions}
         self.curve.append({"steps": steps, "level": self._levels.mean, **training, **score.as_row()})
         found = candidate(self.curve, chosen)
@@ -222,6 +226,7 @@ def train(
     folder: Path,
     later: Reward | None = None,
     classroom: Classroom | None = None,
+    report: TrainingReport | None = None,
 ) -> Trained:
     """Train until the steps are spent or the target is reached; from ``settings.later.share`` of them on by the reward ``later``, if any.
 
@@ -229,32 +234,34 @@ def train(
     ``folder`` keeps checkpoint, curve and logs; where there is a checkpoint, its training goes on as if it had never stopped. Raises
     ConfigurationError for one of another training, TrainingStopped where it cannot go on.
     """
-    with TrainingReport(settings.total_steps) as report:
-        trainer = Trainer(learner, settings, levels, worlds, validation, folder, report, later)
-        with trainer.stopping_in_one_line():
-            if classroom is not None:
-                levels.apply(worlds.env.batch)
-                teach(learner, classroom, settings.teacher, settings.seed, folder)
-            _go_on(trainer, learner, settings, worlds, folder)
+    report = report or TrainingReport(settings.total_steps)  # which shows nothing, as nobody has started it
+    trainer = Trainer(learner, settings, levels, worlds, validation, folder, report, later)
+    with trainer.stopping_in_one_line():
+        if classroom is not None:
             levels.apply(worlds.env.batch)
-            report.begin(learner.num_timesteps)
-            left = settings.total_steps - learner.num_timesteps
-            if left > 0 and not trainer.good_enough:
-                learner.learn(left, trainer, tb_log_name="ppo", reset_num_timesteps=False)
-            else:
-                learner.set_logger(Logger(None, []))  # which `learn` would have made
-                if not trainer.curve:
-                    worlds.reset()  # to the episodes that a checkpoint goes on with
-            trainer.finish()
+            teach(learner, classroom, settings.teacher, settings.seed, folder, report)
+        _go_on(trainer, learner, settings, worlds, folder, report)
+        levels.apply(worlds.env.batch)
+        report.begin(learner.num_timesteps, steps_driven(settings, learner.num_timesteps))
+        left = settings.total_steps - learner.num_timesteps
+        if left > 0 and not trainer.good_enough:
+            learner.learn(left, trainer, tb_log_name="ppo", reset_num_timesteps=False)
+        else:
+            learner.set_logger(Logger(None, []))  # which `learn` would have made
+            if not trainer.curve:
+                worlds.reset()  # to the episodes that a checkpoint goes on with
+        trainer.finish()
     assert trainer.choice is not None
     assert trainer.best is not None
     return Trained(learner, int(trainer.curve[-1]["steps"]), trainer.curve, trainer.choice, trainer.best)
 
 
-def _go_on(trainer: Trainer, learner: PPO, settings: TrainingSettings, worlds: WorldsInStep, folder: Path) -> None:
+def _go_on(trainer: Trainer, learner: PPO, settings: TrainingSettings, worlds: WorldsInStep, folder: Path, report: TrainingReport) -> None:
     """Take the state of the folder's checkpoint, if there is one; its running episodes only where training goes on."""
     if not (folder / CHECKPOINT).exists():
         return
     trainer.resume(*load_checkpoint(folder / CHECKPOINT, learner))
     if learner.num_timesteps < settings.total_steps and not trainer.good_enough:
+        report.besides("episodes that ran are driven again", 1)
         load_checkpoint(folder / CHECKPOINT, learner, worlds)
+        report.part(1)

@@ -211,6 +211,11 @@ def _provenance(cells: Cells, runs: Sequence[Run]) -> dict[str, Any]:
     }
 
 
+def episodes_of(there: int, wanted: object) -> str:
+    """Return how many episodes are there, of how many; a run that went on with fewer wanted has more than those."""
+    return f"{there} of {wanted}" if isinstance(wanted, int) and there <= wanted else str(there)
+
+
 def _run_facts(run: Run) -> Mapping[str, str]:
     known = run.provenance
     hashes = dict.fromkeys(str(row["config_hash"]) for row in run.rows)
@@ -219,7 +224,7 @@ def _run_facts(run: Run) -> Mapping[str, str]:
         "cell": ", ".join(hashes) or str(known.get("config_hash", "–")),
         "code": ", ".join(dict.fromkeys(str(row.get("code") or "–") for row in run.rows)) or "–",
         "seed": str(known.get("seed", "–")),
-        "episodes": f"{len(run.rows)} of {known['episodes']}" if "episodes" in known else str(len(run.rows)),
+        "episodes": episodes_of(len(run.rows), known.get("episodes")),
         "commit": known.get("commit") or "–",
         "python": str(known.get("python", "–")),
         "machine": " ".join(str(v) for v in known.get("machine", {}).values()) or "–",

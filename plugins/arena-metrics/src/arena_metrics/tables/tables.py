@@ -101,9 +101,9 @@ def headline(summary: Summary) -> Table:
 
 
 def _numbers(cell: Cell) -> str:
-    """Return how many episodes a cell has, and of how many problems, where that is another number."""
+    """Return how many episodes a cell has, and on how many problems, where that is another number."""
     episodes, problems = len(cell.episodes), count(cell)
-    return str(episodes) if problems == episodes else f"{episodes} of {problems} problem{'s' * (problems > 1)}"
+    return str(episodes) if problems == episodes else f"{episodes} on {problems} problem{'s' * (problems > 1)}"
 
 
 def _headline_texts(summary: Summary, cell: Cell, columns: Sequence[tuple[Column, Over]], places: Sequence[int]) -> list[str]:

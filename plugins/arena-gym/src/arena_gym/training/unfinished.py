@@ -1,0 +1,73 @@
+"""What a training that is interrupted leaves: a policy of what it has learned, and a line that says what is kept."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from stable_baselines3 import PPO
+
+from arena_core import read_json
+from arena_gym.training.checkpoint import load_checkpoint
+from arena_gym.training.export import Actor, round_as_kept
+from arena_gym.training.teaching import TAUGHT, take_taught
+from arena_gym.training.trainer import CHECKPOINT
+
+GOES_ON = "resume=true (with the same words) goes on from there"
+Write = Callable[[Mapping[str, Any]], None]
+
+
+@contextmanager
+def keeping_a_policy(learner: PPO, folder: Path, write: Write) -> Iterator[None]:
+    """Have Ctrl-C ``write`` the policy of what is kept, with what its card tells of it, and say what that is."""
+    try:
+        yield
+    except KeyboardInterrupt as interrupt:
+        interrupt.add_note(_keep(learner, folder, write))
+        raise
+
+
+def _keep(learner: PPO, folder: Path, write: Write) -> str:
+    found = _take_checkpoint(learner, folder) or _take_lessons(learner, folder)
+    if found is None:
+        return f"nothing was learned as yet; resume=true (with the same words) begins anew in {folder}"
+    kept, told = found
+    policy = folder / "policy.onnx"
+    if _is_tested(policy):
+        return f"{kept}, and {policy} as it was; {GOES_ON}"
+    print(f"interrupted: writing {policy} (again: at once, without it) ...", flush=True)
+    round_as_kept(Actor(learner.policy))
+    write(told)
+    return f"{kept}, and {policy}, untested; {GOES_ON}"
+
+
+def _take_checkpoint(learner: PPO, folder: Path) -> tuple[str, dict[str, Any]] | None:
+    """Give a learner the best weights of a checkpoint, or its last where none was validated; say which, for the user and for a card."""
+    if not (folder / CHECKPOINT).exists():
+        return None
+    progress, best = load_checkpoint(folder / CHECKPOINT, learner)
+    if best is not None:
+        learner.policy.load_state_dict(best)
+    told = {"steps": learner.num_timesteps, "curve": progress["curve"], "weights": "last" if best is None else "best"}
+    kept = f"{folder / CHECKPOINT} is kept, after {learner.num_timesteps} steps"
+    return kept, {**told, "choice": progress["choice"], "score": None}
+
+
+def _take_lessons(learner: PPO, folder: Path) -> tuple[str, dict[str, Any]] | None:
+    if not (folder / TAUGHT).exists():
+        return None
+    lessons = take_taught(folder, Actor(learner.policy))
+    kept = f"{folder / TAUGHT} is kept, after {lessons} lesson{'s' * (lessons > 1)}"
+    return kept, {"steps": 0, "curve": [], "weights": "last", "choice": None, "score": None}
+
+
+def _is_tested(policy: Path) -> bool:
+    """Tell whether a policy is there whose card has the score of a test: of a training that had ended."""
+    card = policy.with_suffix(".json")
+    if not (policy.exists() and card.exists()):
+        return False
+    content = read_json(card, "a card that `arena train` wrote")
+    training = content.get("training") if isinstance(content, dict) else None
+    return isinstance(training, dict) and training.get("score") is not None
