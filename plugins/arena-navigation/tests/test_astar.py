@@ -186,7 +186,7 @@ def test_the_longer_robot_needs_its_inscribed_radius() -> None:
     body = replace(BODY, footprint=Footprint.polygon(((0.4, 0.1), (-0.4, 0.1), (-0.4, -0.1), (0.4, -0.1))))
     with pytest.raises(ConfigurationError, match=r"inscribed radius 0\.100"):
         AstarPlanner(body, 0.05, 3.0, 50.0, 0.8, False, 0.25, 0.1, 20, 0.0, 1000.0)
-    assert AstarPlanner(body, 0.1, 3.0, 50.0, 0.8, False, 0.25, 0.1, 20, 0.0).plan(room(), Pose(0.0, 0.0), Pose(1.0, 0.0)).length > 0.9
+    assert AstarPlanner(body, 0.1, 3.0, 50.0, 0.8, False, 0.25, 0.1, 20, 0.0, 1000.0).plan(room(), Pose(0.0, 0.0), Pose(1.0, 0.0)).length > 0.9
 
 
 def test_the_preset_builds_the_planner() -> None:
