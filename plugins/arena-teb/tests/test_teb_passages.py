@@ -65,7 +65,7 @@ def test_a_wall_on_one_side_is_no_passage(missing):
 @pytest.mark.parametrize("cells", range(7, 13))
 def test_room_between_walls_is_exact_for_even_and_odd_numbers_of_cells(window, cells):
     low = -0.201
-    scene = window((-3.1, 3.1, low + 0.05 * (cells + 1), 3.1), (-3.1, 3.1, -3.1, low))
+    scene = window((-3.1, 3.1, low + 0.05 * cells, 3.1), (-3.1, 3.1, -3.1, low))
     assert np.sum(scene.costs[:, 60] == 0) == cells
     assert rooms(scene).room[5] == pytest.approx(0.5 * cells * 0.05 - DISC.inscribed, abs=1e-6)
 
