@@ -234,3 +234,83 @@ def test_person_is_gone_round_where_robot_and_person_meet(speed, blocked):
     for way in ways:
         meeting = np.hypot(way[:, 0] - 1.0, way[:, 1] - 1.0 + STRAIGHT[:, 0] / speed)
         assert meeting.min() > 0.3 + 0.2
+
+
+def gap_in_a_wall(cells, depth=4):
+    """Return a wall across the window from its middle on, with a gap of so many cells, and the height of the gap's middle, m."""
+    lethal = np.zeros((80, 80), np.bool_)
+    lethal[:, 40 : 40 + depth] = True
+    lethal[36 : 36 + cells, 40 : 40 + depth] = False
+    return _window(lethal), 0.05 * (36 + 0.5 * cells) - 2.0
+
+
+def planes_at(window, x, y, radius, wanted):
+    """Return the half-planes round a place with the wanted gap, and those without that give way nowhere."""
+    centre, cells = np.array(((x, y),)), _cells(window)
+    return half_planes(window, cells, centre, radius, wanted, 1.5, 6)[0], half_planes(window, cells, centre, radius + wanted, 0.0, 1.5, 6)[
+        0
+    ]
+
+
+@pytest.mark.parametrize("cells", range(7, 11))
+@pytest.mark.parametrize("aside", [0.0, 0.01, 0.05])
+def test_half_planes_in_a_passage_are_parallel_and_hold_its_middle(cells, aside):
+    window, middle = gap_in_a_wall(cells, 20)
+    eased, strict = planes_at(window, 0.5, middle + aside, 0.165, 0.1)
+    used = eased[eased[:, 2] > 0.5 * FREE]
+    assert np.abs(used[:, :2] @ used[0, :2]) == pytest.approx(1.0)
+    assert np.abs(used[:, 0]).max() < 0.05  # the nearest cell's centre lies a little ahead
+    left, right = (sign * used[used[:, 1] * sign > 0.0, 2].max() for sign in (-1.0, 1.0))  # between which a disc's middle may lie
+    lean = 0.5 * 0.05  # what a line that leans so much is off by half a metre ahead
+    assert left - right == pytest.approx(max(0.04, cells * 0.05 - 2.0 * 0.265), abs=lean)
+    assert 0.5 * (left + right) == pytest.approx(middle, abs=lean)
+    if cells * 0.05 < 2.0 * 0.265:
+        assert not (strict[:, :2] @ (0.5, middle) >= strict[:, 2]).all()
+    assert (used[:, :2] @ (0.5, middle) >= used[:, 2] - 1e-9).all()
+
+
+def test_the_gap_gives_way_by_no_more_than_is_wanted():
+    window, middle = gap_in_a_wall(7, 20)
+    eased, strict = planes_at(window, 0.525, middle, 0.172, 0.01)  # discs that have 3 mm on either side
+    assert (strict[:, :2] @ (0.525, middle) < strict[:, 2]).any()
+    for plane in eased[eased[:, 2] > 0.5 * FREE]:
+        assert plane[:2] @ (0.525, middle) - plane[2] == pytest.approx(0.003, abs=1e-6)
+
+
+@pytest.mark.parametrize("away", [0.1, 0.15, 0.2])
+def test_before_a_door_its_posts_push_nothing_back(away):
+    window, middle = gap_in_a_wall(8)
+    eased, strict = planes_at(window, -away, middle, 0.165, 0.1)
+    assert (strict[:, :2] @ (0.1, middle) < strict[:, 2]).any()  # what lies in the door is shut out
+    assert (eased[:, :2] @ (0.1, middle) >= eased[:, 2]).all()
+
+
+@settings(derandomize=True, deadline=None, max_examples=60)
+@given(st.floats(0.0, 1.0), st.floats(-1.0, 1.0), st.floats(0.05, 0.3), st.floats(0.0, 0.2))
+def test_a_wall_ahead_is_no_passage(away, y, radius, wanted):
+    lethal = np.zeros((80, 80), np.bool_)
+    lethal[:, 60:] = True
+    eased, strict = planes_at(_window(lethal), 1.0 - away, y, radius, wanted)
+    assert eased == pytest.approx(strict, abs=1e-9)
+
+
+@settings(derandomize=True, deadline=None, max_examples=200)
+@given(st.floats(0.03, 0.8), st.floats(0.03, 0.8), st.floats(0.05, 0.3), st.floats(0.0, 0.2))
+def test_a_right_angled_corner_is_no_passage(x, y, radius, wanted):
+    lethal = np.zeros((80, 80), np.bool_)
+    lethal[60:, :] = lethal[:, 60:] = True
+    eased, strict = planes_at(_window(lethal), 1.0 - x, 1.0 - y, radius, wanted)
+    assert eased == pytest.approx(strict, abs=1e-9)
+
+
+@settings(derandomize=True, deadline=None, max_examples=100)
+@given(st.integers(0, 10**6), st.floats(0.05, 0.3), st.floats(0.0, 0.2))
+def test_where_the_wanted_gap_fits_half_planes_stay_as_they_are(seed, radius, wanted):
+    random = np.random.default_rng(seed)
+    lethal = np.zeros((80, 80), np.bool_)
+    for row, column in random.integers(0, 76, (10, 2)):
+        lethal[row : row + 4, column : column + 4] = True
+    x, y = random.uniform(-1.0, 1.0, 2)
+    eased, strict = planes_at(_window(lethal), x, y, radius, wanted)
+    if (strict[:, :2] @ (x, y) >= strict[:, 2] + 0.04).all():
+        assert eased == pytest.approx(strict, abs=1e-9)

@@ -168,15 +168,20 @@ def test_resizing_never_waits_for_a_compiler(build, costmap, observe):
     assert compiled_problem.cache_info().misses == before
 
 
-def test_failed_solver_is_answered_with_the_last_plan_then_with_the_brake(build, costmap, observe, monkeypatch):
-    planner = build(escape_speed=None)
+@pytest.mark.parametrize("escape_speed", [None, 0.3])
+def test_failed_solver_is_answered_with_the_last_plan_then_with_a_way_out_or_the_brake(escape_speed, build, costmap, observe, monkeypatch):
+    planner = build(escape_speed=escape_speed)
     planner.compute_velocity(observe(costmap(), Pose(0.0, 0.0), AHEAD, Twist(0.2)))
     expected = planner._plan.states[2, 3:]
     monkeypatch.setattr("arena_mpc.solvers.solve", lambda *_: Solution(None, math.inf, 1))
     command = planner.compute_velocity(observe(costmap(), Pose(0.02, 0.0), AHEAD, Twist(0.2), stamp=0.2))
     assert (command.vx, command.wz) == pytest.approx(expected.tolist(), abs=0.02)
-    with pytest.raises(NoValidCommand, match="mpc"):
-        planner.compute_velocity(observe(costmap((0.1, 0.3, -0.5, 0.5)), Pose(0.04, 0.0), AHEAD, Twist(0.2), stamp=0.3))
+    before_a_wall = observe(costmap((0.1, 0.3, -0.5, 0.5)), Pose(0.04, 0.0), AHEAD, Twist(0.2), stamp=0.3)
+    if escape_speed is None:
+        with pytest.raises(NoValidCommand, match="mpc"):
+            planner.compute_velocity(before_a_wall)
+    else:
+        assert planner.compute_velocity(before_a_wall).vx < 0.0
     assert (planner.counts.optimised, planner.counts.shifted, planner.counts.refused) == (1, 1, 1)
 
 

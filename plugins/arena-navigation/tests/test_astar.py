@@ -186,7 +186,9 @@ def test_the_longer_robot_needs_its_inscribed_radius() -> None:
     body = replace(BODY, footprint=Footprint.polygon(((0.4, 0.1), (-0.4, 0.1), (-0.4, -0.1), (0.4, -0.1))))
     with pytest.raises(ConfigurationError, match=r"inscribed radius 0\.100"):
         AstarPlanner(body, 0.05, 3.0, 50.0, 0.8, False, 0.25, 0.1, 20, 0.0, 1000.0)
-    assert AstarPlanner(body, 0.1, 3.0, 50.0, 0.8, False, 0.25, 0.1, 20, 0.0).plan(room(), Pose(0.0, 0.0), Pose(1.0, 0.0)).length > 0.9
+    assert (
+        AstarPlanner(body, 0.1, 3.0, 50.0, 0.8, False, 0.25, 0.1, 20, 0.0, 1000.0).plan(room(), Pose(0.0, 0.0), Pose(1.0, 0.0)).length > 0.9
+    )
 
 
 def test_the_preset_builds_the_planner() -> None:
@@ -236,3 +238,92 @@ def test_padding_prefers_the_wider_gap_and_does_without_where_there_is_none() ->
     assert abs(crossing(0.0, 30)) < 0.2
     assert crossing(0.1, 30) < -2.0
     assert abs(crossing(0.1, 0)) < 0.2
+
+
+NARROW = 9  # cells of a gap that leaves the robot 2.5 cm on either side
+PADDING = 0.05
+
+
+def long_way_round(gap: int, end: int = 20) -> tuple[OccupancyGrid, Pose, Pose]:
+    """Return two halls side by side, 25 m long, joined by a gap of so many cells at one end and of ``end`` at the other, start and goal."""
+    data = np.zeros((80, 500), np.int8)
+    data[[0, -1]] = data[:, [0, -1]] = 100
+    data[39:41] = 100
+    data[39:41, 20 : 20 + gap] = 0
+    data[39:41, 499 - end : 499] = 0
+    x = 0.05 * (20 + 0.5 * gap)
+    return OccupancyGrid(data, 0.05, Pose(0.0, 0.0)), Pose(x, 1.0), Pose(x, 3.0)
+
+
+def test_a_wide_way_is_taken_although_it_is_twenty_times_longer() -> None:
+    padded = planner(padding=PADDING)
+    grid, start, goal = long_way_round(NARROW)
+    short, long = planner().plan(grid, start, goal), padded.plan(grid, start, goal)
+    assert short.length < 2.1
+    assert long.length > 20.0 * short.length
+    assert (padded.is_narrow(grid, short), padded.is_narrow(grid, long)) == (True, False)
+    assert padded.cost(grid, short) > padded.cost(grid, long)
+    assert planner(padding=PADDING, narrow_cost=10.0).plan(grid, start, goal).length < 2.1  # what it costs decides
+
+
+def test_a_narrow_gap_is_taken_where_there_is_no_other() -> None:
+    grid, start, goal = long_way_round(NARROW, end=0)
+    padded = planner(padding=PADDING)
+    path = padded.plan(grid, start, goal)
+    assert path.length < 2.1
+    assert padded.is_narrow(grid, path)
+    assert not planner().is_narrow(grid, path)  # without padding nothing is
+
+
+@pytest.mark.parametrize(("gap", "narrow"), [(9, True), (10, True), (11, False), (12, False)])  # of an even number, half a cell is lost
+def test_a_gap_is_narrow_if_it_leaves_less_than_the_padding_on_either_side(gap: int, narrow: bool) -> None:
+    padded = planner(padding=PADDING)
+    grid, start, goal = long_way_round(gap, end=0)
+    assert padded.is_narrow(grid, padded.plan(grid, start, goal)) == narrow
+
+
+def test_a_goal_beside_a_wall_is_reached_exactly_and_is_no_passage() -> None:
+    start, goal = Pose(-4.72, 1.0), Pose(4.72, -2.0)  # 3 cm from the walls
+    padded = planner(padding=0.1)
+    path = padded.plan(room(), start, goal)
+    assert path.poses[[0, -1], :2] == pytest.approx(np.array(((start.x, start.y), (goal.x, goal.y))))
+    assert not padded.is_narrow(room(), path)
+    corner = Pose(4.72, 4.72)
+    path = padded.plan(room(), start, corner)
+    assert tuple(path.poses[-1, :2]) == pytest.approx((corner.x, corner.y))
+    assert not padded.is_narrow(room(), path)
+
+
+def test_a_path_that_ends_within_a_gap_leads_through_none() -> None:
+    padded = planner(padding=PADDING)
+    grid, start, goal = long_way_round(NARROW, end=0)
+    within = replace(goal, y=2.0)
+    for ends in ((start, within), (within, start)):
+        assert not padded.is_narrow(grid, padded.plan(grid, *ends))
+
+
+def test_a_path_that_leaves_the_map_is_not_called_narrow() -> None:
+    assert not planner(padding=PADDING).is_narrow(room(), Path(np.array(((0.0, 0.0, 0.0), (9.0, 0.0, 0.0)))))
+
+
+@settings(derandomize=True, deadline=None, max_examples=60)
+@given(st.integers(0, 10**6))
+def test_padding_changes_no_bit_of_a_path_that_keeps_off_walls_without_it(seed: int) -> None:
+    grid, padded = cluttered(seed), planner(padding=PADDING)
+    free = np.argwhere(grid.derive(InflatedCosts(Inflation(RADIUS, 0.8, 3.0), False)) < INSCRIBED)
+    random = np.random.default_rng(seed)
+    start, goal = (Pose(*grid.positions(free[random.integers(len(free))]), 0.0) for _ in range(2))
+    try:
+        plain = planner().plan(grid, start, goal)
+    except NoPath:
+        return
+    nearest = Inflation(RADIUS, 0.8, 3.0).costs_at(np.array(RADIUS + PADDING + 0.5 * 0.05))
+    if max(costs_along(grid, plain)) < nearest:
+        assert (padded.plan(grid, start, goal).poses == plain.poses).all()
+
+
+@pytest.mark.parametrize("grid", [room(), walled_room(), gaps(30, 30)], ids=["room", "door", "two doors"])
+def test_without_narrow_passages_paths_are_those_without_padding(grid: OccupancyGrid) -> None:
+    for x in (-3.0, -1.0):
+        start, goal = Pose(x, -3.0), Pose(3.0, -3.0)
+        assert (planner(padding=PADDING).plan(grid, start, goal).poses == planner().plan(grid, start, goal).poses).all()

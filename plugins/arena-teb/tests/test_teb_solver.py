@@ -120,9 +120,12 @@ def polished(band, settings, shape, ends, around, evaluations=60):
     st.sampled_from([0.0, 0.6]),
     st.sampled_from([-1.0, 0.0, 1.0]),
     st.sampled_from([1.0, 4.0]),
+    st.booleans(),
 )
-def test_derivatives_are_those_of_finite_differences(seed, box, holonomic, turn_radius, rotation, exponent):
+def test_derivatives_are_those_of_finite_differences(seed, box, holonomic, turn_radius, rotation, exponent, narrow):
     band, around = drawn(seed, 6, 4, 0.2)
+    if narrow:
+        around = around._replace(room=np.random.default_rng(seed).uniform(0.0, 0.3, len(band)))
     shape, weighed = BOX if box else DISC, penalties(holonomic, turn_radius, exponent)
     ends = ENDS._replace(rotation=rotation)
     rows, size = make_rows(around), 1e-6

@@ -12,6 +12,7 @@ from arena_teb.band import band_along, carried_over
 from arena_teb.clusters import cluster_points
 from arena_teb.feasibility import free_poses
 from arena_teb.polygons import NO_HULLS
+from arena_teb.problem import Shape
 from arena_teb.resize import Sampling, resized
 from arena_teb.roadmap import Roadmap, new_ways, samples
 from arena_teb.signature import same_class, signature
@@ -19,6 +20,7 @@ from arena_teb.surroundings import Scene, Vicinity, surroundings
 
 NOBODY = np.empty((0, 2))
 START, GOAL = np.array((-2.0, 0.0, 0.0)), np.array((2.0, 0.0, 0.0))
+DISC = Shape(np.zeros((1, 2)), 0.15, 0.15, 0.15)
 ROADMAP = Roadmap(0.15, 0.3, 0.5, 0.3)
 
 
@@ -100,7 +102,7 @@ def test_roadmap_passes_no_wall(window):
 def test_poses_are_paired_with_the_nearest_points_left_and_right_and_with_people_of_their_time(window):
     here = scene(window((-3.0, 3.0, 0.5, 0.6), (-3.0, 3.0, -0.7, -0.6)), [(1.0, 2.0)], [(0.0, -0.5)])
     band = over()
-    around = surroundings(band, here, Vicinity(Reach(1.0, 0.0), 1.0, 0.1, 0.5))
+    around = surroundings(band, here, Vicinity(Reach(1.0, 0.0), 1.0, 0.1, 0.5), DISC)
     np.testing.assert_allclose(around.points[5, 0, 1], 0.5, atol=0.03)
     np.testing.assert_allclose(around.points[5, 1, 1], -0.6, atol=0.03)
     np.testing.assert_allclose(around.moving[-1, 0], (1.0, 2.0 - 0.5 * band[:-1, 3].sum()))
@@ -108,7 +110,7 @@ def test_poses_are_paired_with_the_nearest_points_left_and_right_and_with_people
 
 def test_speed_is_cut_between_walls(window):
     here = scene(window((-3.0, 3.0, 0.3, 0.4), (-3.0, 3.0, -0.4, -0.3)))
-    assert surroundings(over(), here, Vicinity(Reach(1.0, 0.0), 0.5, 0.35, 0.5)).caps.max() < 0.55
+    assert surroundings(over(), here, Vicinity(Reach(1.0, 0.0), 0.5, 0.35, 0.5), DISC).caps.max() < 0.55
 
 
 def test_band_into_a_wall_is_free_up_to_it_alone(window):
