@@ -64,7 +64,9 @@ def test_path_is_spaced_evenly_from_the_robot_on():
 
 def critics(speed, distance, patience=1.0):
     return critics_of(
-        Static(weight=1.0, inflation_radius=0.5, critical_cost=1.0, near_collision_gap=0.1, reaction_time=0.0, collision_gap=0.03),
+        Static(
+            weight=1.0, inflation_radius=0.5, critical_cost=1.0, near_collision_gap=0.1, reaction_time=0.0, collision_gap=0.03, eased=True
+        ),
         MOVING,
         Goal(weight=5.0, within=0.5, angle_weight=2.0, angle_within=0.4),
         PathCritics(align_weight=3.0, follow_weight=1.0, follow_ahead=0.3, angle_weight=4.0, angle_ahead=0.5, angle_tolerance=0.7),
