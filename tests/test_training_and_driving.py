@@ -22,8 +22,9 @@ BRAIN = [
     "waypoints=spatial_horizon",
     "replan.on_request=false",
     "replan.blocked_for=null",
-    "recoveries.behaviours=[]",
     "planner=dwa",
+    "planner.recoveries.behaviours=[]",
+    "planner.passage_margin=0",
 ]
 SWITCH = """defaults:
   - /planner@members.dwa: dwa

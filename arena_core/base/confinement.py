@@ -43,8 +43,9 @@ def _installed() -> tuple[str, ...]:
     """Return the folders that Python imports from, but for the one that it runs in and those above it."""
     here = os.getcwd()
     found = {os.path.realpath(place) for place in (sys.prefix, *sys.path) if place}
-    own = os.path.realpath(Path(__file__).parents[1])
-    return tuple(sorted({own, *(place for place in found if not _lies_in(here, place))}))
+    package = Path(os.path.realpath(__file__)).parents[1]
+    own = str(package), str(package.parent / "conf")  # the latter in a checkout: in a wheel it lies in the package
+    return tuple(sorted({*own, *(place for place in found if not _lies_in(here, place))}))
 
 
 def _lies_in(path: str, place: str) -> bool:

@@ -6,7 +6,7 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any
 
-from arena_core.base.errors import ConfigurationError
+from arena_core.base.errors import InputFileError
 from arena_core.base.files import read_text
 from arena_core.base.limits import LIMITS
 
@@ -19,22 +19,22 @@ def option_text(file: Traversable) -> str:
 
 
 def check_option(file: Traversable, node: Any) -> None:
-    """Raise ConfigurationError for what Hydra stumbles over: no mapping, defaults that are no list, aliases that make much of little."""
+    """Raise InputFileError for what Hydra stumbles over: no mapping, defaults that are no list, aliases that make much of little."""
     import yaml
 
     if node is None:
         return
     if not isinstance(node, yaml.MappingNode):
-        raise ConfigurationError(f"{file}: is no mapping; allowed: {ALLOWED}")
+        raise InputFileError(f"{file}: is no mapping; allowed: {ALLOWED}")
     try:
         size = _size(node, {})
     except RecursionError:
         size = LIMITS.yaml_nodes + 1
     if size > LIMITS.yaml_nodes:
-        raise ConfigurationError(f"{file}: its aliases make more than {LIMITS.yaml_nodes} values of it; allowed: up to that")
+        raise InputFileError(f"{file}: its aliases make more than {LIMITS.yaml_nodes} values of it; allowed: up to that")
     for key, value in node.value:
         if key.value == "defaults" and not isinstance(value, yaml.SequenceNode):
-            raise ConfigurationError(f"{file}: defaults is no list; allowed: a list of options, or no such key")
+            raise InputFileError(f"{file}: defaults is no list; allowed: a list of options, or no such key")
 
 
 def _size(node: Any, known: dict[int, int]) -> int:

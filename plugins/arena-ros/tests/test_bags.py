@@ -40,6 +40,8 @@ def test_a_run_comes_back_value_for_value(finished_run: Path, tmp_path: Path, en
         before, after = read_record(path), read_record(back / "records" / path.name)
         assert before.meta == after.meta
         for name, array in before.arrays.items():
+            if name in ("route_points", "route_offsets"):  # a recording does not hold where people are going
+                continue
             np.testing.assert_array_equal(after[name], array, err_msg=name)
             assert after[name].dtype == array.dtype
     times = [name for name in episodes(finished_run)[0] if name.startswith("planning_")]
