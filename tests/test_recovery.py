@@ -164,3 +164,40 @@ def test_wrong_rules_are_one_line(override, words):
         build_benchmark(composed(override), load_registry())
     assert words in str(error.value)
     assert "\n" not in str(error.value)
+
+
+def test_drive_on_turns_to_the_waypoint_first_and_then_drives_its_distance():
+    poses = drive(only("drive_on"))
+    turned = next(k for k, pose in enumerate(poses) if pose.distance(HERE) > 1e-9)
+    assert poses[turned - 1].theta > 1.0  # the waypoint is to the left
+    assert poses[-1].distance(HERE) == pytest.approx(RULES.drive_on_distance, abs=0.02)
+    assert poses[-1].y > 0.25
+
+
+def test_drive_on_stops_before_a_wall():
+    wall = window(blocked_xy=[(x, 0.45) for x in np.arange(-0.5, 0.5, 0.05)])
+    assert 0.1 < drive(only("drive_on"), wall)[-1].y < RULES.drive_on_distance - 0.05
+
+
+def leaning(recoveries, seconds, touches=True):
+    """Let the robot stand and touch something; return what began: (stamp, what its event says)."""
+    begun = [(0.1 * k, recoveries.begin(HERE, 0.1 * k, lambda: touches)) for k in range(round(seconds / PERIOD) + 1)]
+    return [(round(stamp, 1), b.event.detail) for stamp, b in begun if b is not None]
+
+
+def test_robot_that_leans_on_something_moves_off_at_once():
+    assert leaning(only("clear", "back_up", lean_time=3.0), 4.0) == [(3.0, "back_up: leans on something")]
+
+
+@pytest.mark.parametrize(
+    ("behaviours", "lean_time", "touches"), [(("back_up",), None, True), (("back_up",), 3.0, False), (("clear",), 3.0, True)]
+)
+def test_robot_that_does_not_lean_or_may_not_move_waits_for_its_turn(behaviours, lean_time, touches):
+    assert leaning(only(*behaviours, lean_time=lean_time), 9.0, touches) == []
+
+
+def test_outline_touches_what_a_scan_marks_half_a_cell_behind_it():
+    recoveries = only("back_up")
+    radius = robot().footprint.radius
+    assert recoveries.touches(window(blocked_xy=[(radius + 0.01, 0.0)]), HERE)
+    assert not recoveries.touches(window(blocked_xy=[(radius + 0.15, 0.0)]), HERE)
