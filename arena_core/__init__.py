@@ -1,38 +1,20 @@
-"""The public core of the arena suite: values, interfaces and hook specifications for plugins and notebooks."""
+"""The public core of the arena suite: the values, interfaces and hook specifications that authors of components need.
 
-from arena_core.base.addresses import local_path
-from arena_core.base.arrays import read_array, read_arrays
-from arena_core.base.cells import csv_text, harmless
-from arena_core.base.confinement import reading_within
-from arena_core.base.ctrl_c import interrupts
+Other public modules: ``parameters`` (types of configured values), ``records`` (episodes on disk and their tables),
+``commands`` (of ``arena``), ``files``, ``scenes`` (solids of a world), ``hosting`` (what runs components), ``statistics``
+and ``testing``.
+"""
+
 from arena_core.base.errors import (
     ArenaError,
-    BrokenPlugin,
     ConfigurationError,
-    ContractViolation,
-    DuplicateComponent,
     ImpossibleScenario,
     InputFileError,
-    InvalidCandidates,
     InvalidCommand,
     NoPath,
     NoValidCommand,
-    RunFolderError,
-    RunStopped,
-    UnknownComponent,
-    described,
-    one_line,
 )
-from arena_core.base.files import is_file, read_bytes, read_json, read_table, read_text, read_yaml
-from arena_core.base.limits import LIMITS
-from arena_core.base.notices import tell
 from arena_core.base.random_streams import generator, stream_key
-from arena_core.cli.candidates import complete_overrides
-from arena_core.cli.words import Words, is_key_value, key_value, read_words
-from arena_core.config.binding import read_settings
-from arena_core.config.configuration import compose, option_files, plain
-from arena_core.config.furniture import furniture_kind
-from arena_core.config.registry import Registry, load_registry
 from arena_core.contracts.hookspecs import Register, hookimpl
 from arena_core.contracts.learning import (
     EarlierScans,
@@ -41,15 +23,10 @@ from arena_core.contracts.learning import (
     ObservationField,
     Reward,
     ScanMemory,
-    Situation,
     Trainer,
     Transition,
 )
 from arena_core.contracts.navigation import (
-    OFF_PATH,
-    REPLAN_REASONS,
-    WAYPOINT_FOUND,
-    WAYPOINT_TIMEOUT,
     GlobalPlanner,
     Localizer,
     LocalMap,
@@ -61,73 +38,14 @@ from arena_core.contracts.navigation import (
     Waypoints,
     Window,
 )
-from arena_core.contracts.running import Better, Command, Executor, Finished, Job, Listing, Lost, Metric, MetricPack, Reporter
+from arena_core.contracts.running import Better, Metric, MetricPack
 from arena_core.contracts.simulation import PedestrianModel, RobotBatch, Simulator, Snapshot, TaskMode, WorldSource
-from arena_core.loop.episode_loop import CommandQueue, EpisodeLoop, Verdicts
-from arena_core.loop.execution import Timing, mission_of, run_episode
-from arena_core.loop.guide import Guide, Mission, ReplanRules, View, pose_at_scan
-from arena_core.loop.navigator import NAVIGATOR_KEYS, Decision, Navigator
-from arena_core.loop.navigator import Spent as NavigatorSpent
-from arena_core.loop.record_digest import record_digest
-from arena_core.loop.record_places import record_path, record_paths, timing_paths
-from arena_core.loop.recording import (
-    Recorder,
-    check_inside,
-    find_runs,
-    read_grid,
-    read_record,
-    robot_meta,
-    write_bytes_whole,
-    write_text_whole,
-    write_whole,
-)
 from arena_core.runs.api import Run, Runs, run
-from arena_core.runs.benchmark import Benchmark, build_benchmark, build_guide, build_metrics, check_sections
-from arena_core.runs.budgets import Budgets
-from arena_core.runs.code_digest import Code, code_of
-from arena_core.runs.compiling import tell_of_compiling
-from arena_core.runs.executors import ProcessExecutor
-from arena_core.runs.forms import Field, Form, check_settings, default_options, form_of, option_names, settings_form
-from arena_core.runs.nodes import Delivery, Node, OtherCode, take_in
-from arena_core.runs.outside import OutsideRun
-from arena_core.runs.pace import Pace
-from arena_core.runs.provenance import cpu_kind, read_provenance, untuned, versions
-from arena_core.runs.repeating import repeat
-from arena_core.runs.rows import COLUMNS as EPISODE_COLUMNS
-from arena_core.runs.rows import TEXT, evaluate, metric_column
-from arena_core.runs.text_columns import aligned
 from arena_core.values.candidate import Candidate
-from arena_core.values.episode import (
-    Contact,
-    EpisodeRecord,
-    EpisodeStart,
-    Event,
-    Outcome,
-    Scenario,
-    WorldState,
-)
-from arena_core.values.furniture import FurnitureKind, furnished, furniture_of, furniture_shapes, outlines
+from arena_core.values.episode import Contact, EpisodeRecord, EpisodeStart, Scenario
 from arena_core.values.geometry import Footprint, Pose, Twist, wrap_angle
-from arena_core.values.obstacles import with_obstacles
-from arena_core.values.parameters import (
-    Bounds,
-    Count,
-    Fraction,
-    Horizon,
-    NonNegative,
-    NonNegativeInt,
-    Positive,
-    PositiveInt,
-    Samples,
-    Step,
-    Workers,
-)
-from arena_core.values.rectangles import rectangles
 from arena_core.values.robot import Lidar, OdometryModel, Robot, VelocityLimits, make_robot
-from arena_core.values.scene import Prism, Scene, furniture_scene, raised, scene_of, wall_boxes
-from arena_core.values.sensing import NO_TRACKS, DepthImage, LaserScan, Observation, Odometry, PoseEstimate, Sensors, Tracks, camera_rays
-from arena_core.values.staging import Staging
-from arena_core.values.success import COLLISIONS_ALLOWED, succeeded
+from arena_core.values.sensing import NO_TRACKS, DepthImage, LaserScan, Observation, Odometry, PoseEstimate, Sensors, Tracks
 from arena_core.values.world import (
     ABSENT,
     FREE,
@@ -145,86 +63,44 @@ from arena_core.values.world import (
     Pedestrians,
     PedestrianSpec,
     World,
-    free_area,
 )
 
 __version__ = "0.1.0"
 
 __all__ = [
     "ABSENT",
-    "COLLISIONS_ALLOWED",
-    "EPISODE_COLUMNS",
     "FREE",
     "INSCRIBED",
     "LETHAL",
-    "LIMITS",
-    "NAVIGATOR_KEYS",
     "NO_TRACKS",
     "OCCUPIED",
-    "OFF_PATH",
-    "REPLAN_REASONS",
-    "TEXT",
     "UNKNOWN",
-    "WAYPOINT_FOUND",
-    "WAYPOINT_TIMEOUT",
     "ArenaError",
-    "Benchmark",
     "Better",
-    "Bounds",
-    "BrokenPlugin",
-    "Budgets",
     "Candidate",
-    "Code",
-    "Command",
-    "CommandQueue",
     "ConfigurationError",
     "Contact",
-    "ContractViolation",
     "Costmap",
-    "Count",
     "Crowd",
-    "Decision",
-    "Delivery",
     "DepthImage",
-    "DuplicateComponent",
     "EarlierScans",
-    "EpisodeLoop",
     "EpisodeRecord",
     "EpisodeStart",
-    "Event",
-    "Executor",
-    "Field",
-    "Finished",
     "Footprint",
-    "Form",
-    "Fraction",
     "Furniture",
-    "FurnitureKind",
     "Gait",
     "GlobalPlanner",
-    "Guide",
-    "Horizon",
     "ImpossibleScenario",
     "InputFileError",
-    "InvalidCandidates",
     "InvalidCommand",
-    "Job",
     "LaserScan",
     "Lidar",
-    "Listing",
     "LocalMap",
     "Localizer",
-    "Lost",
     "Metric",
     "MetricPack",
-    "Mission",
-    "Navigator",
-    "NavigatorSpent",
     "NoPath",
     "NoValidCommand",
-    "Node",
-    "NonNegative",
-    "NonNegativeInt",
     "Observation",
     "ObservationBatch",
     "ObservationEncoder",
@@ -233,10 +109,6 @@ __all__ = [
     "OccupancyGrid",
     "Odometry",
     "OdometryModel",
-    "OtherCode",
-    "Outcome",
-    "OutsideRun",
-    "Pace",
     "Path",
     "PathBatch",
     "PedestrianModel",
@@ -245,130 +117,34 @@ __all__ = [
     "Planner",
     "Pose",
     "PoseEstimate",
-    "Positive",
-    "PositiveInt",
-    "Prism",
-    "ProcessExecutor",
-    "Recorder",
     "ReferenceLocalizer",
     "Register",
-    "Registry",
-    "ReplanRules",
-    "Reporter",
     "Reward",
     "Robot",
     "RobotBatch",
     "Run",
-    "RunFolderError",
-    "RunStopped",
     "Runs",
-    "Samples",
     "ScanMemory",
     "Scenario",
-    "Scene",
     "Sensors",
     "Simulator",
-    "Situation",
     "Snapshot",
-    "Staging",
-    "Step",
     "TaskMode",
-    "Timing",
     "Tracker",
     "Tracks",
     "Trainer",
     "Transition",
     "Twist",
-    "UnknownComponent",
     "VelocityLimits",
-    "Verdicts",
-    "View",
     "WaypointGenerator",
     "Waypoints",
     "Window",
-    "Words",
-    "Workers",
     "World",
     "WorldSource",
-    "WorldState",
-    "aligned",
-    "build_benchmark",
-    "build_guide",
-    "build_metrics",
-    "camera_rays",
-    "check_inside",
-    "check_sections",
-    "check_settings",
-    "code_of",
-    "complete_overrides",
-    "compose",
-    "cpu_kind",
-    "csv_text",
-    "default_options",
-    "described",
-    "evaluate",
-    "find_runs",
-    "form_of",
-    "free_area",
-    "furnished",
-    "furniture_kind",
-    "furniture_of",
-    "furniture_scene",
-    "furniture_shapes",
     "generator",
-    "harmless",
     "hookimpl",
-    "interrupts",
-    "is_file",
-    "is_key_value",
-    "key_value",
-    "load_registry",
-    "local_path",
     "make_robot",
-    "metric_column",
-    "mission_of",
-    "one_line",
-    "option_files",
-    "option_names",
-    "outlines",
-    "plain",
-    "pose_at_scan",
-    "raised",
-    "read_array",
-    "read_arrays",
-    "read_bytes",
-    "read_grid",
-    "read_json",
-    "read_provenance",
-    "read_record",
-    "read_settings",
-    "read_table",
-    "read_text",
-    "read_words",
-    "read_yaml",
-    "reading_within",
-    "record_digest",
-    "record_path",
-    "record_paths",
-    "rectangles",
-    "repeat",
-    "robot_meta",
     "run",
-    "run_episode",
-    "scene_of",
-    "settings_form",
     "stream_key",
-    "succeeded",
-    "take_in",
-    "tell",
-    "tell_of_compiling",
-    "timing_paths",
-    "untuned",
-    "versions",
-    "wall_boxes",
-    "with_obstacles",
     "wrap_angle",
-    "write_bytes_whole",
-    "write_text_whole",
-    "write_whole",
 ]

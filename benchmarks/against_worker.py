@@ -21,8 +21,8 @@ BIN = Path(sys.executable).parent
 @lru_cache(maxsize=2)
 def benchmark_of(overrides: tuple[str, ...]) -> Any:
     """Return the benchmark of a configuration, after two episodes that compile and fill caches."""
-    from arena_core import load_registry
     from arena_core.config.configuration import compose, plain
+    from arena_core.hosting import load_registry
     from arena_core.runs.benchmark import build_benchmark
 
     built = build_benchmark(plain(compose([*overrides, "executor=serial"])), load_registry())

@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from timing import interleave
 
-from arena_core import OccupancyGrid, PedestrianSpec, Pose, RobotBatch, Scenario, World, load_registry
+from arena_core import OccupancyGrid, PedestrianSpec, Pose, RobotBatch, Scenario, World
 from arena_core.config.configuration import compose, plain
+from arena_core.hosting import load_registry
 
 PEOPLE = (10, 100, 1000)
 SIDE = 20.0  # m for ten people; others have the same density

@@ -12,7 +12,8 @@ from bench_lidar import rooms
 from bench_simulator import PEOPLE, STEP, robot, scenario
 from timing import interleave
 
-from arena_core import OccupancyGrid, Pose, Simulator, World, compose, load_registry, plain
+from arena_core import OccupancyGrid, Pose, Simulator, World
+from arena_core.hosting import compose, load_registry, plain
 
 WALLS, REPEATS, GOAL = 400, 5, 1 / 8
 CALLS = {"planar": 300, "wheels": 150, "pybullet": 20}
@@ -53,7 +54,7 @@ def pybullet() -> Callable[[], None]:
     """Return steps of PyBullet: the same boxes, ten capsules that are led, a disc that is pushed, and a scan by its batch of rays."""
     import pybullet as bullet
 
-    from arena_core import wall_boxes
+    from arena_core.scenes import wall_boxes
 
     client = bullet.connect(bullet.DIRECT)
     bullet.setTimeStep(0.005, physicsClientId=client)

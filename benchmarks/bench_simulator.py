@@ -15,20 +15,9 @@ import yaml
 from bench_lidar import free_poses, rooms
 from timing import interleave
 
-from arena_core import (
-    Footprint,
-    Lidar,
-    OdometryModel,
-    PedestrianSpec,
-    Pose,
-    Robot,
-    Scenario,
-    Simulator,
-    VelocityLimits,
-    World,
-    load_registry,
-)
+from arena_core import Footprint, Lidar, OdometryModel, PedestrianSpec, Pose, Robot, Scenario, Simulator, VelocityLimits, World
 from arena_core.config.configuration import compose, plain
+from arena_core.hosting import load_registry
 
 PEOPLE, STEP, BATCH, REPEATS = 10, 0.1, 64, 7
 GOALS = {"navground ORCA + lidar": 0.6, "ir-sim social force": 1 / 200}

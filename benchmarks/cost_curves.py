@@ -22,8 +22,9 @@ from bench_crowd import hall
 from bench_lidar import rooms
 from bench_simulator import STEP, robot, scenario
 
-from arena_core import Scenario, Simulator, World, load_registry
+from arena_core import Scenario, Simulator, World
 from arena_core.config.configuration import compose, plain
+from arena_core.hosting import load_registry
 
 HERE = Path(__file__).resolve().parents[1]
 BEAMS, PEOPLE, SIDES, WORLDS = (90, 180, 360, 720, 1440), (0, 3, 10, 30, 100, 300, 1000), (20, 50, 100, 200), (1, 4, 16, 64, 256, 1024)

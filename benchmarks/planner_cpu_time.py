@@ -13,8 +13,9 @@ from time import process_time
 
 import numpy as np
 
-from arena_core import Observation, Twist, load_registry
+from arena_core import Observation, Twist
 from arena_core.config.configuration import compose, plain
+from arena_core.hosting import load_registry
 from arena_core.runs.benchmark import build_benchmark
 
 ROBOTS = ("turtlebot3", "jackal", "robotino")

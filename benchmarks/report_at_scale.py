@@ -20,7 +20,8 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from arena_core import EPISODE_COLUMNS, compose, plain
+from arena_core.hosting import compose, plain
+from arena_core.records import EPISODE_COLUMNS
 
 HERE = Path(__file__).resolve().parent
 ROWS = HERE.parent / "docs" / "results" / "paper" / "episodes.csv.gz"

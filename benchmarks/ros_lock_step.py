@@ -19,7 +19,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from arena_core import Benchmark, build_benchmark, compose, load_registry
+from arena_core.hosting import Benchmark, build_benchmark, compose, load_registry
 from arena_ros.testing import running, until, world, write_site
 
 PLUGINS = Path(__file__).resolve().parents[1] / "plugins"

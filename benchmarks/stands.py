@@ -13,20 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
-from arena_core import (
-    EpisodeRecord,
-    GlobalPlanner,
-    NoPath,
-    Obstacle,
-    OccupancyGrid,
-    Pose,
-    Robot,
-    compose,
-    find_runs,
-    load_registry,
-    plain,
-    read_record,
-)
+from arena_core import EpisodeRecord, GlobalPlanner, NoPath, Obstacle, OccupancyGrid, Pose, Robot
+from arena_core.hosting import compose, load_registry, plain
+from arena_core.records import find_runs, read_record
 from arena_core.values.obstacles import with_obstacles
 
 STAND_RADIUS = 0.3  # m

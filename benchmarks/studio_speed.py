@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 import arena_core as arena
+from arena_core.records import EPISODE_COLUMNS
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
 from studio_in_chromium import browser, studio
@@ -211,9 +212,7 @@ def write_runs(project: Path) -> None:
         folder = project / "many" / str(run)
         folder.mkdir(parents=True)
         with (folder / "episodes.csv").open("w", newline="") as file:
-            writer = csv.DictWriter(
-                file, [*arena.EPISODE_COLUMNS, "success", "time_to_goal", "path_length"], restval="", lineterminator="\n"
-            )
+            writer = csv.DictWriter(file, [*EPISODE_COLUMNS, "success", "time_to_goal", "path_length"], restval="", lineterminator="\n")
             writer.writeheader()
             for number in range(EPISODES // RUNS):
                 own = {"episode": number, "scenario": f"random/{number:04d}", "time_to_goal": 10 + number % 97, "path_length": number % 31}

@@ -20,7 +20,7 @@ import torch
 from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback
 
-from arena_core import load_registry
+from arena_core.hosting import load_registry
 from arena_gym.building import build_parts, compose_training
 from arena_gym.training.learning import make_learner
 from arena_gym.training.session import training_settings

@@ -22,7 +22,8 @@ import torch
 from numpy.typing import NDArray
 from torch import nn
 
-from arena_core import ObservationField, generator, load_registry
+from arena_core import ObservationField, generator
+from arena_core.hosting import load_registry
 from arena_gym.building import build_parts, compose_training
 from arena_gym.training.evaluation import evaluate, unseen_worlds
 from arena_gym.training.export import Actor

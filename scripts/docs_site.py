@@ -22,7 +22,9 @@ FROM_ELSEWHERE = {  # place in the site: file of the repository
     **{f"packages/{name}.md": f"plugins/{name}/README.md" for name in READMES},
 }
 PLACES = {file: place for place, file in FROM_ELSEWHERE.items()}
+SIDE_DOORS = ("parameters", "records", "commands", "files", "scenes", "hosting")  # the core's other public modules
 BESIDE = {  # public names that are not arena_core's own: page, the file that says what it is, and its names
+    **{f"arena_core.{name}": (f"arena_core/{name}.py", None) for name in SIDE_DOORS},
     "arena_core.testing": ("arena_core/testing/__init__.py", None),
     "arena_gym": (
         "plugins/arena-gym/src/arena_gym/envs.py",

@@ -20,24 +20,10 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
-from arena_core import (
-    ArenaError,
-    InputFileError,
-    Job,
-    Run,
-    Runs,
-    compose,
-    generator,
-    load_registry,
-    plain,
-    read_json,
-    read_record,
-    record_digest,
-    record_path,
-    repeat,
-    succeeded,
-    write_text_whole,
-)
+from arena_core import ArenaError, InputFileError, Run, Runs, generator
+from arena_core.files import read_json, write_text_whole
+from arena_core.hosting import Job, compose, load_registry, plain
+from arena_core.records import read_record, record_digest, record_path, repeat, succeeded
 from arena_submit.verifying import AGREEING, driven_elsewhere, here_and_now
 
 TOP = Path(__file__).resolve().parents[1]

@@ -7,7 +7,6 @@ import numpy as np
 from arena_core import (
     INSCRIBED,
     NO_TRACKS,
-    WAYPOINT_FOUND,
     GlobalPlanner,
     Localizer,
     LocalMap,
@@ -20,6 +19,7 @@ from arena_core import (
     WaypointGenerator,
     Waypoints,
 )
+from arena_core.hosting import WAYPOINT_FOUND
 from arena_core.loop.guide import Mission, ReplanRules
 from arena_core.loop.navigator import Navigator
 from arena_core.loop.recovery import RecoveryRules

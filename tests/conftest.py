@@ -14,9 +14,10 @@ from textwrap import dedent
 import pytest
 from hypothesis import HealthCheck, settings
 
-from arena_core import load_registry, read_record
 from arena_core.cli.main import main
 from arena_core.config.plugins import _loaded
+from arena_core.hosting import load_registry
+from arena_core.records import read_record
 from arena_core.runs.code_digest import _code
 from arena_core.runs.compiling import NOTICE
 from arena_core.runs.working import _benchmark, _registry

@@ -2,7 +2,8 @@ from pathlib import Path
 
 import pytest
 
-from arena_core import InputFileError, local_path
+from arena_core import InputFileError
+from arena_core.files import local_path
 
 
 def test_a_path_stays_as_it_is():

@@ -4,7 +4,8 @@ import csv
 from pathlib import Path
 
 PLUGIN = """
-from arena_core import Executor, Finished, hookimpl
+from arena_core import hookimpl
+from arena_core.hosting import Executor, Finished
 
 class Forgetful(Executor):
     def map(self, work, jobs):

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from arena_core import load_registry
 from arena_core.config.configuration import compose, plain
+from arena_core.hosting import load_registry
 from arena_core.runs.benchmark import build_benchmark
 
 BARN = Path(__file__).parents[2] / "shared" / "data" / "barn"

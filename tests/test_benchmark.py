@@ -2,8 +2,9 @@ import copy
 
 import pytest
 
-from arena_core import ConfigurationError, load_registry
+from arena_core import ConfigurationError
 from arena_core.config.configuration import compose, plain
+from arena_core.hosting import load_registry
 from arena_core.runs.benchmark import build_benchmark, config_hash
 
 WORDS = ("planner=pure_pursuit", "world=empty", "localizer=ground_truth")

@@ -10,7 +10,8 @@ from arena_core.cli.main import main
 ELSEWHERE = ("numba", "torch", "casadi", "pandas", "matplotlib", "scipy", "shapely", "seaborn", "hydra")
 
 LOUD = """
-    from arena_core import Command, hookimpl
+    from arena_core import hookimpl
+    from arena_core.commands import Command
     from arena_core.base.errors import ArenaError, RunStopped
 
     class Loud(Command):

@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_core import ConfigurationError, NoPath, Pose, compose, load_registry, plain
+from arena_core import ConfigurationError, NoPath, Pose
+from arena_core.hosting import compose, load_registry, plain
 from arena_core.loop.closed_places import ClosedPlaces
 from arena_core.loop.guide import ReplanRules
 from arena_core.runs.benchmark import build_benchmark, passage_margin

@@ -7,8 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from arena_core import __version__, load_registry, read_record
+from arena_core import __version__
 from arena_core.config.configuration import compose, plain
+from arena_core.hosting import load_registry
+from arena_core.records import read_record
 from arena_core.runs.code_digest import _code, code_of
 
 QUICK = (

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from arena_core import Job, compose, plain
+from arena_core.hosting import Job, compose, plain
 from arena_core.runs.compiling import NOTICE, Turns, parts_of
 from arena_core.runs.working import rehearse
 

@@ -2,9 +2,10 @@ import pytest
 from hydra import initialize
 from hydra.core.global_hydra import GlobalHydra
 
-from arena_core import ConfigurationError, DuplicateComponent
+from arena_core import ConfigurationError
 from arena_core.config.configuration import compose, conf_directory, plain, search_path
 from arena_core.config.registry import load_registry
+from arena_core.hosting import DuplicateComponent
 
 PLUGIN = """
     from arena_core import hookimpl

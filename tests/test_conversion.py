@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from arena_core import Bounds, ConfigurationError, Planner, Positive, PositiveInt, Robot
+from arena_core import ConfigurationError, Planner, Robot
 from arena_core.config.binding import build, convert, parameters
+from arena_core.parameters import Bounds, Positive, PositiveInt
 from arena_core.testing import robot
 
 

@@ -6,14 +6,17 @@ import inspect
 import json
 import re
 from dataclasses import asdict, fields
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 import yaml
 
 import arena_core
-from arena_core import LIMITS, Observation, load_registry, testing
+from arena_core import Observation, testing
 from arena_core.contracts import hookspecs, learning, navigation, running, simulation
+from arena_core.files import LIMITS
+from arena_core.hosting import load_registry
 from arena_core.loop.guide import ReplanRules
 from arena_core.loop.record_layout import EXTRAS
 from arena_core.runs.benchmark import RunSettings
@@ -145,6 +148,8 @@ def test_reference_has_all_public_names():
     spec.loader.exec_module(site)
     listed = re.findall(r"^::: (\S+)$", "\n".join(text for _, text in site.reference().values()), re.M)
     assert {f"arena_core.{name}" for name in arena_core.__all__} <= set(listed)
+    for door in map(import_module, (f"arena_core.{name}" for name in site.SIDE_DOORS)):
+        assert {f"{door.__name__}.{name}" for name in door.__all__} <= set(listed)
     assert {f"arena_core.testing.{name}" for name in testing.__all__} <= set(listed)
 
 

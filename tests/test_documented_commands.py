@@ -15,9 +15,9 @@ import pytest
 from PIL import Image
 
 from arena_aio.choices_command import USAGE as CHOICES
-from arena_core import load_registry
 from arena_core.config.configuration import compose, option_files
 from arena_core.config.plugins import load_plugins
+from arena_core.hosting import load_registry
 from arena_crowds.validation.command import EXPERIMENTS
 from arena_crowds.validation.measure import read_request
 from arena_mujoco.pictures.command import read_request as read_picture

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arena_core import load_registry
 from arena_core.config.configuration import compose, plain
+from arena_core.hosting import load_registry
 from arena_core.runs.benchmark import build_benchmark
 
 CLASSIC = ("dwa", "teb", "mpc", "mppi", "orca", "pure_pursuit")

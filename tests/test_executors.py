@@ -9,9 +9,10 @@ from dataclasses import replace
 
 import pytest
 
-from arena_core import ConfigurationError, Job, Lost
+from arena_core import ConfigurationError
 from arena_core.base.errors import RunFolderError
 from arena_core.config.registry import load_registry
+from arena_core.hosting import Job, Lost
 from arena_core.runs.budgets import Budgets, Watch
 from arena_core.runs.compiling import MANY
 from arena_core.runs.executors import ProcessExecutor, SerialExecutor
@@ -330,7 +331,7 @@ def test_a_worker_that_compiles_or_has_other_components_has_the_first_budget(wor
 
 SUPERVISOR = """
 import sys
-from arena_core import Job
+from arena_core.hosting import Job
 from arena_core.runs.budgets import Budgets
 from arena_core.runs.executors import ProcessExecutor
 import working

@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 import arena_core as arena
-from arena_core import Candidate, InvalidCandidates, Planner, Tracks, Twist
+from arena_core import Candidate, Planner, Tracks, Twist
+from arena_core.hosting import InvalidCandidates
 from arena_core.loop.extras import LONGEST, MOST, candidate_arrays, kept_candidates, track_arrays
 from arena_core.loop.record_layout import fault_of
+from arena_core.records import read_record
 from arena_core.testing import samples
 
 
@@ -107,7 +109,7 @@ def teller(monkeypatch):
 
 def record_of(folder, *words):
     arena.run([*QUICK, *REST, *words], folder)
-    return arena.read_record(folder / "records" / "0000.npz")
+    return read_record(folder / "records" / "0000.npz")
 
 
 def test_records_are_the_same_but_for_what_was_asked_for(teller, tmp_path):

@@ -13,25 +13,22 @@ import numpy as np
 import pytest
 
 import arena_core
-from arena_core import (
+from arena_core import ArenaError, InputFileError, run
+from arena_core.files import (
     LIMITS,
-    ArenaError,
-    InputFileError,
     csv_text,
     harmless,
     is_file,
     read_array,
     read_arrays,
     read_bytes,
-    read_grid,
     read_json,
-    read_record,
     read_table,
     read_yaml,
     reading_within,
-    run,
 )
 from arena_core.loop.recording import check_inside, keep_room, write_record
+from arena_core.records import read_grid, read_record
 from arena_core.runs.rows import evaluate
 from arena_core.testing import record
 

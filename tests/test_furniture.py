@@ -5,22 +5,10 @@ import pytest
 import yaml
 from shapely import Polygon, unary_union
 
-from arena_core import (
-    ConfigurationError,
-    FurnitureKind,
-    OccupancyGrid,
-    Pose,
-    World,
-    furnished,
-    furniture_kind,
-    furniture_of,
-    furniture_scene,
-    furniture_shapes,
-    load_registry,
-    option_files,
-    outlines,
-    scene_of,
-)
+from arena_core import ConfigurationError, OccupancyGrid, Pose, World
+from arena_core.files import option_files
+from arena_core.hosting import load_registry
+from arena_core.scenes import FurnitureKind, furnished, furniture_kind, furniture_of, furniture_scene, furniture_shapes, outlines, scene_of
 from arena_core.testing import furniture, room
 from arena_core.values.furniture import furniture_meta
 

@@ -6,8 +6,8 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from arena_core import load_registry
 from arena_core.config.configuration import compose, plain
+from arena_core.hosting import load_registry
 from arena_core.runs.benchmark import build_metrics
 from arena_core.runs.kept_rows import KeptRow
 from arena_core.runs.rows import COLUMNS, metric_columns, write_episodes

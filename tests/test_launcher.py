@@ -75,7 +75,8 @@ def test_all_episodes_of_a_multirun_go_through_one_executor(third_party, arena):
 COUNTING = """
     from pathlib import Path
 
-    from arena_core import Executor, hookimpl
+    from arena_core import hookimpl
+    from arena_core.hosting import Executor
 
     class Counting(Executor):
         def map(self, work, jobs):

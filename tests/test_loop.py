@@ -3,7 +3,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from arena_core import CommandQueue, Contact, Crowd, EpisodeLoop, Pose, Scenario, Simulator, Snapshot
+from arena_core import Contact, Crowd, Pose, Scenario, Simulator, Snapshot
+from arena_core.hosting import CommandQueue, EpisodeLoop
 from arena_core.loop.episode_loop import joined
 from arena_core.testing import robot, scan, scenario
 

@@ -4,14 +4,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arena_core import (
-    InvalidCommand,
-    NoPath,
-    NoValidCommand,
-    Odometry,
-    Pose,
-    Twist,
-)
+from arena_core import InvalidCommand, NoPath, NoValidCommand, Odometry, Pose, Twist
 from arena_core.base import stopwatch
 from arena_core.loop.guide import Mission
 from arena_core.loop.navigator import BRAKE, Navigator

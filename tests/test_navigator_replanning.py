@@ -5,13 +5,8 @@ from dataclasses import replace
 
 import pytest
 
-from arena_core import (
-    OFF_PATH,
-    WAYPOINT_TIMEOUT,
-    GlobalPlanner,
-    NoValidCommand,
-    Pose,
-)
+from arena_core import GlobalPlanner, NoValidCommand, Pose
+from arena_core.hosting import OFF_PATH, WAYPOINT_TIMEOUT
 from arena_core.loop.guide import ReplanRules
 from arena_core.loop.navigator import BRAKE
 from arena_core.testing import free_costmap, room, straight_path

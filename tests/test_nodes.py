@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from arena_core import Budgets, Delivery, Finished, InputFileError, Job, Node, OtherCode, compose, plain, take_in
+from arena_core import InputFileError
+from arena_core.hosting import Budgets, Delivery, Finished, Job, Node, OtherCode, compose, plain, take_in
 from arena_core.runs.working import check, work
 from arena_core.testing.checks import echo
 

@@ -4,7 +4,7 @@ import multiprocessing
 
 import pytest
 
-from arena_core import tell
+from arena_core.commands import tell
 
 
 def test_a_line_is_told_once(capsys: pytest.CaptureFixture[str]) -> None:

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from arena_core import compose, plain
+from arena_core.hosting import compose, plain
 
 EXPERIMENTS = {
     "paper": (7, 3, 3, 2),

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from arena_core import Bounds, Fraction, NonNegative, NonNegativeInt, Positive, PositiveInt
+from arena_core.parameters import Bounds, Fraction, NonNegative, NonNegativeInt, Positive, PositiveInt
 
 numbers = st.floats(-10.0, 10.0)
 

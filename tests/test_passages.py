@@ -9,7 +9,8 @@ from pathlib import Path as File
 import numpy as np
 import pytest
 
-from arena_core import Costmap, EpisodeStart, NoValidCommand, Path, Pose, Twist, read_record, testing
+from arena_core import Costmap, EpisodeStart, NoValidCommand, Path, Pose, Twist, testing
+from arena_core.records import read_record
 from arena_kernels.distance import distance_field
 from arena_kernels.window import Window, clearance, footprint_outline
 

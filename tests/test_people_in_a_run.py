@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arena_core import Pose, read_record
+from arena_core import Pose
+from arena_core.records import read_record
 from arena_core.testing import component, robot, scenario
 from arena_core.testing.samples import person
 

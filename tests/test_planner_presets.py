@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from arena_core import ConfigurationError, load_registry
+from arena_core import ConfigurationError
 from arena_core.cli.listing import presets
+from arena_core.hosting import load_registry
 from arena_core.testing import check, component
 from tests.conftest import of_the_suite
 

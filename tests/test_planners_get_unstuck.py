@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from arena_core import read_record
+from arena_core.records import read_record
 
 LONGEST = 20.0  # s that a robot may stay within a circle
 CIRCLE = 0.3  # m

@@ -1,8 +1,8 @@
 import pytest
 
-from arena_core import BrokenPlugin
 from arena_core.config.plugins import DISABLED, config_packages, enabled_entry_points, load_plugins
 from arena_core.config.registry import load_registry
+from arena_core.hosting import BrokenPlugin
 
 GOOD = """
     from arena_core import hookimpl

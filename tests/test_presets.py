@@ -10,7 +10,8 @@ from typing import Any
 import pytest
 import yaml
 
-from arena_core import compose, load_registry, option_files, plain
+from arena_core.files import option_files
+from arena_core.hosting import compose, load_registry, plain
 
 GROUPS = (
     "planner", "robot", "world", "pedestrians", "task", "localizer", "global_planner", "waypoints", "local_map", "tracker", "reward",

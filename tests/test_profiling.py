@@ -2,9 +2,9 @@
 
 import pytest
 
-from arena_core import load_registry
 from arena_core.cli.main import main
 from arena_core.config.configuration import compose
+from arena_core.hosting import load_registry
 from arena_core.runs.benchmark import build_benchmark
 from arena_core.runs.profiling import METRICS, TASK, Clock, profile
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arena_core import Finished, Job
+from arena_core.hosting import Finished, Job
 from arena_core.runs import progress
 from arena_core.runs.code_digest import Code
 from arena_core.runs.pace import Pace

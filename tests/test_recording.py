@@ -10,9 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
-from arena_core import ABSENT, EpisodeRecord, InputFileError, OccupancyGrid, PedestrianSpec, Pose, RunFolderError, record_digest
+from arena_core import ABSENT, EpisodeRecord, InputFileError, OccupancyGrid, PedestrianSpec, Pose
 from arena_core.config.configuration import compose, plain
 from arena_core.config.registry import load_registry
+from arena_core.hosting import RunFolderError
 from arena_core.loop import recording
 from arena_core.loop.navigator import NO_TIME
 from arena_core.loop.recording import (
@@ -25,6 +26,7 @@ from arena_core.loop.recording import (
     write_text_whole,
     write_whole,
 )
+from arena_core.records import record_digest
 from arena_core.runs.benchmark import build_benchmark
 from arena_core.runs.rows import evaluate, evaluate_file
 from arena_core.testing import record, robot, room, scenario, sensors

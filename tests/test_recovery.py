@@ -4,8 +4,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arena_core import ConfigurationError, Pose, compose, plain
+from arena_core import ConfigurationError, Pose
 from arena_core.config.registry import load_registry
+from arena_core.hosting import compose, plain
 from arena_core.loop.recovery import STAND, Recoveries, RecoveryRules, body, touched
 from arena_core.runs.benchmark import build_benchmark
 from arena_core.testing import free_costmap, robot

@@ -3,20 +3,11 @@ import sys
 import pluggy
 import pytest
 
-from arena_core import (
-    BrokenPlugin,
-    ConfigurationError,
-    DuplicateComponent,
-    Observation,
-    Planner,
-    Positive,
-    Robot,
-    Twist,
-    UnknownComponent,
-    hookimpl,
-)
+from arena_core import ConfigurationError, Observation, Planner, Robot, Twist, hookimpl
 from arena_core.config.registry import HOOKS, INTERFACES, Registry, load_registry
 from arena_core.contracts import hookspecs
+from arena_core.hosting import BrokenPlugin, DuplicateComponent, UnknownComponent
+from arena_core.parameters import Positive
 from arena_core.testing import robot
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import arena_core
-from arena_core import read_record
+from arena_core.records import read_record
 
 QUICK = (
     *("planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=8", "world.height=8"),

@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from arena_core import Obstacle, OccupancyGrid, Pose, Prism, Scene, scene_of
+from arena_core import Obstacle, OccupancyGrid, Pose
+from arena_core.scenes import Prism, Scene, scene_of
 
 PILLAR, BLOCK = Obstacle(np.array([[1.0, 2.0]]), 0.25), Obstacle(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]))
 

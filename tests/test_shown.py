@@ -11,9 +11,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arena_core import NO_TRACKS, DepthImage, OccupancyGrid, Pose, PoseEstimate, build_benchmark, compose, load_registry, plain, read_record
+from arena_core import NO_TRACKS, DepthImage, OccupancyGrid, Pose, PoseEstimate
 from arena_core.base.frozen import frozen, is_sealed
+from arena_core.hosting import build_benchmark, compose, load_registry, plain
 from arena_core.loop.shown import shown, shown_map
+from arena_core.records import read_record
 from arena_core.testing import boxes_costmap, robot, sensors, straight_path
 
 QUICK = (

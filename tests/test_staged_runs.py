@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from arena_core import read_record
+from arena_core.records import read_record
 
 LEVELS = """
 levels:

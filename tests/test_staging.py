@@ -9,7 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from arena_core import ConfigurationError, Staging, succeeded
+from arena_core import ConfigurationError
+from arena_core.hosting import Staging
+from arena_core.records import succeeded
 from arena_core.runs.code_digest import Code
 from arena_core.runs.schedule import OpenRun, rounds
 from arena_core.testing import record

@@ -7,7 +7,8 @@ import pytest
 from onnx import TensorProto, helper, numpy_helper
 
 from arena_aio.planner import Aio
-from arena_core import ObservationBatch, Planner, ScanMemory, Twist, compose, load_registry, plain
+from arena_core import ObservationBatch, Planner, ScanMemory, Twist
+from arena_core.hosting import compose, load_registry, plain
 from arena_core.loop.execution import mission_of, run_episode
 from arena_core.loop.recording import Recorder
 from arena_core.runs.benchmark import build_benchmark

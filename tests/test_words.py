@@ -1,6 +1,8 @@
 import pytest
 
-from arena_core import ConfigurationError, Positive, PositiveInt, aligned, is_key_value, key_value, read_words
+from arena_core import ConfigurationError
+from arena_core.commands import aligned, is_key_value, key_value, read_words
+from arena_core.parameters import Positive, PositiveInt
 
 USAGE = "arena draw FILE [out=DIR] [size=1.0] [world.KEY=VALUE]"
 

@@ -12,8 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from arena_core import World, read_record
+from arena_core import World
 from arena_core.loop.recording import write_grid, write_record
+from arena_core.records import read_record
 from tests.fuzz import mutations as change
 from tests.fuzz.samples import (
     CURRICULUM,
@@ -175,7 +176,7 @@ def run_files() -> dict[str, bytes]:
 @cache
 def metrics_config() -> dict[str, Any]:
     """Return the configuration of all packs of metrics."""
-    from arena_core import compose, plain
+    from arena_core.hosting import compose, plain
 
     return dict(plain(compose(["metrics=[si,paper_legacy,barn]"], "component"))["metrics"])
 
@@ -183,7 +184,8 @@ def metrics_config() -> dict[str, Any]:
 @cache
 def packs() -> Any:
     """Return all packs of metrics."""
-    from arena_core import build_metrics, load_registry
+    from arena_core.hosting import load_registry
+    from arena_core.records import build_metrics
 
     return build_metrics({"metrics": metrics_config()}, load_registry())
 
@@ -209,7 +211,7 @@ def read_record_file(path: Path) -> object:
 
 def evaluate_run(path: Path) -> object:
     """Compute the metrics of a run anew."""
-    from arena_core import load_registry
+    from arena_core.hosting import load_registry
     from arena_core.runs.resuming import re_evaluate
 
     folder = path if (path / "records").is_dir() else path.parent if (path.parent / "records").is_dir() else path.parent.parent
@@ -230,14 +232,15 @@ def report_run(path: Path) -> object:
 
 def read_map_of_run(path: Path) -> object:
     """Read the map of a run."""
-    from arena_core import read_grid
+    from arena_core.records import read_grid
 
     return read_grid(path)
 
 
 def build_configuration(path: Path) -> object:
     """Build all components of a configuration."""
-    from arena_core import build_benchmark, load_registry, read_json
+    from arena_core.files import read_json
+    from arena_core.hosting import build_benchmark, load_registry
 
     return build_benchmark(read_json(path, "a configuration"), load_registry())
 
@@ -245,7 +248,7 @@ def build_configuration(path: Path) -> object:
 @cache
 def configuration(*words: str) -> bytes:
     """Return a whole configuration as JSON."""
-    from arena_core import compose, plain
+    from arena_core.hosting import compose, plain
 
     return json.dumps({**plain(compose(["world=empty", *words])), "choices": {}}).encode()
 
@@ -254,7 +257,7 @@ def compose_own(path: Path) -> object:
     """Compose with a preset of one's own."""
     import contextlib
 
-    from arena_core import compose, plain
+    from arena_core.hosting import compose, plain
 
     with contextlib.chdir(path.parent.parent.parent):
         return plain(compose(["planner=mine"]))

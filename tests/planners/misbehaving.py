@@ -18,7 +18,9 @@ import time
 
 import numpy as np
 
-from arena_core import Planner, Robot, RunFolderError, Twist, hookimpl, write_text_whole
+from arena_core import Planner, Robot, Twist, hookimpl
+from arena_core.files import write_text_whole
+from arena_core.hosting import RunFolderError
 
 
 def deadlock():

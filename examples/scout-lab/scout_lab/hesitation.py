@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from arena_core import EpisodeRecord, Metric, MetricPack, Positive
+from arena_core import EpisodeRecord, Metric, MetricPack
+from arena_core.parameters import Positive
 
 
 class HesitationMetrics(MetricPack):

@@ -8,20 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import (
-    ConfigurationError,
-    EpisodeStart,
-    LaserScan,
-    NonNegative,
-    NoValidCommand,
-    Observation,
-    Planner,
-    Positive,
-    PositiveInt,
-    Robot,
-    Twist,
-    wrap_angle,
-)
+from arena_core import ConfigurationError, EpisodeStart, LaserScan, NoValidCommand, Observation, Planner, Robot, Twist, wrap_angle
+from arena_core.parameters import NonNegative, Positive, PositiveInt
 
 Floats = NDArray[np.float64]
 

@@ -14,19 +14,10 @@ import pytest
 from onnx import TensorProto, helper, numpy_helper
 
 from arena_aio.planner import Aio
-from arena_core import (
-    NAVIGATOR_KEYS,
-    ConfigurationError,
-    Planner,
-    Twist,
-    build_benchmark,
-    compose,
-    load_registry,
-    plain,
-    record_digest,
-    testing,
-)
+from arena_core import ConfigurationError, Planner, Twist, testing
 from arena_core.cli.main import main
+from arena_core.hosting import NAVIGATOR_KEYS, build_benchmark, compose, load_registry, plain
+from arena_core.records import record_digest
 from arena_gym.building import compose_environment
 from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.card import PolicyCard, sha256, write_card

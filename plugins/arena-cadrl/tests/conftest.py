@@ -13,7 +13,8 @@ import pytest
 
 from arena_cadrl.eyes import Eyes, StateSettings
 from arena_cadrl.policy import action_ends
-from arena_core import Robot, read_settings
+from arena_core import Robot
+from arena_core.parameters import read_settings
 from arena_core.testing import component
 from arena_policies.actions import ActionRange
 from arena_policies.card import PolicyCard, sha256, write_card

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arena_core import ABSENT, ContractViolation, Gait
+from arena_core import ABSENT, Gait
+from arena_core.hosting import ContractViolation
 from arena_core.testing import check, robot
 from arena_crowds.orca.crowd import OrcaCrowd
 from arena_crowds.orca.walkers import STANDING

@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_core import ABSENT, ConfigurationError, ImpossibleScenario, InputFileError, Obstacle, local_path
+from arena_core import ABSENT, ConfigurationError, ImpossibleScenario, InputFileError, Obstacle
+from arena_core.files import local_path
 from arena_core.testing import component, robot
 from arena_crowds.replay.recordings import read_recording
 

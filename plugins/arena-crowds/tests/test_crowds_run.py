@@ -3,8 +3,8 @@ import csv
 import numpy as np
 import pytest
 
-from arena_core import read_record
 from arena_core.cli.main import main
+from arena_core.records import read_record
 from arena_core.testing import component
 
 

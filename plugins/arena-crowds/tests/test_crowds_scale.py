@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_core import InputFileError, tell
+from arena_core import InputFileError
+from arena_core.commands import tell
 from arena_core.testing import component
 from arena_crowds.replay.recordings import read_recording
 

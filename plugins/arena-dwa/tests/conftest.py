@@ -12,7 +12,8 @@ import pytest
 from numpy.typing import NDArray
 from omegaconf import OmegaConf
 
-from arena_core import Costmap, EpisodeStart, Footprint, Observation, Pose, Robot, VelocityLimits, compose, load_registry, plain
+from arena_core import Costmap, EpisodeStart, Footprint, Observation, Pose, Robot, VelocityLimits
+from arena_core.hosting import compose, load_registry, plain
 from arena_core.testing import component, view
 from arena_dwa.planner import DwaPlanner
 from arena_kernels.distance import distance_field

@@ -11,8 +11,9 @@ import onnx
 import pytest
 from onnx import TensorProto, helper, numpy_helper
 
-from arena_core import ConfigurationError, NoValidCommand, Path, Pose, read_settings, testing
+from arena_core import ConfigurationError, NoValidCommand, Path, Pose, testing
 from arena_core.cli.main import main
+from arena_core.parameters import read_settings
 from arena_gym.building import compose_environment
 from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.card import PolicyCard, sha256, write_card
@@ -57,7 +58,7 @@ def policy(folder, preset, robot):
 
 
 def settings_of(preset):
-    from arena_core import compose, plain
+    from arena_core.hosting import compose, plain
 
     return plain(compose([f"observation_encoder={preset}"], "component"))["observation_encoder"]
 

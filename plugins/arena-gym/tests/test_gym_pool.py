@@ -3,7 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arena_core import ConfigurationError, ImpossibleScenario, NoPath, PedestrianSpec, Staging, TaskMode, World, WorldSource
+from arena_core import ConfigurationError, ImpossibleScenario, NoPath, PedestrianSpec, TaskMode, World, WorldSource
+from arena_core.hosting import Staging
 from arena_core.testing import component, robot, room, scenario
 from arena_gym.building import build_parts, compose_environment
 from arena_gym.environment import NavigationEnv

@@ -183,7 +183,7 @@ def test_full_disk_ends_a_training_in_one_line_and_spares_what_was_kept(here, mo
 
 
 def test_folder_of_other_code_is_refused_unless_forced(here, capsys):
-    from arena_core import code_of, load_registry
+    from arena_core.hosting import code_of, load_registry
     from arena_gym.training.folder import open_folder
     from arena_gym.training.session import NO_PART
 

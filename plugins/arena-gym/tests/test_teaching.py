@@ -7,7 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from arena_core import ConfigurationError, Planner, Twist, load_registry
+from arena_core import ConfigurationError, Planner, Twist
+from arena_core.hosting import load_registry
 from arena_gym.vector_environment import NavigationVectorEnv
 
 torch = pytest.importorskip("torch", reason="training needs the extra arena-gym[train]")

@@ -10,8 +10,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from arena_core import Staging
 from arena_core.cli.main import main
+from arena_core.hosting import Staging
 from arena_core.statistics import middle_half, over_seeds, wilson
 from arena_gym.episodes import draw_stage
 from arena_gym.training.levels import LevelMixture, Promotion

@@ -13,7 +13,9 @@ import numpy as np
 import pytest
 from numpy.typing import ArrayLike
 
-from arena_core import EPISODE_COLUMNS, EpisodeRecord, Metric, compose, plain
+from arena_core import EpisodeRecord, Metric
+from arena_core.hosting import compose, plain
+from arena_core.records import EPISODE_COLUMNS
 from arena_metrics.packs.paper_legacy import PaperLegacyMetrics
 from arena_metrics.packs.si import SiMetrics
 

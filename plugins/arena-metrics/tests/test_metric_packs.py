@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from arena_core import build_metrics, load_registry
+from arena_core.hosting import load_registry
+from arena_core.records import build_metrics
 
 DOCS = Path(__file__).parents[3] / "docs"
 

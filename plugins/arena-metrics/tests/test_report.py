@@ -7,7 +7,8 @@ import re
 import numpy as np
 import pytest
 
-from arena_core import InputFileError, RunFolderError
+from arena_core import InputFileError
+from arena_core.hosting import RunFolderError
 from arena_metrics.pages.report import ReportCommand
 from arena_metrics.pages.trajectories import people_colours, scale_bar_length
 from arena_metrics.pooling.cells import cells_of

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from arena_core import NAVIGATOR_KEYS, Costmap, EpisodeStart, Observation, Pose, Robot, Tracks, compose, plain
+from arena_core import Costmap, EpisodeStart, Observation, Pose, Robot, Tracks
+from arena_core.hosting import NAVIGATOR_KEYS, compose, plain
 from arena_core.testing import boxes_costmap, component, tracked, view
 from arena_mpc.parameters import Grid, Limits, Obstacles, SolverSettings, Weights
 from arena_mpc.planner import MpcPlanner

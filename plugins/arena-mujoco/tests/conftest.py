@@ -5,7 +5,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from arena_core import Obstacle, PedestrianSpec, Pose, Robot, Scenario, Simulator, World, compose, load_registry, plain
+from arena_core import Obstacle, PedestrianSpec, Pose, Robot, Scenario, Simulator, World
+from arena_core.hosting import compose, load_registry, plain
 from arena_core.testing import component, room
 
 ROOM = room()

@@ -6,18 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arena_core import (
-    ConfigurationError,
-    ImpossibleScenario,
-    Obstacle,
-    OccupancyGrid,
-    Pose,
-    World,
-    build_benchmark,
-    compose,
-    load_registry,
-    plain,
-)
+from arena_core import ConfigurationError, ImpossibleScenario, Obstacle, OccupancyGrid, Pose, World
+from arena_core.hosting import build_benchmark, compose, load_registry, plain
 from arena_core.testing import robot, scenario
 
 QUICK = ["planner=pure_pursuit", "robot=turtlebot3", "world=empty", "task.time_limit=2", "simulator=mujoco", "localizer=ground_truth"]

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arena_core import ConfigurationError, DepthImage, ObservationBatch, Pose, Twist, build_benchmark, compose, load_registry, plain
+from arena_core import ConfigurationError, DepthImage, ObservationBatch, Pose, Twist
+from arena_core.hosting import build_benchmark, compose, load_registry, plain
 from arena_core.testing import furniture, observation, robot, scenario
 from arena_core.testing.samples import person
 

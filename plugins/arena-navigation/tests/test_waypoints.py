@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_core import OFF_PATH, WAYPOINT_FOUND, WAYPOINT_TIMEOUT, ConfigurationError, Path, PathBatch, WaypointGenerator, Waypoints
+from arena_core import ConfigurationError, Path, PathBatch, WaypointGenerator, Waypoints
+from arena_core.hosting import OFF_PATH, WAYPOINT_FOUND, WAYPOINT_TIMEOUT
 from arena_core.testing import component
 from arena_navigation.planning.waypoints import SpatialHorizon, Subsample
 

@@ -35,7 +35,7 @@ def write_world_model(folder, robot, seed=0):
     """Write vision and memory with weights at random."""
     import torch
 
-    from arena_core import load_registry
+    from arena_core.hosting import load_registry
     from arena_gym.training.export import network_to_onnx
     from arena_gym.training.settings import Convolution
     from arena_navrep.training.memory import Memory

@@ -8,8 +8,9 @@ import shutil
 import numpy as np
 import pytest
 
-from arena_core import load_registry, testing
+from arena_core import testing
 from arena_core.cli.main import main
+from arena_core.hosting import load_registry
 from arena_gym.building import compose_environment, compose_training
 from arena_policies.encoding import columns
 from arena_policies.policy import load_policy

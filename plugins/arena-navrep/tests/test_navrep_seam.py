@@ -9,7 +9,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arena_core import ConfigurationError, ObservationBatch, Pose, Twist, compose, load_registry, plain, testing
+from arena_core import ConfigurationError, ObservationBatch, Pose, Twist, testing
+from arena_core.hosting import compose, load_registry, plain
 from arena_core.loop.execution import mission_of
 from arena_core.runs.benchmark import build_benchmark
 from arena_gym.environment import NavigationEnv

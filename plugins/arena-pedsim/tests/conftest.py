@@ -10,8 +10,9 @@ import pytest
 from hypothesis import HealthCheck, settings
 from numpy.typing import ArrayLike, NDArray
 
-from arena_core import Crowd, Obstacle, OccupancyGrid, PedestrianSpec, Pose, RobotBatch, Scenario, World, load_registry
+from arena_core import Crowd, Obstacle, OccupancyGrid, PedestrianSpec, Pose, RobotBatch, Scenario, World
 from arena_core.config.configuration import compose, plain
+from arena_core.hosting import load_registry
 from arena_kernels.distance import grid_distance
 from arena_pedsim.model import SocialForceModel
 

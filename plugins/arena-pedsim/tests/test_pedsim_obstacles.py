@@ -4,7 +4,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from shapely import Point, Polygon
 
-from arena_core import ImpossibleScenario, Obstacle, OccupancyGrid, Pose, with_obstacles
+from arena_core import ImpossibleScenario, Obstacle, OccupancyGrid, Pose
+from arena_core.scenes import with_obstacles
 
 
 def test_without_obstacles_it_is_the_same_grid(stage):

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from onnx import TensorProto, helper, numpy_helper
 
-from arena_core import Planner, Pose, Twist, compose, load_registry, plain, testing
+from arena_core import Planner, Pose, Twist, testing
+from arena_core.hosting import compose, load_registry, plain
 from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.card import PolicyCard, sha256, write_card
 from arena_policies.members import Members, build_members, member_hash

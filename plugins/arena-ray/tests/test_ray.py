@@ -9,8 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from arena_core import ConfigurationError, Job, Lost, RunStopped, compose, load_registry, plain
+from arena_core import ConfigurationError
 from arena_core import run as run_benchmark
+from arena_core.hosting import Job, Lost, RunStopped, compose, load_registry, plain
 from arena_core.testing import check, robot
 from arena_core.testing.checks import echo
 

@@ -8,8 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arena_core import ArenaError, read_record, tell
+from arena_core import ArenaError
 from arena_core.cli.main import main
+from arena_core.commands import tell
+from arena_core.records import read_record
 from arena_ros.bags.opening import open_bags
 from arena_ros.bags.scenarios import simplified
 from arena_ros.codec import codec

@@ -16,8 +16,8 @@ import lz4.frame
 import numpy as np
 import pytest
 
-from arena_core import tell
 from arena_core.cli.main import main
+from arena_core.commands import tell
 from arena_ros.bags import mcap, stream
 from arena_ros.bags.opening import open_bags
 from arena_ros.bags.packing import zstd

@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arena_core import read_record, tell
 from arena_core.cli.main import main
+from arena_core.commands import tell
+from arena_core.records import read_record
 
 HEADER = "episode,time,laser_scan,robot_lin_vel_x,robot_lin_vel_y,robot_ang_vel,robot_orientation,robot_pos_x,robot_pos_y,action,model"
 

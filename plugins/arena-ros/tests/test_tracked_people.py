@@ -7,8 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arena_core import LaserScan, Pose, Twist, read_grid, read_record, tell
+from arena_core import LaserScan, Pose, Twist
 from arena_core.cli.main import main
+from arena_core.commands import tell
+from arena_core.records import read_grid, read_record
 from arena_ros import conversions as to
 from arena_ros.bags.exporting import writer
 from arena_ros.codec import codec

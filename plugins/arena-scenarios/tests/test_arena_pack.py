@@ -11,8 +11,10 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
-from arena_core import Robot, Scenario, compose, load_registry, option_files
+from arena_core import Robot, Scenario
 from arena_core.cli.main import main
+from arena_core.files import option_files
+from arena_core.hosting import compose, load_registry
 from arena_scenarios.__main__ import DENSITIES, SITUATIONS, VARIATIONS, make
 from arena_scenarios.situations import APART, KEEP_OFF
 

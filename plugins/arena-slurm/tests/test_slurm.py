@@ -15,19 +15,10 @@ from pathlib import Path
 import psutil
 import pytest
 
-from arena_core import (
-    Budgets,
-    ConfigurationError,
-    InputFileError,
-    Job,
-    Lost,
-    RunFolderError,
-    compose,
-    load_registry,
-    plain,
-    write_text_whole,
-)
+from arena_core import ConfigurationError, InputFileError
 from arena_core import run as run_benchmark
+from arena_core.files import write_text_whole
+from arena_core.hosting import Budgets, Job, Lost, RunFolderError, compose, load_registry, plain
 from arena_core.testing import check, robot
 from arena_core.testing.checks import echo
 from arena_slurm.share import Share, _bound, new_answers, starts_of
@@ -37,7 +28,7 @@ LOCAL = ("executor=slurm", "executor.cluster=local", "executor.workers=1", "exec
 WORK = """
 import os
 import time
-from arena_core import RunFolderError
+from arena_core.hosting import RunFolderError
 
 def bad(job):
     if job.episode == 2:

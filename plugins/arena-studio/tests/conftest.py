@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 
-from arena_core import EPISODE_COLUMNS
+from arena_core.records import EPISODE_COLUMNS
 from arena_studio.app import make_app
 from arena_studio.project import Project
 from arena_studio.side_process import beside

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from fastapi.testclient import TestClient
 
-from arena_core import read_table
+from arena_core.files import read_table
 from arena_studio.composing import composition
 from arena_studio.errors import Conflict, Missing
 from arena_studio.experiments import PLACE, Experiment, Experiments

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from fastapi.testclient import TestClient
 
-from arena_core import load_registry
+from arena_core.hosting import load_registry
 from arena_studio.app import make_app
 from arena_studio.mapping.transfer import packed, unpacked
 from arena_studio.project import Project

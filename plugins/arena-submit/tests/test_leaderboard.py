@@ -8,7 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from arena_core import ConfigurationError, InputFileError, load_registry, option_files, read_record
+from arena_core import ConfigurationError, InputFileError
+from arena_core.files import option_files
+from arena_core.hosting import load_registry
+from arena_core.records import read_record
 from arena_submit.commands import LeaderboardCommand, SubmitCommand
 from arena_submit.leaderboard import leaderboard
 from arena_submit.packing import read_pack, write_pack
@@ -24,7 +27,7 @@ def test_the_first_version_has_every_scenario_of_the_pack_on_two_robots():
 
 @pytest.mark.parametrize("scenario", ["arena/queue_high", "arena/outdoor_20"])
 def test_the_hashes_are_those_of_the_scenarios_that_are_driven(scenario):
-    from arena_core import compose, plain
+    from arena_core.hosting import compose, plain
 
     registry = load_registry()
     config = plain(compose(["experiment=arena_v1", "robot=jackal", f"scenario={scenario}"]))

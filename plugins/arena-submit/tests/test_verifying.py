@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from arena_core import load_registry, read_record
+from arena_core.hosting import load_registry
+from arena_core.records import read_record
 from arena_submit.commands import SubmitCommand, VerifyCommand
 from arena_submit.packing import read_pack, write_pack
 from arena_submit.verifying import draw, verify

@@ -6,8 +6,9 @@ from typing import Any
 
 import pytest
 
-from arena_core import ImpossibleScenario, tell
+from arena_core import ImpossibleScenario
 from arena_core.cli.main import main
+from arena_core.commands import tell
 from arena_core.testing import component, robot
 from arena_tasks.scenario_files.scenario_task import ScenarioTask
 

@@ -12,8 +12,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
-from arena_core import InputFileError, Pose, UnknownComponent, World, WorldSource, compose, load_registry, testing
+from arena_core import InputFileError, Pose, World, WorldSource, testing
 from arena_core.cli.main import main
+from arena_core.hosting import UnknownComponent, compose, load_registry
 from arena_tasks.commands.packing import make_pack
 from arena_tasks.scenario_files.pack import PACK_FILE, checked_pack, read_pack
 from arena_tasks.scenario_files.scenario_task import ScenarioTask

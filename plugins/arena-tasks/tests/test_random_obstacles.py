@@ -11,22 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from omegaconf import OmegaConf
 
-from arena_core import (
-    ConfigurationError,
-    Footprint,
-    ImpossibleScenario,
-    OccupancyGrid,
-    Pose,
-    Registry,
-    Robot,
-    World,
-    WorldSource,
-    compose,
-    load_registry,
-    plain,
-    testing,
-    with_obstacles,
-)
+from arena_core import ConfigurationError, Footprint, ImpossibleScenario, OccupancyGrid, Pose, Robot, World, WorldSource, testing
+from arena_core.hosting import Registry, compose, load_registry, plain
+from arena_core.scenes import with_obstacles
 from arena_tasks.random.free_space import FreeSpace
 from arena_tasks.random.random_task import RandomTask
 

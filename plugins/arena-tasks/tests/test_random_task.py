@@ -11,22 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from omegaconf import OmegaConf
 
-from arena_core import (
-    ConfigurationError,
-    Footprint,
-    ImpossibleScenario,
-    OccupancyGrid,
-    Pose,
-    Registry,
-    Robot,
-    Scenario,
-    World,
-    WorldSource,
-    compose,
-    load_registry,
-    plain,
-    testing,
-)
+from arena_core import ConfigurationError, Footprint, ImpossibleScenario, OccupancyGrid, Pose, Robot, Scenario, World, WorldSource, testing
+from arena_core.hosting import Registry, compose, load_registry, plain
 from arena_core.testing import check
 from arena_kernels.ways import Ways
 from arena_tasks import config_package, register_task_modes

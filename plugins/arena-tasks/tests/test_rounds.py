@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from omegaconf import OmegaConf
 
-from arena_core import OccupancyGrid, PedestrianSpec, Pose, Registry, Scenario, World, WorldSource, compose, load_registry, plain, testing
+from arena_core import OccupancyGrid, PedestrianSpec, Pose, Scenario, World, WorldSource, testing
+from arena_core.hosting import Registry, compose, load_registry, plain
 from arena_kernels.ways import Ways
 from arena_tasks.random.rounds import SNAP
 

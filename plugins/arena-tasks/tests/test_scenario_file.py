@@ -12,7 +12,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_core import InputFileError, Obstacle, PedestrianSpec, Pose, RunFolderError, Scenario, World, testing
+from arena_core import InputFileError, Obstacle, PedestrianSpec, Pose, Scenario, World, testing
+from arena_core.hosting import RunFolderError
 from arena_tasks.scenario_files.problem import PersonDefaults, Problem
 from arena_tasks.scenario_files.scenario_file import read_scenario_file, read_scenarios, save_scenarios
 

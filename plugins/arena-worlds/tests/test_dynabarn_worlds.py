@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 import yaml
 
-from arena_core import ConfigurationError, InputFileError, PedestrianSpec, World, load_registry, testing
+from arena_core import ConfigurationError, InputFileError, PedestrianSpec, World, testing
+from arena_core.hosting import load_registry
 from arena_worlds.commands.command import WorldCommand
 from arena_worlds.formats.animation import read_animation
 from arena_worlds.generators.dynabarn import DynabarnWorlds

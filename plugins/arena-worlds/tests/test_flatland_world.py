@@ -10,7 +10,8 @@ from hypothesis.extra import numpy as arrays
 from numpy.typing import NDArray
 from PIL import Image
 
-from arena_core import InputFileError, OccupancyGrid, Pose, tell
+from arena_core import InputFileError, OccupancyGrid, Pose
+from arena_core.commands import tell
 from arena_worlds.formats.merged import merged
 from arena_worlds.formats.ros_map import load_map
 from arena_worlds.formats.site_file import read_site

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy import ndimage
 
-from arena_core import ConfigurationError, ImpossibleScenario, World, furnished
+from arena_core import ConfigurationError, ImpossibleScenario, World
+from arena_core.scenes import furnished
 from arena_core.testing import component, furniture, robot, room
 from arena_worlds.commands.generate import GenerateCommand
 from arena_worlds.formats.site_file import write_world

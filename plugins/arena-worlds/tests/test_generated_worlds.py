@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from omegaconf import OmegaConf
 from scipy import ndimage
 
-from arena_core import FREE, ConfigurationError, OccupancyGrid, compose, load_registry
+from arena_core import FREE, ConfigurationError, OccupancyGrid
+from arena_core.hosting import compose, load_registry
 from arena_worlds.generators.cellular import smoothed
 from arena_worlds.generators.generated import Generated
 from arena_worlds.reachable import keep_reachable

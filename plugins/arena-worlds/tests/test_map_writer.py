@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from arena_core import ConfigurationError, OccupancyGrid, Pose, RunFolderError
+from arena_core import ConfigurationError, OccupancyGrid, Pose
+from arena_core.hosting import RunFolderError
 from arena_worlds.formats.map_writer import write_map
 from arena_worlds.formats.ros_map import load_map
 

@@ -15,8 +15,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
-from arena_core import LIMITS, ConfigurationError, InputFileError, OccupancyGrid, Pose, compose
+from arena_core import ConfigurationError, InputFileError, OccupancyGrid, Pose
 from arena_core.cli.main import main
+from arena_core.files import LIMITS
+from arena_core.hosting import compose
 from arena_worlds.formats.file_world import FileWorld
 from arena_worlds.formats.map_writer import write_map
 from arena_worlds.formats.picture import read_picture, write_picture

@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
 
-from arena_core import compose, load_registry
 from arena_core.cli.main import main
+from arena_core.hosting import compose, load_registry
 from arena_worlds.commands.generate import parameters
 from arena_worlds.commands.portrait import LONG_SIDE, portrait
 from arena_worlds.formats.map_writer import write_map

@@ -10,7 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from arena_core import FREE, OCCUPIED, InputFileError, OccupancyGrid, Pose, rectangles, wrap_angle
+from arena_core import FREE, OCCUPIED, InputFileError, OccupancyGrid, Pose, wrap_angle
+from arena_core.scenes import rectangles
 from arena_worlds.formats.mjcf import read_mjcf
 from arena_worlds.formats.mjcf_writer import mjcf_text
 from arena_worlds.formats.sdf import read_sdf

@@ -10,18 +10,10 @@ from tempfile import TemporaryDirectory
 from typing import ClassVar
 
 from arena_aio.planner import Aio
-from arena_core import (
-    Benchmark,
-    Command,
-    ConfigurationError,
-    EpisodeRecord,
-    build_benchmark,
-    complete_overrides,
-    compose,
-    load_registry,
-    plain,
-    succeeded,
-)
+from arena_core import ConfigurationError, EpisodeRecord
+from arena_core.commands import Command, complete_overrides
+from arena_core.hosting import Benchmark, build_benchmark, compose, load_registry, plain
+from arena_core.records import succeeded
 
 USAGE = "usage: arena choices planner=aio robot=NAME [episodes=15] [seed=0] [KEY=VALUE ...]"
 

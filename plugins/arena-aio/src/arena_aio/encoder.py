@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from arena_aio.pooled_returns import MappedWalls, pool_returns
-from arena_core import NonNegative, ObservationBatch, ObservationField, Positive, PositiveInt, Robot
+from arena_core import ObservationBatch, ObservationField, Robot
+from arena_core.parameters import NonNegative, Positive, PositiveInt
 from arena_policies.encoding import (
     BoundedEncoder,
     Numbers,

@@ -7,18 +7,9 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from arena_core import (
-    Candidate,
-    ConfigurationError,
-    EpisodeStart,
-    Observation,
-    Planner,
-    PositiveInt,
-    Robot,
-    Twist,
-    generator,
-    load_registry,
-)
+from arena_core import Candidate, ConfigurationError, EpisodeStart, Observation, Planner, Robot, Twist, generator
+from arena_core.hosting import load_registry
+from arena_core.parameters import PositiveInt
 from arena_policies.body import trained_otherwise
 from arena_policies.members import Members, build_members, member_hash
 from arena_policies.planner import shipped_policy

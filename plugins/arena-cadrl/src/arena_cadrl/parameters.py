@@ -8,7 +8,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Bounds, NonNegative, Positive, PositiveInt
+from arena_core.parameters import Bounds, NonNegative, Positive, PositiveInt
 
 Floats = NDArray[np.float64]
 Share = Annotated[float, Bounds(low=-1.0, high=1.0)]

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import ClassVar
 
 from arena_cadrl.policy import load_value_policy
-from arena_core import ConfigurationError, EpisodeStart, NonNegative, Observation, Planner, Robot, Twist
+from arena_core import ConfigurationError, EpisodeStart, Observation, Planner, Robot, Twist
+from arena_core.parameters import NonNegative
 from arena_policies.body import trained_otherwise
 from arena_policies.card import PolicyCard
 from arena_policies.planner import shipped_policy

@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_cadrl.eyes import Eyes, StateSettings
-from arena_core import ConfigurationError, InputFileError, NoValidCommand, Observation, Robot, Twist, local_path, read_settings
+from arena_core import ConfigurationError, InputFileError, NoValidCommand, Observation, Robot, Twist
+from arena_core.files import local_path
+from arena_core.parameters import read_settings
 from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.card import PolicyCard, read_card, sha256
 from arena_policies.network import Network, network_content, open_network

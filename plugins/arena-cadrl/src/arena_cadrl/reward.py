@@ -7,7 +7,8 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Bounds, NonNegative, Positive, Reward, Robot, Transition
+from arena_core import Reward, Robot, Transition
+from arena_core.parameters import Bounds, NonNegative, Positive
 
 
 class CadrlReward(Reward):

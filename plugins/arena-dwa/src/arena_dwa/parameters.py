@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
-from arena_core import Bounds, Count, Horizon, NonNegative, Positive, Samples, Step
+from arena_core.parameters import Bounds, Count, Horizon, NonNegative, Positive, Samples, Step
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from arena_core import NonNegativeInt, ObservationBatch, ObservationField, Positive, PositiveInt, Robot
+from arena_core import ObservationBatch, ObservationField, Robot
+from arena_core.parameters import NonNegativeInt, Positive, PositiveInt
 from arena_kernels.paths import points_ahead
 from arena_policies.encoding import (
     BoundedEncoder,

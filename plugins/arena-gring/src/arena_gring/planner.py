@@ -3,7 +3,8 @@
 from dataclasses import replace
 from typing import Literal
 
-from arena_core import NoValidCommand, Observation, Path, Positive, Robot, Twist
+from arena_core import NoValidCommand, Observation, Path, Robot, Twist
+from arena_core.parameters import Positive
 from arena_policies.planner import PolicyPlanner
 
 

@@ -9,17 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import (
-    ConfigurationError,
-    EarlierScans,
-    EpisodeLoop,
-    ObservationBatch,
-    OccupancyGrid,
-    ScanMemory,
-    Situation,
-    Snapshot,
-    Transition,
-)
+from arena_core import ConfigurationError, EarlierScans, ObservationBatch, OccupancyGrid, ScanMemory, Snapshot, Transition
+from arena_core.hosting import EpisodeLoop, Situation
 from arena_gym.building import Parts
 from arena_gym.episodes import Episode, EpisodeKey, draw_episode, draw_stage
 from arena_gym.guidance import Guidance, Guided, NavigatorGuidance, PathGuidance

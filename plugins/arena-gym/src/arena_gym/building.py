@@ -6,23 +6,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from arena_core import (
-    ConfigurationError,
-    Guide,
-    ObservationEncoder,
-    Registry,
-    Reward,
-    Robot,
-    Simulator,
-    WaypointGenerator,
-    build_guide,
-    check_sections,
-    compose,
-    key_value,
-    load_registry,
-    plain,
-    read_settings,
-)
+from arena_core import ConfigurationError, ObservationEncoder, Reward, Robot, Simulator, WaypointGenerator
+from arena_core.commands import key_value
+from arena_core.hosting import Guide, Registry, build_guide, check_sections, compose, load_registry, plain
+from arena_core.parameters import read_settings
 from arena_gym.driver import Driver
 from arena_gym.pool import PooledWorlds, ProblemPool
 from arena_gym.settings import EnvironmentSettings, Randomization, SwitchSettings

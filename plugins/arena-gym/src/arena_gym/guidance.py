@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import NO_TRACKS, Guide, NoPath, Path, PathBatch, Sensors, Snapshot, Tracks, View, WaypointGenerator, mission_of
+from arena_core import NO_TRACKS, NoPath, Path, PathBatch, Sensors, Snapshot, Tracks, WaypointGenerator
+from arena_core.hosting import Guide, View, mission_of
 from arena_gym.pool import Problem
 
 Floats = NDArray[np.float64]

@@ -17,12 +17,12 @@ from arena_core import (
     PathBatch,
     Scenario,
     Simulator,
-    Staging,
     TaskMode,
     WaypointGenerator,
     World,
     WorldSource,
 )
+from arena_core.hosting import Staging
 from arena_gym.seeds import FIRST_TRAINING_SEED, training_seed
 from arena_kernels.paths import lengths_left
 

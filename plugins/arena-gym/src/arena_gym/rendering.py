@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ConfigurationError, furniture_shapes
+from arena_core import ConfigurationError
+from arena_core.scenes import furniture_shapes
 from arena_gym.batch import NavigationBatch
 from arena_gym.episodes import Episode
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from arena_core import ConfigurationError, NonNegative, NonNegativeInt, Positive, PositiveInt
+from arena_core import ConfigurationError
+from arena_core.parameters import NonNegative, NonNegativeInt, Positive, PositiveInt
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,24 +9,8 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import (
-    REPLAN_REASONS,
-    WAYPOINT_FOUND,
-    Guide,
-    LaserScan,
-    NoPath,
-    PathBatch,
-    Pose,
-    ReferenceLocalizer,
-    Snapshot,
-    Tracks,
-    Twist,
-    WaypointGenerator,
-    Window,
-    generator,
-    mission_of,
-    pose_at_scan,
-)
+from arena_core import LaserScan, NoPath, PathBatch, Pose, ReferenceLocalizer, Snapshot, Tracks, Twist, WaypointGenerator, Window, generator
+from arena_core.hosting import REPLAN_REASONS, WAYPOINT_FOUND, Guide, mission_of, pose_at_scan
 from arena_gym.guidance import Floats, Guidance, Guided, Ranges, Slots
 from arena_gym.pool import Problem
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import NonNegative, Positive, Reward, Robot, Transition
+from arena_core import Reward, Robot, Transition
+from arena_core.parameters import NonNegative, Positive
 from arena_gym.release_reward import either_way
 
 Floats = NDArray[np.float64]

@@ -8,7 +8,10 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, ClassVar
 
-from arena_core import Command, ConfigurationError, complete_overrides, key_value, load_registry, option_files, read_words
+from arena_core import ConfigurationError
+from arena_core.commands import Command, complete_overrides, key_value, read_words
+from arena_core.files import option_files
+from arena_core.hosting import load_registry
 from arena_gym.building import compose_training
 
 USAGE = (

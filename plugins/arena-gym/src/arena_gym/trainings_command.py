@@ -9,7 +9,8 @@ from itertools import groupby, pairwise
 from pathlib import Path
 from typing import ClassVar
 
-from arena_core import Command, ConfigurationError, InputFileError, read_words
+from arena_core import ConfigurationError, InputFileError
+from arena_core.commands import Command, read_words
 from arena_core.statistics import over_seeds
 from arena_policies.card import read_card
 

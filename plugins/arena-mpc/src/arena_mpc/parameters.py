@@ -6,16 +6,8 @@ import math
 from dataclasses import asdict, dataclass
 from typing import Annotated, Literal
 
-from arena_core import (
-    Bounds,
-    ConfigurationError,
-    Fraction,
-    NonNegative,
-    NonNegativeInt,
-    Positive,
-    PositiveInt,
-    Robot,
-)
+from arena_core import ConfigurationError, Robot
+from arena_core.parameters import Bounds, Fraction, NonNegative, NonNegativeInt, Positive, PositiveInt
 
 Form = Literal["minimum_time", "quadratic"]
 Association = Literal["half_planes", "cells"]

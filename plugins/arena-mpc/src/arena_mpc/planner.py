@@ -9,7 +9,8 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 
-from arena_core import Candidate, EpisodeStart, Fraction, NonNegativeInt, NoValidCommand, Observation, Planner, Positive, Robot, Twist
+from arena_core import Candidate, EpisodeStart, NoValidCommand, Observation, Planner, Robot, Twist
+from arena_core.parameters import Fraction, NonNegativeInt, Positive
 from arena_kernels.escape import escape_command, escape_commands, keeps_gap
 from arena_kernels.passage import eased, room_along
 from arena_kernels.window import CLOSE, allowed_gap, clearance, footprint_outline

@@ -7,21 +7,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from arena_core import (
-    Candidate,
-    EpisodeStart,
-    Fraction,
-    NonNegative,
-    NonNegativeInt,
-    NoValidCommand,
-    Observation,
-    Planner,
-    Pose,
-    Positive,
-    PositiveInt,
-    Robot,
-    Twist,
-)
+from arena_core import Candidate, EpisodeStart, NoValidCommand, Observation, Planner, Pose, Robot, Twist
+from arena_core.parameters import Fraction, NonNegative, NonNegativeInt, Positive, PositiveInt
 from arena_kernels.window import allowed_gap, clearance
 from arena_mppi.chassis import MotionModel, chassis_of, motion_model_of
 from arena_mppi.considered import considered

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from arena_core import Bounds, Fraction, NonNegative, Positive
+from arena_core.parameters import Bounds, Fraction, NonNegative, Positive
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from arena_core import ArenaError, Robot, one_line
+from arena_core import ArenaError, Robot
+from arena_core.commands import one_line
 from arena_mujoco.body import STEERED, Body
 from arena_mujoco.model import GRIP, ROTOR, STRONG, UNSEEN, Physics
 from arena_mujoco.own_model import PREFIX, OwnModel, Wheel

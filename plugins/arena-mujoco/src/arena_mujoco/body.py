@@ -9,7 +9,8 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Bounds, ConfigurationError, NonNegative, Positive, Robot
+from arena_core import ConfigurationError, Robot
+from arena_core.parameters import Bounds, NonNegative, Positive
 from arena_mujoco.own_model import NO_JOINTS, Joints, OwnModel, read_own_model
 
 DENSITY = 100.0  # kg/m2 of footprint

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Bounds, ConfigurationError, DepthImage, NonNegative, Pose, Positive, Robot, camera_rays
+from arena_core import ConfigurationError, DepthImage, Pose, Robot
+from arena_core.parameters import Bounds, NonNegative, Positive
+from arena_core.scenes import camera_rays
 from arena_kernels.compiled import borrowing
 from arena_kernels.random import normals
 from arena_mujoco.body import Body

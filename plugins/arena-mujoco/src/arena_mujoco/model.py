@@ -11,7 +11,8 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ArenaError, Footprint, Gait, Prism, Robot, Scenario, Scene, scene_of
+from arena_core import ArenaError, Footprint, Gait, Robot, Scenario
+from arena_core.scenes import Prism, Scene, scene_of
 from arena_mujoco.body import STEERED, Body
 from arena_mujoco.triangles import convex_parts
 

@@ -8,7 +8,9 @@ from pathlib import Path
 from struct import unpack
 from xml.parsers import expat
 
-from arena_core import LIMITS, InputFileError, one_line, read_text
+from arena_core import InputFileError
+from arena_core.commands import one_line
+from arena_core.files import LIMITS, read_text
 
 FORMATS = "a MuJoCo model (MJCF) or URDF"
 MOST_THINGS = 20_000  # elements, each as often as it is replicated: a humanoid with hands has a thousand

@@ -10,7 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ConfigurationError, InputFileError, Positive, Robot, local_path, one_line
+from arena_core import ConfigurationError, InputFileError, Robot
+from arena_core.commands import one_line
+from arena_core.files import local_path
+from arena_core.parameters import Positive
 from arena_mujoco.model_file import FORMATS, check_model_file
 
 if TYPE_CHECKING:

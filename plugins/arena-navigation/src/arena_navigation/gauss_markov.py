@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import NonNegative, Positive, ReferenceLocalizer
+from arena_core import ReferenceLocalizer
+from arena_core.parameters import NonNegative, Positive
 from arena_kernels.compiled import borrowing
 from arena_kernels.random import normal
 

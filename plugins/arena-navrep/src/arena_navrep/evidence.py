@@ -11,7 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ConfigurationError, InputFileError, load_registry, local_path, read_settings
+from arena_core import ConfigurationError, InputFileError
+from arena_core.files import local_path
+from arena_core.hosting import load_registry
+from arena_core.parameters import read_settings
 from arena_gym.settings import EnvironmentSettings
 from arena_gym.training.evaluation import outcomes, unseen_worlds
 from arena_gym.vector_environment import NavigationVectorEnv

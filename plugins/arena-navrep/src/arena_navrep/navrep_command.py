@@ -7,7 +7,9 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
-from arena_core import Bounds, Command, ConfigurationError, NonNegativeInt, complete_overrides, read_words
+from arena_core import ConfigurationError
+from arena_core.commands import Command, complete_overrides, read_words
+from arena_core.parameters import Bounds, NonNegativeInt
 
 STAGES = ("record", "vision", "memory")
 NEEDS = {"vision": "rollouts/config.json", "memory": "vision.onnx"}  # what the stage before has written

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import InputFileError, read_arrays, write_bytes_whole
+from arena_core import InputFileError
+from arena_core.files import read_arrays, write_bytes_whole
 
 FOLDER = "rollouts"
 DIMENSIONS = {"scans": 3, "states": 3, "begins": 2}

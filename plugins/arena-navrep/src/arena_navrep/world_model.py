@@ -11,16 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import (
-    ConfigurationError,
-    InputFileError,
-    ObservationField,
-    local_path,
-    one_line,
-    read_json,
-    write_bytes_whole,
-    write_text_whole,
-)
+from arena_core import ConfigurationError, InputFileError, ObservationField
+from arena_core.commands import one_line
+from arena_core.files import local_path, read_json, write_bytes_whole, write_text_whole
 from arena_policies.card import sha256
 from arena_policies.network import Network, network_content, open_network
 

@@ -10,21 +10,8 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import (
-    UNKNOWN,
-    ConfigurationError,
-    GlobalPlanner,
-    NonNegative,
-    NonNegativeInt,
-    NoPath,
-    OccupancyGrid,
-    Path,
-    Pose,
-    Positive,
-    PositiveInt,
-    Robot,
-    stream_key,
-)
+from arena_core import UNKNOWN, ConfigurationError, GlobalPlanner, NoPath, OccupancyGrid, Path, Pose, Robot, stream_key
+from arena_core.parameters import NonNegative, NonNegativeInt, Positive, PositiveInt
 from arena_ompl.algorithms import NOT_FOR_CARS, NOT_FOR_DUBINS, Algorithm
 from arena_ompl.curves import DUBINS, REEDS_SHEPP, STRAIGHT
 from arena_ompl.ground import ROUNDING, Field, ObstacleField, PriceField, body_discs, clearance, reachable

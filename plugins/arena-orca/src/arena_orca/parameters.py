@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
-from arena_core import Bounds, NonNegative, Positive, PositiveInt
+from arena_core.parameters import Bounds, NonNegative, Positive, PositiveInt
 
 OMNIDIRECTIONAL, DIFFERENTIAL, ACKERMANN = 0, 1, 2
 

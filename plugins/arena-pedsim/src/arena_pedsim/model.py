@@ -8,17 +8,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import (
-    Crowd,
-    Gait,
-    PedestrianModel,
-    Positive,
-    RobotBatch,
-    Scenario,
-    Step,
-    furnished,
-    with_obstacles,
-)
+from arena_core import Crowd, Gait, PedestrianModel, RobotBatch, Scenario
+from arena_core.parameters import Positive, Step
+from arena_core.scenes import furnished, with_obstacles
 from arena_kernels.crowds import Crowds, Robots
 from arena_kernels.entry import Entered
 from arena_kernels.terrain import Terrain

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Fraction, NonNegative, Positive
+from arena_core.parameters import Fraction, NonNegative, Positive
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ConfigurationError, InvalidCommand, NonNegative, Positive, Robot
+from arena_core import ConfigurationError, InvalidCommand, Robot
+from arena_core.parameters import NonNegative, Positive
 from arena_kernels.compiled import borrowing
 
 FloatArray = NDArray[np.float64]

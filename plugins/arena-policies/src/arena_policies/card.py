@@ -9,7 +9,9 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from arena_core import InputFileError, ObservationField, one_line, read_json, write_text_whole
+from arena_core import InputFileError, ObservationField
+from arena_core.commands import one_line
+from arena_core.files import read_json, write_text_whole
 
 MOST_EVERY = 100  # control steps for which one answer may hold
 FORMAT = "arena-policy"

@@ -7,18 +7,8 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from typing import Any
 
-from arena_core import (
-    NAVIGATOR_KEYS,
-    Candidate,
-    ConfigurationError,
-    EpisodeStart,
-    Observation,
-    Planner,
-    Registry,
-    Robot,
-    Twist,
-    UnknownComponent,
-)
+from arena_core import Candidate, ConfigurationError, EpisodeStart, Observation, Planner, Robot, Twist
+from arena_core.hosting import NAVIGATOR_KEYS, Registry, UnknownComponent
 from arena_policies.card import sha256
 from arena_policies.planner import PolicyPlanner
 

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import LIMITS, InputFileError, read_bytes
+from arena_core import InputFileError
+from arena_core.files import LIMITS, read_bytes
 
 
 class Network:

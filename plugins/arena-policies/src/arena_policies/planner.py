@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from arena_core import ConfigurationError, EpisodeStart, Observation, Planner, Robot, Twist, local_path
+from arena_core import ConfigurationError, EpisodeStart, Observation, Planner, Robot, Twist
+from arena_core.files import local_path
 from arena_policies.body import trained_otherwise
 from arena_policies.card import PolicyCard
 from arena_policies.policy import load_policy

@@ -22,10 +22,10 @@ from arena_core import (
     Robot,
     ScanMemory,
     Twist,
-    load_registry,
-    local_path,
-    read_settings,
 )
+from arena_core.files import local_path
+from arena_core.hosting import load_registry
+from arena_core.parameters import read_settings
 from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.card import PolicyCard, part_path, read_card, sha256
 from arena_policies.encoding import all_finite, on_any_body

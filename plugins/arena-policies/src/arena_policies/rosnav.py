@@ -7,7 +7,8 @@ from typing import Literal
 
 import numpy as np
 
-from arena_core import ObservationBatch, ObservationField, Positive, Robot
+from arena_core import ObservationBatch, ObservationField, Robot
+from arena_core.parameters import Positive
 from arena_policies.encoding import BoundedEncoder, Numbers, ways_to, write_ranges
 
 

@@ -2,7 +2,8 @@
 
 import math
 
-from arena_core import Observation, Planner, Positive, Register, Robot, Twist, hookimpl
+from arena_core import Observation, Planner, Register, Robot, Twist, hookimpl
+from arena_core.parameters import Positive
 
 
 class PurePursuit(Planner):

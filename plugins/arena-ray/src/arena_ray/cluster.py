@@ -11,7 +11,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
-from arena_core import ConfigurationError, one_line
+from arena_core import ConfigurationError
+from arena_core.commands import one_line
 
 OWN = {  # what a Ray of its own is told, unless the environment says otherwise
     "RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER": "0",  # its servers then listen on the loopback interface alone

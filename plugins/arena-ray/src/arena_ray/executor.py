@@ -10,23 +10,9 @@ from dataclasses import dataclass, field
 from time import monotonic
 from typing import Any, TypeVar
 
-from arena_core import (
-    Budgets,
-    Delivery,
-    Executor,
-    Job,
-    Lost,
-    OtherCode,
-    Positive,
-    PositiveInt,
-    ProcessExecutor,
-    RunFolderError,
-    RunStopped,
-    Workers,
-    interrupts,
-    take_in,
-    tell,
-)
+from arena_core.commands import interrupts, tell
+from arena_core.hosting import Budgets, Delivery, Executor, Job, Lost, OtherCode, ProcessExecutor, RunFolderError, RunStopped, take_in
+from arena_core.parameters import Positive, PositiveInt, Workers
 from arena_ray.cluster import Cluster, LostMachine, Place
 from arena_ray.machine import THREADS, Machine
 

@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 from time import monotonic
 from typing import Any
 
-from arena_core import Budgets, Delivery, Job, Node
+from arena_core.hosting import Budgets, Delivery, Job, Node
 
 Work = Callable[[Job], Any]
 THREADS = "OMP_NUM_THREADS"  # Ray sets it where nobody has; numbers may depend on it

@@ -5,7 +5,8 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Any, Literal
 
-from arena_core import ArenaError, one_line
+from arena_core import ArenaError
+from arena_core.commands import one_line
 
 Ros = Literal[1, 2]
 PEOPLE = "people_msgs/msg/People"

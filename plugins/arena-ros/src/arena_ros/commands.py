@@ -6,7 +6,10 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
-from arena_core import Command, ConfigurationError, Positive, Words, find_runs, read_words
+from arena_core import ConfigurationError
+from arena_core.commands import Command, Words, read_words
+from arena_core.parameters import Positive
+from arena_core.records import find_runs
 
 if TYPE_CHECKING:
     from arena_ros.bags.importing import Request

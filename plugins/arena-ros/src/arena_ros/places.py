@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from arena_core import ConfigurationError, Pose, Words
+from arena_core import ConfigurationError, Pose
+from arena_core.commands import Words
 
 
 def pose_of(words: Words, key: str) -> Pose | None:

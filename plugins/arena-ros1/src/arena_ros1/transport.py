@@ -8,7 +8,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, ClassVar
 
-from arena_core import ArenaError, one_line
+from arena_core import ArenaError
+from arena_core.commands import one_line
 from arena_ros.codec import Ros, codec
 from arena_ros.transport import Heard, Publish, Transport
 

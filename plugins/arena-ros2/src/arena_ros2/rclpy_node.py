@@ -9,7 +9,8 @@ from contextlib import suppress
 from importlib import import_module
 from typing import Any, ClassVar
 
-from arena_core import ArenaError, one_line, tell
+from arena_core import ArenaError
+from arena_core.commands import one_line, tell
 from arena_ros.codec import Ros
 from arena_ros.transport import Heard, Publish, Transport
 from arena_ros2.quality import DEPTH, SENSORS

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from arena_core import read_record
+from arena_core.records import read_record
 from arena_ros.testing import ARENA, Probe, running, until, world, write_site
 from arena_ros.testing.drives import drive, robot
 from arena_ros.testing.processes import done, said

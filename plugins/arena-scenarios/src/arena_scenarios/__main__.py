@@ -8,7 +8,9 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from arena_core import generator, load_registry, write_text_whole
+from arena_core import generator
+from arena_core.files import write_text_whole
+from arena_core.hosting import load_registry
 from arena_scenarios import plans
 from arena_scenarios.halls import HALLS, hall
 from arena_scenarios.problems import write_problems

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from arena_core import FREE, OccupancyGrid, write_bytes_whole, write_text_whole
+from arena_core import FREE, OccupancyGrid
+from arena_core.files import write_bytes_whole, write_text_whole
 
 RESOLUTION = 0.05  # m
 WALL_CELLS = 2  # a wall of one cell could be cut by a ray along its diagonal

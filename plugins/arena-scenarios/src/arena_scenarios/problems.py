@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from arena_core import write_text_whole
+from arena_core.files import write_text_whole
 
 Point = tuple[float, float]
 RADIUS = 0.3  # m, of a person (release: random obstacles measure up to 0.3)

@@ -9,7 +9,8 @@ import numpy as np
 from shapely.geometry import Polygon
 from shapely.validation import explain_validity
 
-from arena_core import ImpossibleScenario, Obstacle, Scenario, outlines
+from arena_core import ImpossibleScenario, Obstacle, Scenario
+from arena_core.scenes import outlines
 from arena_sim2d.bodies import BEAMS, OBSTACLE, PEOPLE, ROBOTS, Floats, Rows
 
 TALL = 2.0  # m; people meet all of furniture that is lower

@@ -8,21 +8,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import (
-    ConfigurationError,
-    Contact,
-    Crowd,
-    LaserScan,
-    NonNegative,
-    PedestrianModel,
-    Positive,
-    Robot,
-    RobotBatch,
-    Scenario,
-    Simulator,
-    Snapshot,
-    Step,
-)
+from arena_core import ConfigurationError, Contact, Crowd, LaserScan, PedestrianModel, Robot, RobotBatch, Scenario, Simulator, Snapshot
+from arena_core.parameters import NonNegative, Positive, Step
 from arena_kernels.entry import Entered
 from arena_kernels.pool import GridPool
 from arena_sim2d.bodies import Floats, Rows, Worlds

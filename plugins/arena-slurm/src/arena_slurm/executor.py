@@ -12,22 +12,11 @@ from secrets import token_hex
 from time import monotonic, sleep
 from typing import Any, Literal, TypeVar
 
-from arena_core import (
-    Budgets,
-    ConfigurationError,
-    Executor,
-    Job,
-    Lost,
-    OtherCode,
-    PositiveInt,
-    ProcessExecutor,
-    RunStopped,
-    Workers,
-    check_inside,
-    described,
-    interrupts,
-    tell,
-)
+from arena_core import ConfigurationError
+from arena_core.commands import described, interrupts, tell
+from arena_core.files import check_inside
+from arena_core.hosting import Budgets, Executor, Job, Lost, OtherCode, ProcessExecutor, RunStopped
+from arena_core.parameters import PositiveInt, Workers
 from arena_slurm.share import Share, fault_of, new_answers, starts_of
 
 T = TypeVar("T")

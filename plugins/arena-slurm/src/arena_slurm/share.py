@@ -10,20 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from arena_core import (
-    Budgets,
-    Finished,
-    InputFileError,
-    Job,
-    Lost,
-    Node,
-    OtherCode,
-    RunFolderError,
-    RunStopped,
-    described,
-    read_json,
-    write_text_whole,
-)
+from arena_core import InputFileError
+from arena_core.commands import described
+from arena_core.files import read_json, write_text_whole
+from arena_core.hosting import Budgets, Finished, Job, Lost, Node, OtherCode, RunFolderError, RunStopped
 
 Work = Callable[[Job], Any]
 Start = tuple[int, int] | None

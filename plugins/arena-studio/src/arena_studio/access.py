@@ -13,7 +13,8 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.responses import JSONResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from arena_core import ArenaError, reading_within
+from arena_core import ArenaError
+from arena_core.files import reading_within
 from arena_studio.errors import Refused, TooLarge, status_of
 from arena_studio.signed import Signed
 

@@ -12,7 +12,8 @@ from fastapi.responses import HTMLResponse, JSONResponse
 from fastapi.staticfiles import StaticFiles
 from starlette.exceptions import HTTPException
 
-from arena_core import ArenaError, one_line
+from arena_core import ArenaError
+from arena_core.commands import one_line
 from arena_studio import curricula, live, maps, replays, reports, results, runs, scenarios
 from arena_studio.access import LOOPBACK, Access, Guard
 from arena_studio.errors import status_of

@@ -11,7 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
-from arena_core import Command, ConfigurationError, NonNegativeInt, read_words, tell
+from arena_core import ConfigurationError
+from arena_core.commands import Command, read_words, tell
+from arena_core.parameters import NonNegativeInt
 
 USAGE = "arena studio [FOLDER] [port=0] [open=true] [host=127.0.0.1] [expose=false]"
 KEYS = ("port", "open", "host", "expose")

@@ -7,7 +7,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from arena_core import form_of, load_registry
+from arena_core.hosting import form_of, load_registry
 from arena_studio.composing import composition
 from arena_studio.words import check_configuration
 

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from arena_core import ConfigurationError, check_settings, compose, load_registry, plain
+from arena_core import ConfigurationError
+from arena_core.hosting import check_settings, compose, load_registry, plain
 from arena_studio.words import KEY, allowed, check_key
 
 MOST_JOBS = 1000  # of one sweep

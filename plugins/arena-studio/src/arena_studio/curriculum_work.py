@@ -9,7 +9,8 @@ from typing import Any
 
 import yaml
 
-from arena_core import ArenaError, InputFileError, read_bytes, write_bytes_whole
+from arena_core import ArenaError, InputFileError
+from arena_core.files import read_bytes, write_bytes_whole
 from arena_studio.project import Project
 from arena_studio.scene_work import opened, text
 from arena_tasks.commands.packing import make_pack, write_options

@@ -8,7 +8,9 @@ from typing import Any
 
 import yaml
 
-from arena_core import ArenaError, ConfigurationError, OccupancyGrid, TaskMode, compose, load_registry, option_files, plain
+from arena_core import ArenaError, ConfigurationError, OccupancyGrid, TaskMode
+from arena_core.files import option_files
+from arena_core.hosting import compose, load_registry, plain
 from arena_studio.scene_work import cells_of, quoted, world_of
 from arena_studio.words import allowed
 from arena_tasks.scenario_files.scenario_file import content_of

@@ -12,7 +12,10 @@ from pathlib import Path
 from threading import Lock
 from typing import TYPE_CHECKING, Any
 
-from arena_core import EPISODE_COLUMNS, LIMITS, ArenaError, InputFileError, one_line
+from arena_core import ArenaError, InputFileError
+from arena_core.commands import one_line
+from arena_core.files import LIMITS
+from arena_core.records import EPISODE_COLUMNS
 
 if TYPE_CHECKING:
     from pandas import DataFrame, Series

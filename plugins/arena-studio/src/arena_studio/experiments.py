@@ -13,7 +13,9 @@ from pathlib import Path
 from threading import RLock
 from typing import Any
 
-from arena_core import ArenaError, InputFileError, read_json, read_settings, reading_within, write_text_whole
+from arena_core import ArenaError, InputFileError
+from arena_core.files import read_json, reading_within, write_text_whole
+from arena_core.parameters import read_settings
 from arena_studio.composing import MOST_JOBS, Composition, shown
 from arena_studio.errors import Conflict, Missing
 from arena_studio.processes import Process, log_tail, start

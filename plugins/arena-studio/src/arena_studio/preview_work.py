@@ -7,7 +7,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from arena_core import build_benchmark, compose, load_registry, plain, read_grid, reading_within
+from arena_core.files import reading_within
+from arena_core.hosting import build_benchmark, compose, load_registry, plain
+from arena_core.records import read_grid
 from arena_studio.scene_work import one_scene, quoted, text, world_of
 from arena_studio.words import allowed
 from arena_viewer.document import Recorded, document

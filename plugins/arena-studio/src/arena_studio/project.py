@@ -9,7 +9,9 @@ from hashlib import sha256
 from pathlib import Path, PurePosixPath
 from threading import Lock
 
-from arena_core import LIMITS, ArenaError, InputFileError, one_line, read_bytes, write_bytes_whole
+from arena_core import ArenaError, InputFileError
+from arena_core.commands import one_line
+from arena_core.files import LIMITS, read_bytes, write_bytes_whole
 from arena_studio.errors import Conflict, Missing, TooLarge
 
 LARGEST = 100_000_000  # bytes of a file that is read or written; the image of a map of 10,000 by 10,000 cells

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 from fastapi import APIRouter, Response
 from pydantic import BaseModel, Field, StringConstraints
 
-from arena_core import Runs, harmless
+from arena_core import Runs
+from arena_core.files import harmless
 from arena_studio.episode_table import EpisodeTable, Query
 from arena_studio.errors import Missing
 from arena_studio.project import Project

@@ -8,7 +8,8 @@ from typing import Annotated, Any
 from fastapi import APIRouter
 from pydantic import BaseModel, Field, StringConstraints
 
-from arena_core import ConfigurationError, default_options, load_registry, option_names, settings_form
+from arena_core import ConfigurationError
+from arena_core.hosting import default_options, load_registry, option_names, settings_form
 from arena_studio.composing import Composition, shown
 from arena_studio.experiments import Experiments
 from arena_studio.side_process import SOON, SideProcess

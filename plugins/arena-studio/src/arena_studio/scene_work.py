@@ -17,17 +17,11 @@ from typing import Any
 import numpy as np
 import yaml
 
-from arena_core import (
-    ArenaError,
-    InputFileError,
-    OccupancyGrid,
-    Pose,
-    furniture_kind,
-    furniture_shapes,
-    load_registry,
-    option_files,
-    robot_meta,
-)
+from arena_core import ArenaError, InputFileError, OccupancyGrid, Pose
+from arena_core.files import option_files
+from arena_core.hosting import load_registry
+from arena_core.records import robot_meta
+from arena_core.scenes import furniture_kind, furniture_shapes
 from arena_studio.words import allowed
 from arena_tasks.commands.packing import ANYBODY
 from arena_tasks.scenario_files.arena_rosnav_writer import arena_rosnav_text, world_name

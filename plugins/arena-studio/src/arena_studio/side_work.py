@@ -10,7 +10,9 @@ from importlib import import_module
 from pathlib import Path
 from typing import IO, Any
 
-from arena_core import ArenaError, described, reading_within
+from arena_core import ArenaError
+from arena_core.commands import described
+from arena_core.files import reading_within
 
 WORK: Mapping[str, str] = {  # what can be asked for, and which function of this package does it
     "kinds": "scene_work:kinds",

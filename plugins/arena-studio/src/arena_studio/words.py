@@ -8,7 +8,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from arena_core import ConfigurationError, one_line
+from arena_core import ConfigurationError
+from arena_core.commands import one_line
 
 KEY = re.compile(r"[+~]{0,2}[A-Za-z_][\w./@-]*", re.ASCII)
 INTERPOLATION = "${"

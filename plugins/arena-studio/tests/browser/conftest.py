@@ -17,7 +17,7 @@ from typing import Any
 
 import pytest
 
-from arena_core import EPISODE_COLUMNS
+from arena_core.records import EPISODE_COLUMNS
 
 PATIENCE = 120.0  # s, on a busy machine
 AXE = Path(__file__).resolve().parents[4] / "node_modules" / "axe-core" / "axe.min.js"

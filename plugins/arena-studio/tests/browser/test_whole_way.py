@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from arena_core import read_record, record_path
+from arena_core.records import read_record, record_path
 from arena_worlds.formats.ros_map import load_map
 
 pytestmark = pytest.mark.browser

@@ -11,7 +11,9 @@ from hashlib import sha256
 from pathlib import Path
 from typing import IO
 
-from arena_core import LIMITS, InputFileError, one_line, write_whole
+from arena_core import InputFileError
+from arena_core.commands import one_line
+from arena_core.files import LIMITS, write_whole
 
 ALLOWED = "a file that `arena submit` wrote"
 FACTS = "pack.json"

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from arena_core import aligned
+from arena_core.commands import aligned
 from arena_core.statistics import Estimate, estimate
 from arena_metrics.pooling.cells import Cell, Cells, cells_of
 from arena_metrics.pooling.problems import labels

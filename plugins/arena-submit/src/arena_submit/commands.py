@@ -7,18 +7,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
-from arena_core import (
-    Command,
-    ConfigurationError,
-    NonNegativeInt,
-    PositiveInt,
-    complete_overrides,
-    compose,
-    load_registry,
-    plain,
-    read_words,
-    write_text_whole,
-)
+from arena_core import ConfigurationError
+from arena_core.commands import Command, complete_overrides, read_words
+from arena_core.files import write_text_whole
+from arena_core.hosting import compose, load_registry, plain
+from arena_core.parameters import NonNegativeInt, PositiveInt
 
 if TYPE_CHECKING:
     from arena_submit.verifying import Verdict

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import combinations
 
-from arena_core import InputFileError, Registry
+from arena_core import InputFileError
+from arena_core.hosting import Registry
 from arena_core.statistics import after_holm
 from arena_metrics.pooling.runs import Column
 from arena_metrics.tables.pairs import Pair, comparison, pairs

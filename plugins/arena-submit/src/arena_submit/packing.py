@@ -11,7 +11,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from arena_core import InputFileError, check_inside, find_runs, one_line, read_json, read_provenance, read_table, record_paths, timing_paths
+from arena_core import InputFileError
+from arena_core.commands import one_line
+from arena_core.files import check_inside, read_json, read_table
+from arena_core.records import find_runs, read_provenance, record_paths, timing_paths
 from arena_submit.archive import ALLOWED, FACTS, Archive, opened, write_archive
 
 FORMAT, VERSION = "arena-submission", 1

@@ -9,7 +9,11 @@ from functools import lru_cache
 from importlib.resources import as_file, files
 from typing import Any
 
-from arena_core import InputFileError, Registry, compose, one_line, option_files, plain, read_settings, read_yaml
+from arena_core import InputFileError
+from arena_core.commands import one_line
+from arena_core.files import option_files, read_yaml
+from arena_core.hosting import Registry, compose, plain
+from arena_core.parameters import read_settings
 from arena_submit.packing import Pack, PackedRun
 
 FREE = ("planner", "seed", "episodes", "executor", "resume", "report", "objective", "metrics", "recording", "experiment", "choices", "code")

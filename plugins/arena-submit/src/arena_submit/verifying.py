@@ -10,27 +10,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from arena_core import (
-    ArenaError,
-    EpisodeRecord,
-    Finished,
-    InputFileError,
-    Job,
-    Lost,
-    Registry,
-    build_metrics,
-    code_of,
-    cpu_kind,
-    evaluate,
-    generator,
-    one_line,
-    read_record,
-    record_digest,
-    record_path,
-    repeat,
-    succeeded,
-    versions,
-)
+from arena_core import ArenaError, EpisodeRecord, InputFileError, generator
+from arena_core.commands import one_line
+from arena_core.hosting import Finished, Job, Lost, Registry, code_of
+from arena_core.records import build_metrics, cpu_kind, evaluate, read_record, record_digest, record_path, repeat, succeeded, versions
 from arena_submit.packing import Pack, PackedRun
 
 CLOSE = 1e-9  # relative difference of a figure that another version of a library may make

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from arena_core import ConfigurationError, Count, Fraction, NonNegative, Positive, Samples
+from arena_core import ConfigurationError
+from arena_core.parameters import Count, Fraction, NonNegative, Positive, Samples
 
 FARTHEST = 2.5  # standard deviations from the mean that anybody's speed is, at most
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from arena_core import Fraction, NonNegative, NonNegativeInt, Positive, PositiveInt
+from arena_core.parameters import Fraction, NonNegative, NonNegativeInt, Positive, PositiveInt
 
 
 @dataclass(frozen=True, slots=True)

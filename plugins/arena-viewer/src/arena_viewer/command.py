@@ -10,20 +10,11 @@ from typing import ClassVar
 
 import numpy as np
 
-from arena_core import (
-    Command,
-    ConfigurationError,
-    NonNegative,
-    NonNegativeInt,
-    Positive,
-    PositiveInt,
-    find_runs,
-    read_settings,
-    read_words,
-    tell,
-    write_bytes_whole,
-    write_text_whole,
-)
+from arena_core import ConfigurationError
+from arena_core.commands import Command, read_words, tell
+from arena_core.files import write_bytes_whole, write_text_whole
+from arena_core.parameters import NonNegative, NonNegativeInt, Positive, PositiveInt, read_settings
+from arena_core.records import find_runs
 from arena_viewer.document import Recorded, document, read_recorded
 from arena_viewer.live import Watched
 from arena_viewer.page import live_page, page

@@ -17,7 +17,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from arena_core import ConfigurationError, EpisodeRecord, InputFileError, OccupancyGrid, read_grid, read_record, read_table, record_path
+from arena_core import ConfigurationError, EpisodeRecord, InputFileError, OccupancyGrid
+from arena_core.files import read_table
+from arena_core.records import read_grid, read_record, record_path
 from arena_viewer.gait import gait_begin, gait_of
 
 MAGIC, VERSION = b"ARPL", 1

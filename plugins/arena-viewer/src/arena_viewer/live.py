@@ -11,19 +11,10 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from arena_core import (
-    LIMITS,
-    ArenaError,
-    InputFileError,
-    Pace,
-    find_runs,
-    one_line,
-    read_bytes,
-    read_grid,
-    read_json,
-    read_table,
-    record_path,
-)
+from arena_core import ArenaError, InputFileError
+from arena_core.commands import Pace, one_line
+from arena_core.files import LIMITS, read_bytes, read_json, read_table
+from arena_core.records import find_runs, read_grid, record_path
 from arena_viewer.document import FREE, OCCUPIED, UNKNOWN, document, finite, read_recorded
 
 LOOK_EVERY, RUNS_EVERY = 0.2, 5.0  # s between two looks at the folder, and for new runs

@@ -16,7 +16,8 @@ from torch import nn
 from arena_cadrl.training.networks import make_network
 from arena_cadrl.training.rounds import Lesson
 from arena_cadrl.training.settings import Learning, ValueSettings
-from arena_core import ArenaError, ConfigurationError, write_bytes_whole
+from arena_core import ArenaError, ConfigurationError
+from arena_core.files import write_bytes_whole
 
 Numbers = NDArray[np.float32]
 State = dict[str, Any]

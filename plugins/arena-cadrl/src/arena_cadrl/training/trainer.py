@@ -19,19 +19,10 @@ from arena_cadrl.training.learner import Learner, State
 from arena_cadrl.training.rounds import Explorer, chosen_commands, drive_round, valued
 from arena_cadrl.training.settings import Learning, ValueSettings
 from arena_cadrl.training.worlds import Worlds
-from arena_core import (
-    NonNegativeInt,
-    PositiveInt,
-    Registry,
-    Trainer,
-    compose,
-    generator,
-    load_registry,
-    plain,
-    read_settings,
-    write_bytes_whole,
-    write_text_whole,
-)
+from arena_core import Trainer, generator
+from arena_core.files import write_bytes_whole, write_text_whole
+from arena_core.hosting import Registry, compose, load_registry, plain
+from arena_core.parameters import NonNegativeInt, PositiveInt, read_settings
 from arena_gym.batch import NavigationBatch
 from arena_gym.building import Parts, build_parts
 from arena_gym.seeds import training_seed

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_cadrl.eyes import Eyes, Sight
-from arena_core import EpisodeStart, Observation, Planner, Registry, Robot, Twist
+from arena_core import EpisodeStart, Observation, Planner, Robot, Twist
+from arena_core.hosting import Registry
 from arena_gym.batch import NavigationBatch, Step
 from arena_gym.driver import Driver
 from arena_policies.members import Members

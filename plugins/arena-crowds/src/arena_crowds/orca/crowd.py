@@ -8,7 +8,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Crowd, Gait, NonNegative, PedestrianModel, Positive, PositiveInt, RobotBatch, Scenario, furnished, with_obstacles
+from arena_core import Crowd, Gait, PedestrianModel, RobotBatch, Scenario
+from arena_core.parameters import NonNegative, Positive, PositiveInt
+from arena_core.scenes import furnished, with_obstacles
 from arena_crowds.orca.orca_step import step_crowds
 from arena_crowds.orca.parameters import RobotRules, Rules, Wayfinding, WayRules
 from arena_crowds.orca.walkers import Walkers

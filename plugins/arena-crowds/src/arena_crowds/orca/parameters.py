@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from arena_core import Fraction, NonNegative, Positive
+from arena_core.parameters import Fraction, NonNegative, Positive
 
 
 @dataclass(frozen=True, slots=True)

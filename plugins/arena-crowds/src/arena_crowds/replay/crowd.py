@@ -14,17 +14,16 @@ from arena_core import (
     Crowd,
     Gait,
     ImpossibleScenario,
-    NonNegative,
     PedestrianModel,
     Pedestrians,
-    Positive,
     RobotBatch,
     Scenario,
     World,
     generator,
-    local_path,
-    tell,
 )
+from arena_core.commands import tell
+from arena_core.files import local_path
+from arena_core.parameters import NonNegative, Positive
 from arena_crowds.replay.recordings import Format, read_recording
 from arena_crowds.replay.scale import Unit
 from arena_crowds.slots import grown, no_crowd, with_worlds

@@ -12,7 +12,9 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import LIMITS, InputFileError, one_line, read_text, tell
+from arena_core import InputFileError
+from arena_core.commands import one_line, tell
+from arena_core.files import LIMITS, read_text
 from arena_crowds.replay.scale import Unit, measured_rate, scale_of
 from arena_kernels.compiled import compiled
 

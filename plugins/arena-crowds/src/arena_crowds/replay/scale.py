@@ -14,7 +14,9 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
-from arena_core import LIMITS, InputFileError, one_line
+from arena_core import InputFileError
+from arena_core.commands import one_line
+from arena_core.files import LIMITS
 
 Floats = NDArray[np.float64]
 Unit = Literal["m", "cm", "mm"]

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ABSENT, Crowd, NonNegative, PedestrianModel, Pedestrians, PedestrianSpec, RobotBatch, Scenario, generator
+from arena_core import ABSENT, Crowd, PedestrianModel, Pedestrians, PedestrianSpec, RobotBatch, Scenario, generator
+from arena_core.parameters import NonNegative
 from arena_crowds.replay.gliding import Timetables, glide, ground_under, hide, packed
 from arena_crowds.slots import no_crowd, with_worlds
 from arena_kernels.ground import Ground

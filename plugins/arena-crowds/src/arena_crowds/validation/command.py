@@ -8,18 +8,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, ClassVar
 
-from arena_core import (
-    Command,
-    ConfigurationError,
-    PedestrianModel,
-    complete_overrides,
-    compose,
-    csv_text,
-    load_registry,
-    read_words,
-    write_bytes_whole,
-    write_text_whole,
-)
+from arena_core import ConfigurationError, PedestrianModel
+from arena_core.commands import Command, complete_overrides, read_words
+from arena_core.files import csv_text, write_bytes_whole, write_text_whole
+from arena_core.hosting import compose, load_registry
 from arena_crowds.validation.findings import Findings, lines
 from arena_crowds.validation.measure import USAGE as MEASURE
 from arena_crowds.validation.measure import measure

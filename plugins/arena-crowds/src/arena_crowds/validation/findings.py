@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from arena_core import aligned
+from arena_core.commands import aligned
 
 
 @dataclass(frozen=True, slots=True, eq=False)

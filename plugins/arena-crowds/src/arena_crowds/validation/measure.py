@@ -10,7 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Positive, PositiveInt, csv_text, generator, key_value, read_words, write_text_whole
+from arena_core import generator
+from arena_core.commands import key_value, read_words
+from arena_core.files import csv_text, write_text_whole
+from arena_core.parameters import Positive, PositiveInt
 from arena_crowds.validation.findings import lines
 from arena_crowds.validation.measured_runs import Extent, benchmark_of, driven, keep, stood
 from arena_crowds.validation.tracks_picture import draw_tracks

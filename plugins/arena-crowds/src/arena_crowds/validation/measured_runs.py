@@ -9,18 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
-from arena_core import (
-    ABSENT,
-    Benchmark,
-    EpisodeRecord,
-    Scenario,
-    build_benchmark,
-    compose,
-    load_registry,
-    plain,
-    record_path,
-    write_bytes_whole,
-)
+from arena_core import ABSENT, EpisodeRecord, Scenario
+from arena_core.files import write_bytes_whole
+from arena_core.hosting import Benchmark, build_benchmark, compose, load_registry, plain
+from arena_core.records import record_path
 from arena_crowds.validation.phases import Phased
 from arena_crowds.validation.walked import Walked
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from arena_core import write_bytes_whole
+from arena_core.files import write_bytes_whole
 from arena_crowds.validation.walked import Walked
 
 PANELS = 4

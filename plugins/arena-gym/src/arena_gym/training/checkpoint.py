@@ -13,7 +13,9 @@ import numpy as np
 import torch
 from stable_baselines3 import PPO
 
-from arena_core import ConfigurationError, one_line, write_bytes_whole
+from arena_core import ConfigurationError
+from arena_core.commands import one_line
+from arena_core.files import write_bytes_whole
 from arena_gym.training.worlds_in_step import WorldsInStep
 
 Weights = dict[str, torch.Tensor]

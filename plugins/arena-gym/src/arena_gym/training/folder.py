@@ -7,7 +7,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from arena_core import Code, ConfigurationError, RunFolderError, read_json, write_text_whole
+from arena_core import ConfigurationError
+from arena_core.files import read_json, write_text_whole
+from arena_core.hosting import Code, RunFolderError
 
 CONFIG = "config.json"
 CODE = "code.json"

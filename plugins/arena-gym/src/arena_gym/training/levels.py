@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ConfigurationError, Staging
+from arena_core import ConfigurationError
+from arena_core.hosting import Staging
 from arena_gym.batch import NavigationBatch
 from arena_gym.training.settings import Mixture
 

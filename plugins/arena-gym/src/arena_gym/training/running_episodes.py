@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ConfigurationError, interrupts
+from arena_core import ConfigurationError
+from arena_core.commands import interrupts
 from arena_gym.batch import NavigationBatch
 from arena_gym.episodes import EpisodeKey
 

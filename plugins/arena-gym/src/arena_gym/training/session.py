@@ -11,19 +11,11 @@ from typing import Any
 
 from stable_baselines3 import PPO
 
-from arena_core import (
-    ConfigurationError,
-    ObservationEncoder,
-    code_of,
-    interrupts,
-    load_registry,
-    local_path,
-    read_json,
-    read_settings,
-    tell_of_compiling,
-    write_bytes_whole,
-    write_text_whole,
-)
+from arena_core import ConfigurationError, ObservationEncoder
+from arena_core.commands import interrupts, tell_of_compiling
+from arena_core.files import local_path, read_json, write_bytes_whole, write_text_whole
+from arena_core.hosting import code_of, load_registry
+from arena_core.parameters import read_settings
 from arena_core.statistics import wilson
 from arena_gym.building import Parts, build_parts
 from arena_gym.training.checkpoint import digest_of, steps_of

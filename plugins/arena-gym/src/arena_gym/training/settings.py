@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from arena_core import ConfigurationError, Fraction, NonNegative, NonNegativeInt, Positive, PositiveInt
+from arena_core import ConfigurationError
+from arena_core.parameters import Fraction, NonNegative, NonNegativeInt, Positive, PositiveInt
 
 GREATEST_SEED = 2**32 - 1  # that NumPy's generators take, which Stable-Baselines3 seeds
 

@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 from onnx import numpy_helper
 from stable_baselines3 import PPO
 
-from arena_core import InputFileError, ObservationField, local_path, one_line
+from arena_core import InputFileError, ObservationField
+from arena_core.commands import one_line
+from arena_core.files import local_path
 from arena_gym.training.export import Actor
 from arena_policies.card import read_card
 from arena_policies.network import network_content

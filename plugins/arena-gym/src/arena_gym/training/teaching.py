@@ -19,7 +19,11 @@ import torch
 from numpy.typing import NDArray
 from stable_baselines3 import PPO
 
-from arena_core import ConfigurationError, Registry, compose, generator, interrupts, plain, untuned, write_bytes_whole
+from arena_core import ConfigurationError, generator
+from arena_core.commands import interrupts
+from arena_core.files import write_bytes_whole
+from arena_core.hosting import Registry, compose, plain
+from arena_core.records import untuned
 from arena_gym.batch import NavigationBatch
 from arena_gym.driver import Driver
 from arena_gym.reports import outcome

@@ -14,7 +14,10 @@ from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import Logger
 
-from arena_core import ArenaError, Reward, RunFolderError, interrupts, write_text_whole
+from arena_core import ArenaError, Reward
+from arena_core.commands import interrupts
+from arena_core.files import write_text_whole
+from arena_core.hosting import RunFolderError
 from arena_gym.training.checkpoint import Weights, all_finite, load_checkpoint, save_checkpoint, weights_of
 from arena_gym.training.evaluation import evaluate
 from arena_gym.training.export import Actor

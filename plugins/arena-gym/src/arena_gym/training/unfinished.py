@@ -9,7 +9,7 @@ from typing import Any
 
 from stable_baselines3 import PPO
 
-from arena_core import read_json
+from arena_core.files import read_json
 from arena_gym.training.checkpoint import load_checkpoint
 from arena_gym.training.export import Actor, round_as_kept
 from arena_gym.training.teaching import TAUGHT, take_taught

@@ -7,7 +7,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from arena_core import ConfigurationError, load_registry, option_files, read_settings, read_yaml
+from arena_core import ConfigurationError
+from arena_core.files import option_files, read_yaml
+from arena_core.hosting import load_registry
+from arena_core.parameters import read_settings
 
 ALLOWED = "a file of claims (docs/claims.md)"
 RIVAL = "rival"  # in ``each``: every planner of ``than`` by itself

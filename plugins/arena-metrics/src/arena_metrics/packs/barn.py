@@ -7,7 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from arena_core import ConfigurationError, EpisodeRecord, Metric, MetricPack, Positive
+from arena_core import ConfigurationError, EpisodeRecord, Metric, MetricPack
+from arena_core.parameters import Positive
 
 
 class BarnMetrics(MetricPack):

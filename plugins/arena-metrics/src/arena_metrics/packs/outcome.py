@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 
-from arena_core import EpisodeRecord, succeeded
+from arena_core import EpisodeRecord
+from arena_core.records import succeeded
 from arena_metrics.packs.motion import polyline_length
 
 PERSON = 2  # contact_kind of a contact with a person

@@ -15,7 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Better, EpisodeRecord, Metric, MetricPack, NonNegativeInt, Positive
+from arena_core import Better, EpisodeRecord, Metric, MetricPack
+from arena_core.parameters import NonNegativeInt, Positive
 from arena_metrics.packs.motion import triangles
 
 FloatArray = NDArray[np.float64]

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 
-from arena_core import Better, EpisodeRecord, Metric, MetricPack, Positive
+from arena_core import Better, EpisodeRecord, Metric, MetricPack
+from arena_core.parameters import Positive
 from arena_metrics.packs import courses, motion, outcome, proximity, timing
 
 

@@ -11,7 +11,10 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from arena_core import ArenaError, Command, EpisodeRecord, aligned, csv_text, read_record, write_text_whole
+from arena_core import ArenaError, EpisodeRecord
+from arena_core.commands import Command, aligned
+from arena_core.files import csv_text, write_text_whole
+from arena_core.records import read_record
 from arena_core.statistics import Comparison, after_holm, compare
 from arena_metrics.one_thread import on_one_thread
 from arena_metrics.packs.motion import polyline_length

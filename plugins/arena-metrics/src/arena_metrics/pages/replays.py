@@ -10,7 +10,9 @@ from io import StringIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from arena_core import ArenaError, Command, load_registry
+from arena_core import ArenaError
+from arena_core.commands import Command
+from arena_core.hosting import load_registry
 from arena_metrics.pooling.cells import Cell, Cells
 from arena_metrics.pooling.drives import numbered
 from arena_metrics.pooling.endings import verdict

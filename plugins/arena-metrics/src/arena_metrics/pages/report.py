@@ -7,7 +7,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
-from arena_core import Command, InputFileError, Reporter, aligned, check_inside, write_bytes_whole, write_text_whole
+from arena_core import InputFileError
+from arena_core.commands import Command, aligned
+from arena_core.files import check_inside, write_bytes_whole, write_text_whole
+from arena_core.records import Reporter
 from arena_metrics.one_thread import on_one_thread
 
 if TYPE_CHECKING:

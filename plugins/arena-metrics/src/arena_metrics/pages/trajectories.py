@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import EpisodeRecord, read_grid, read_record
+from arena_core import EpisodeRecord
+from arena_core.records import read_grid, read_record
 from arena_drawing.painter import draw_goal, draw_map, draw_obstacles, draw_start, frame_axes
 from arena_metrics.packs.outcome import PERSON
 from arena_metrics.pages.figures import INK, Image, rendered

@@ -9,7 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import EpisodeRecord, furniture_of, furniture_shapes, read_record
+from arena_core import EpisodeRecord
+from arena_core.records import read_record
+from arena_core.scenes import furniture_of, furniture_shapes
 from arena_metrics.packs.motion import resample_by_length
 from arena_metrics.pooling.cells import Cell, Cells
 from arena_metrics.pooling.runs import Episode

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from arena_core import COLLISIONS_ALLOWED
+from arena_core.records import COLLISIONS_ALLOWED
 from arena_metrics.pooling.runs import Row
 
 

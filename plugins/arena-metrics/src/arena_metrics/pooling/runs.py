@@ -9,22 +9,10 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from arena_core import (
-    EPISODE_COLUMNS,
-    TEXT,
-    ArenaError,
-    InputFileError,
-    Metric,
-    build_metrics,
-    compose,
-    find_runs,
-    load_registry,
-    metric_column,
-    option_files,
-    read_json,
-    read_table,
-    record_path,
-)
+from arena_core import ArenaError, InputFileError, Metric
+from arena_core.files import option_files, read_json, read_table
+from arena_core.hosting import compose, load_registry
+from arena_core.records import EPISODE_COLUMNS, TEXT, build_metrics, find_runs, metric_column, record_path
 
 if TYPE_CHECKING:
     from arena_core.statistics import Kind

@@ -10,7 +10,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Metric, csv_text, write_text_whole
+from arena_core import Metric
+from arena_core.files import csv_text, write_text_whole
 from arena_core.statistics import Estimate, Kind, estimate
 from arena_metrics.pooling.cells import FACTORS, VARIANT, Cell, Cells, cells_of
 from arena_metrics.pooling.problems import labels

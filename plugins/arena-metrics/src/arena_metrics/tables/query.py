@@ -7,18 +7,10 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from arena_core import (
-    EPISODE_COLUMNS,
-    Command,
-    ConfigurationError,
-    InputFileError,
-    aligned,
-    csv_text,
-    find_runs,
-    one_line,
-    read_words,
-    write_text_whole,
-)
+from arena_core import ConfigurationError, InputFileError
+from arena_core.commands import Command, aligned, one_line, read_words
+from arena_core.files import csv_text, write_text_whole
+from arena_core.records import EPISODE_COLUMNS, find_runs
 
 if TYPE_CHECKING:
     from duckdb import DuckDBPyConnection

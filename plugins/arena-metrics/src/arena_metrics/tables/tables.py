@@ -7,7 +7,8 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from arena_core import csv_text, one_line
+from arena_core.commands import one_line
+from arena_core.files import csv_text
 from arena_core.statistics import Estimate
 from arena_metrics.pooling.cells import VARIANT, Cell
 from arena_metrics.pooling.problems import count

@@ -12,24 +12,12 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
-from arena_core import (
-    Command,
-    ConfigurationError,
-    EpisodeRecord,
-    NonNegative,
-    NonNegativeInt,
-    Positive,
-    Robot,
-    find_runs,
-    load_registry,
-    local_path,
-    read_grid,
-    read_record,
-    read_settings,
-    read_words,
-    record_path,
-    tell,
-)
+from arena_core import ConfigurationError, EpisodeRecord, Robot
+from arena_core.commands import Command, read_words, tell
+from arena_core.files import local_path
+from arena_core.hosting import load_registry
+from arena_core.parameters import NonNegative, NonNegativeInt, Positive, read_settings
+from arena_core.records import find_runs, read_grid, read_record, record_path
 from arena_drawing.film import check_encoder, check_target, write_film, write_picture
 from arena_mujoco.body import UNKNOWN, Body, BodyFigures, body_of
 from arena_mujoco.pictures.drama import Drama

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import EpisodeRecord, compose, plain
+from arena_core import EpisodeRecord
+from arena_core.hosting import compose, plain
 from arena_kernels.compiled import borrowing
 from arena_kernels.legs import STANDING, Gait, legs_of, settle, step_length
 

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import yaml
 
-from arena_core import Bounds, Positive, read_settings
+from arena_core.parameters import Bounds, Positive, read_settings
 
 Colour = list[float]
 

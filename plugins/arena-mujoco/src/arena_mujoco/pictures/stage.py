@@ -9,7 +9,8 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import EpisodeRecord, Obstacle, OccupancyGrid, Prism, Robot, furniture_of, furniture_scene, scene_of
+from arena_core import EpisodeRecord, Obstacle, OccupancyGrid, Robot
+from arena_core.scenes import Prism, furniture_of, furniture_scene, scene_of
 from arena_mujoco.attaching import still_model
 from arena_mujoco.body import Body
 from arena_mujoco.model import AWAY, add_prism, add_scene, compile_model, numbers

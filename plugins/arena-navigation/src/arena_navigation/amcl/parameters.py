@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from arena_core import Bounds, ConfigurationError, Fraction, NonNegative, Positive, PositiveInt
+from arena_core import ConfigurationError
+from arena_core.parameters import Bounds, Fraction, NonNegative, Positive, PositiveInt
 from arena_navigation.amcl.laser import LaserModelType
 from arena_navigation.amcl.motion import OdometryModelType
 

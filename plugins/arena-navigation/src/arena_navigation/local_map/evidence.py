@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Positive
+from arena_core.parameters import Positive
 from arena_kernels.compiled import compiled
 from arena_navigation.local_map.marks import NEVER, Beams, Reach, mark, seen_through
 

@@ -8,7 +8,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Costmap, LaserScan, LocalMap, NonNegative, OccupancyGrid, Pose, Positive, Robot, Window
+from arena_core import Costmap, LaserScan, LocalMap, OccupancyGrid, Pose, Robot, Window
+from arena_core.parameters import NonNegative, Positive
 from arena_kernels.entry import Entered
 from arena_navigation.local_map.evidence import Evidence
 from arena_navigation.local_map.mapping import SeenMap, with_marks

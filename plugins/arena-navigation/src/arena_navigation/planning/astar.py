@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import INSCRIBED, LETHAL, GlobalPlanner, NonNegative, NonNegativeInt, NoPath, OccupancyGrid, Path, Pose, Positive, Robot
+from arena_core import INSCRIBED, LETHAL, GlobalPlanner, NoPath, OccupancyGrid, Path, Pose, Robot
+from arena_core.parameters import NonNegative, NonNegativeInt, Positive
 from arena_navigation.planning.escape import free_cells_near, ways_out
 from arena_navigation.planning.inflation import InflatedCosts, Inflation
 from arena_navigation.planning.search import Cell, CostToGo, MoveCosts

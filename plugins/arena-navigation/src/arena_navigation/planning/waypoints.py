@@ -7,17 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import (
-    OFF_PATH,
-    WAYPOINT_FOUND,
-    WAYPOINT_TIMEOUT,
-    ConfigurationError,
-    NonNegative,
-    PathBatch,
-    Positive,
-    WaypointGenerator,
-    Waypoints,
-)
+from arena_core import ConfigurationError, PathBatch, WaypointGenerator, Waypoints
+from arena_core.hosting import OFF_PATH, WAYPOINT_FOUND, WAYPOINT_TIMEOUT
+from arena_core.parameters import NonNegative, Positive
 from arena_kernels.compiled import compiled
 from arena_navigation.planning.path_progress import FloatArray, Progress, distance, follow, in_time
 

@@ -6,19 +6,8 @@ from dataclasses import astuple, dataclass
 
 import numpy as np
 
-from arena_core import (
-    NO_TRACKS,
-    ConfigurationError,
-    LaserScan,
-    NonNegative,
-    OccupancyGrid,
-    Pose,
-    Positive,
-    PositiveInt,
-    Robot,
-    Tracker,
-    Tracks,
-)
+from arena_core import NO_TRACKS, ConfigurationError, LaserScan, OccupancyGrid, Pose, Robot, Tracker, Tracks
+from arena_core.parameters import NonNegative, Positive, PositiveInt
 from arena_kernels.entry import Entered
 from arena_navigation.local_map.marks import Beams
 from arena_navigation.tracking.alignment import Alignment

@@ -11,7 +11,8 @@ from pathlib import Path
 import torch
 from torch import nn
 
-from arena_core import ConfigurationError, write_bytes_whole, write_text_whole
+from arena_core import ConfigurationError
+from arena_core.files import write_bytes_whole, write_text_whole
 from arena_gym.training.checkpoint import of_this_training
 
 FINAL_SHARE = 0.05  # of the learning rate, at the end

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from arena_core import NonNegative, NonNegativeInt, Positive, PositiveInt
+from arena_core.parameters import NonNegative, NonNegativeInt, Positive, PositiveInt
 from arena_gym.training.settings import Convolution
 
 

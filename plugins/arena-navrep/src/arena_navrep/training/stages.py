@@ -11,7 +11,9 @@ import numpy as np
 import torch
 from torch import nn
 
-from arena_core import ObservationField, Robot, load_registry, read_settings
+from arena_core import ObservationField, Robot
+from arena_core.hosting import load_registry
+from arena_core.parameters import read_settings
 from arena_gym.training.export import network_to_onnx
 from arena_gym.training.learning import choose_device
 from arena_navrep.prediction import Sequences, prediction_errors, sequences_of

@@ -7,7 +7,8 @@ from dataclasses import dataclass, fields
 from math import isfinite
 from typing import Any, Literal
 
-from arena_core import ConfigurationError, Fraction, NonNegative, PedestrianSpec
+from arena_core import ConfigurationError, PedestrianSpec
+from arena_core.parameters import Fraction, NonNegative
 from arena_pedsim.states.person_types import type_name
 
 

@@ -6,7 +6,8 @@ import sqlite3
 from collections.abc import Collection, Iterator
 from contextlib import closing
 
-from arena_core import InputFileError, one_line
+from arena_core import InputFileError
+from arena_core.commands import one_line
 from arena_ros.bags.packing import Allowance
 from arena_ros.bags.stream import LARGEST_MESSAGE, Bag, Channel, Cut, Message, normalised
 

@@ -11,19 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from arena_core import (
-    ArenaError,
-    ConfigurationError,
-    EpisodeRecord,
-    InputFileError,
-    LaserScan,
-    OccupancyGrid,
-    Pose,
-    Twist,
-    read_grid,
-    record_path,
-    record_paths,
-)
+from arena_core import ArenaError, ConfigurationError, EpisodeRecord, InputFileError, LaserScan, OccupancyGrid, Pose, Twist
+from arena_core.records import read_grid, record_path, record_paths
 from arena_ros import conversions as to
 from arena_ros.codec import PEOPLE, Codec, Ros, codec
 
@@ -143,7 +132,7 @@ class _Writer2(_Writer):
 
 def _write_episode(folder: Path, number: int, own: Codec, write: Write, begin: int) -> int:
     """Write an episode from ``begin`` ns on; return when it ends."""
-    from arena_core import read_record
+    from arena_core.records import read_record
 
     record = read_record(record_path(folder, number))
     stamps = begin + np.rint((record["stamp"] - record["stamp"][0]) * 1e9).astype(np.int64)

@@ -8,22 +8,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from arena_core import (
-    Code,
-    ConfigurationError,
-    EpisodeRecord,
-    InputFileError,
-    OccupancyGrid,
-    OutsideRun,
-    Pose,
-    Registry,
-    Robot,
-    compose,
-    free_area,
-    load_registry,
-    plain,
-    tell,
-)
+from arena_core import ConfigurationError, EpisodeRecord, InputFileError, OccupancyGrid, Pose, Robot
+from arena_core.commands import tell
+from arena_core.hosting import Code, OutsideRun, Registry, compose, load_registry, plain
+from arena_core.scenes import free_area
 from arena_ros.bags.clocks import Clocks, clocks
 from arena_ros.bags.gathered import Gathered
 from arena_ros.bags.gathering import Gatherer

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import EpisodeRecord, InputFileError, Pose, Robot, one_line
+from arena_core import EpisodeRecord, InputFileError, Pose, Robot
+from arena_core.commands import one_line
 from arena_ros.bags.records import ALL_PEOPLE, Arrays, Reading, ending, identity, no_contacts
 
 ENDING = ".csv"

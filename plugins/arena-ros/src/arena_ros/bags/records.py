@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import EpisodeRecord, Pose, Robot, robot_meta
+from arena_core import EpisodeRecord, Pose, Robot
+from arena_core.records import robot_meta
 from arena_ros.bags.footprint import clearances
 from arena_ros.bags.gathered import Gathered
 from arena_ros.bags.placing import Placed

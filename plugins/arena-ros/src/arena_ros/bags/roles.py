@@ -8,7 +8,8 @@ from functools import lru_cache
 from importlib.resources import files
 from pathlib import Path
 
-from arena_core import ConfigurationError, read_yaml
+from arena_core import ConfigurationError
+from arena_core.files import read_yaml
 from arena_ros.bags.stream import Channel
 
 NONE = "none"  # what the user says of a role that no topic is to have

@@ -11,7 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ConfigurationError, EpisodeRecord, read_record, record_paths, tell, write_text_whole
+from arena_core import ConfigurationError, EpisodeRecord
+from arena_core.commands import tell
+from arena_core.files import write_text_whole
+from arena_core.records import read_record, record_paths
 from arena_ros.bags.importing import Request, import_bags
 
 CORNER = 0.3  # m that a way of a person may be off the one that was recorded

@@ -13,17 +13,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from arena_core import (
-    ConfigurationError,
-    Count,
-    OutsideRun,
-    Positive,
-    build_benchmark,
-    compose,
-    load_registry,
-    plain,
-    read_words,
-)
+from arena_core import ConfigurationError
+from arena_core.commands import read_words
+from arena_core.hosting import OutsideRun, build_benchmark, compose, load_registry, plain
+from arena_core.parameters import Count, Positive
 from arena_ros.live.settings import Settings, settings
 from arena_ros.places import pose_of
 from arena_ros.transport import open_transport

@@ -10,28 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from arena_core import (
-    Benchmark,
-    Candidate,
-    Decision,
-    Event,
-    Mission,
-    NavigatorSpent,
-    Observation,
-    OutsideRun,
-    Pedestrians,
-    Planner,
-    Pose,
-    Recorder,
-    Scenario,
-    Sensors,
-    Twist,
-    World,
-    WorldState,
-    described,
-    free_area,
-    tell,
-)
+from arena_core import Candidate, Observation, Pedestrians, Planner, Pose, Scenario, Sensors, Twist, World
+from arena_core.commands import described, tell
+from arena_core.hosting import Benchmark, Decision, Mission, NavigatorSpent, OutsideRun
+from arena_core.records import Event, Recorder, WorldState
+from arena_core.scenes import free_area
 from arena_ros import conversions as to
 from arena_ros.bags.footprint import nearest
 from arena_ros.bags.records import ALL_CONTACTS, ALL_PEOPLE

@@ -7,7 +7,9 @@ import time
 from functools import lru_cache
 from typing import Any
 
-from arena_core import ArenaError, EpisodeStart, Observation, Planner, Pose, Positive, Robot, Twist, one_line
+from arena_core import ArenaError, EpisodeStart, Observation, Planner, Pose, Robot, Twist
+from arena_core.commands import one_line
+from arena_core.parameters import Positive
 from arena_ros import conversions as to
 from arena_ros.codec import BadMessage, codec, stamp_of
 from arena_ros.live.actions import ActionClient, State

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from arena_core import ConfigurationError, Pose, tell
+from arena_core import ConfigurationError, Pose
+from arena_core.commands import tell
 from arena_ros import conversions as to
 from arena_ros.codec import codec
 from arena_ros.live.actions import ActionServer, State

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from arena_core import ArenaError, Odometry, Pose, Robot, Sensors, tell
+from arena_core import ArenaError, Odometry, Pose, Robot, Sensors
+from arena_core.commands import tell
 from arena_ros import conversions as of
 from arena_ros.codec import BadMessage, codec, stamp_of
 from arena_ros.frames import BASES, Mount, mounted

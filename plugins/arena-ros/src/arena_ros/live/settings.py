@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 
-from arena_core import Fraction, Positive, Words, read_settings, read_yaml
+from arena_core.commands import Words
+from arena_core.files import read_yaml
+from arena_core.parameters import Fraction, Positive, read_settings
 
 
 @dataclass(frozen=True, slots=True)

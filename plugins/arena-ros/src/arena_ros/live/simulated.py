@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from arena_core import Benchmark, Scenario, Snapshot
+from arena_core import Scenario, Snapshot
+from arena_core.hosting import Benchmark
 from arena_ros import conversions as to
 from arena_ros.codec import PEOPLE, BadMessage, codec
 from arena_ros.live.actions import ActionClient

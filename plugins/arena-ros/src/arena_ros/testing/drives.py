@@ -12,7 +12,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from arena_core import read_record
+from arena_core.records import read_record
 from arena_ros import conversions as to
 from arena_ros.testing.bystanders import Probe
 from arena_ros.testing.processes import ARENA, another_publisher, done, running, said, until

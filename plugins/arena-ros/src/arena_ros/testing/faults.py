@@ -10,7 +10,8 @@ from pathlib import Path
 from subprocess import CompletedProcess
 from typing import ClassVar
 
-from arena_core import Pose, read_record
+from arena_core import Pose
+from arena_core.records import read_record
 from arena_ros import conversions as to
 from arena_ros.codec import codec
 from arena_ros.testing.bystanders import Puppet

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from arena_core import read_record
+from arena_core.records import read_record
 from arena_ros.testing.processes import ARENA, done, running
 from arena_ros.testing.site import world
 

@@ -11,7 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from arena_core import EpisodeRecord, Pose, Twist, read_record, record_paths, tell
+from arena_core import EpisodeRecord, Pose, Twist
+from arena_core.commands import tell
+from arena_core.records import read_record, record_paths
 from arena_ros import conversions as to
 from arena_ros.bags.exporting import writer
 from arena_ros.codec import PEOPLE, codec

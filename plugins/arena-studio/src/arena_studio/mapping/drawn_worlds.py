@@ -8,18 +8,11 @@ from typing import Any
 
 from omegaconf import OmegaConf
 
-from arena_core import (
-    ArenaError,
-    ConfigurationError,
-    NonNegativeInt,
-    OccupancyGrid,
-    World,
-    compose,
-    load_registry,
-    one_line,
-    option_files,
-    read_settings,
-)
+from arena_core import ArenaError, ConfigurationError, OccupancyGrid, World
+from arena_core.commands import one_line
+from arena_core.files import option_files
+from arena_core.hosting import compose, load_registry
+from arena_core.parameters import NonNegativeInt, read_settings
 from arena_studio.project import Project
 from arena_worlds.commands.convert import DEFAULTS
 from arena_worlds.formats.site_file import site_grid

@@ -7,7 +7,11 @@ import posixpath
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from arena_core import LIMITS, InputFileError, Pose, furniture_kind, furniture_shapes, load_registry, one_line, option_files
+from arena_core import InputFileError, Pose
+from arena_core.commands import one_line
+from arena_core.files import LIMITS, option_files
+from arena_core.hosting import load_registry
+from arena_core.scenes import furniture_kind, furniture_shapes
 from arena_studio.errors import Conflict, Missing
 from arena_studio.project import Document, Project
 from arena_tasks.scenario_files.scenario_file import FORMAT, VERSION, scenario_text

@@ -12,7 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import LIMITS, ArenaError, InputFileError, OccupancyGrid, Pose, one_line, read_bytes, read_settings
+from arena_core import ArenaError, InputFileError, OccupancyGrid, Pose
+from arena_core.commands import one_line
+from arena_core.files import LIMITS, read_bytes
+from arena_core.parameters import read_settings
 from arena_studio.errors import Conflict
 from arena_studio.mapping.picture import Picture
 from arena_studio.mapping.pnm import Pnm, Samples

@@ -10,7 +10,9 @@ import numpy as np
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from arena_core import LIMITS, InputFileError, one_line
+from arena_core import InputFileError
+from arena_core.commands import one_line
+from arena_core.files import LIMITS
 from arena_studio.mapping.pnm import Samples
 
 FORMATS = ("PNG", "BMP")  # what loses nothing when it is written again

@@ -9,7 +9,8 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import LIMITS, InputFileError
+from arena_core import InputFileError
+from arena_core.files import LIMITS
 
 GAP = rb"(?:\s|#[^\n]*\n)+"
 HEADER = re.compile(rb"(P[2356])" + GAP + rb"(\d{1,9})" + GAP + rb"(\d{1,9})" + GAP + rb"(\d{1,5})(?:\s*#[^\n]*\n|\s)")

@@ -7,7 +7,8 @@ import zlib
 from collections.abc import Mapping
 from typing import Any
 
-from arena_core import LIMITS, InputFileError
+from arena_core import InputFileError
+from arena_core.files import LIMITS
 from arena_studio.errors import TooLarge
 
 HEAD = 4  # bytes of the header's length, little-endian

@@ -8,7 +8,8 @@ from typing import Any, TypeAlias
 
 import yaml
 
-from arena_core import InputFileError, one_line
+from arena_core import InputFileError
+from arena_core.commands import one_line
 
 Value: TypeAlias = str | float | list[float]
 SHORT = 15  # digits: as many as a float always keeps

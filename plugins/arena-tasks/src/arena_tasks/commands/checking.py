@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import ClassVar
 
-from arena_core import Command, aligned, read_words
+from arena_core.commands import Command, aligned, read_words
 from arena_tasks.scenario_files.problem import PersonDefaults, noted
 from arena_tasks.scenario_files.scenario_file import read_scenario_file
 from arena_tasks.scenario_files.site import KINDS, Site, composed

@@ -7,7 +7,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import ClassVar, Literal
 
-from arena_core import Command, ConfigurationError, Words, read_words, write_text_whole
+from arena_core import ConfigurationError
+from arena_core.commands import Command, Words, read_words
+from arena_core.files import write_text_whole
 from arena_tasks.commands.packing import ANYBODY
 from arena_tasks.scenario_files.arena_rosnav_writer import arena_rosnav_text, world_name
 from arena_tasks.scenario_files.arena_rosnav_writer import left_out as left_out_by_arena_rosnav

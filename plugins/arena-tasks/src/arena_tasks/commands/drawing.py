@@ -6,7 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import ClassVar
 
-from arena_core import Command, ConfigurationError, NonNegativeInt, Words, read_words
+from arena_core import ConfigurationError
+from arena_core.commands import Command, Words, read_words
+from arena_core.parameters import NonNegativeInt
 from arena_tasks.scenario_files.problem import PersonDefaults, Problem, noted
 from arena_tasks.scenario_files.scenario_file import ScenarioFile, read_scenario_file
 from arena_tasks.scenario_files.site import KINDS, Site, composed

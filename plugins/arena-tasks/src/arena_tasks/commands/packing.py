@@ -9,7 +9,9 @@ from typing import ClassVar
 
 import yaml
 
-from arena_core import Command, InputFileError, write_text_whole
+from arena_core import InputFileError
+from arena_core.commands import Command
+from arena_core.files import write_text_whole
 from arena_tasks.scenario_files.pack import FORMAT, PACK_FILE, Pack, hash_of, read_pack
 from arena_tasks.scenario_files.problem import PersonDefaults
 from arena_tasks.scenario_files.scenario_file import ScenarioFile, read_scenario_file

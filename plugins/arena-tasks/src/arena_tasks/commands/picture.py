@@ -13,7 +13,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch
 from numpy.typing import NDArray
 
-from arena_core import Obstacle, OccupancyGrid, PedestrianSpec, Robot, World, furniture_shapes, one_line
+from arena_core import Obstacle, OccupancyGrid, PedestrianSpec, Robot, World
+from arena_core.commands import one_line
+from arena_core.scenes import furniture_shapes
 from arena_drawing.painter import GOAL, INK, OBSTACLE, PERSON, ROBOT, body, draw_goal, draw_map, draw_obstacles, frame_axes, move
 from arena_tasks.commands.picture_people import TRIGGER, draw_person, group_colours
 from arena_tasks.scenario_files.problem import Problem

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import ClassVar
 
-from arena_core import Command, UnknownComponent
+from arena_core.commands import Command
+from arena_core.hosting import UnknownComponent
 
 SUBCOMMANDS = {  # each a class of its own with ``help`` and ``run``, imported when it is used
     "check": "arena_tasks.commands.checking:CheckCommand",

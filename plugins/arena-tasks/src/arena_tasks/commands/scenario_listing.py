@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
-from arena_core import Listing, load_registry, option_files
+from arena_core.commands import Listing
+from arena_core.files import option_files
+from arena_core.hosting import load_registry
 
 
 class ScenarioListing(Listing):

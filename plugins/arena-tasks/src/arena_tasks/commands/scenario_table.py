@@ -10,7 +10,10 @@ from typing import Any
 
 import yaml
 
-from arena_core import ArenaError, InputFileError, Registry, aligned, local_path
+from arena_core import ArenaError, InputFileError
+from arena_core.commands import aligned
+from arena_core.files import local_path
+from arena_core.hosting import Registry
 from arena_tasks.commands.packing import ANYBODY
 from arena_tasks.scenario_files.content import content_hash
 from arena_tasks.scenario_files.pack import checked_pack, hash_of

@@ -8,7 +8,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from arena_core import Command, ConfigurationError, PedestrianSpec, aligned
+from arena_core import ConfigurationError, PedestrianSpec
+from arena_core.commands import Command, aligned
 from arena_tasks.commands.packing import ANYBODY
 from arena_tasks.scenario_files.problem import Problem, noted
 from arena_tasks.scenario_files.scenario_file import ScenarioFile, read_scenario_file

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from arena_core import ConfigurationError, ImpossibleScenario, Pose, Positive, Robot, Scenario, TaskMode, World, WorldSource
+from arena_core import ConfigurationError, ImpossibleScenario, Pose, Robot, Scenario, TaskMode, World, WorldSource
+from arena_core.parameters import Positive
 
 
 class BarnTask(TaskMode):

@@ -10,7 +10,8 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from arena_core import LIMITS, InputFileError, local_path
+from arena_core import InputFileError
+from arena_core.files import LIMITS, local_path
 from arena_tasks.scenario_files.json_fields import Field
 from arena_tasks.scenario_files.yaml_fields import read_yaml
 

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ImpossibleScenario, Obstacle, with_obstacles
+from arena_core import ImpossibleScenario, Obstacle
+from arena_core.scenes import with_obstacles
 from arena_tasks.random.free_space import FreeSpace
 from arena_tasks.random.trip import Placement, Trip
 from arena_tasks.random_parameters import ObstacleParameters

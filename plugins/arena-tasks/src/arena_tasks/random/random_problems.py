@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from arena_core import ImpossibleScenario, Obstacle, PedestrianSpec, Scenario, World, WorldSource, furnished, generator, with_obstacles
+from arena_core import ImpossibleScenario, Obstacle, PedestrianSpec, Scenario, World, WorldSource, generator
+from arena_core.scenes import furnished, with_obstacles
 from arena_tasks.random.free_space import FreeSpace
 from arena_tasks.random.manners import with_manners
 from arena_tasks.random.obstacles import ObstacleRules, draw_obstacles

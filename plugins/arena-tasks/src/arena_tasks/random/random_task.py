@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from arena_core import Count, Positive, Robot, Samples, Scenario, TaskMode, WorldSource
+from arena_core import Robot, Scenario, TaskMode, WorldSource
+from arena_core.parameters import Count, Positive, Samples
 from arena_tasks.random.obstacles import ObstacleRules
 from arena_tasks.random.random_problems import RandomProblems
 from arena_tasks.random.trip import Placement, TripRules

@@ -4,17 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from arena_core import (
-    ConfigurationError,
-    Fraction,
-    InputFileError,
-    NonNegativeInt,
-    PositiveInt,
-    Scenario,
-    Staging,
-    TaskMode,
-    WorldSource,
-)
+from arena_core import ConfigurationError, InputFileError, Scenario, TaskMode, WorldSource
+from arena_core.hosting import Staging
+from arena_core.parameters import Fraction, NonNegativeInt, PositiveInt
 from arena_tasks.random.curriculum import Curriculum, Level, read_curriculum
 from arena_tasks.random.random_problems import RandomProblems
 from arena_tasks.random.random_task import RandomTask

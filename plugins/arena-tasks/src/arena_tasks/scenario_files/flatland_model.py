@@ -10,7 +10,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from arena_core import Obstacle, Pose, is_file
+from arena_core import Obstacle, Pose
+from arena_core.files import is_file
 from arena_tasks.scenario_files.json_fields import Field
 from arena_tasks.scenario_files.published_models import published_models
 from arena_tasks.scenario_files.yaml_fields import read_yaml

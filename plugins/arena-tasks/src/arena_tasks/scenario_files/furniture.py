@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from arena_core import ConfigurationError, Furniture, InputFileError, furniture_kind, one_line
+from arena_core import ConfigurationError, Furniture, InputFileError
+from arena_core.commands import one_line
+from arena_core.scenes import furniture_kind
 from arena_tasks.scenario_files.json_fields import Field
 
 

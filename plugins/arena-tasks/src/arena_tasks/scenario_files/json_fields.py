@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-import arena_core
-from arena_core import LIMITS, InputFileError, Pose, one_line
+from arena_core import InputFileError, Pose, files
+from arena_core.commands import one_line
+from arena_core.files import LIMITS
 
 FARTHEST = 1e6  # m
 
@@ -142,4 +143,4 @@ def _said(value: Any) -> str:
 
 def read_json(path: str | Path) -> Field:
     """Read a JSON file; raise InputFileError when it is missing or malformed, repeats a key or holds NaN."""
-    return Field(Path(path), "", arena_core.read_json(path, "a JSON file of scenarios"))
+    return Field(Path(path), "", files.read_json(path, "a JSON file of scenarios"))

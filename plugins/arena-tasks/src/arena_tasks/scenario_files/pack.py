@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path, PurePosixPath
 
-from arena_core import LIMITS, InputFileError, check_inside, read_bytes
+from arena_core import InputFileError
+from arena_core.files import LIMITS, check_inside, read_bytes
 from arena_tasks.scenario_files.json_fields import Field
 from arena_tasks.scenario_files.yaml_fields import read_yaml
 

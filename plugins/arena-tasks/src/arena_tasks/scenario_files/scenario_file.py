@@ -12,7 +12,9 @@ from typing import Any
 import numpy as np
 import shapely
 
-from arena_core import LIMITS, InputFileError, Obstacle, PedestrianSpec, Scenario, one_line, write_text_whole
+from arena_core import InputFileError, Obstacle, PedestrianSpec, Scenario
+from arena_core.commands import one_line
+from arena_core.files import LIMITS, write_text_whole
 from arena_tasks.scenario_files.arena_rosnav import is_arena_rosnav, read_arena_rosnav
 from arena_tasks.scenario_files.arena_tools import is_arena_tools, read_arena_tools
 from arena_tasks.scenario_files.flatland import is_flatland, read_flatland

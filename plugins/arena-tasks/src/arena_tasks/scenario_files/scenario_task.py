@@ -6,19 +6,11 @@ from bisect import bisect_right
 from itertools import accumulate
 from pathlib import Path
 
-from arena_core import (
-    ConfigurationError,
-    ImpossibleScenario,
-    Positive,
-    Robot,
-    Scenario,
-    TaskMode,
-    World,
-    WorldSource,
-    furnished,
-    local_path,
-    tell,
-)
+from arena_core import ConfigurationError, ImpossibleScenario, Robot, Scenario, TaskMode, World, WorldSource
+from arena_core.commands import tell
+from arena_core.files import local_path
+from arena_core.parameters import Positive
+from arena_core.scenes import furnished
 from arena_tasks.scenario_files.content import content_hash
 from arena_tasks.scenario_files.feasibility import Feasibility
 from arena_tasks.scenario_files.pack import checked_pack, hash_of

@@ -9,20 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from arena_core import (
-    ArenaError,
-    ConfigurationError,
-    PedestrianModel,
-    PedestrianSpec,
-    Robot,
-    Scenario,
-    World,
-    compose,
-    furnished,
-    load_registry,
-    option_files,
-    plain,
-)
+from arena_core import ArenaError, ConfigurationError, PedestrianModel, PedestrianSpec, Robot, Scenario, World
+from arena_core.files import option_files
+from arena_core.hosting import compose, load_registry, plain
+from arena_core.scenes import furnished
 from arena_tasks.scenario_files.feasibility import Feasibility, Finding
 from arena_tasks.scenario_files.problem import Problem
 

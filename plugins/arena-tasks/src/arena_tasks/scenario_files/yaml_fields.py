@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import arena_core
+from arena_core import files
 from arena_tasks.scenario_files.json_fields import Field
 
 
 def read_yaml(path: Path, allowed: str) -> Field:
     """Read a YAML file; raise InputFileError, which names ``allowed`` as what may be there."""
-    return Field(path, "", arena_core.read_yaml(path, allowed))
+    return Field(path, "", files.read_yaml(path, allowed))

@@ -6,7 +6,8 @@ import importlib
 from collections.abc import Sequence
 from typing import ClassVar
 
-from arena_core import Command, ConfigurationError
+from arena_core import ConfigurationError
+from arena_core.commands import Command
 
 SUBCOMMANDS = {
     "convert": "arena_worlds.commands.convert:ConvertCommand",

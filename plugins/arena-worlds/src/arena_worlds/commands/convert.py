@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import ClassVar
 
-from arena_core import Command, Positive, read_words
+from arena_core.commands import Command, read_words
+from arena_core.parameters import Positive
 from arena_worlds.formats.site_file import check_ending, read_site, write_site
 
 USAGE = "arena world convert IN OUT [height=2.0] [resolution=0.05] [margin=1.0]"

@@ -9,19 +9,11 @@ from typing import Any, ClassVar
 
 from omegaconf import OmegaConf
 
-from arena_core import (
-    Command,
-    NonNegativeInt,
-    Positive,
-    Words,
-    WorldSource,
-    compose,
-    key_value,
-    load_registry,
-    option_files,
-    read_words,
-    write_text_whole,
-)
+from arena_core import WorldSource
+from arena_core.commands import Command, Words, key_value, read_words
+from arena_core.files import option_files, write_text_whole
+from arena_core.hosting import compose, load_registry
+from arena_core.parameters import NonNegativeInt, Positive
 from arena_worlds.commands.measure import ROBOT_RADIUS, table
 from arena_worlds.commands.measures import Measures, measures_of
 from arena_worlds.commands.portrait import write_portrait

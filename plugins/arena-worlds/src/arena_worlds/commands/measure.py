@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import ClassVar
 
-from arena_core import Command, Positive, aligned, read_words
+from arena_core.commands import Command, aligned, read_words
+from arena_core.parameters import Positive
 from arena_worlds.commands.convert import DEFAULTS
 from arena_worlds.commands.measures import Measures, measures_of
 from arena_worlds.formats.site_file import site_grid

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from arena_core import OccupancyGrid, write_bytes_whole
+from arena_core import OccupancyGrid
+from arena_core.files import write_bytes_whole
 
 WALL, FLOOR, UNCLEAR, INK, PAPER = (46, 52, 64), (250, 250, 247), (200, 203, 208), (46, 52, 64), (255, 255, 255)
 LONG_SIDE, FRAME, TEXT = 900, 24, 22  # pixels: of the map, around it, of letters

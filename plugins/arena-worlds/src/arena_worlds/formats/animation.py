@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import LIMITS, InputFileError, read_bytes
+from arena_core import InputFileError
+from arena_core.files import LIMITS, read_bytes
 from arena_worlds.formats.xml_file import numbers
 
 ROUNDING = 0.011  # s; sources have two digits

@@ -9,7 +9,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ConfigurationError, InputFileError, NonNegative, OccupancyGrid, Positive, World, WorldSource, read_array
+from arena_core import ConfigurationError, InputFileError, OccupancyGrid, World, WorldSource
+from arena_core.files import read_array
+from arena_core.parameters import NonNegative, Positive
 from arena_worlds.formats.sdf import read_sdf
 from arena_worlds.formats.solids import grid_of
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from arena_core import ConfigurationError, NonNegative, Positive, World, WorldSource
+from arena_core import ConfigurationError, World, WorldSource
+from arena_core.parameters import NonNegative, Positive
 from arena_worlds.formats.site_file import site_grid
 
 

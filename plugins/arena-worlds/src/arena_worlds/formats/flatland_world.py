@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from arena_core import InputFileError, tell
+from arena_core import InputFileError
+from arena_core.commands import tell
 from arena_worlds.formats.map_yaml import quoted, read_mapping
 
 ENDING = ".world.yaml"

@@ -8,7 +8,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import FREE, LIMITS, OCCUPIED, InputFileError, OccupancyGrid, Pose, is_file, one_line, read_text
+from arena_core import FREE, OCCUPIED, InputFileError, OccupancyGrid, Pose
+from arena_core.commands import one_line
+from arena_core.files import LIMITS, is_file, read_text
 from arena_worlds.formats.map_yaml import number_at, origin_at, quoted, read_mapping
 
 TYPE = "line_segments"

@@ -12,7 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from arena_core import LIMITS, InputFileError, one_line, read_bytes
+from arena_core import InputFileError
+from arena_core.commands import one_line
+from arena_core.files import LIMITS, read_bytes
 from arena_worlds.formats.map_yaml import MapFile
 
 FORMATS = ("PNG", "PPM", "BMP", "JPEG", "GIF", "TIFF", "WEBP")  # of all that Pillow could open; PPM is its name for PGM as well

@@ -8,7 +8,8 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
-from arena_core import FREE, OCCUPIED, UNKNOWN, ConfigurationError, OccupancyGrid, write_bytes_whole, write_text_whole
+from arena_core import FREE, OCCUPIED, UNKNOWN, ConfigurationError, OccupancyGrid
+from arena_core.files import write_bytes_whole, write_text_whole
 from arena_worlds.formats.map_yaml import Mode
 
 PIXELS = {OCCUPIED: 0, UNKNOWN: 205, FREE: 254}  # as map_saver writes them

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, get_args
 
-from arena_core import InputFileError, is_file, read_yaml
+from arena_core import InputFileError
+from arena_core.files import is_file, read_yaml
 
 Mode = Literal["trinary", "scale", "raw"]
 ROS2 = "/**", "ros__parameters"  # what files for ROS 2 may wrap all keys in

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import LIMITS, UNKNOWN, InputFileError, OccupancyGrid, Pose
+from arena_core import UNKNOWN, InputFileError, OccupancyGrid, Pose
+from arena_core.files import LIMITS
 
 ROUNDING = 1e-6  # of a cell, by which a map may seem larger than it is
 

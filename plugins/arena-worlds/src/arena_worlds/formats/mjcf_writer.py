@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from xml.etree import ElementTree
 
-from arena_core import Scene
+from arena_core.scenes import Scene
 from arena_worlds.formats.mjcf import MAP_BODY
 from arena_worlds.formats.sdf_writer import plain_number
 

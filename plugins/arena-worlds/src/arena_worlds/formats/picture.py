@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from arena_core import FREE, OCCUPIED, UNKNOWN, OccupancyGrid, Pose, write_bytes_whole
+from arena_core import FREE, OCCUPIED, UNKNOWN, OccupancyGrid, Pose
+from arena_core.files import write_bytes_whole
 from arena_worlds.formats.map_image import occupancy
 from arena_worlds.formats.map_writer import FREE_THRESH, OCCUPIED_THRESH, pixels_of
 from arena_worlds.formats.map_yaml import MapFile

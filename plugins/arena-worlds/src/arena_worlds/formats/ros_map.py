@@ -5,7 +5,8 @@ from __future__ import annotations
 from functools import lru_cache
 from pathlib import Path
 
-from arena_core import ConfigurationError, OccupancyGrid, Pose, World, WorldSource, local_path
+from arena_core import ConfigurationError, OccupancyGrid, Pose, World, WorldSource
+from arena_core.files import local_path
 from arena_worlds.formats.flatland_world import map_yamls_of
 from arena_worlds.formats.line_segments import LineFile, line_grid, read_line_yaml
 from arena_worlds.formats.map_image import occupancy

@@ -6,7 +6,8 @@ import glob
 from collections.abc import Mapping, Sequence
 from pathlib import Path, PurePosixPath
 
-from arena_core import ConfigurationError, InputFileError, World, WorldSource, is_file, read_json
+from arena_core import ConfigurationError, InputFileError, World, WorldSource
+from arena_core.files import is_file, read_json
 from arena_worlds.formats.map_yaml import quoted
 from arena_worlds.formats.ros_map import load_map
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from xml.etree import ElementTree
 
-from arena_core import Pose, Scene
+from arena_core import Pose
+from arena_core.scenes import Scene
 from arena_worlds.formats.sdf import GROUND
 
 SUN = {

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from arena_core import ConfigurationError, InputFileError, OccupancyGrid, World, scene_of, write_text_whole
+from arena_core import ConfigurationError, InputFileError, OccupancyGrid, World
+from arena_core.files import write_text_whole
+from arena_core.scenes import scene_of
 from arena_worlds.formats.map_writer import write_map
 from arena_worlds.formats.mjcf import read_mjcf
 from arena_worlds.formats.mjcf_writer import mjcf_text

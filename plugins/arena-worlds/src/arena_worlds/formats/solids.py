@@ -9,7 +9,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import FREE, LIMITS, OCCUPIED, ConfigurationError, OccupancyGrid, Pose, Scene, raised, wall_boxes
+from arena_core import FREE, OCCUPIED, ConfigurationError, OccupancyGrid, Pose
+from arena_core.files import LIMITS
+from arena_core.scenes import Scene, raised, wall_boxes
 
 UPRIGHT = 0.01  # rad of roll or pitch, as solvers leave them; the top of a wall 2 m high is 2 cm off then, less than half a cell
 EDGE = 1e-6  # cells; a box's side that lies this close to a cell's centre counts as beyond it

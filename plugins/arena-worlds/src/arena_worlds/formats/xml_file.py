@@ -7,7 +7,8 @@ from pathlib import Path
 from xml.etree import ElementTree
 from xml.parsers import expat
 
-from arena_core import LIMITS, InputFileError, read_bytes
+from arena_core import InputFileError
+from arena_core.files import LIMITS, read_bytes
 
 FARTHEST = 1e4  # m
 

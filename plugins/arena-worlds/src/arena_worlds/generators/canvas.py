@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from arena_core import FREE, LIMITS, OCCUPIED, ConfigurationError, OccupancyGrid, Pose
+from arena_core import FREE, OCCUPIED, ConfigurationError, OccupancyGrid, Pose
+from arena_core.files import LIMITS
 
 WALL_CELLS = 2  # a wall of one cell could be cut by a ray along its diagonal
 

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from arena_core import FREE, OCCUPIED, ConfigurationError, Fraction, Positive
+from arena_core import FREE, OCCUPIED, ConfigurationError
+from arena_core.parameters import Fraction, Positive
 from arena_worlds.generators.canvas import Canvas
 from arena_worlds.generators.generated import Count, Generated, Span
 

@@ -9,22 +9,9 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from arena_core import (
-    LIMITS,
-    ConfigurationError,
-    InputFileError,
-    NonNegative,
-    NonNegativeInt,
-    PedestrianSpec,
-    Pose,
-    Positive,
-    PositiveInt,
-    World,
-    WorldSource,
-    generator,
-    is_file,
-    read_bytes,
-)
+from arena_core import ConfigurationError, InputFileError, PedestrianSpec, Pose, World, WorldSource, generator
+from arena_core.files import LIMITS, is_file, read_bytes
+from arena_core.parameters import NonNegative, NonNegativeInt, Positive, PositiveInt
 from arena_worlds.formats.animation import Animation, read_animation
 from arena_worlds.formats.barn import world_files
 from arena_worlds.formats.sdf import ALLOWED, measures, models_of, solids_of_models

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from xml.etree import ElementTree
 
-from arena_core import write_text_whole
+from arena_core.files import write_text_whole
 from arena_worlds.formats.animation import animation_source
 from arena_worlds.generators.dynabarn import DynabarnWorlds, Mover, MovingField
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-from arena_core import OccupancyGrid, Positive, World, WorldSource
+from arena_core import OccupancyGrid, World, WorldSource
+from arena_core.parameters import Positive
 from arena_worlds.generators.canvas import Canvas
 
 

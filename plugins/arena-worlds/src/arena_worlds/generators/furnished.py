@@ -9,22 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from arena_core import (
-    ConfigurationError,
-    Furniture,
-    FurnitureKind,
-    ImpossibleScenario,
-    NonNegative,
-    NonNegativeInt,
-    OccupancyGrid,
-    Pose,
-    Samples,
-    World,
-    WorldSource,
-    generator,
-    outlines,
-    with_obstacles,
-)
+from arena_core import ConfigurationError, Furniture, ImpossibleScenario, OccupancyGrid, Pose, World, WorldSource, generator
+from arena_core.parameters import NonNegative, NonNegativeInt, Samples
+from arena_core.scenes import FurnitureKind, outlines, with_obstacles
 from arena_worlds.generators.generated import Count
 from arena_worlds.reachable import places
 

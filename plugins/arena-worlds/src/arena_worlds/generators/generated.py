@@ -9,21 +9,8 @@ from typing import Annotated, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import (
-    FREE,
-    OCCUPIED,
-    Bounds,
-    ConfigurationError,
-    Fraction,
-    NonNegative,
-    NonNegativeInt,
-    OccupancyGrid,
-    Positive,
-    PositiveInt,
-    World,
-    WorldSource,
-    generator,
-)
+from arena_core import FREE, OCCUPIED, ConfigurationError, OccupancyGrid, World, WorldSource, generator
+from arena_core.parameters import Bounds, Fraction, NonNegative, NonNegativeInt, Positive, PositiveInt
 from arena_worlds.generators.canvas import Canvas
 from arena_worlds.generators.likeness import Likeness
 from arena_worlds.reachable import keep_reachable

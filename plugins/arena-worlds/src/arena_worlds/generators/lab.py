@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
 
-from arena_core import ConfigurationError, OccupancyGrid, Positive, World, WorldSource
+from arena_core import ConfigurationError, OccupancyGrid, World, WorldSource
+from arena_core.parameters import Positive
 from arena_worlds.generators.canvas import Canvas
 
 

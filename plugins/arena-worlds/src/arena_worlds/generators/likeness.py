@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from arena_core import Fraction, Positive
+from arena_core.parameters import Fraction, Positive
 from arena_worlds.widths import Widths
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from arena_core import ConfigurationError, NonNegativeInt, World, WorldSource, generator
+from arena_core import ConfigurationError, World, WorldSource, generator
+from arena_core.parameters import NonNegativeInt
 
 
 class MixedWorlds(WorldSource):

@@ -8,7 +8,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Bounds, NonNegative, Positive
+from arena_core.parameters import Bounds, NonNegative, Positive
 from arena_worlds.formats.animation import Animation
 
 Floats = NDArray[np.float64]

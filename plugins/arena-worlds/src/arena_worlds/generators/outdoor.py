@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ConfigurationError, NonNegative, Positive
+from arena_core import ConfigurationError
+from arena_core.parameters import NonNegative, Positive
 from arena_worlds.generators.canvas import Canvas
 from arena_worlds.generators.generated import Count, Generated, Misdrawn, Span
 

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from arena_core import FREE, ConfigurationError, Fraction, Positive
+from arena_core import FREE, ConfigurationError
+from arena_core.parameters import Fraction, Positive
 from arena_worlds.generators.canvas import WALL_CELLS, Canvas
 from arena_worlds.generators.floor_plan import Room, choose_doors, part
 from arena_worlds.generators.furniture import Furnisher

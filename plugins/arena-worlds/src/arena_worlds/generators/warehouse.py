@@ -7,7 +7,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from arena_core import ConfigurationError, NonNegative, NonNegativeInt, OccupancyGrid, Positive, World, WorldSource, generator
+from arena_core import ConfigurationError, OccupancyGrid, World, WorldSource, generator
+from arena_core.parameters import NonNegative, NonNegativeInt, Positive
 from arena_worlds.generators.canvas import Canvas
 
 

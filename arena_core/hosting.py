@@ -1,0 +1,88 @@
+"""What applications that run components need (a ROS node, a trainer, a studio): registry, composition, episode loop, executors, forms."""
+
+from arena_core.base.errors import (
+    BrokenPlugin,
+    ContractViolation,
+    DuplicateComponent,
+    InvalidCandidates,
+    RunFolderError,
+    RunStopped,
+    UnknownComponent,
+)
+from arena_core.config.configuration import compose, plain
+from arena_core.config.registry import Registry, load_registry
+from arena_core.contracts.learning import Situation
+from arena_core.contracts.navigation import OFF_PATH, REPLAN_REASONS, WAYPOINT_FOUND, WAYPOINT_TIMEOUT
+from arena_core.contracts.running import Executor, Finished, Job, Lost
+from arena_core.loop.episode_loop import CommandQueue, EpisodeLoop, Verdicts
+from arena_core.loop.execution import Timing, mission_of, run_episode
+from arena_core.loop.guide import Guide, Mission, ReplanRules, View, pose_at_scan
+from arena_core.loop.navigator import NAVIGATOR_KEYS, Decision, Navigator
+from arena_core.loop.navigator import Spent as NavigatorSpent
+from arena_core.runs.benchmark import Benchmark, build_benchmark, build_guide, check_sections
+from arena_core.runs.budgets import Budgets
+from arena_core.runs.code_digest import Code, code_of
+from arena_core.runs.executors import ProcessExecutor
+from arena_core.runs.forms import Field, Form, check_settings, default_options, form_of, option_names, settings_form
+from arena_core.runs.nodes import Delivery, Node, OtherCode, take_in
+from arena_core.runs.outside import OutsideRun
+from arena_core.values.staging import Staging
+
+__all__ = [
+    "NAVIGATOR_KEYS",
+    "OFF_PATH",
+    "REPLAN_REASONS",
+    "WAYPOINT_FOUND",
+    "WAYPOINT_TIMEOUT",
+    "Benchmark",
+    "BrokenPlugin",
+    "Budgets",
+    "Code",
+    "CommandQueue",
+    "ContractViolation",
+    "Decision",
+    "Delivery",
+    "DuplicateComponent",
+    "EpisodeLoop",
+    "Executor",
+    "Field",
+    "Finished",
+    "Form",
+    "Guide",
+    "InvalidCandidates",
+    "Job",
+    "Lost",
+    "Mission",
+    "Navigator",
+    "NavigatorSpent",
+    "Node",
+    "OtherCode",
+    "OutsideRun",
+    "ProcessExecutor",
+    "Registry",
+    "ReplanRules",
+    "RunFolderError",
+    "RunStopped",
+    "Situation",
+    "Staging",
+    "Timing",
+    "UnknownComponent",
+    "Verdicts",
+    "View",
+    "build_benchmark",
+    "build_guide",
+    "check_sections",
+    "check_settings",
+    "code_of",
+    "compose",
+    "default_options",
+    "form_of",
+    "load_registry",
+    "mission_of",
+    "option_names",
+    "plain",
+    "pose_at_scan",
+    "run_episode",
+    "settings_form",
+    "take_in",
+]
