@@ -9,6 +9,7 @@ from arena_core.base.errors import (
     RunStopped,
     UnknownComponent,
 )
+from arena_core.base.optional import require_extra
 from arena_core.config.configuration import compose, plain
 from arena_core.config.registry import Registry, load_registry
 from arena_core.contracts.learning import Situation
@@ -82,6 +83,7 @@ __all__ = [
     "option_names",
     "plain",
     "pose_at_scan",
+    "require_extra",
     "run_episode",
     "settings_form",
     "take_in",

@@ -63,7 +63,7 @@ def hall(people: int) -> Scenario:
 
 
 def ours(people: int, worlds: int = 1, preset: str = "social_force") -> Callable[[], None]:
-    """Return steps of arena-pedsim's crowd in so many worlds, each with random numbers of its own."""
+    """Return steps of the social-force crowd in so many worlds, each with random numbers of its own."""
     scenario = hall(people)
     scenarios = [replace(scenario, seed=seed) for seed in range(worlds)]
     node: Any = plain(compose([], f"pedestrians/{preset}").pedestrians)

@@ -26,8 +26,8 @@ PLUGINS = Path(__file__).resolve().parents[1] / "plugins"
 ENDLESS = str(10**9)  # steps
 DOMAIN = str(100 + os.getpid() % 100)
 NODES = {
-    "ros1": ["/usr/bin/python3", str(PLUGINS / "arena-ros1/tests/ros1/follower.py"), ENDLESS],
-    "ros2-dds": [sys.executable, str(PLUGINS / "arena-ros2/tests/follower.py"), ENDLESS, DOMAIN],
+    "ros1": ["/usr/bin/python3", str(PLUGINS / "arena-ros/tests/ros1/follower.py"), ENDLESS],
+    "ros2-dds": [sys.executable, str(PLUGINS / "arena-ros/tests/ros2/follower.py"), ENDLESS, DOMAIN],
 }
 
 

@@ -26,7 +26,7 @@ def main() -> int:
         project = Path(folder) / "lab"
         for name in ("maps", "scenarios"):
             shutil.copytree(TOP / "tests" / "data" / name, project / name)
-        shutil.copytree(TOP / "plugins" / "arena-scenarios" / "src" / "arena_scenarios" / "packs" / "arena", project / "arena")
+        shutil.copytree(TOP / "plugins" / "arena-tasks" / "src" / "arena_scenarios" / "packs" / "arena", project / "arena")
         with studio(project) as address, browser() as chromium:
             page = chromium.new_page(viewport=WINDOW)
             page.set_default_timeout(PATIENCE)

@@ -61,7 +61,20 @@ def contracts():
 
 
 def test_contracts_take_plugins_from_their_folders(contracts):
-    assert contracts.packages() == [plugin.name.replace("-", "_") for plugin in PLUGINS]
+    assert contracts.packages() == sorted(package.name for plugin in PLUGINS for package in plugin.glob("src/*"))
+
+
+@plugins
+def test_distribution_brings_all_its_packages(plugin):
+    packages = {f"src/{package.name}" for package in plugin.glob("src/*") if package.is_dir()}
+    project = settings(plugin)
+    assert set(project["tool"]["hatch"]["build"]["targets"]["wheel"]["packages"]) == packages
+    points = project["project"].get("entry-points", {}).get("arena", {})
+    assert {f"src/{module}" for module in points.values()} <= packages
+
+
+def test_there_are_at_most_30_distributions():
+    assert len(PLUGINS) + 1 <= 30
 
 
 def test_plugin_of_a_new_folder_is_under_the_contracts(contracts):

@@ -70,8 +70,9 @@ def distributions() -> dict[str, tuple[str, str]]:
 
 @lru_cache(maxsize=1)
 def _distributions(places: tuple[tuple[str, int], ...]) -> dict[str, tuple[str, str]]:
-    read = {point.name: point.dist.metadata for point in _installed(places) if point.dist}
-    return {plugin: (metadata["Name"], metadata["Version"]) for plugin, metadata in read.items()}
+    brought = {point.name: point.dist for point in _installed(places) if point.dist}
+    metadata = {found: found.metadata for found in set(brought.values())}
+    return {plugin: (metadata[found]["Name"], metadata[found]["Version"]) for plugin, found in brought.items()}
 
 
 def config_packages(manager: pluggy.PluginManager) -> dict[str, str]:

@@ -28,7 +28,7 @@ class Metadata:
 
 
 def possible_modes() -> tuple[str, ...]:
-    """Return the modes that work here: none without arena-drawing, and no window without a display."""
+    """Return the modes that work here: none without arena-viewer, and no window without a display."""
     try:
         from arena_drawing.frames import has_display
     except ImportError:
@@ -45,7 +45,7 @@ class Renderer:
         try:
             import arena_drawing.frames  # noqa: F401 - an extra: say at once where it is missing
         except ImportError as error:
-            raise ConfigurationError(f"render_mode is {mode}, which needs arena-drawing; allowed: arena-gym[render], or none") from error
+            raise ConfigurationError(f"render_mode is {mode}, which needs arena-viewer; allowed: arena-gym[render], or none") from error
         self.mode = mode
         self._batch = batch
         self._painters: dict[int, tuple[Episode, FramePainter]] = {}

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, ClassVar
 
 from arena_core import ConfigurationError
 from arena_core.commands import Command, complete_overrides, key_value, read_words
 from arena_core.files import option_files
-from arena_core.hosting import load_registry
+from arena_core.hosting import load_registry, require_extra
 from arena_gym.building import compose_training
 
 USAGE = (
@@ -33,7 +32,7 @@ class TrainCommand(Command):
         if any(word in ("-h", "--help") for word in arguments):
             print(f"usage: {USAGE}")
             return 0
-        _check_installed()
+        require_extra("arena train", NEEDED, "arena-gym[train]")
         words = read_words(USAGE, arguments, keys=OWN, overrides=None)
         resume = words.keys.get("resume", "false")
         if resume not in RESUME:
@@ -91,9 +90,3 @@ def _check_unused(config: Mapping[str, Any]) -> None:
             raise ConfigurationError(
                 f"{key}.{name} is {config[key][name]}; allowed: null for {config['planner']}, which trains in a way of its own"
             )
-
-
-def _check_installed() -> None:
-    missing = [name for name in NEEDED if find_spec(name) is None]
-    if missing:
-        raise ConfigurationError(f"arena train needs {', '.join(missing)}; install the extra arena-gym[train]")

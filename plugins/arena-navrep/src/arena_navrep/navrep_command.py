@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
 from arena_core import ConfigurationError
 from arena_core.commands import Command, complete_overrides, read_words
+from arena_core.hosting import require_extra
 from arena_core.parameters import Bounds, NonNegativeInt
 
 STAGES = ("record", "vision", "memory")
@@ -36,7 +36,7 @@ class NavrepCommand(Command):
             return _show_evidence(words)
         if stage not in (*STAGES, "all"):
             raise ConfigurationError(f"stage is {stage}; allowed: {', '.join(STAGES)}, all, evidence")
-        _check_installed(NEEDED)
+        require_extra("arena navrep", NEEDED, "arena-navrep[train]")
         given = read_words(USAGE, words, keys=OWN, overrides=None)
         resume = given.value("resume", bool, False)
         from arena_gym.building import compose_training
@@ -50,12 +50,6 @@ class NavrepCommand(Command):
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
         """Return the stages, then overrides of the world model's training."""
         return complete_overrides(words, word, primary="world_model") if words else (*STAGES, "all", "evidence")
-
-
-def _check_installed(names: Sequence[str]) -> None:
-    missing = [name for name in names if find_spec(name) is None]
-    if missing:
-        raise ConfigurationError(f"arena navrep needs {', '.join(missing)}; install the extra arena-navrep[train]")
 
 
 def _run_stage(stage: str, config: Mapping[str, Any], folder: Path, resume: bool) -> None:
@@ -86,7 +80,7 @@ def _show_evidence(words: Sequence[str]) -> int:
     if not given.keys.keys() & {"policy", "out"}:
         raise ConfigurationError(f"policy and out are missing; allowed: {EVIDENCE}")
     episodes, seed = given.value("episodes", PAIRS, 200), given.value("seed", NonNegativeInt, 1000)
-    _check_installed(("arena_gym",))
+    require_extra("arena navrep evidence", ["arena_gym"], "arena-navrep[train]")
     from arena_navrep.evidence import foresight, worth_of_memory
 
     if "out" in given.keys:

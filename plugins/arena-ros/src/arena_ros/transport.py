@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from importlib.metadata import entry_points
+from importlib import import_module
+from importlib.metadata import EntryPoint, entry_points
 from typing import ClassVar
 
 from arena_core import ConfigurationError
@@ -49,13 +50,18 @@ class Transport(ABC):
 
 
 def open_transport(name: str | None, node: str) -> Transport:
-    """Return a node on the transport of a name, on the only one that is installed where there is no name."""
+    """Return a node on the transport of a name, on the only one whose ROS is installed where there is no name."""
     found = {point.name: point for point in entry_points(group=GROUP)}
-    allowed = ", ".join(sorted(found)) or "none is installed; pip install arena-ros1 or arena-ros2"
-    usual = [each for each in found if "-" not in each]  # a name with a hyphen is a variant, taken only where it is said
-    if name is None and len(usual) == 1:
-        name = usual[0]
+    if name is None:
+        usual = [each for each in found if "-" not in each and _is_available(found[each])]  # with a hyphen: a variant, taken only by name
+        name = usual[0] if len(usual) == 1 else None
     if name not in found:
-        raise ConfigurationError(f"transport is {name or 'not said'}; allowed: {allowed}")
+        raise ConfigurationError(f"transport is {name or 'not said'}; allowed: {', '.join(sorted(found)) or 'none is installed'}")
     transport: Callable[[str], Transport] = found[name].load()
     return transport(node)
+
+
+def _is_available(point: EntryPoint) -> bool:
+    """Return what the function ``available`` of a transport's module returns; true where it has none."""
+    available: Callable[[], bool] | None = getattr(import_module(point.module), "available", None)
+    return available is None or available()

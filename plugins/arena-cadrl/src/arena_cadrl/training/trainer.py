@@ -34,7 +34,7 @@ from arena_policies.actions import ActionRange
 from arena_policies.card import PolicyCard, sha256, write_card
 
 CHECKPOINT, CURVE = "checkpoint.pt", "curve.json"
-PACKAGES = ("arena-core", "arena-cadrl", "arena-gym", "arena-orca", "arena-policies", "arena-sim2d", "arena-pedsim", "torch", "onnx")
+PACKAGES = ("arena-core", "arena-cadrl", "arena-gym", "arena-orca", "arena-policies", "arena-sim2d", "arena-crowds", "torch", "onnx")
 EPISODES_APART = 2**20  # between the episode seeds of a training's parts
 
 

@@ -35,7 +35,7 @@ from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.card import PolicyCard, part_path, sha256, write_card
 from arena_policies.network import network_content
 
-PACKAGES = ("arena-core", "arena-gym", "arena-policies", "arena-sim2d", "arena-pedsim", "torch", "stable-baselines3", "onnx")
+PACKAGES = ("arena-core", "arena-gym", "arena-policies", "arena-sim2d", "arena-crowds", "torch", "stable-baselines3", "onnx")
 TESTED = "test.json"
 NO_PART = ("metrics", "executor", "command", "listing")  # kinds that have no part in a training
 

@@ -26,7 +26,7 @@ from arena_navrep.training.vision import Vision
 from arena_navrep.world_model import PartCard, load_part, write_part
 from arena_policies.card import sha256
 
-PACKAGES = ("arena-core", "arena-gym", "arena-navrep", "arena-policies", "arena-sim2d", "arena-pedsim", "torch", "onnx")
+PACKAGES = ("arena-core", "arena-gym", "arena-navrep", "arena-policies", "arena-sim2d", "arena-crowds", "torch", "onnx")
 
 
 def check_settings(config: Mapping[str, Any]) -> None:

@@ -8,6 +8,7 @@ from typing import ClassVar
 
 from arena_core import ConfigurationError
 from arena_core.commands import Command, Words, read_words
+from arena_core.hosting import require_extra
 from arena_core.parameters import NonNegativeInt
 from arena_tasks.scenario_files.problem import PersonDefaults, Problem, noted
 from arena_tasks.scenario_files.scenario_file import ScenarioFile, read_scenario_file
@@ -28,6 +29,7 @@ class DrawCommand(Command):
         if "-h" in arguments or "--help" in arguments:
             print(self.help)
             return 0
+        require_extra("arena scenario draw", ["arena_drawing"], "arena-tasks[draw]")
         words = read_words(USAGE, arguments, names=1, keys=KEYS, overrides=KINDS)
         path = Path(words.names[0])
         target = Path(words.keys.get("to", path.with_suffix(".png").name))

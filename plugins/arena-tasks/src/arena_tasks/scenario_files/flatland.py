@@ -15,7 +15,7 @@ from arena_tasks.scenario_files.problem import MOST_REPEATS, Keys, PersonDefault
 
 TITLES = ("scenarios", "scenerios")  # the second is how arena-rosnav's own example was written
 MODES = ("yoyo", "loop", "once")
-MOST_WATCHERS = 8  # that a person may wait for; the number of zones that a person of arena-pedsim has
+MOST_WATCHERS = 8  # that a person may wait for; the number of zones that a person of pedestrians=social_force has
 BEHAVIOUR = {  # what a moving obstacle's keys are called in a person's behaviour
     "chatting_probability": "chatting_probability",
     "obstacle_force_factor": "force_factor_obstacle",

@@ -1,0 +1,134 @@
+"""Topics of ROS 1 by rospy; messages go through as bytes, so that none of ROS's message packages is needed."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, ClassVar
+
+from arena_core import ArenaError
+from arena_core.commands import one_line
+from arena_ros.codec import Ros, codec
+from arena_ros.transport import Heard, Publish, Transport
+
+DEBIAN = "/usr/lib/python3/dist-packages"  # appended, so that packages of the environment at hand come first
+NEEDED = "rospy is not installed; allowed: apt install python3-rospy (Debian, the same Python), or a shell that has sourced a ROS 1 install"
+
+
+def available() -> bool:
+    """Return whether rospy is installed, or lies where Debian puts it."""
+    return find_spec("rospy") is not None or (Path(DEBIAN) / "rospy").is_dir()
+
+
+class Ros1(Transport):
+    """A node at the master that ROS_MASTER_URI names."""
+
+    ros: ClassVar[Ros] = 1
+
+    def __init__(self, node: str) -> None:
+        self._rospy = _rospy()
+        master = _master()
+        try:
+            master.getPid()
+        except Exception as error:  # whatever a socket or XML-RPC raises
+            raise ArenaError(
+                f"no ROS master at {master.master_uri} ({one_line(str(error), 60)}); allowed: start roscore or rosmaster"
+            ) from None
+        self._master = master
+        self._closed = False
+        try:
+            self._rospy.init_node(node, anonymous=True, disable_signals=True, disable_rosout=True)
+        except Exception as error:
+            raise ArenaError(f"the node {node} cannot begin ({one_line(str(error), 80)})") from None
+
+    def publisher(self, topic: str, type: str, latched: bool = False) -> Publish:
+        """Return what publishes."""
+        kind = self._type(type)
+        publisher = self._rospy.Publisher(topic, kind, latch=latched, queue_size=10, tcp_nodelay=True)
+
+        def publish(content: bytes) -> None:
+            if self._closed:
+                return
+            message = kind()
+            message._buff = content
+            with suppress(self._rospy.ROSException):  # the master, or all of ROS, is gone
+                publisher.publish(message)
+
+        return publish
+
+    def subscribe(self, topic: str, type: str, heard: Heard, latched: bool = False) -> None:
+        """Hear a topic, in rospy's thread."""
+        self._rospy.Subscriber(topic, self._type(type), lambda message: heard(message._buff), queue_size=10, tcp_nodelay=True)
+
+    def topics(self) -> Mapping[str, str]:
+        """Return what is published at the master."""
+        try:
+            return {topic: "/msg/".join(kind.split("/")) for topic, kind in self._master.getPublishedTopics("")}
+        except Exception as error:
+            raise ArenaError(f"the ROS master does not answer any more ({one_line(str(error), 60)})") from None
+
+    def rivals(self, topic: str) -> list[str]:
+        """Return who else publishes, as the master knows."""
+        try:
+            publishers = dict(self._master.getSystemState()[0]).get(topic, [])
+        except Exception as error:
+            raise ArenaError(f"the ROS master does not answer any more ({one_line(str(error), 60)})") from None
+        return sorted(name for name in publishers if name != self._rospy.get_name())
+
+    def serve(self, name: str, act: Callable[[], None]) -> bool:
+        """Offer a service, where std_srvs is installed."""
+        try:
+            from std_srvs.srv import Empty, EmptyResponse
+        except ImportError:
+            return False
+
+        def answer(request: Any) -> Any:
+            act()
+            return EmptyResponse()
+
+        self._rospy.Service(name, Empty, answer)
+        return True
+
+    def close(self) -> None:
+        """Leave the master."""
+        if not self._closed:
+            self._closed = True
+            self._rospy.signal_shutdown("done")
+
+    def _type(self, name: str) -> type[Any]:
+        """Return a type of rospy's whose messages are the bytes themselves."""
+        text, digest = codec(1).definition(name)
+        short = name.replace("/msg/", "/")
+        fields = {"_type": short, "_md5sum": digest, "_full_text": text, "serialize": _serialize, "__slots__": ["_buff"]}
+        return type(short.rpartition("/")[2], (self._rospy.AnyMsg,), fields)
+
+
+def _serialize(message: Any, buffer: Any) -> None:
+    buffer.write(message._buff)
+
+
+def _rospy() -> Any:
+    try:
+        import rospy
+    except ImportError:
+        if not (Path(DEBIAN) / "rospy").is_dir():
+            raise ArenaError(NEEDED) from None
+        if DEBIAN not in sys.path:
+            sys.path.append(DEBIAN)
+        try:
+            import rospy
+        except ImportError as error:
+            raise ArenaError(f"{NEEDED} ({one_line(str(error), 80)})") from None
+    return rospy
+
+
+def _master() -> Any:
+    import rosgraph
+
+    try:
+        return rosgraph.Master("/arena")
+    except Exception as error:
+        raise ArenaError(f"ROS_MASTER_URI is of no use ({one_line(str(error), 80)})") from None

@@ -1,0 +1,78 @@
+"""Nodes of rclpy, with Fast DDS, beside ours that speak DDS by Cyclone: driven, relayed, asked as a planner."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from arena_core.records import read_record
+from arena_ros.testing import ARENA, Probe, running, until, world, write_site
+from arena_ros.testing.drives import drive, robot
+from arena_ros.testing.processes import done, said
+from arena_ros2.dds import Dds
+
+pytestmark = pytest.mark.ros2
+ENDLESS = "1000000000"  # steps
+
+
+@pytest.fixture
+def site(tmp_path: Path) -> Path:
+    """A room, and a problem in it."""
+    return write_site(tmp_path)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def domain() -> Iterator[None]:
+    """A domain of its own, on this machine alone; processes that are started find the wheels of ROS 2, this one does not."""
+    before, wheels = dict(os.environ), Path(sys.prefix) / "ros2"
+    packages = wheels / "lib" / f"python{sys.version_info.major}.{sys.version_info.minor}" / "site-packages"
+    libraries = [wheels / "lib", *wheels.glob("*.libs")]
+    os.environ |= {"ROS_DOMAIN_ID": str(100 + os.getpid() % 100), "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+    os.environ |= {"PYTHONPATH": f"{packages}:{wheels}", "LD_LIBRARY_PATH": ":".join(map(str, libraries))}
+    yield
+    os.environ.clear()
+    os.environ |= before
+
+
+def test_ros2_is_rclpy_where_rclpy_is() -> None:
+    asked = "from arena_ros.transport import open_transport as o; node = o('ros2', 'who'); print(type(node).__name__); node.close()"
+    ended = done(sys.executable, "-c", asked)
+    assert ended.stdout == "Rclpy\n", ended.stderr
+
+
+@pytest.mark.parametrize(("of_robot", "of_driver"), [("ros2-rclpy", "ros2-dds"), ("ros2-dds", "ros2-rclpy")])
+def test_a_robot_is_driven_by_a_node_of_another_make(site: Path, of_robot: str, of_driver: str) -> None:
+    with robot(of_robot, site, site / "robot.txt"):
+        ended = done(*drive(of_driver, site, site / "run", "patience=60"))
+    assert ended.returncode == 0, ended.stdout + ended.stderr
+    assert read_record(site / "run" / "records" / "0000.npz").meta["outcome"] == "goal_reached"
+
+
+def test_killed_driver_leaves_a_robot_that_stands_within_half_a_second(site: Path) -> None:
+    probe = Probe(Dds("probe"))
+    watch = [ARENA, "ros", "watchdog", "transport=ros2-rclpy"]
+    with robot("ros2-rclpy", site, site / "robot.txt"), running(*watch, log=site / "watch.txt"):
+        until(said(site / "watch.txt", "watching"), 60.0)
+        with running(*drive("ros2-rclpy", site, site / "run", "patience=60", "cmd_vel=/arena/cmd_vel"), log=site / "drive.txt") as driver:
+            until(lambda: probe.speed() > 0.4, 120.0)
+            driver.kill()
+            killed = time.monotonic()
+            until(lambda: probe.speeds[-1][0] > killed + 1.0, 20.0)
+    probe.node.close()
+    moving = [stamp for stamp, speed in probe.speeds if killed < stamp < killed + 1.0 and speed > 0.01]
+    assert max(moving, default=killed) - killed <= 0.5
+
+
+def test_a_node_of_rclpy_is_a_planner(site: Path) -> None:
+    node = [sys.executable, str(Path(__file__).with_name("rclpy_follower.py")), ENDLESS]
+    rest = ["episodes=1", "executor=serial", "report=false", f"hydra.run.dir={site}/run", "planner.transport=ros2-dds"]
+    with running(*node, log=site / "node.txt"):
+        run = [ARENA, "run", "planner=ros_external", *world(site), *rest]
+        ended = done(*run)
+    assert ended.returncode == 0, ended.stdout + ended.stderr + (site / "node.txt").read_text()
+    assert read_record(site / "run" / "records" / "0000.npz").meta["outcome"] == "goal_reached"
