@@ -13,7 +13,7 @@ from arena_core.testing import free_costmap, robot
 from arena_core.values.world import LETHAL
 
 RULES = RecoveryRules(
-    ["clear", "clear_far", "turn", "back_up", "wait"], 0.5, 10.0, 3.0, 3.0, 5.0, 1.5, 1.0, 0.3, 0.15, 0.5, 0.4, 60.0, 0.3, None
+    ["clear", "clear_far", "turn", "back_up", "wait"], 0.5, 10.0, 3.0, 3.0, 5.0, 1.5, 1.0, 0.3, 0.15, 0.5, 0.4, 60.0, 0.3, 2.0, None, None
 )
 HERE, AHEAD = Pose(0.0, 0.0, 0.0), Pose(0.0, 2.0)  # the waypoint is to the left
 PERIOD = 0.1
@@ -178,6 +178,23 @@ def test_drive_on_turns_to_the_waypoint_first_and_then_drives_its_distance():
 def test_drive_on_stops_before_a_wall():
     wall = window(blocked_xy=[(x, 0.45) for x in np.arange(-0.5, 0.5, 0.05)])
     assert 0.1 < drive(only("drive_on"), wall)[-1].y < RULES.drive_on_distance - 0.05
+
+
+def circling(recoveries, radius, seconds):
+    """Let the robot drive in a circle at 0.5 m/s; return what began: (stamp, what its event says)."""
+    angles = [0.05 * k / radius for k in range(round(seconds / PERIOD) + 1)]
+    begun = [(0.1 * k, recoveries.begin(Pose(radius * math.cos(a), radius * math.sin(a)), 0.1 * k)) for k, a in enumerate(angles)]
+    return [(round(stamp, 1), b.event.detail) for stamp, b in begun if b is not None]
+
+
+def test_robot_that_drives_in_circles_tries_the_behaviours_in_turn():
+    said = circling(only("clear", "detour", circle_time=30.0), 0.7, 45.0)
+    assert said == [(30.0, "clear: drives in circles"), (40.0, "detour: drives in circles")]
+
+
+@pytest.mark.parametrize(("radius", "circle_time"), [(0.7, None), (2.1, 30.0)])
+def test_robot_that_drives_in_wide_circles_or_may_do_so_is_left_alone(radius, circle_time):
+    assert circling(only("clear", circle_time=circle_time), radius, 100.0) == []
 
 
 def leaning(recoveries, seconds, touches=True):

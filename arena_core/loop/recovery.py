@@ -34,7 +34,8 @@ class RecoveryRules:
     after the one before. ``clear_beyond`` m is what ``clear_far`` keeps; ``wait_time`` s; ``turn_angle`` rad at ``turn_speed`` rad/s;
     ``back_up_distance`` m at ``back_up_speed`` m/s. ``detour`` plans for ``detour_time`` s as if a disc of ``detour_radius`` m stood on the
     path, ``detour_ahead`` m ahead. ``drive_on`` turns to the waypoint and drives ``drive_on_distance`` m at ``back_up_speed``. A robot that
-    has leaned on something for ``lean_time`` s (None: ever) is to move at once.
+    has leaned on something for ``lean_time`` s (None: ever) is to move at once. One that has stayed within ``circle_radius`` m for
+    ``circle_time`` s (None: ever) drives in circles: the behaviours are tried in turn, ``progress_time`` s apart.
     """
 
     behaviours: list[Behaviour]
@@ -51,6 +52,8 @@ class RecoveryRules:
     detour_radius: Positive
     detour_time: Positive
     drive_on_distance: Positive
+    circle_radius: Positive
+    circle_time: Positive | None
     lean_time: Positive | None
 
 
@@ -84,6 +87,9 @@ class Recoveries:
         self._due_at = math.inf
         self._tried = 0
         self._active: Behaviour | None = None
+        self._centre: Pose | None = None  # of the circle that the robot has not left since ``_circling_since``
+        self._circling_since = 0.0
+        self._circled = 0
         self._rest: Pose | None = None  # about where the robot has been since ``_rest_since``
         self._rest_since = 0.0
         self._leaned = 0
@@ -100,6 +106,10 @@ class Recoveries:
         if leaning is not None:
             self._due_at = max(self._due_at, stamp + self._rules.retry_time)
             return self._started(leaning, pose, stamp, f"{leaning}: leans on something")
+        if self._circles(pose, stamp):
+            behaviour = self._possible[self._circled % len(self._possible)]
+            self._circled += 1
+            return self._started(behaviour, pose, stamp, f"{behaviour}: drives in circles", behaviour == "detour")
         if self._active is not None or not self._possible or stamp < self._due_at - 1e-9:
             return None
         behaviour = self._possible[self._tried % len(self._possible)]
@@ -115,6 +125,16 @@ class Recoveries:
             self._turned, self._side = 0.0, 0.0
         clear_beyond = {"clear": 0.0, "clear_far": self._rules.clear_beyond}.get(behaviour)
         return Begun(behaviour, clear_beyond, Event(stamp, "recovery", detail), closes)
+
+    def _circles(self, pose: Pose, stamp: float) -> bool:
+        """Return whether the robot has driven about in one place for too long since the last behaviour that was begun for that."""
+        rules = self._rules
+        if self._centre is None or pose.distance(self._centre) >= rules.circle_radius:
+            self._centre, self._circling_since, self._circled = pose, stamp, 0
+        if rules.circle_time is None or self._active is not None or not self._possible:
+            return False
+        due = stamp - self._circling_since >= rules.circle_time + self._circled * rules.progress_time - 1e-9
+        return due and stamp < self._due_at - 1e-9
 
     def _leans(self, pose: Pose, stamp: float, touches: Callable[[], bool]) -> Behaviour | None:
         """Return the behaviour that brings the robot off what it has leaned on for too long, each in turn; None if it does not lean."""
