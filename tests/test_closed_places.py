@@ -184,7 +184,9 @@ def composed(preset, *words, robot="jackal"):
     [
         *((name, 0.03) for name in ("dwa", "teb", "mpc", "mppi")),
         ("orca", 0.1),
-        *((name, 0.15) for name in ("rosnav", "gring", "navrep", "navrep_v_only", "cadrl", "sarl", "aio", "aio_random")),
+        *((name, 0.15) for name in ("gring", "cadrl", "sarl")),
+        *((name, 0.25) for name in ("rosnav", "aio", "aio_random")),
+        *((name, 0.3) for name in ("navrep", "navrep_v_only")),
         *((name, 0.0) for name in ("dwa_as_released", "teb_as_released", "mpc_as_released", "mppi_as_nav2")),
         *((name, 0.0) for name in ("rosnav_as_paper", "gring_as_released", "navrep_as_released", "aio_as_released")),
     ],
