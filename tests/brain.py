@@ -27,7 +27,7 @@ from arena_core.testing import free_costmap, robot, room, sensors, straight_path
 
 GOAL = Pose(3.0, 0.0)
 WHEN_ASKED = ReplanRules(None, True, None, 0.0, 0.0)
-NO_RECOVERIES = RecoveryRules([], 0.5, 10.0, 3.0, 3.0, 5.0, 1.57, 1.0, 0.3, 0.15, 0.5, 0.4, 60.0, 0.3, None)
+NO_RECOVERIES = RecoveryRules([], 0.5, 10.0, 3.0, 3.0, 5.0, 1.57, 1.0, 0.3, 0.15, 0.5, 0.4, 60.0, 0.3, 2.0, None, None)
 
 
 class Odometer(Localizer):
