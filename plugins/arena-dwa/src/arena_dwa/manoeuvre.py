@@ -1,0 +1,162 @@
+"""The way out of a car: back along an arc, then forwards on a curve to the narrowest place ahead on the path, aligned with it.
+
+An arc of one velocity aligns no car with a door to which it comes obliquely; several can.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from arena_core import Pose, wrap_angle
+from arena_dwa.curves import along, shortest_way
+from arena_dwa.settings import Body, FloatArray, Limits
+from arena_dwa.trajectory import moved, stand_at
+from arena_dwa.way_out import Ground
+from arena_kernels.compiled import compiled
+from arena_kernels.paths import nearest_index
+from arena_kernels.window import Window, clearance, distance_at
+
+NEAREST, FARTHEST = 0.1, 1.0  # m along the path, between which its narrowest place is looked for
+ENOUGH = 0.15  # m of gap, beyond which more is worth nothing
+HEADINGS = np.linspace(-0.6, 0.6, 13)  # rad off the path's direction
+ASIDE = np.linspace(-0.06, 0.06, 7)  # m beside the path
+BENDS = np.array((0.0, 0.5, -0.5, 1.0, -1.0))  # of the tightest curve, back
+ROOM_TO_STEER = 1.15  # turning radii on which a curve is planned: the rest leads back to it
+SPEED, CREEP = 0.3, 0.1  # m/s on the way and at its corners
+SLOWING = 0.5  # s that what is left of a piece lasts at least
+STEP = 0.01  # m between two poses of a way
+LAG = 3  # poses that it drives in a control period: it steers by the curvature there
+LOOK = 30  # poses ahead, among which is the nearest
+SETTLED = 0.1  # m on which an error beside the way decays
+ARRIVED = 0.02  # m
+OFF_TRACK = 0.15  # m
+PATIENCE = 1.0  # s that it stands before something on its way
+RETRY = 0.2  # s from a search that finds no way until the next
+
+
+@compiled
+def ends_ahead(window: Window, body: Body, path: FloatArray, x: float, y: float, headings: FloatArray, aside: FloatArray) -> FloatArray:
+    """Return where a robot fits at the narrowest place ahead on ``path`` (M, 3): x, y (m), heading (rad) and gap (m) of each, (K, 4)."""
+    place, way, room, narrowest = nearest_index(path, x, y), 0.0, math.inf, -1
+    for i in range(place, len(path)):
+        if way > FARTHEST:
+            break
+        free = distance_at(window, path[i, 0], path[i, 1])
+        if way >= NEAREST and -math.inf < free < room:
+            room, narrowest = free, i
+        if i + 1 < len(path):
+            way += math.hypot(path[i + 1, 0] - path[i, 0], path[i + 1, 1] - path[i, 1])
+    ends, count = np.empty((len(headings) * len(aside), 4)), 0
+    if narrowest < 0:
+        return ends[:0]
+    before, after = max(0, narrowest - 3), min(len(path) - 1, narrowest + 3)
+    direction = math.atan2(path[after, 1] - path[before, 1], path[after, 0] - path[before, 0])
+    for off in aside:
+        px, py = path[narrowest, 0] - off * math.sin(direction), path[narrowest, 1] + off * math.cos(direction)
+        for turn in headings:
+            gap = clearance(window, body.outline, px, py, math.cos(direction + turn), math.sin(direction + turn), ENOUGH)
+            if gap >= body.padding:
+                ends[count] = px, py, direction + turn, min(gap, ENOUGH)
+                count += 1
+    return ends[:count]
+
+
+class Manoeuvre:
+    """Keeps to one way until it is driven, or the robot is off it."""
+
+    def __init__(self, back: float, least: float, limits: Limits) -> None:
+        self.least = least
+        self._back = back if limits.vx_min < 0.0 else 0.0
+        self._limits = limits
+        self._radius = ROOM_TO_STEER * limits.turn_radius
+        self._failed = -math.inf
+        self.clear()
+
+    def clear(self) -> None:
+        """Drive no way."""
+        self._legs: list[tuple[float, FloatArray]] = []
+        self._place, self._free_at = 0, 0.0
+
+    def _thinner(self, body: Body) -> Body:
+        return body._replace(padding=min(body.padding, self.least))
+
+    @property
+    def begun(self) -> bool:
+        """Whether a way is being driven."""
+        return bool(self._legs)
+
+    def rehearse(self, pose: Pose, ground: Ground) -> None:
+        """Look for a way to nowhere, so that the search is compiled before a control step needs it."""
+        self._way(pose, ground)
+
+    def begin(self, stamp: float, pose: Pose, ground: Ground) -> None:
+        """Look for a way from ``pose`` (``map``)."""
+        if 0.0 <= stamp - self._failed < RETRY:  # stamps begin anew with an episode
+            return
+        self._legs, self._place, self._free_at = legs(pose, self._way(pose, ground)), 0, stamp
+        if not self._legs:
+            self._failed = stamp
+
+    def _way(self, pose: Pose, ground: Ground) -> FloatArray:
+        """Return the pieces (4, 2) of the shortest way with the padding, of that with the least padding where there is none."""
+        start, bends = stand_at(pose.x, pose.y, pose.theta), BENDS / self._radius
+        pieces = np.zeros((4, 2))
+        for body in (ground.body, self._thinner(ground.body)):
+            ends = ends_ahead(ground.window, body, ground.path, pose.x, pose.y, HEADINGS, ASIDE)
+            pieces = shortest_way(ground.window, body, start, ends, self._radius, self._back, bends)
+            if pieces.any():
+                break
+        return pieces
+
+    def velocity(self, stamp: float, pose: Pose, velocities: FloatArray, time: float) -> FloatArray | None:
+        """Return the velocity (3,) within the window ``velocities`` (3, 2) that follows the way; None when it is done."""
+        while self._legs:
+            sign, leg = self._legs[0]
+            ahead = leg[self._place : self._place + LOOK]
+            off = np.hypot(ahead[:, 0] - pose.x, ahead[:, 1] - pose.y)
+            self._place += int(off.argmin())
+            left = len(leg) - 1 - self._place
+            if off.min() > OFF_TRACK:
+                self._legs = []
+            elif left * STEP < ARRIVED:
+                self._legs, self._place = self._legs[1:], 0
+            else:
+                return self._following(pose, sign, leg, velocities)
+        return None
+
+    def unless_held(self, stamp: float, velocity: FloatArray, free: bool) -> FloatArray | None:
+        """Return the velocity where it is ``free``; else stand for a while: a noisy scan marks a cell that the next one may clear."""
+        if free:
+            self._free_at = stamp
+            return velocity
+        return np.zeros(3) if stamp - self._free_at < PATIENCE else None
+
+    def _following(self, pose: Pose, sign: float, leg: FloatArray, velocities: FloatArray) -> FloatArray:
+        x, y, theta, _ = leg[self._place].tolist()
+        curvature = float(leg[min(self._place + LAG, len(leg) - 1), 3])
+        aside, off = Pose(x, y, theta).relative(pose).y, float(wrap_angle(pose.theta - theta))
+        tightest = 1.0 / self._limits.turn_radius
+        curvature = min(max(curvature - aside / SETTLED**2 - 2.0 * sign * off / SETTLED, -tightest), tightest)
+        speed = sign * min(SPEED, max(CREEP, (len(leg) - self._place) * STEP / SLOWING))
+        vx = min(max(speed, float(velocities[0, 0])), float(velocities[0, 1]))
+        return np.array((vx, 0.0, min(max(vx * curvature, float(velocities[2, 0])), float(velocities[2, 1]))))
+
+
+def legs(pose: Pose, pieces: FloatArray) -> list[tuple[float, FloatArray]]:
+    """Return the legs of a way of ``pieces`` (K, 2) from ``pose``: 1 or -1 for backwards, and poses with curvatures (N, 4), STEP apart."""
+    found: list[tuple[float, FloatArray]] = []
+    stand = stand_at(pose.x, pose.y, pose.theta)
+    for length, curvature in pieces.tolist():
+        parts = round(abs(length) / STEP)
+        rows = [(*moved(stand, along(length * k / parts, curvature)), curvature) for k in range(1, parts + 1)]
+        if not rows:
+            continue
+        x, y, cosine, sine, curvatures = np.array(rows).T
+        leg, sign = np.column_stack((x, y, np.arctan2(sine, cosine), curvatures)), math.copysign(1.0, length)
+        if found and found[-1][0] == sign:
+            leg = np.vstack((found.pop()[1], leg))
+        found.append((sign, leg))
+        stand = moved(stand, along(length, curvature))
+    return found
