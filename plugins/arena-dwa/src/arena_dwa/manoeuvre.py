@@ -1,4 +1,4 @@
-"""The way out of a car: back along an arc, then forwards on a curve to the narrowest place ahead on the path, aligned with it.
+"""The way out of a car: back along an arc, then forwards on a curve to the narrow place ahead on the path, aligned with it.
 
 An arc of one velocity aligns no car with a door to which it comes obliquely; several can.
 """
@@ -14,13 +14,14 @@ from arena_dwa.curves import along, shortest_way
 from arena_dwa.settings import Body, FloatArray, Limits
 from arena_dwa.trajectory import moved, stand_at
 from arena_dwa.way_out import Ground
-from arena_kernels.compiled import compiled
+from arena_kernels.compiled import borrowing, compiled
 from arena_kernels.paths import nearest_index
 from arena_kernels.window import Window, clearance, distance_at
 
-NEAREST, FARTHEST = 0.1, 1.0  # m along the path, between which its narrowest place is looked for
+NEAREST, FARTHEST = 0.1, 1.0  # m along the path, between which its narrow place is looked for
 ENOUGH = 0.15  # m of gap, beyond which more is worth nothing
-HEADINGS = np.linspace(-0.6, 0.6, 13)  # rad off the path's direction
+SHARE = 0.15  # m of path to either side, over which its direction is taken
+HEADINGS = np.linspace(-0.6, 0.6, 25)  # rad off the path's direction
 ASIDE = np.linspace(-0.06, 0.06, 7)  # m beside the path
 BENDS = np.array((0.0, 0.5, -0.5, 1.0, -1.0))  # of the tightest curve, back
 ROOM_TO_STEER = 1.15  # turning radii on which a curve is planned: the rest leads back to it
@@ -36,25 +37,33 @@ PATIENCE = 1.0  # s that it stands before something on its way
 RETRY = 0.2  # s from a search that finds no way until the next
 
 
+@borrowing
+def place_at(path: FloatArray, place: int, way: float) -> int:
+    """Return the first index of ``path`` (M, 3) that is ``way`` m beyond ``place``, or before it where that is negative; else its end."""
+    step = 1 if way > 0.0 else -1
+    left = abs(way)
+    while left > 0.0 and 0 <= place + step < len(path):
+        left -= math.hypot(path[place + step, 0] - path[place, 0], path[place + step, 1] - path[place, 1])
+        place += step
+    return place
+
+
 @compiled
 def ends_ahead(window: Window, body: Body, path: FloatArray, x: float, y: float, headings: FloatArray, aside: FloatArray) -> FloatArray:
-    """Return where a robot fits at the narrowest place ahead on ``path`` (M, 3): x, y (m), heading (rad) and gap (m) of each, (K, 4)."""
-    place, way, room, narrowest = nearest_index(path, x, y), 0.0, math.inf, -1
-    for i in range(place, len(path)):
-        if way > FARTHEST:
-            break
+    """Return where a robot fits at the narrow place ahead on ``path`` (M, 3): x, y (m), heading (rad) and gap (m) of each, (K, 4)."""
+    first, last = place_at(path, nearest_index(path, x, y), NEAREST), place_at(path, nearest_index(path, x, y), FARTHEST)
+    least = math.inf
+    for i in range(first, last + 1):
         free = distance_at(window, path[i, 0], path[i, 1])
-        if way >= NEAREST and -math.inf < free < room:
-            room, narrowest = free, i
-        if i + 1 < len(path):
-            way += math.hypot(path[i + 1, 0] - path[i, 0], path[i + 1, 1] - path[i, 1])
+        least = min(least, free) if free > -math.inf else least
+    narrow = first
+    while narrow < last and not -math.inf < distance_at(window, path[narrow, 0], path[narrow, 1]) <= least + window.resolution:
+        narrow += 1
     ends, count = np.empty((len(headings) * len(aside), 4)), 0
-    if narrowest < 0:
-        return ends[:0]
-    before, after = max(0, narrowest - 3), min(len(path) - 1, narrowest + 3)
+    before, after = place_at(path, narrow, -SHARE), place_at(path, narrow, SHARE)
     direction = math.atan2(path[after, 1] - path[before, 1], path[after, 0] - path[before, 0])
     for off in aside:
-        px, py = path[narrowest, 0] - off * math.sin(direction), path[narrowest, 1] + off * math.cos(direction)
+        px, py = path[narrow, 0] - off * math.sin(direction), path[narrow, 1] + off * math.cos(direction)
         for turn in headings:
             gap = clearance(window, body.outline, px, py, math.cos(direction + turn), math.sin(direction + turn), ENOUGH)
             if gap >= body.padding:

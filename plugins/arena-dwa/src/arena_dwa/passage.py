@@ -13,5 +13,5 @@ KEPT = 0.7  # share of the room that is kept: the rest is what the robot may be 
 @compiled
 def padding_along(window: Window, body: Body, path: FloatArray, x: float, y: float, ahead: float, least: float) -> float:
     """Return the padding, m, with which a robot at (x, y) can drive the next ``ahead`` m of ``path`` (M, 3), at least ``least``."""
-    room = room_along(window, body.outline, path, x, y, ahead)
+    room = room_along(window, body.outline, path, x, y, ahead) + body.outline.inscribed_radius - max(body.outline.inscribed_radius, body.half_width)
     return eased(body.padding, room, KEPT, least)
