@@ -1,4 +1,4 @@
-"""Ways of a car: the curves of Dubins (1957) that turn, drive straight and turn again, and a way back before them.
+"""Ways of a car: the curves of Dubins (1957) that turn, drive straight and turn again, after a way back; or forwards, then back.
 
 L. E. Dubins: On curves of minimal length with a constraint on average curvature, American Journal of Mathematics 79(3), 1957.
 """
@@ -16,7 +16,7 @@ from arena_kernels.window import CLOSE, Window, clearance, keeps_from_walls
 
 SPACING = 0.05  # m between two poses of a curve that are looked at: a usual cell
 LEAVING = 0.3  # m of way on which a robot that begins too near to something may get away from it
-BACK_COSTS = 1.0  # times more than forwards: the scanner may see nothing behind
+BACK_COSTS = 2.0  # times what forwards costs: the scanner may see nothing behind
 TIGHT_COSTS = 5.0  # m of way that a metre of gap is worth at the end
 LONGEST = 4.0  # m, at such costs: nobody drives a circle to wait for a door
 WHOLE = 2.0 * math.pi - 1e-6  # rad; a turn so long is none, but for rounding
@@ -67,48 +67,58 @@ def curve_is_free(window: Window, body: Body, start: Stand, way: float, stand: S
     """Tell whether arcs (K, 2) of lengths and curvatures, one after the other, are free from ``stand``, ``way`` m from ``start``."""
     for piece in range(len(pieces)):
         length, curvature = pieces[piece, 0], pieces[piece, 1]
-        parts = math.ceil(length / SPACING)
+        parts = math.ceil(abs(length) / SPACING)
         if parts == 0:
             continue
         step = along(length / parts, curvature)
         for _ in range(parts):
-            stand, way = moved(stand, step), way + length / parts
+            stand, way = moved(stand, step), way + abs(length) / parts
             if not stands_free(window, body, start, way, stand):
                 return False
     return True
 
 
 @compiled
-def shortest_way(window: Window, body: Body, start: Stand, ends: FloatArray, radius: float, back: float, bends: FloatArray) -> FloatArray:
+def shortest_way(window: Window, body: Body, start: Stand, ends: FloatArray, radius: float, first: float, bends: FloatArray) -> FloatArray:
     """Return length (m, negative: backwards) and curvature (1/m) of the pieces of the shortest free way to one of ``ends``, (4, 2).
 
-    It leads back for at most ``back`` m along one of ``bends`` (1/m), and then forwards on a curve of Dubins. ``ends`` (K, 4) are x, y (m),
-    heading (rad) and gap (m). Where there is no way, its lengths are 0.
+    It leads for at most ``first`` m along one of ``bends`` (1/m), and then the other way about on a curve of Dubins; without a first piece
+    that leads forwards. ``ends`` (K, 5) are x, y (m), heading (rad), gap (m) and gear: 1, or -1 to come there backwards. Where there is no
+    way, its lengths are 0.
     """
     best, least, pieces = np.zeros((4, 2)), LONGEST, np.zeros((4, 2))
-    for i in range(len(bends)):
-        stand, step = start, along(-SPACING, bends[i])
-        for k in range(int(back / SPACING) + 1):
-            if k > 0:
-                stand = moved(stand, step)
-                if not stands_free(window, body, start, k * SPACING, stand):
-                    break
-            elif i > 0:
-                continue
-            pieces[0, 0], pieces[0, 1] = -k * SPACING, bends[i]
-            behind = (1.0 + BACK_COSTS) * k * SPACING
-            for end in ends:
-                dx, dy = (end[0] - stand[0]) / radius, (end[1] - stand[1]) / radius
-                x, y = stand[2] * dx + stand[3] * dy, stand[2] * dy - stand[3] * dx
-                theta = end[2] - math.atan2(stand[3], stand[2])
-                for word in range(4):
-                    first, last = 1.0 - 2.0 * (word % 2), 1.0 - 2.0 * (word // 2)
-                    t, p, q = dubins(x, y, theta, first, last)
-                    cost = behind + radius * (t + p + q) - TIGHT_COSTS * end[3]
-                    if cost >= least:
+    for gear in (1.0, -1.0):
+        costs, first_costs = (1.0, BACK_COSTS) if gear > 0.0 else (BACK_COSTS, 1.0)
+        for i in range(len(bends)):
+            stand, step = start, along(-gear * SPACING, bends[i])
+            for k in range(int(first / SPACING) + 1):
+                way = k * SPACING
+                if k > 0:
+                    stand = moved(stand, step)
+                    if not stands_free(window, body, start, way, stand):
+                        break
+                elif i > 0:
+                    continue
+                pieces[0, 0], pieces[0, 1] = -gear * way, bends[i]
+                for end in ends:
+                    if end[4] != gear:
                         continue
-                    pieces[1, 0], pieces[1, 1] = radius * t, first / radius
-                    pieces[2, 0], pieces[3, 0], pieces[3, 1] = radius * p, radius * q, last / radius
-                    if curve_is_free(window, body, start, k * SPACING, stand, pieces[1:]):
-                        best[:], least = pieces, cost
+                    least_here = first_costs * way - TIGHT_COSTS * end[3]
+                    for word in range(4):
+                        length = join(stand, end, gear, radius, 1.0 - 2.0 * (word % 2), 1.0 - 2.0 * (word // 2), pieces[1:])
+                        cost = least_here + costs * length
+                        if cost < least and curve_is_free(window, body, start, way, stand, pieces[1:]):
+                            best[:], least = pieces, cost
     return best
+
+
+@borrowing
+def join(stand: Stand, end: FloatArray, gear: float, radius: float, first: float, last: float, pieces: FloatArray) -> float:
+    """Fill ``pieces`` (3, 2) with the curve of Dubins that leads in ``gear`` from ``stand`` to ``end``, and return its length, m."""
+    dx, dy = gear * (end[0] - stand[0]) / radius, gear * (end[1] - stand[1]) / radius  # backwards: as a car that looks the other way
+    x, y = stand[2] * dx + stand[3] * dy, stand[2] * dy - stand[3] * dx
+    turned, straight, turned_last = dubins(x, y, end[2] - math.atan2(stand[3], stand[2]), first, last)
+    pieces[0, 0], pieces[0, 1] = gear * radius * turned, gear * first / radius
+    pieces[1, 0], pieces[1, 1] = gear * radius * straight, 0.0
+    pieces[2, 0], pieces[2, 1] = gear * radius * turned_last, gear * last / radius
+    return radius * (turned + straight + turned_last)

@@ -50,7 +50,10 @@ def place_at(path: FloatArray, place: int, way: float) -> int:
 
 @compiled
 def ends_ahead(window: Window, body: Body, path: FloatArray, x: float, y: float, headings: FloatArray, aside: FloatArray) -> FloatArray:
-    """Return where a robot fits at the narrow place ahead on ``path`` (M, 3): x, y (m), heading (rad) and gap (m) of each, (K, 4)."""
+    """Return where a robot fits at the narrow place ahead on ``path`` (M, 3): x, y (m), heading (rad), gap (m) and gear, (K, 5).
+
+    It may come there forwards, gear 1, or backwards, -1.
+    """
     first, last = place_at(path, nearest_index(path, x, y), NEAREST), place_at(path, nearest_index(path, x, y), FARTHEST)
     least = math.inf
     for i in range(first, last + 1):
@@ -59,16 +62,19 @@ def ends_ahead(window: Window, body: Body, path: FloatArray, x: float, y: float,
     narrow = first
     while narrow < last and not -math.inf < distance_at(window, path[narrow, 0], path[narrow, 1]) <= least + window.resolution:
         narrow += 1
-    ends, count = np.empty((len(headings) * len(aside), 4)), 0
+    ends, count = np.empty((2 * len(headings) * len(aside), 5)), 0
     before, after = place_at(path, narrow, -SHARE), place_at(path, narrow, SHARE)
     direction = math.atan2(path[after, 1] - path[before, 1], path[after, 0] - path[before, 0])
     for off in aside:
         px, py = path[narrow, 0] - off * math.sin(direction), path[narrow, 1] + off * math.cos(direction)
         for turn in headings:
-            gap = clearance(window, body.outline, px, py, math.cos(direction + turn), math.sin(direction + turn), ENOUGH)
-            if gap >= body.padding:
-                ends[count] = px, py, direction + turn, min(gap, ENOUGH)
-                count += 1
+            for gear in (1.0, -1.0):
+                theta = direction + turn + (0.0 if gear > 0.0 else math.pi)
+                gap = clearance(window, body.outline, px, py, math.cos(theta), math.sin(theta), ENOUGH)
+                if gap >= body.padding:
+                    ends[count, 0], ends[count, 1], ends[count, 2] = px, py, theta
+                    ends[count, 3], ends[count, 4] = min(gap, ENOUGH), gear
+                    count += 1
     return ends[:count]
 
 
@@ -77,7 +83,7 @@ class Manoeuvre:
 
     def __init__(self, back: float, least: float, limits: Limits) -> None:
         self.least = least
-        self._back = back if limits.vx_min < 0.0 else 0.0
+        self._first = back if limits.vx_min < 0.0 else 0.0
         self._limits = limits
         self._radius = ROOM_TO_STEER * limits.turn_radius
         self._failed = -math.inf
@@ -114,7 +120,8 @@ class Manoeuvre:
         pieces = np.zeros((4, 2))
         for body in (ground.body, self._thinner(ground.body)):
             ends = ends_ahead(ground.window, body, ground.path, pose.x, pose.y, HEADINGS, ASIDE)
-            pieces = shortest_way(ground.window, body, start, ends, self._radius, self._back, bends)
+            ends = ends if self._first > 0.0 else ends[ends[:, 4] > 0.0]
+            pieces = shortest_way(ground.window, body, start, ends, self._radius, self._first, bends)
             if pieces.any():
                 break
         return pieces

@@ -56,7 +56,6 @@ class Body(NamedTuple):
     padding: float
     scaling_speed: float
     max_scaling_factor: float
-    half_width: float = 0.0
 
 
 class Scales(NamedTuple):
@@ -163,6 +162,4 @@ def _limits(robot: Robot, limits: LimitParameters) -> Limits:
 
 
 def _body(robot: Robot, kept: FootprintParameters) -> Body:
-    outline = footprint_outline(robot.footprint)
-    half_width = float(abs(outline.points_xy[:, 1]).max()) if len(outline.points_xy) else outline.radius
-    return Body(outline, kept.padding, kept.scaling_speed, kept.max_scaling_factor, half_width)
+    return Body(footprint_outline(robot.footprint), kept.padding, kept.scaling_speed, kept.max_scaling_factor)
