@@ -79,36 +79,33 @@ def curve_is_free(window: Window, body: Body, start: Stand, way: float, stand: S
 
 
 @compiled
-def shortest_way(window: Window, body: Body, start: Stand, ends: FloatArray, radius: float, first: float, bends: FloatArray) -> FloatArray:
+def shortest_way(
+    window: Window, body: Body, start: Stand, ends: FloatArray, gear: float, radius: float, first: float, bends: FloatArray
+) -> FloatArray:
     """Return length (m, negative: backwards) and curvature (1/m) of the pieces of the shortest free way to one of ``ends``, (4, 2).
 
-    It leads for at most ``first`` m along one of ``bends`` (1/m), and then the other way about on a curve of Dubins; without a first piece
-    that leads forwards. ``ends`` (K, 5) are x, y (m), heading (rad), gap (m) and gear: 1, or -1 to come there backwards. Where there is no
-    way, its lengths are 0.
+    It ends with a curve of Dubins in ``gear``: 1, or -1 backwards. Before that it may lead the other way for at most ``first`` m, along one
+    of ``bends`` (1/m). ``ends`` (K, 4) are x, y (m), heading (rad) and gap (m). Where there is no way, its lengths are 0.
     """
     best, least, pieces = np.zeros((4, 2)), LONGEST, np.zeros((4, 2))
-    for gear in (1.0, -1.0):
-        costs, first_costs = (1.0, BACK_COSTS) if gear > 0.0 else (BACK_COSTS, 1.0)
-        for i in range(len(bends)):
-            stand, step = start, along(-gear * SPACING, bends[i])
-            for k in range(int(first / SPACING) + 1):
-                way = k * SPACING
-                if k > 0:
-                    stand = moved(stand, step)
-                    if not stands_free(window, body, start, way, stand):
-                        break
-                elif i > 0:
-                    continue
-                pieces[0, 0], pieces[0, 1] = -gear * way, bends[i]
-                for end in ends:
-                    if end[4] != gear:
-                        continue
-                    least_here = first_costs * way - TIGHT_COSTS * end[3]
-                    for word in range(4):
-                        length = join(stand, end, gear, radius, 1.0 - 2.0 * (word % 2), 1.0 - 2.0 * (word // 2), pieces[1:])
-                        cost = least_here + costs * length
-                        if cost < least and curve_is_free(window, body, start, way, stand, pieces[1:]):
-                            best[:], least = pieces, cost
+    costs, first_costs = (1.0, BACK_COSTS) if gear > 0.0 else (BACK_COSTS, 1.0)
+    for i in range(len(bends)):
+        stand, step = start, along(-gear * SPACING, bends[i])
+        for k in range(int(first / SPACING) + 1):
+            way = k * SPACING
+            if k > 0:
+                stand = moved(stand, step)
+                if not stands_free(window, body, start, way, stand):
+                    break
+            elif i > 0:
+                continue
+            pieces[0, 0], pieces[0, 1] = -gear * way, bends[i]
+            for end in ends:
+                for word in range(4):
+                    length = join(stand, end, gear, radius, 1.0 - 2.0 * (word % 2), 1.0 - 2.0 * (word // 2), pieces[1:])
+                    cost = first_costs * way + costs * length - TIGHT_COSTS * end[3]
+                    if cost < least and curve_is_free(window, body, start, way, stand, pieces[1:]):
+                        best[:], least = pieces, cost
     return best
 
 

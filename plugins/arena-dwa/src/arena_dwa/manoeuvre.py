@@ -49,10 +49,10 @@ def place_at(path: FloatArray, place: int, way: float) -> int:
 
 
 @compiled
-def ends_ahead(window: Window, body: Body, path: FloatArray, x: float, y: float, headings: FloatArray, aside: FloatArray) -> FloatArray:
-    """Return where a robot fits at the narrow place ahead on ``path`` (M, 3): x, y (m), heading (rad), gap (m) and gear, (K, 5).
+def ends_ahead(window: Window, body: Body, path: FloatArray, x: float, y: float, gear: float, headings: FloatArray, aside: FloatArray) -> FloatArray:
+    """Return where a robot fits at the narrow place ahead on ``path`` (M, 3): x, y (m), heading (rad) and gap (m), (K, 4).
 
-    It may come there forwards, gear 1, or backwards, -1.
+    ``gear``: 1, or -1 to come there backwards.
     """
     first, last = place_at(path, nearest_index(path, x, y), NEAREST), place_at(path, nearest_index(path, x, y), FARTHEST)
     least = math.inf
@@ -62,19 +62,17 @@ def ends_ahead(window: Window, body: Body, path: FloatArray, x: float, y: float,
     narrow = first
     while narrow < last and not -math.inf < distance_at(window, path[narrow, 0], path[narrow, 1]) <= least + window.resolution:
         narrow += 1
-    ends, count = np.empty((2 * len(headings) * len(aside), 5)), 0
+    ends, count = np.empty((len(headings) * len(aside), 4)), 0
     before, after = place_at(path, narrow, -SHARE), place_at(path, narrow, SHARE)
-    direction = math.atan2(path[after, 1] - path[before, 1], path[after, 0] - path[before, 0])
+    direction = math.atan2(gear * (path[after, 1] - path[before, 1]), gear * (path[after, 0] - path[before, 0]))
     for off in aside:
         px, py = path[narrow, 0] - off * math.sin(direction), path[narrow, 1] + off * math.cos(direction)
         for turn in headings:
-            for gear in (1.0, -1.0):
-                theta = direction + turn + (0.0 if gear > 0.0 else math.pi)
-                gap = clearance(window, body.outline, px, py, math.cos(theta), math.sin(theta), ENOUGH)
-                if gap >= body.padding:
-                    ends[count, 0], ends[count, 1], ends[count, 2] = px, py, theta
-                    ends[count, 3], ends[count, 4] = min(gap, ENOUGH), gear
-                    count += 1
+            theta = direction + turn
+            gap = clearance(window, body.outline, px, py, math.cos(theta), math.sin(theta), ENOUGH)
+            if gap >= body.padding:
+                ends[count] = px, py, theta, min(gap, ENOUGH)
+                count += 1
     return ends[:count]
 
 
@@ -115,15 +113,15 @@ class Manoeuvre:
             self._failed = stamp
 
     def _way(self, pose: Pose, ground: Ground) -> FloatArray:
-        """Return the pieces (4, 2) of the shortest way with the padding, of that with the least padding where there is none."""
+        """Return the pieces (4, 2) of the shortest way: rather forwards than backwards, and with the padding than with the least padding."""
         start, bends = stand_at(pose.x, pose.y, pose.theta), BENDS / self._radius
         pieces = np.zeros((4, 2))
-        for body in (ground.body, self._thinner(ground.body)):
-            ends = ends_ahead(ground.window, body, ground.path, pose.x, pose.y, HEADINGS, ASIDE)
-            ends = ends if self._first > 0.0 else ends[ends[:, 4] > 0.0]
-            pieces = shortest_way(ground.window, body, start, ends, self._radius, self._first, bends)
-            if pieces.any():
-                break
+        for gear in (1.0, -1.0) if self._first > 0.0 else (1.0,):
+            for body in (ground.body, self._thinner(ground.body)):
+                ends = ends_ahead(ground.window, body, ground.path, pose.x, pose.y, gear, HEADINGS, ASIDE)
+                pieces = shortest_way(ground.window, body, start, ends, gear, self._radius, self._first, bends)
+                if pieces.any():
+                    return pieces
         return pieces
 
     def velocity(self, stamp: float, pose: Pose, velocities: FloatArray, time: float) -> FloatArray | None:

@@ -66,9 +66,9 @@ class DwaPlanner(Planner):
         self._oscillation = OscillationFlags(oscillation, still_below=in_force.trans_min)
         self._turn = TurnInPlace(turn_in_place, robot.kinematics == "differential", in_force.alpha_max)
         self._standing = Standing(way_out.patience)
-        steered = robot.kinematics == "ackermann"  # which cannot turn on the spot
+        self._steered = robot.kinematics == "ackermann"  # which cannot turn on the spot
         least = footprint.padding if footprint.passage_padding is None else footprint.passage_padding
-        self._way_out = Manoeuvre(way_out.back, least, in_force) if steered else WayOut(way_out.reach, in_force, robot.holonomic)
+        self._way_out = Manoeuvre(way_out.back, least, in_force) if self._steered else WayOut(way_out.reach, in_force, robot.holonomic)
         self._rehearsed = False
         self._arrival = Arrival(goal, in_force)
         self._period = robot.control_period
@@ -113,12 +113,13 @@ class DwaPlanner(Planner):
         approached = _approached(speeds)
         settings = self._settings = own if approached else self._in_passage(window, path, state)
         reachable = dynamic_window(state[3:], settings.limits, lapse)
-        too_long = self._standing.too_long(observation.pose, observation.stamp)
+        stuck = self._standing.too_long(observation.pose, observation.stamp)
+        stuck = stuck or self._steered and self._turn.is_behind(observation.pose, path)
         ground = Ground(window, settings.body, path, grids.goal)
         if not self._rehearsed:
             self._way_out.rehearse(observation.pose, ground)
             self._rehearsed = True
-        if too_long and not approached and not self._way_out.begun:
+        if stuck and not approached and not self._way_out.begun:
             self._way_out.begin(observation.stamp, observation.pose, ground)
         out = None if approached else self._out(observation, window, state, reachable)
         if out is not None:
