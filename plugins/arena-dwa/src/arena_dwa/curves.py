@@ -18,7 +18,7 @@ SPACING = 0.05  # m between two poses of a curve that are looked at: a usual cel
 LEAVING = 0.3  # m of way on which a robot that begins too near to something may get away from it
 BACK_COSTS = 2.0  # times what forwards costs: the scanner may see nothing behind
 TIGHT_COSTS = 5.0  # m of way that a metre of gap is worth at the end
-LONGEST = 4.0  # m, at such costs: nobody drives a circle to wait for a door
+LONGEST = 6.0  # m, at such costs: two circles
 WHOLE = 2.0 * math.pi - 1e-6  # rad; a turn so long is none, but for rounding
 
 

@@ -35,6 +35,8 @@ ARRIVED = 0.02  # m
 OFF_TRACK = 0.15  # m
 PATIENCE = 1.0  # s that it stands before something on its way
 RETRY = 0.2  # s from a search that finds no way until the next
+FORGETFUL = 1.0  # s without a search, after which the next is the first
+RELUCTANT = 2.0  # s of searches that find no way that ends forwards, after which one may end backwards
 
 
 @borrowing
@@ -50,7 +52,7 @@ def place_at(path: FloatArray, place: int, way: float) -> int:
 
 @compiled
 def ends_ahead(window: Window, body: Body, path: FloatArray, x: float, y: float, gear: float, headings: FloatArray, aside: FloatArray) -> FloatArray:
-    """Return where a robot fits at the narrow place ahead on ``path`` (M, 3): x, y (m), heading (rad) and gap (m), (K, 4).
+    """Return where a robot fits at the narrow place ahead on ``path`` (M, 3), or at the farthest: x, y (m), heading (rad) and gap (m), (K, 4).
 
     ``gear``: 1, or -1 to come there backwards.
     """
@@ -59,7 +61,7 @@ def ends_ahead(window: Window, body: Body, path: FloatArray, x: float, y: float,
     for i in range(first, last + 1):
         free = distance_at(window, path[i, 0], path[i, 1])
         least = min(least, free) if free > -math.inf else least
-    narrow = first
+    narrow = first if least < body.outline.radius + ENOUGH else last
     while narrow < last and not -math.inf < distance_at(window, path[narrow, 0], path[narrow, 1]) <= least + window.resolution:
         narrow += 1
     ends, count = np.empty((len(headings) * len(aside), 4)), 0
@@ -84,7 +86,7 @@ class Manoeuvre:
         self._first = back if limits.vx_min < 0.0 else 0.0
         self._limits = limits
         self._radius = ROOM_TO_STEER * limits.turn_radius
-        self._failed = -math.inf
+        self._failed = self._failing_since = -math.inf
         self.clear()
 
     def clear(self) -> None:
@@ -102,26 +104,29 @@ class Manoeuvre:
 
     def rehearse(self, pose: Pose, ground: Ground) -> None:
         """Look for a way to nowhere, so that the search is compiled before a control step needs it."""
-        self._way(pose, ground)
+        self._way(pose, ground, 1.0)
 
     def begin(self, stamp: float, pose: Pose, ground: Ground) -> None:
         """Look for a way from ``pose`` (``map``)."""
         if 0.0 <= stamp - self._failed < RETRY:  # stamps begin anew with an episode
             return
-        self._legs, self._place, self._free_at = legs(pose, self._way(pose, ground)), 0, stamp
-        if not self._legs:
-            self._failed = stamp
+        if not 0.0 <= stamp - self._failed < FORGETFUL:
+            self._failing_since = stamp
+        pieces = self._way(pose, ground, 1.0)
+        if not pieces.any() and self._first > 0.0 and stamp - self._failing_since > RELUCTANT:
+            pieces = self._way(pose, ground, -1.0)
+        self._legs, self._place, self._free_at = legs(pose, pieces), 0, stamp
+        self._failed = -math.inf if self._legs else stamp
 
-    def _way(self, pose: Pose, ground: Ground) -> FloatArray:
-        """Return the pieces (4, 2) of the shortest way: rather forwards than backwards, and with the padding than with the least padding."""
+    def _way(self, pose: Pose, ground: Ground, gear: float) -> FloatArray:
+        """Return the pieces (4, 2) of the shortest way in ``gear`` with the padding, of that with the least padding where there is none."""
         start, bends = stand_at(pose.x, pose.y, pose.theta), BENDS / self._radius
         pieces = np.zeros((4, 2))
-        for gear in (1.0, -1.0) if self._first > 0.0 else (1.0,):
-            for body in (ground.body, self._thinner(ground.body)):
-                ends = ends_ahead(ground.window, body, ground.path, pose.x, pose.y, gear, HEADINGS, ASIDE)
-                pieces = shortest_way(ground.window, body, start, ends, gear, self._radius, self._first, bends)
-                if pieces.any():
-                    return pieces
+        for body in (ground.body, self._thinner(ground.body)):
+            ends = ends_ahead(ground.window, body, ground.path, pose.x, pose.y, gear, HEADINGS, ASIDE)
+            pieces = shortest_way(ground.window, body, start, ends, gear, self._radius, self._first, bends)
+            if pieces.any():
+                break
         return pieces
 
     def velocity(self, stamp: float, pose: Pose, velocities: FloatArray, time: float) -> FloatArray | None:
