@@ -5,7 +5,8 @@ import pytest
 
 from arena_core import NoValidCommand, Pose, Twist
 from arena_core.testing import component
-from arena_dwa.manoeuvre import PATIENCE, STEP, Manoeuvre, ends_ahead, legs
+from arena_dwa.entrance import poses_that_fit
+from arena_dwa.manoeuvre import PATIENCE, STEP, Manoeuvre, legs
 from arena_kernels.window import window_of
 
 GAP = (1.0, 1.2, 0.22, 3.1), (1.0, 1.2, -3.1, -0.22)  # 0.45 m wide, about the x axis
@@ -59,12 +60,12 @@ def test_ends_lie_in_the_narrow_place_and_fit(build, costmap):
     body = build("jackal_ackermann")._own.body._replace(padding=0.005)
     path, none = np.column_stack((PATH, np.zeros(51))), np.zeros(1)
     for gear, heading in ((1.0, 0.0), (-1.0, math.pi)):
-        ends = ends_ahead(window_of(costmap(*GAP)), body, path, 0.6, 0.0, gear, np.linspace(-0.6, 0.6, 25), np.linspace(-0.06, 0.06, 7))
+        ends = poses_that_fit(window_of(costmap(*GAP)), body, path, 0.6, 0.0, gear, np.linspace(-0.6, 0.6, 25), np.linspace(-0.06, 0.06, 7))
         assert len(ends) > 1
         assert np.cos(ends[:, 2] - heading).min() > 0.8
         assert 0.8 < ends[:, 0].min() <= ends[:, 0].max() < 1.2
         assert ends[:, 3].min() >= 0.005
-    assert len(ends_ahead(window_of(costmap((1.0, 1.2, -3.1, 3.1))), body, path, 0.6, 0.0, 1.0, none, none)) == 0
+    assert len(poses_that_fit(window_of(costmap((1.0, 1.2, -3.1, 3.1))), body, path, 0.6, 0.0, 1.0, none, none)) == 0
 
 
 def test_legs_part_where_the_car_changes_its_direction():

@@ -11,18 +11,11 @@ import numpy as np
 
 from arena_core import Pose, wrap_angle
 from arena_dwa.curves import along, shortest_way
+from arena_dwa.entrance import ASIDE, HEADINGS, poses_that_fit
 from arena_dwa.settings import Body, FloatArray, Limits
 from arena_dwa.trajectory import moved, stand_at
 from arena_dwa.way_out import Ground
-from arena_kernels.compiled import borrowing, compiled
-from arena_kernels.paths import nearest_index
-from arena_kernels.window import Window, clearance, distance_at
 
-NEAREST, FARTHEST = 0.1, 1.0  # m along the path, between which its narrow place is looked for
-ENOUGH = 0.15  # m of gap, beyond which more is worth nothing
-SHARE = 0.15  # m of path to either side, over which its direction is taken
-HEADINGS = np.linspace(-0.6, 0.6, 25)  # rad off the path's direction
-ASIDE = np.linspace(-0.06, 0.06, 7)  # m beside the path
 BENDS = np.array((0.0, 0.5, -0.5, 1.0, -1.0))  # of the tightest curve, back
 ROOM_TO_STEER = 1.15  # turning radii on which a curve is planned: the rest leads back to it
 SPEED, CREEP = 0.3, 0.1  # m/s on the way and at its corners
@@ -37,45 +30,6 @@ PATIENCE = 1.0  # s that it stands before something on its way
 RETRY = 0.2  # s from a search that finds no way until the next
 FORGETFUL = 1.0  # s without a search, after which the next is the first
 RELUCTANT = 2.0  # s of searches that find no way that ends forwards, after which one may end backwards
-
-
-@borrowing
-def place_at(path: FloatArray, place: int, way: float) -> int:
-    """Return the first index of ``path`` (M, 3) that is ``way`` m beyond ``place``, or before it where that is negative; else its end."""
-    step = 1 if way > 0.0 else -1
-    left = abs(way)
-    while left > 0.0 and 0 <= place + step < len(path):
-        left -= math.hypot(path[place + step, 0] - path[place, 0], path[place + step, 1] - path[place, 1])
-        place += step
-    return place
-
-
-@compiled
-def ends_ahead(window: Window, body: Body, path: FloatArray, x: float, y: float, gear: float, headings: FloatArray, aside: FloatArray) -> FloatArray:
-    """Return where a robot fits at the narrow place ahead on ``path`` (M, 3), or at the farthest: x, y (m), heading (rad) and gap (m), (K, 4).
-
-    ``gear``: 1, or -1 to come there backwards.
-    """
-    first, last = place_at(path, nearest_index(path, x, y), NEAREST), place_at(path, nearest_index(path, x, y), FARTHEST)
-    least = math.inf
-    for i in range(first, last + 1):
-        free = distance_at(window, path[i, 0], path[i, 1])
-        least = min(least, free) if free > -math.inf else least
-    narrow = first if least < body.outline.radius + ENOUGH else last
-    while narrow < last and not -math.inf < distance_at(window, path[narrow, 0], path[narrow, 1]) <= least + window.resolution:
-        narrow += 1
-    ends, count = np.empty((len(headings) * len(aside), 4)), 0
-    before, after = place_at(path, narrow, -SHARE), place_at(path, narrow, SHARE)
-    direction = math.atan2(gear * (path[after, 1] - path[before, 1]), gear * (path[after, 0] - path[before, 0]))
-    for off in aside:
-        px, py = path[narrow, 0] - off * math.sin(direction), path[narrow, 1] + off * math.cos(direction)
-        for turn in headings:
-            theta = direction + turn
-            gap = clearance(window, body.outline, px, py, math.cos(theta), math.sin(theta), ENOUGH)
-            if gap >= body.padding:
-                ends[count] = px, py, theta, min(gap, ENOUGH)
-                count += 1
-    return ends[:count]
 
 
 class Manoeuvre:
@@ -123,7 +77,7 @@ class Manoeuvre:
         start, bends = stand_at(pose.x, pose.y, pose.theta), BENDS / self._radius
         pieces = np.zeros((4, 2))
         for body in (ground.body, self._thinner(ground.body)):
-            ends = ends_ahead(ground.window, body, ground.path, pose.x, pose.y, gear, HEADINGS, ASIDE)
+            ends = poses_that_fit(ground.window, body, ground.path, pose.x, pose.y, gear, HEADINGS, ASIDE)
             pieces = shortest_way(ground.window, body, start, ends, gear, self._radius, self._first, bends)
             if pieces.any():
                 break

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from arena_dwa.settings import Body, FloatArray
 from arena_kernels.compiled import borrowing, compiled
-from arena_kernels.passage import eased, room_along
+from arena_kernels.passage import KEPT, eased, room_along
 from arena_kernels.window import Outline, Window
-
-KEPT = 0.7  # share of the room that is kept: the rest is what the robot may be beside its path
 
 
 @compiled

@@ -36,9 +36,8 @@ from arena_dwa.way_out import Ground, WayOut
 from arena_dwa.window import dynamic_window
 from arena_kernels.entry import Entered
 from arena_kernels.escape import keeps_gap
+from arena_kernels.passage import AHEAD
 from arena_kernels.window import Window, clearance, window_of
-
-LOOK_AHEAD = 0.5  # m of path that a passage may be ahead, at least
 
 
 class DwaPlanner(Planner):
@@ -114,7 +113,7 @@ class DwaPlanner(Planner):
         settings = self._settings = own if approached else self._in_passage(window, path, state)
         reachable = dynamic_window(state[3:], settings.limits, lapse)
         stuck = self._standing.too_long(observation.pose, observation.stamp)
-        stuck = stuck or self._steered and self._turn.is_behind(observation.pose, path)
+        stuck = stuck or (self._steered and self._turn.is_behind(observation.pose, path))
         ground = Ground(window, settings.body, path, grids.goal)
         if not self._rehearsed:
             self._way_out.rehearse(observation.pose, ground)
@@ -139,7 +138,7 @@ class DwaPlanner(Planner):
         own, least = self._own, self._passage_padding
         if least is None or least >= own.body.padding:
             return own
-        ahead = max(LOOK_AHEAD, math.hypot(state[3], state[4]) * own.roll_out.sim_time)
+        ahead = max(AHEAD, math.hypot(state[3], state[4]) * own.roll_out.sim_time)
         padding = padding_along(window, own.body, path, state[0], state[1], ahead, least)
         return own._replace(body=own.body._replace(padding=padding))
 
