@@ -79,7 +79,7 @@ def test_legs_part_where_the_car_changes_its_direction():
 
 
 def test_a_car_waits_a_while_for_what_stands_in_its_way(build):
-    manoeuvre = Manoeuvre(1.0, 0.005, build("jackal_ackermann")._own.limits)
+    manoeuvre = Manoeuvre(0.005, build("jackal_ackermann")._own.limits)
     ahead = np.array((0.3, 0.0, 0.1))
     assert manoeuvre.unless_held(5.0, ahead, True) is ahead
     assert manoeuvre.unless_held(5.0 + 0.9 * PATIENCE, ahead, False).tolist() == [0.0, 0.0, 0.0]

@@ -18,6 +18,7 @@ from arena_dwa.way_out import Ground
 
 BENDS = np.array((0.0, 0.5, -0.5, 1.0, -1.0))  # of the tightest curve, back
 ROOM_TO_STEER = 1.15  # turning radii on which a curve is planned: the rest leads back to it
+BACK = 1.2  # m that leads the other way about before the curve, at most: as far as a Jackal turns by 140 degrees
 SPEED, CREEP = 0.3, 0.1  # m/s on the way and at its corners
 SLOWING = 0.5  # s that what is left of a piece lasts at least
 STEP = 0.01  # m between two poses of a way
@@ -35,9 +36,9 @@ RELUCTANT = 2.0  # s of searches that find no way that ends forwards, after whic
 class Manoeuvre:
     """Keeps to one way until it is driven, or the robot is off it."""
 
-    def __init__(self, back: float, least: float, limits: Limits) -> None:
+    def __init__(self, least: float, limits: Limits) -> None:
         self.least = least
-        self._first = back if limits.vx_min < 0.0 else 0.0
+        self._first = BACK if limits.vx_min < 0.0 else 0.0
         self._limits = limits
         self._radius = ROOM_TO_STEER * limits.turn_radius
         self._failed = self._failing_since = -math.inf

@@ -107,4 +107,3 @@ class WayOutParameters:
 
     patience: Positive | None
     reach: Positive
-    back: NonNegative

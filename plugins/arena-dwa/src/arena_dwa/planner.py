@@ -67,7 +67,7 @@ class DwaPlanner(Planner):
         self._standing = Standing(way_out.patience)
         self._steered = robot.kinematics == "ackermann"  # which cannot turn on the spot
         least = footprint.padding if footprint.passage_padding is None else footprint.passage_padding
-        self._way_out = Manoeuvre(way_out.back, least, in_force) if self._steered else WayOut(way_out.reach, in_force, robot.holonomic)
+        self._way_out = Manoeuvre(least, in_force) if self._steered else WayOut(way_out.reach, in_force, robot.holonomic)
         self._rehearsed = False
         self._arrival = Arrival(goal, in_force)
         self._period = robot.control_period
