@@ -116,6 +116,20 @@ def test_robot_gets_through_a_gap_that_is_ten_centimetres_wider_than_itself(plan
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("planner", PLANNERS)
+def test_car_gets_through_a_gap_to_which_it_comes_along_the_wall(planner, arena):
+    cells = np.zeros((80, 120), np.bool_)
+    cells[:, 60:64] = True
+    cells[40 : 40 + gap_of("jackal_ackermann"), 60:64] = False
+    draw_map(cells)
+    middle = RESOLUTION * (40 + 0.5 * gap_of("jackal_ackermann"))
+    aslant = {"start": [0.6, middle - 0.51, -1.24], "goal": [5.2, middle + 0.86]}
+    away = {"start": [5.3, middle - 0.29, -1.65], "goal": [0.8, middle - 0.89]}
+    records = run(arena, planner, "jackal_ackermann", [aslant, away])
+    assert [record.meta["outcome"] for record in records] == ["goal_reached"] * 2
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("planner", [*PLANNERS, "orca"])
 def test_robot_that_stands_beside_a_wall_leaves_without_touching_it(planner, arena):
     draw_map(np.zeros((120, 100), np.bool_))

@@ -12,37 +12,15 @@ from arena_core.cli.main import main
 
 torch = pytest.importorskip("torch", reason="training needs the extra arena-gym[train]")
 
-RECIPE = """
-# @package _global_
-defaults:
-  - override /observation_encoder: rosnav_sectors
-  - override /reward: progress
-  - override /world: empty
-  - override /pedestrians: social_force
-
-planner: tiny
-total_steps: 1536
-world: {width: 6.0, height: 6.0}
-environment: {worlds: 1, problems_per_world: 8}
-observation_encoder: {sectors: 16}
-training:
-  network: {beams_field: null, convolutions: [], features: null, heads: [8], log_std_init: -0.5, log_std_final: -1.0}
-  optimization: {environments: 4, steps: 64, minibatch: 64, epochs: 2, learning_rate: 0.002, gamma: 0.97}
-  validation: {every: 600, episodes: 4}
-  test: {episodes: 4}
-"""
 RANDOM = ("task.pedestrians=2", "task.trip.min_distance=1.5", "task.trip.max_distance=4.0", "task.time_limit=15.0")
 NOISE = ("randomization.lidar_noise.high=0.02", "randomization.latency.high=1", "randomization.people={low: 0, high: 2}")
 STAGED = ("task=staged", "training.levels=mixture", "task.random.time_limit=15.0", "task.random.trip.min_distance=1.5")
 
 
 @pytest.fixture
-def here(tmp_path, monkeypatch):
-    """Work in a folder whose conf/ holds a recipe that takes no time."""
-    (tmp_path / "conf" / "recipe").mkdir(parents=True)
-    (tmp_path / "conf" / "recipe" / "tiny.yaml").write_text(RECIPE.lstrip())
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+def here(write_recipe):
+    """Work in a folder with a recipe that takes no time."""
+    return write_recipe("tiny", "social_force", total_steps=1536, training={"network": {"log_std_final": -1.0}})
 
 
 def composed(*overrides):

@@ -17,40 +17,29 @@ from arena_core.cli.main import main
 
 pytest.importorskip("torch", reason="training needs the extra arena-gym[train]")
 
-RECIPE = """
-# @package _global_
-defaults:
-  - override /observation_encoder: rosnav_sectors
-  - override /reward: progress
-  - override /world: empty
-  - override /pedestrians: none
-
-planner: beginner
-world: {width: 5.0, height: 5.0}
-task: {pedestrians: 0, trip: {min_distance: 1.5, max_distance: 4.0}, time_limit: 20.0}
-environment: {worlds: 1, problems_per_world: 64}
-observation_encoder: {sectors: 16}
-training:
-  network:
-    beams_field: closeness
-    convolutions: [{channels: 4, kernel: 3, stride: 2}, {channels: 4, kernel: 3, stride: 1}]
-    features: 16
-    heads: [32]
-    log_std_init: -0.5
-  optimization: {environments: 16, steps: 128, minibatch: 512, epochs: 6, learning_rate: 0.002, gamma: 0.97}
-  validation: {every: 8192, episodes: 32}
-  test: {episodes: 32}
-"""
 WORDS = ("train", "planner=beginner", "robot=jackal")
 
 
+NETWORK = {
+    "beams_field": "closeness",
+    "convolutions": [{"channels": 4, "kernel": 3, "stride": 2}, {"channels": 4, "kernel": 3, "stride": 1}],
+    "features": 16,
+    "heads": [32],
+}
+OPTIMIZATION = {"environments": 16, "steps": 128, "minibatch": 512, "epochs": 6}
+
+
 @pytest.fixture
-def here(tmp_path, monkeypatch):
-    """Work in a folder whose conf/ holds a recipe that is trained in seconds."""
-    (tmp_path / "conf" / "recipe").mkdir(parents=True)
-    (tmp_path / "conf" / "recipe" / "beginner.yaml").write_text(RECIPE.lstrip())
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+def here(write_recipe):
+    """Work in a folder with a recipe that is trained in seconds."""
+    tests = {"validation": {"every": 8192, "episodes": 32}, "test": {"episodes": 32}}
+    return write_recipe(
+        "beginner",
+        world={"width": 5.0, "height": 5.0},
+        task={"pedestrians": 0, "trip": {"min_distance": 1.5, "max_distance": 4.0}, "time_limit": 20.0},
+        environment={"problems_per_world": 64},
+        training={"network": NETWORK, "optimization": OPTIMIZATION, **tests},
+    )
 
 
 def curve(folder):

@@ -12,38 +12,17 @@ from arena_core.cli.main import main
 
 torch = pytest.importorskip("torch", reason="training needs the extra arena-gym[train]")
 
-RECIPE = """
-# @package _global_
-defaults:
-  - override /observation_encoder: rosnav_sectors
-  - override /reward: progress
-  - override /world: empty
-  - override /pedestrians: none
-
-planner: tiny
-total_steps: 1000
-world: {width: 6.0, height: 6.0}
-task: {pedestrians: 0, trip: {min_distance: 1.5, max_distance: 4.0}, time_limit: 15.0}
-environment: {worlds: 1, problems_per_world: 8}
-observation_encoder: {sectors: 16}
-training:
-  network: {beams_field: null, convolutions: [], features: null, heads: [8], log_std_init: -0.5}
-  optimization: {environments: 4, steps: 64, minibatch: 64, epochs: 2, learning_rate: 0.002, gamma: 0.97}
-  validation: {every: 600, episodes: 4}
-  test: {episodes: 4}
-"""
 WORDS = ("train", "planner=tiny", "robot=jackal", "out=mine")
 TAUGHT = ("teacher.planner=pure_pursuit", "teacher.rounds=2", "teacher.decisions=8", "teacher.minibatch=8", "teacher.epochs=1")
 
 
 @pytest.fixture
-def here(tmp_path, monkeypatch):
-    """Work in a folder whose conf/ holds a recipe that takes no time, and hear Ctrl-C as in a terminal."""
-    (tmp_path / "conf" / "recipe").mkdir(parents=True)
-    (tmp_path / "conf" / "recipe" / "tiny.yaml").write_text(RECIPE.lstrip())
-    monkeypatch.chdir(tmp_path)
+def here(write_recipe):
+    """Work in a folder with a recipe that takes no time, and hear Ctrl-C as in a terminal."""
+    trip = {"min_distance": 1.5, "max_distance": 4.0}
+    folder = write_recipe("tiny", total_steps=1000, task={"pedestrians": 0, "trip": trip, "time_limit": 15.0})
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield tmp_path
+    yield folder
     signal.signal(signal.SIGINT, before)
 
 

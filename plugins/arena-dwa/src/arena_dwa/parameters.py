@@ -103,7 +103,7 @@ class TurnParameters:
 
 @dataclass(frozen=True, slots=True)
 class WayOutParameters:
-    """The turn and the straight line that lead out of a local minimum."""
+    """The turn and the straight line, or the curve of a car, that lead out of a local minimum."""
 
     patience: Positive | None
     reach: Positive

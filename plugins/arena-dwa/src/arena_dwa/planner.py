@@ -11,6 +11,7 @@ from arena_core import Candidate, EpisodeStart, NoValidCommand, Observation, Pla
 from arena_dwa.approach import ClosingSpeeds
 from arena_dwa.arrival import Arrival
 from arena_dwa.fan import Searched, fan
+from arena_dwa.manoeuvre import Manoeuvre
 from arena_dwa.map_grid import map_grids
 from arena_dwa.obstacles import REJECTED, obstacle_cost
 from arena_dwa.oscillation import OscillationFlags
@@ -31,12 +32,12 @@ from arena_dwa.settings import FieldArray, FloatArray, Settings, settings_of
 from arena_dwa.standing import Standing
 from arena_dwa.trajectory import stand_at
 from arena_dwa.turning import TurnInPlace
-from arena_dwa.way_out import WayOut
+from arena_dwa.way_out import Ground, WayOut
 from arena_dwa.window import dynamic_window
 from arena_kernels.entry import Entered
+from arena_kernels.escape import keeps_gap
+from arena_kernels.passage import AHEAD
 from arena_kernels.window import Window, clearance, window_of
-
-LOOK_AHEAD = 0.5  # m of path that a passage may be ahead, at least
 
 
 class DwaPlanner(Planner):
@@ -63,8 +64,10 @@ class DwaPlanner(Planner):
         self._closing = ClosingSpeeds(approach.lapse, approach.speed_min, approach.speed_max)
         self._oscillation = OscillationFlags(oscillation, still_below=in_force.trans_min)
         self._turn = TurnInPlace(turn_in_place, robot.kinematics == "differential", in_force.alpha_max)
-        self._standing = Standing(None if robot.kinematics == "ackermann" else way_out.patience)  # which cannot turn on the spot
-        self._way_out = WayOut(way_out.reach, in_force, robot.holonomic)
+        self._standing = Standing(way_out.patience)
+        self._steered = robot.kinematics == "ackermann"  # which cannot turn on the spot
+        least = footprint.padding if footprint.passage_padding is None else footprint.passage_padding
+        self._way_out = Manoeuvre(least, in_force) if self._steered else WayOut(way_out.reach, in_force, robot.holonomic)
         self._rehearsed = False
         self._arrival = Arrival(goal, in_force)
         self._period = robot.control_period
@@ -109,14 +112,16 @@ class DwaPlanner(Planner):
         approached = _approached(speeds)
         settings = self._settings = own if approached else self._in_passage(window, path, state)
         reachable = dynamic_window(state[3:], settings.limits, lapse)
-        too_long = self._standing.too_long(observation.pose, observation.stamp)
+        stuck = self._standing.too_long(observation.pose, observation.stamp)
+        stuck = stuck or (self._steered and self._turn.is_behind(observation.pose, path))
+        ground = Ground(window, settings.body, path, grids.goal)
         if not self._rehearsed:
-            self._way_out.rehearse(observation.pose, window, settings.body, grids.goal)
+            self._way_out.rehearse(observation.pose, ground)
             self._rehearsed = True
-        if too_long and not approached and not self._way_out.begun:
-            self._way_out.begin(observation.stamp, observation.pose, window, settings.body, grids.goal)
-        out = self._way_out.velocity(observation.stamp, observation.pose, reachable, settings.roll_out.sim_time)
-        if out is not None and not approached and self._is_free(window, state, out):
+        if stuck and not approached and not self._way_out.begun:
+            self._way_out.begin(observation.stamp, observation.pose, ground)
+        out = None if approached else self._out(observation, window, state, reachable)
+        if out is not None:
             return self._driven(observation, out)
         self._way_out.clear()
         turn = None if approached else self._turn.narrowed(reachable, observation.pose, observation.twist.wz, path)
@@ -133,7 +138,7 @@ class DwaPlanner(Planner):
         own, least = self._own, self._passage_padding
         if least is None or least >= own.body.padding:
             return own
-        ahead = max(LOOK_AHEAD, math.hypot(state[3], state[4]) * own.roll_out.sim_time)
+        ahead = max(AHEAD, math.hypot(state[3], state[4]) * own.roll_out.sim_time)
         padding = padding_along(window, own.body, path, state[0], state[1], ahead, least)
         return own._replace(body=own.body._replace(padding=padding))
 
@@ -142,6 +147,16 @@ class DwaPlanner(Planner):
         command, self._driven_at = Twist(*velocity.tolist()), np.append(velocity, cost)
         self._oscillation.note(observation.stamp, observation.pose, command)
         return command
+
+    def _out(self, observation: Observation, window: Window, state: FloatArray, reachable: FloatArray) -> FloatArray | None:
+        """Return the velocity (3,) that leads out of a local minimum, None where none does."""
+        out = self._way_out.velocity(observation.stamp, observation.pose, reachable, self._own.roll_out.sim_time)
+        if out is None or not isinstance(self._way_out, Manoeuvre):
+            return out if out is not None and self._is_free(window, state, out) else None
+        limits, body = self._own.limits, self._own.body
+        time = self._period + self._own.roll_out.stop_time_buffer  # the curve bends otherwise then
+        free = keeps_gap(window, body.outline, state[:3], out, time, limits.alpha_max, self._way_out.least)
+        return self._way_out.unless_held(observation.stamp, out, free)
 
     def _is_free(self, window: Window, state: FloatArray, velocity: FloatArray) -> bool:
         """Tell whether a velocity (3,) collides with nothing for as long as samples are followed."""

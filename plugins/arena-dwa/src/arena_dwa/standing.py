@@ -1,11 +1,10 @@
-"""How long a robot has got nowhere."""
+"""Whether a robot has got nowhere for too long."""
 
 from __future__ import annotations
 
 from arena_core import Pose
+from arena_kernels.standing import Stood
 
-STIRRED = 0.3  # m; who stays within is standing
-GIVEN_BACK = 4.0  # s of waiting that every such move makes up for: who only shuffles to and fro goes on waiting
 LONGEST = 3.0  # patiences; no longer wait is remembered
 
 
@@ -14,21 +13,12 @@ class Standing:
 
     def __init__(self, patience: float | None) -> None:
         self._patience = patience
-        self.clear()
+        self._stood = Stood(LONGEST * (patience or 0.0))
 
     def clear(self) -> None:
         """Begin anew."""
-        self._place: Pose | None = None
-        self._stamp = self._waited = 0.0
+        self._stood.clear()
 
     def too_long(self, pose: Pose, stamp: float) -> bool:
         """Take in where the robot is at ``stamp`` (s) and tell whether its patience (s; None: endless) is at an end."""
-        if self._patience is None:
-            return False
-        if self._place is None:
-            self._place, self._stamp = pose, stamp
-        self._waited, self._stamp = self._waited + stamp - self._stamp, stamp
-        if pose.distance(self._place) > STIRRED:
-            self._place, self._waited = pose, self._waited - GIVEN_BACK
-        self._waited = min(max(self._waited, 0.0), LONGEST * self._patience)
-        return self._waited > self._patience
+        return self._patience is not None and self._stood.until(pose.x, pose.y, stamp) > self._patience

@@ -20,6 +20,7 @@ class TurnInPlace:
     """
 
     def __init__(self, bearings: TurnParameters, differential: bool, alpha_max: float) -> None:
+        self._behind = math.inf if bearings.begin is None else bearings.begin
         self._begin = bearings.begin if differential else None
         self._end = bearings.end
         self._ahead = bearings.ahead
@@ -29,6 +30,10 @@ class TurnInPlace:
     def clear(self) -> None:
         """Begin without a turn."""
         self._turning = False
+
+    def is_behind(self, pose: Pose, path: FloatArray) -> bool:
+        """Tell whether ``path`` (M, 3) lies so far behind that a robot turns first, on the spot if it can."""
+        return abs(path_bearing(pose, path, self._ahead)) > self._behind
 
     def narrowed(self, velocities: FloatArray, pose: Pose, wz: float, path: FloatArray) -> FloatArray | None:
         """Return the window (3, 2) that only turns towards ``path`` (M, 3), None when the robot faces it well enough.

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from arena_core import Pose, wrap_angle
 from arena_dwa.map_grid import bordered_index, clamped_index
 from arena_dwa.settings import Body, FloatArray, Limits
-from arena_dwa.trajectory import Stand, moved
+from arena_dwa.trajectory import Stand, moved, stand_at
 from arena_kernels.compiled import compiled
 from arena_kernels.window import Window, allowed_gap, clearance
 
@@ -82,6 +82,15 @@ def turn_is_free(window: Window, body: Body, start: Stand, turn: float, allowed:
     return True
 
 
+class Ground(NamedTuple):
+    """What a way out is looked for on: the window, the robot's body, its path (M, 3) and the steps from the local goal."""
+
+    window: Window
+    body: Body
+    path: FloatArray
+    goal: NDArray[np.int32]
+
+
 class Line(NamedTuple):
     """A line that is being driven: since when (s) and from where, the heading and the direction (rad, ``map``), and how far (m)."""
 
@@ -110,15 +119,15 @@ class WayOut:
         """Whether a line is being driven."""
         return self._line is not None
 
-    def rehearse(self, pose: Pose, window: Window, body: Body, goal: NDArray[np.int32]) -> None:
+    def rehearse(self, pose: Pose, ground: Ground) -> None:
         """Look for a line of no length, so that the search is compiled before a control step needs it."""
-        best_line(window, body, goal, (pose.x, pose.y, math.cos(pose.theta), math.sin(pose.theta)), 0.0, self._sideways, False)
+        start = stand_at(pose.x, pose.y, pose.theta)
+        best_line(ground.window, ground.body, ground.goal, start, 0.0, self._sideways, False)
 
-    def begin(self, stamp: float, pose: Pose, window: Window, body: Body, goal: NDArray[np.int32]) -> None:
+    def begin(self, stamp: float, pose: Pose, ground: Ground) -> None:
         """Look for a line from ``pose`` (``map``)."""
-        start = pose.x, pose.y, math.cos(pose.theta), math.sin(pose.theta)
-        backwards = self._limits.vx_min < 0.0
-        direction, turn, length = best_line(window, body, goal, start, self._reach, self._sideways, backwards)
+        start, backwards = stand_at(pose.x, pose.y, pose.theta), self._limits.vx_min < 0.0
+        direction, turn, length = best_line(ground.window, ground.body, ground.goal, start, self._reach, self._sideways, backwards)
         self._line = Line(stamp, pose, pose.theta + turn, pose.theta + direction, length) if length > 0.0 else None
 
     def velocity(self, stamp: float, pose: Pose, velocities: FloatArray, time: float) -> FloatArray | None:

@@ -11,6 +11,9 @@ from arena_kernels.compiled import borrowing
 from arena_kernels.paths import nearest_index
 from arena_kernels.window import Outline, Window, distance_at
 
+AHEAD = 0.5  # m of path on which a passage counts, at least
+KEPT = 0.7  # share of the room in a narrow passage that is kept: the rest is what a robot may be beside its path
+
 
 @borrowing
 def room_along(window: Window, outline: Outline, path: NDArray[np.float64], x: float, y: float, ahead: float) -> float:

@@ -12,8 +12,7 @@ from arena_kernels.compiled import borrowing, inner
 from arena_kernels.footprint import NOTHING, Body, Gap, Points, hull_gap
 from arena_kernels.grids import GridStack
 from arena_kernels.scalars import Integer
-
-HALF_DIAGONAL = 0.7072  # of a cell, rounded up
+from arena_kernels.window import HALF_DIAGONAL
 
 
 class Walls(NamedTuple):

@@ -15,6 +15,7 @@ LETHAL = 254  # the cost of a cell that holds an obstacle, as in costmap_2d
 HALF_DIAGONAL = 0.7072  # of a cell, rounded up
 CLOSE = 0.02  # m, from which on a robot keeps the gap that it has, where it does not drive quite what was planned
 NEARER = 0.005  # m, by which a robot that touches something may come nearer to it
+BORDER = 0.3  # m, how far inside a robot's window the local goal of a planner lies
 OUTLINE_SPACING = 0.05  # m, the side of a usual costmap cell: no cell slips between two points
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from arena_core import Candidate, EpisodeStart, NoValidCommand, Observation, Planner, Robot, Twist
 from arena_core.parameters import Fraction, NonNegativeInt, Positive
 from arena_kernels.escape import escape_command, escape_commands, keeps_gap
-from arena_kernels.passage import eased, room_along
+from arena_kernels.passage import AHEAD, KEPT, eased, room_along
 from arena_kernels.window import CLOSE, allowed_gap, clearance, footprint_outline
 from arena_mpc.arrays import FloatArray
 from arena_mpc.detours import detours
@@ -28,8 +28,6 @@ from arena_mpc.resizing import resized
 from arena_mpc.scene import Scene, scene_of
 
 ARRIVED = 0.4  # m, from its goal that a plan may end: it waits for somebody who crosses, or keeps off a goal beside a wall
-AHEAD = 0.5  # m of path on which a passage counts
-KEPT = 0.7  # share of the room in a narrow passage that is kept
 DEEPER = 0.02  # m, by which a robot that already touches a person may come nearer
 
 

@@ -8,10 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from arena_kernels.compiled import borrowing, compiled, inner
-from arena_kernels.window import Window, distance_at
+from arena_kernels.window import BORDER, Window, distance_at
 from arena_mpc.arrays import FloatArray
 
-EDGE = 0.3  # m, how far inside the window a local goal lies
 SEARCH = 3.0  # m, how far along its path the robot may have come since it was last asked
 
 
@@ -117,10 +116,10 @@ def free_poses(window: Window, path: FloatArray, radius: float) -> int:
 
 @inner
 def within(window: Window, x: float, y: float) -> bool:
-    """Tell whether a position lies inside the window, ``EDGE`` m from its sides."""
+    """Tell whether a position lies inside the window, ``BORDER`` m from its sides."""
     rows, columns = window.costs.shape
     u, v = x - window.origin_x, y - window.origin_y
-    return bool(EDGE <= u <= columns * window.resolution - EDGE and EDGE <= v <= rows * window.resolution - EDGE)
+    return bool(BORDER <= u <= columns * window.resolution - BORDER and BORDER <= v <= rows * window.resolution - BORDER)
 
 
 @compiled

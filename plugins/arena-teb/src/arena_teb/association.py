@@ -10,12 +10,11 @@ import numpy as np
 from arena_kernels.compiled import borrowing, compiled, inlined, inner
 from arena_kernels.footprint import point_gap
 from arena_kernels.window import LETHAL, Window, distance_at
+from arena_teb.clusters import FARTHEST, ROUNDED
 from arena_teb.polygons import Hulls
 from arena_teb.problem import FloatArray
 
 BEHIND = 1e-3  # m by which a point lies behind a pose that is inside a polygon: it then pushes the pose to the nearest side
-ROUNDED = 1e-3  # cells, more than a distance is rounded by
-FARTHEST = 1e6  # cells, in place of infinitely many
 FORCED_FROM = 2  # the first places are those of the nearest points to the left and right
 
 

@@ -9,10 +9,9 @@ import numpy as np
 from arena_core import NoValidCommand, Pose
 from arena_kernels.compiled import borrowing
 from arena_kernels.paths import nearest_index
-from arena_kernels.window import Window, distance_at
+from arena_kernels.window import BORDER, Window, distance_at
 from arena_teb.problem import FloatArray
 
-BORDER = 0.3  # m, the local goal stays so far inside the window
 BACKTRACK = 0.5  # m, a robot as near to an earlier part of the path as to a later one has not passed the earlier one yet
 
 

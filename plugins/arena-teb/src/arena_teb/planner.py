@@ -9,7 +9,7 @@ import numpy as np
 
 from arena_core import Candidate, EpisodeStart, NoValidCommand, Observation, Planner, Pose, Robot, Tracks, Twist
 from arena_kernels.escape import escape_command, escape_commands, keeps_gap
-from arena_kernels.passage import eased, room_along
+from arena_kernels.passage import AHEAD, KEPT, eased, room_along
 from arena_kernels.window import Window, footprint_outline, window_of, without_discs
 from arena_teb.classes import Topologies, Topology
 from arena_teb.feasibility import free_poses
@@ -23,8 +23,6 @@ from arena_teb.problem import Ends, FloatArray
 from arena_teb.surroundings import Scene
 
 HEADING_OVER = 0.3  # m at the end of the local plan over which its direction is taken
-AHEAD = 0.5  # m of path on which a passage counts
-KEPT = 0.7  # share of the room in a narrow passage that is kept
 
 
 class TebPlanner(Planner):
