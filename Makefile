@@ -33,8 +33,8 @@ help:
 	@echo "make results-check  drive 40 episodes of experiment=paper anew and say which are not those of docs/results/check.json; FIRST=N: N of them"
 	@echo "make bench  speed against named peers (installs the peers)"
 	@echo "make policies  train every policy that comes with a package, two at a time; goes on where it was cut off"
-	@echo "make wheels build wheels and try them in an empty environment"
-	@echo "make dist   build the wheels of a release into dist/"
+	@echo "make wheels build wheels and try arena-suite with five extras, each in an empty environment"
+	@echo "make dist   build wheels and sdists of a release into dist/"
 
 setup: .venv/.complete
 
@@ -104,7 +104,7 @@ wheels: setup
 	scripts/try_wheels
 
 dist: setup
-	for folder in . plugins/*/; do (cd $$folder && $(CURDIR)/$(BIN)/python -m hatchling build -t wheel -d $(CURDIR)/dist) || exit 1; done
+	scripts/build_dist
 
 policies: setup
 	{ echo rosnav jackal_ackermann; for planner in rosnav rosnav_as_paper gring gring_as_released navrep navrep_as_released cadrl sarl; do printf "$$planner %s\n" $(ROBOTS); done; } | OMP_NUM_THREADS=1 xargs -P 2 -L 1 scripts/train_policy

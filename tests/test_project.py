@@ -17,6 +17,7 @@ import arena_core
 
 TOP = Path(__file__).resolve().parents[1]
 PLUGINS = sorted(path.parent for path in TOP.glob("plugins/*/pyproject.toml"))
+APART = {"arena-policies"}  # what others need and no user chooses
 plugins = pytest.mark.parametrize("plugin", PLUGINS, ids=lambda path: path.name)
 
 
@@ -68,9 +69,17 @@ def test_contracts_take_plugins_from_their_folders(contracts):
 def test_distribution_brings_all_its_packages(plugin):
     packages = {f"src/{package.name}" for package in plugin.glob("src/*") if package.is_dir()}
     project = settings(plugin)
-    assert set(project["tool"]["hatch"]["build"]["targets"]["wheel"]["packages"]) == packages
+    assert set(project["tool"]["hatch"]["build"]["targets"]["wheel"].get("packages", [])) == packages
     points = project["project"].get("entry-points", {}).get("arena", {})
     assert {f"src/{module}" for module in points.values()} <= packages
+
+
+def test_suite_needs_or_offers_every_distribution():
+    suite = settings(TOP / "plugins" / "arena-suite")["project"]
+    extras = suite["optional-dependencies"]
+    assert {name for name, _ in needs(suite)} == {"arena-core", *(plugin.name for plugin in PLUGINS)} - {"arena-suite"} - APART
+    every = {re.match(r"[a-z0-9-]+", line)[0] for line in (*suite["dependencies"], *extras["all"])}
+    assert every >= {name for name, _ in needs(suite)} - {"arena-cluster"}
 
 
 def test_there_are_at_most_30_distributions():
