@@ -43,6 +43,7 @@ from tests.fuzz.samples import (
 Change = Callable[[bytes], Any]
 BYTES, TEXT, JSON, YAML, XML = change.changed_bytes, change.changed_text, change.changed_json, change.changed_yaml, change.changed_xml
 NPZ, TABLE = change.changed_npz, change.changed_table
+NUMBERS, DATA_BASE = change.changed_numbers, change.changed_data_base
 
 
 @dataclass(frozen=True)
@@ -271,6 +272,42 @@ def lazily(module: str, name: str, *arguments: Any) -> Callable[[Path], object]:
     return call
 
 
+def import_bag(path: Path) -> object:
+    """Import a recording, and compute the metrics of what came of it."""
+    from arena_ros.bags.importing import Request, import_bags, reading_of
+
+    request = Request({}, "jackal", "recorded", None, False, reading_of(0.1, 0.3, 180.0, 0.3, ""))
+    return import_bags([path], path.parent / f"{path.name}.out", request)
+
+
+@cache
+def laboratory(name: str) -> bytes:
+    """Return a recording of two seconds of a drive past people, of the kind that its name tells, without compression."""
+    import tempfile
+
+    from arena_ros.testing.recordings import write_laboratory
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = write_laboratory(Path(folder, name), 2.0)
+        return (unpacked_bag(path) if path.suffix == ".bag" else path).read_bytes()
+
+
+def unpacked_bag(path: Path) -> Path:
+    """Return a copy of a ROS 1 bag whose messages stand in it as they are."""
+    from rosbags.rosbag1 import Reader as BagReader
+    from rosbags.rosbag1 import Writer
+
+    copy = path.with_name("unpacked.bag")
+    with BagReader(path) as bag, Writer(copy) as writer:
+        to = {
+            each.id: writer.add_connection(each.topic, each.msgtype, msgdef=each.msgdef.data, md5sum=each.digest)
+            for each in bag.connections
+        }
+        for connection, stamp, content in bag.messages():
+            writer.write(to[connection.id], stamp, content)
+    return copy
+
+
 OWN_MODEL = b"""<mujoco model="m"><size nuserdata="3"/><asset><hfield name="h" nrow="4" ncol="4" size="1 1 1 1"/></asset><worldbody>
 <body name="a"><freejoint/><geom size="1"/><replicate count="4" offset="0 0 1"><geom size=".1"/></replicate></body></worldbody></mujoco>"""
 SITE = lazily("arena_worlds.formats.site_file", "site_grid", 0.1, 0.5)
@@ -369,6 +406,8 @@ READERS: dict[str, Reader] = {
     "configuration_staged": Reader(
         {"c.json": lambda: configuration("task=staged", "planner=teb", "world=indoor")}, build_configuration, (JSON,), share=0.05
     ),
+    "bag": Reader({"a.mcap": lambda: laboratory("a.mcap"), "a.bag": lambda: laboratory("a.bag")}, import_bag, (NUMBERS, BYTES), share=0.1),
+    "bag_data_base": Reader({"a.db3": lambda: laboratory("a")}, import_bag, (DATA_BASE, NUMBERS, BYTES), share=0.1),
     "own_model": Reader({"own.xml": const(OWN_MODEL)}, lazily("arena_mujoco.model_file", "check_model_file"), (XML, TEXT, BYTES)),
     "preset": Reader(
         {"conf/planner/mine.yaml": const(b"name: dwa\nspeed: 1.0\ncontrol_period: null\n")}, compose_own, (TEXT, YAML), share=0.01

@@ -27,7 +27,7 @@ class Begun:
 
 @dataclass(frozen=True, slots=True)
 class UnderWay:
-    """A run under way: its configuration (None: not known), how many episodes are due, and when others of this start ended, s since 1970."""
+    """A run under way: its configuration (None: not known), episodes that are due, and when others of this start ended, s since 1970."""
 
     config: Mapping[str, Any] | None
     due: int
