@@ -23,10 +23,11 @@ from arena_core.base.errors import (
     described,
     one_line,
 )
-from arena_core.base.files import is_file, read_bytes, read_json, read_table, read_text, read_yaml
+from arena_core.base.files import check_inside, is_file, read_bytes, read_json, read_table, read_text, read_yaml
 from arena_core.base.limits import LIMITS
 from arena_core.base.notices import tell
 from arena_core.base.random_streams import generator, stream_key
+from arena_core.base.whole_files import write_bytes_whole, write_text_whole, write_whole
 from arena_core.cli.candidates import complete_overrides
 from arena_core.cli.words import Words, is_key_value, key_value, read_words
 from arena_core.config.binding import read_settings
@@ -69,18 +70,9 @@ from arena_core.loop.guide import Guide, Mission, ReplanRules, View, pose_at_sca
 from arena_core.loop.navigator import NAVIGATOR_KEYS, Decision, Navigator
 from arena_core.loop.navigator import Spent as NavigatorSpent
 from arena_core.loop.record_digest import record_digest
-from arena_core.loop.record_places import record_path, record_paths, timing_paths
-from arena_core.loop.recording import (
-    Recorder,
-    check_inside,
-    find_runs,
-    read_grid,
-    read_record,
-    robot_meta,
-    write_bytes_whole,
-    write_text_whole,
-    write_whole,
-)
+from arena_core.loop.record_files import read_grid, read_record
+from arena_core.loop.record_places import find_runs, record_path, record_paths, timing_paths
+from arena_core.loop.recording import Recorder, robot_meta
 from arena_core.runs.api import Run, Runs, run
 from arena_core.runs.benchmark import Benchmark, build_benchmark, build_guide, build_metrics, check_sections
 from arena_core.runs.budgets import Budgets

@@ -31,7 +31,9 @@ from arena_core import (
     reading_within,
     run,
 )
-from arena_core.loop.recording import check_inside, keep_room, write_record
+from arena_core.base.files import check_inside
+from arena_core.loop.half_written import keep_room
+from arena_core.loop.record_files import write_record
 from arena_core.runs.rows import evaluate
 from arena_core.testing import record
 

@@ -8,7 +8,7 @@ import pytest
 
 import arena_core
 from arena_core import InputFileError, OccupancyGrid, Pose, Run, read_record
-from arena_core.loop.recording import write_grid, write_record
+from arena_core.loop.record_files import write_grid, write_record
 from arena_core.testing import record
 from arena_tasks.scenario_files.problem import PersonDefaults
 from arena_tasks.scenario_files.scenario_file import read_scenarios, save_scenarios

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from arena_core import read_record
-from arena_core.loop.recording import write_record
+from arena_core.loop.record_files import write_record
 from tests.fuzz.readers import beside_run
 
 SECONDS, KILOBYTES = 5.0, 1_000_000  # of the processor's time, of memory

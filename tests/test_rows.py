@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from arena_core import Metric, RunFolderError
-from arena_core.loop.recording import write_record
+from arena_core.loop.record_files import write_record
 from arena_core.runs.rows import COLUMNS, evaluate, evaluate_folder, metric_columns, write_episodes
 from arena_core.testing import record
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from arena_core import World, read_record
-from arena_core.loop.recording import write_grid, write_record
+from arena_core.loop.record_files import write_grid, write_record
 from tests.fuzz import mutations as change
 from tests.fuzz.samples import (
     CURRICULUM,
