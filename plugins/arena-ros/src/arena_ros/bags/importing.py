@@ -21,6 +21,7 @@ from arena_core import (
     compose,
     free_area,
     load_registry,
+    one_line,
     plain,
     tell,
 )
@@ -78,9 +79,10 @@ def _import(bags: Sequence[Bag], paths: Sequence[Path], folder: Path, request: R
     if tracked:
         found = Cast({role: channel for role, channel in found.by_role.items() if role != "people"}, found.guesses)
     if not any(role in found.by_role for role in MOTION):
-        types = sorted({channel.type for channel in channels})
+        types = ", ".join(sorted({channel.type for channel in channels})) or "none"
+        cut = next((f"; {bag.name}: {bag.cut}" for bag in bags if bag.cut), "")
         raise InputFileError(
-            f"{paths[0]}: nothing says where the robot was (types: {', '.join(types) or 'none'}); "
+            f"{paths[0]}: nothing says where the robot was (types: {one_line(types)}{cut}); "
             "allowed: a nav_msgs/Odometry, /amcl_pose, /tf or a reference pose"
         )
     registry = load_registry()
