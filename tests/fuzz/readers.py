@@ -196,6 +196,11 @@ def beside_run(folder: Path) -> None:
         (folder / name).write_bytes(content)
 
 
+def beside_named_run(folder: Path) -> None:
+    """Write a whole run into a folder of its own."""
+    beside_run(folder / "run")
+
+
 def run_file(name: str) -> Callable[[], bytes]:
     """Return what gives a file of that run."""
     return lambda: next(content for key, content in run_files().items() if key.startswith(name))
@@ -206,6 +211,21 @@ def read_record_file(path: Path) -> object:
     from arena_core.runs.rows import evaluate_file
 
     return evaluate_file(path, packs())
+
+
+def replay_record(path: Path) -> object:
+    """Make the replay of a record, and its strip."""
+    from arena_viewer.command import ReplayCommand
+
+    run, to = path.parent.parent, path.parent.parent.parent
+    return [ReplayCommand().run([str(run), "1", f"--to={to / name}"]) for name in (f"{path.stem}.html", f"{path.stem}.png")]
+
+
+def export_record(path: Path) -> object:
+    """Write a record to a recording."""
+    from arena_ros.bags.exporting import export
+
+    return export(path.parent.parent, path.parent / "out.mcap", [1])
 
 
 def evaluate_run(path: Path) -> object:
@@ -391,6 +411,8 @@ READERS: dict[str, Reader] = {
         (JSON, TEXT),
     ),
     "record": Reader({"records/0001.npz": run_file("records/0001")}, read_record_file, (NPZ, BYTES), beside_run, 1.5),
+    "record_replayed": Reader({"run/records/0001.npz": run_file("records/0001")}, replay_record, (NPZ,), beside_named_run, 0.05),
+    "record_exported": Reader({"run/records/0001.npz": run_file("records/0001")}, export_record, (NPZ,), beside_named_run, 0.1),
     "timing": Reader(
         {"timing/0001.npz": run_file("timing/0001")},
         lambda path: read_record(path.parent.parent / "records/0001.npz"),
