@@ -4,10 +4,10 @@ from arena_core.base.addresses import local_path
 from arena_core.base.arrays import read_array, read_arrays
 from arena_core.base.cells import csv_text, harmless
 from arena_core.base.confinement import reading_within
-from arena_core.base.files import is_file, read_bytes, read_json, read_table, read_text, read_yaml
+from arena_core.base.files import check_inside, is_file, read_bytes, read_json, read_table, read_text, read_yaml
 from arena_core.base.limits import LIMITS
+from arena_core.base.whole_files import write_bytes_whole, write_text_whole, write_whole
 from arena_core.config.configuration import option_files
-from arena_core.loop.recording import check_inside, write_bytes_whole, write_text_whole, write_whole
 
 __all__ = [
     "LIMITS",

@@ -2,8 +2,9 @@
 
 from arena_core.contracts.running import Reporter
 from arena_core.loop.record_digest import record_digest
-from arena_core.loop.record_places import record_path, record_paths, timing_paths
-from arena_core.loop.recording import Recorder, find_runs, read_grid, read_record, robot_meta
+from arena_core.loop.record_files import read_grid, read_record
+from arena_core.loop.record_places import find_runs, record_path, record_paths, timing_paths
+from arena_core.loop.recording import Recorder, robot_meta
 from arena_core.runs.benchmark import build_metrics
 from arena_core.runs.provenance import cpu_kind, read_provenance, untuned, versions
 from arena_core.runs.repeating import repeat

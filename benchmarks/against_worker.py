@@ -33,7 +33,7 @@ def benchmark_of(overrides: tuple[str, ...]) -> Any:
 
 def drive(benchmark: Any, episode: int) -> dict[str, float]:
     """Run, write and evaluate an episode; return CPU seconds of all, and of the planner alone, and how many control steps it had."""
-    from arena_core.loop.recording import write_record
+    from arena_core.loop.record_files import write_record
     from arena_core.runs.rows import evaluate
 
     with tempfile.TemporaryDirectory() as folder:

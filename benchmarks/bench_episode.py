@@ -12,7 +12,7 @@ from typing import Any
 
 from arena_core.config.configuration import compose, plain
 from arena_core.config.registry import load_registry
-from arena_core.loop.recording import write_record
+from arena_core.loop.record_files import write_record
 from arena_core.runs.benchmark import Benchmark, build_benchmark
 from arena_core.runs.rows import evaluate
 

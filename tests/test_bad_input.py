@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from arena_core.loop import recording
+from arena_core.loop import record_files
 
 QUICK = (
     *("planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=8", "world.height=8"),
@@ -227,7 +227,7 @@ def test_a_planner_that_misbehaves_fails_its_episode_with_one_line(rogue, arena,
     assert said.line == f"episode 0 failed: {message}"
     (row,) = rows()
     assert (row["outcome"], row["error"]) == ("error", message)
-    assert len(recording.read_record(Path("run/records/0000.npz"))["stamp"]) == 4
+    assert len(record_files.read_record(Path("run/records/0000.npz"))["stamp"]) == 4
 
 
 def test_the_episodes_around_a_failed_one_are_run_and_kept(rogue, arena):
@@ -256,7 +256,7 @@ def test_records_that_cannot_be_written_stop_the_run(arena):
 
 def fill_disk_at(name, monkeypatch):
     """Let the disk be full from the first file called ``name`` on."""
-    original, full = recording.write_whole, []
+    original, full = record_files.write_whole, []
 
     def half(file):
         file.write(b"half")
@@ -266,7 +266,7 @@ def fill_disk_at(name, monkeypatch):
         full.extend([True] * (path.name == name))
         original(path, half if full else write)
 
-    monkeypatch.setattr(recording, "write_whole", write_whole)
+    monkeypatch.setattr(record_files, "write_whole", write_whole)
 
 
 def test_a_full_disk_stops_the_run_and_what_is_finished_is_kept_and_continued(arena, monkeypatch):

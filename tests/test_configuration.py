@@ -3,7 +3,8 @@ from hydra import initialize
 from hydra.core.global_hydra import GlobalHydra
 
 from arena_core import ConfigurationError
-from arena_core.config.configuration import compose, conf_directory, plain, search_path
+from arena_core.config.configuration import compose, conf_directory, option_files, plain, search_path
+from arena_core.config.plugins import load_plugins
 from arena_core.config.registry import load_registry
 from arena_core.hosting import DuplicateComponent
 
@@ -206,3 +207,13 @@ def test_a_key_of_a_file_that_lies_deeper_is_suggested():
         registry.build("robot", {**node, "vx_max": 1.0})
     with pytest.raises(ConfigurationError, match=r"robot\.limits has no parameter vx_mx; did you mean vx_max\? \(allowed: "):
         registry.build("robot", {**node, "limits": {**node["limits"], "vx_mx": 1.0}})
+
+
+def test_a_link_in_an_own_folder_that_leads_upwards_is_no_group(tmp_path, monkeypatch):
+    (tmp_path / "conf" / "planner").mkdir(parents=True)
+    (tmp_path / "conf" / "planner" / "mine.yaml").symlink_to("/")
+    (tmp_path / "conf" / "planner" / "again").symlink_to(tmp_path)
+    (tmp_path / "conf" / "planner" / "other").symlink_to(tmp_path / "conf" / "planner" / "again" / "conf")
+    monkeypatch.chdir(tmp_path)
+    files = option_files("planner", load_plugins())
+    assert not [name for name in files if "mine" in name or "again" in name or "other" in name]

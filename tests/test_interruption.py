@@ -13,7 +13,7 @@ import pytest
 
 from arena_core.base.errors import RunFolderError
 from arena_core.base.folders import KEPT, locked
-from arena_core.loop.recording import keep_room, remove_half_written
+from arena_core.loop.half_written import keep_room, remove_half_written
 
 pytestmark = pytest.mark.slow
 WAY_BEYOND = 60.0  # s: that nothing hangs is what is tested, and the tests' machine may be busy

@@ -9,7 +9,7 @@ import pytest
 from arena_core import Pose, Simulator, Twist
 from arena_core.config.configuration import compose, plain
 from arena_core.config.registry import load_registry
-from arena_core.loop.recording import CONTACT_KINDS
+from arena_core.loop.record_arrays import CONTACT_KINDS
 from arena_core.runs.benchmark import build_benchmark
 
 NOWHERE = Pose(math.nan, math.nan, math.nan)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from arena_core import InputFileError, OccupancyGrid, Pose, Run, files, records
-from arena_core.loop.recording import write_grid, write_record
+from arena_core.loop.record_files import write_grid, write_record
 from arena_core.records import read_record
 from arena_core.testing import record
 from arena_tasks.scenario_files.problem import PersonDefaults

@@ -8,8 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from arena_core.loop.half_written import remove_half_written
+from arena_core.loop.record_files import write_record
 from arena_core.loop.record_places import run_folder_of, timing_of, timing_path
-from arena_core.loop.recording import remove_half_written, write_record
 from arena_core.records import read_record, record_path, record_paths, timing_paths
 from arena_core.runs.nodes import NAMES
 from arena_core.testing.samples import record as sample_record

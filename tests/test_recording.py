@@ -11,21 +11,16 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
 from arena_core import ABSENT, EpisodeRecord, InputFileError, OccupancyGrid, PedestrianSpec, Pose
+from arena_core.base.whole_files import write_bytes_whole, write_text_whole, write_whole
 from arena_core.config.configuration import compose, plain
 from arena_core.config.registry import load_registry
 from arena_core.hosting import RunFolderError
-from arena_core.loop import recording
-from arena_core.loop.navigator import NO_TIME
-from arena_core.loop.recording import (
-    Recorder,
-    find_runs,
-    read_record,
-    write_bytes_whole,
-    write_grid,
-    write_record,
-    write_text_whole,
-    write_whole,
-)
+from arena_core.loop import grain
+from arena_core.loop.navigator import NO_TIME, Decision
+from arena_core.loop.record_arrays import route_arrays
+from arena_core.loop.record_files import FORMAT, read_record, write_grid, write_record
+from arena_core.loop.record_places import find_runs
+from arena_core.loop.recording import Recorder
 from arena_core.records import record_digest
 from arena_core.runs.benchmark import build_benchmark
 from arena_core.runs.rows import evaluate, evaluate_file
@@ -63,7 +58,7 @@ def test_any_array_and_any_text_survive(tmp_path_factory, floats, text):
 
 @given(arrays(np.float64, (4, 3), elements=st.floats(-100.0, 100.0) | st.sampled_from((np.nan, np.inf, -np.inf))))
 def test_records_are_rounded_to_their_grain_once_and_for_all(values):
-    once = recording.rounded(
+    once = grain.rounded(
         {name: values.astype(kind) for name, kind in (("pose", float), ("pedestrian_positions", np.float32), ("x", float))}
     )
     assert np.array_equal(once["x"], values, equal_nan=True)
@@ -73,7 +68,7 @@ def test_records_are_rounded_to_their_grain_once_and_for_all(values):
         assert np.array_equal(array[~finite], values[~finite], equal_nan=True)
     assert np.abs(once["pose"][finite] - values[finite]).max(initial=0.0) <= 2.0**-23
     assert np.abs(once["pedestrian_positions"][finite] - values.astype(np.float32)[finite]).max(initial=0.0) <= 2.0**-13
-    again = recording.rounded(once)
+    again = grain.rounded(once)
     assert all(np.array_equal(again[name], once[name], equal_nan=True) for name in once)
 
 
@@ -96,7 +91,7 @@ def test_contacts_paths_and_events_are_kept(tmp_path):
 
 def test_where_people_were_going_is_kept_and_no_part_of_the_digest(tmp_path):
     person = PedestrianSpec(3, np.zeros(2), np.array([[1.0, 2.0], [3.0, 4.0]]), 1.0, 0.3)
-    arrays = recording._route_arrays(np.array([7, 3, 8], np.int32), [person])
+    arrays = route_arrays(np.array([7, 3, 8], np.int32), [person])
     assert (arrays["route_points"].tolist(), arrays["route_offsets"].tolist()) == ([[1.0, 2.0], [3.0, 4.0]], [0, 0, 2, 2])
     steps = record()
     older = EpisodeRecord({name: array for name, array in steps.arrays.items() if not name.startswith("route_")}, steps.meta, {})
@@ -128,7 +123,7 @@ def test_who_leaves_keeps_the_column_and_is_nowhere():
 
 
 def test_scans_are_kept_only_when_asked_for():
-    decision = recording.Decision(None, None, None, None, False, (), NO_TIME)
+    decision = Decision(None, None, None, None, False, (), NO_TIME)
     view = sensors(Pose(0.0, 0.0), robot())
     for keep in (False, True):
         recorder = Recorder(scenario(), robot(), {}, keep_scans=keep)
@@ -148,25 +143,25 @@ def test_rounded_arrays_are_off_by_half_a_step_at_most_and_exact_multiples():
     values = np.array([[0.1, -123.456789], [np.nan, np.inf], [-1e-9, 4000.0001]])
     for kind, step in ((np.float64, 22), (np.float32, 12)):
         given = values.astype(kind)
-        rounded = recording._to_grain(given, step)
+        rounded = grain.to_grain(given, step)
         finite = np.isfinite(given)
         assert rounded.dtype == kind
         assert np.array_equal(rounded[~finite], given[~finite], equal_nan=True)
         assert np.abs(rounded[finite] - given[finite]).max() <= 2.0 ** -(step + 1)
         assert (rounded[finite] * 2.0**step % 1.0 == 0.0).all()
         assert not np.signbit(rounded[2, 0])
-        assert np.array_equal(recording._to_grain(rounded, step), rounded, equal_nan=True)
+        assert np.array_equal(grain.to_grain(rounded, step), rounded, equal_nan=True)
 
 
 def test_steps_are_those_of_arrays_and_of_the_page():
     made = record()
-    assert recording.GRAIN.keys() <= made.arrays.keys()
-    for name, step in recording.GRAIN.items():
+    assert grain.GRAIN.keys() <= made.arrays.keys()
+    for name, step in grain.GRAIN.items():
         kept = made[name][np.isfinite(made[name])].astype(np.float64)
         assert (kept * 2.0**step % 1.0 == 0.0).all(), name
     page = (Path(__file__).parents[1] / "docs" / "records.md").read_text()
     powers = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
-    for name, step in {**recording.GRAIN, "timing/": recording.TIME_GRAIN}.items():
+    for name, step in {**grain.GRAIN, "timing/": grain.TIME_GRAIN}.items():
         assert any(f"`{name}`" in line and f"2⁻{str(step).translate(powers)} " in line for line in page.splitlines()), name
 
 
@@ -201,7 +196,7 @@ def test_a_long_crowded_record_is_small(tmp_path):
     made, rng = record(steps=900), np.random.default_rng(0)
     velocities = np.cumsum(rng.normal(0.0, 0.03, (900, 10, 2)), axis=0)
     people = {"pedestrian_positions": np.cumsum(0.1 * velocities, axis=0), "pedestrian_velocities": velocities}
-    rounded = {name: recording._to_grain(array.astype(np.float32), recording.GRAIN[name]) for name, array in people.items()}
+    rounded = {name: grain.to_grain(array.astype(np.float32), grain.GRAIN[name]) for name, array in people.items()}
     write_record(tmp_path, 0, EpisodeRecord({**made.arrays, **rounded}, made.meta))
     assert (tmp_path / "records" / "0000.npz").stat().st_size < 150_000
 
@@ -247,7 +242,7 @@ def test_arrays_without_meta_are_no_record(tmp_path):
 def test_a_record_of_another_format_says_which_is_allowed(tmp_path):
     sample = record()
     write_record(tmp_path, 0, replace(sample, meta={**sample.meta, "format": 99}))
-    with pytest.raises(InputFileError, match=f"format is 99; allowed: {recording.FORMAT}"):
+    with pytest.raises(InputFileError, match=f"format is 99; allowed: {FORMAT}"):
         read_record(tmp_path / "records" / "0000.npz")
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arena_core.loop.recording import write_record
+from arena_core.loop.record_files import write_record
 from arena_core.records import read_record
 from tests.fuzz.readers import beside_run
 

@@ -6,7 +6,7 @@ import pytest
 
 from arena_core import Metric
 from arena_core.hosting import RunFolderError
-from arena_core.loop.recording import write_record
+from arena_core.loop.record_files import write_record
 from arena_core.runs.rows import COLUMNS, evaluate, evaluate_folder, metric_columns, write_episodes
 from arena_core.testing import record
 

@@ -114,6 +114,16 @@ def read_table(path: AnyPath, allowed: str) -> tuple[list[str], list[dict[str, s
     return columns, rows
 
 
+def check_inside(folder: AnyPath, path: AnyPath) -> None:
+    """Raise InputFileError where a path leads out of a folder, by .. or by a link."""
+    try:
+        real, root = Path(path).resolve(), Path(folder).resolve()
+    except (OSError, ValueError, RuntimeError) as error:  # RuntimeError: links in a circle; ValueError: a null
+        raise InputFileError(f"{path}: cannot be found ({reason_of(error)}); allowed: a file inside {folder}") from None
+    if not real.is_relative_to(root):
+        raise InputFileError(f"{path}: leads out of {folder}; allowed: files inside it")
+
+
 def reason_of(error: BaseException) -> str:
     """Return what an error says, on one line and not for ever."""
     said = str(getattr(error, "problem", None) or error)

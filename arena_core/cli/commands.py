@@ -20,7 +20,7 @@ from arena_core.cli.words import key_value, read_words
 from arena_core.config.configuration import PRIMARY, compose, conf_directory, one_line_errors, plain, yaml_text
 from arena_core.config.registry import load_registry
 from arena_core.contracts.running import Command
-from arena_core.loop.recording import find_runs
+from arena_core.loop.record_places import find_runs
 from arena_core.runs.objective import check_objective, objective_of
 from arena_core.runs.resuming import re_evaluate
 from arena_core.runs.running import RunRequest, report, run_all

@@ -14,8 +14,8 @@ from string import Template
 from typing import ClassVar
 
 from arena_core.base.errors import ConfigurationError
+from arena_core.base.whole_files import write_text_whole
 from arena_core.contracts.running import Command
-from arena_core.loop.recording import write_text_whole
 
 FRAME = "frame"  # the folder of what every package has
 MODULE = "MODULE"  # in the names of templates: the package's name

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 PRIMARY = "config"
 EXTRAS = {"hydra/launcher/joblib": "joblib", "hydra/sweeper/optuna": "optuna"}  # options of Hydra that are packages of their own
+DEEPEST = 3  # groups within groups: planner/base/small is an option of the second
 
 
 def conf_directory() -> Path:
@@ -162,11 +163,22 @@ def _dumper() -> Any:
 
 
 def _options(folder: Traversable, group: str = "") -> Iterator[str]:
-    for entry in folder.iterdir():
-        if entry.is_dir() and not entry.name.startswith("_"):
-            yield from _options(entry, f"{group}{entry.name}/")
-        elif entry.name.endswith(".yaml"):
+    """Yield the options below a folder; folders that cannot be read, deeper ones and links in a circle or upwards hold none."""
+    try:
+        entries = [(entry, entry.is_dir()) for entry in folder.iterdir()]
+    except OSError:
+        return
+    for entry, is_folder in entries:
+        if is_folder and not entry.name.startswith("_"):
+            if group.count("/") < DEEPEST and not _leads_up(entry, folder):
+                yield from _options(entry, f"{group}{entry.name}/")
+        elif not is_folder and entry.name.endswith(".yaml"):
             yield f"{group}{entry.name.removesuffix('.yaml')}"
+
+
+def _leads_up(entry: Traversable, folder: Traversable) -> bool:
+    """Return whether a folder is a link to one that it lies in itself."""
+    return isinstance(entry, Path) and isinstance(folder, Path) and entry.is_symlink() and folder.resolve().is_relative_to(entry.resolve())
 
 
 def _bad_file(error: Exception) -> str:

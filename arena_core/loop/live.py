@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from arena_core.base.errors import InputFileError
-from arena_core.loop.recording import check_inside
+from arena_core.base.files import check_inside
 from arena_core.values.episode import Scenario, WorldState
 from arena_core.values.robot import Robot
 

@@ -1,11 +1,12 @@
-"""Where the files of an episode lie in its run's folder: the first thousand beside each other, later ones in a folder for each thousand."""
+"""Where runs lie, and the files of an episode in its run: a thousand beside each other, later ones in a folder for each thousand."""
 
 from __future__ import annotations
 
 import re
 from pathlib import Path
 
-from arena_core.base.files import AnyPath
+from arena_core.base.errors import InputFileError, one_line
+from arena_core.base.files import AnyPath, reason_of
 
 SHARD = 1000  # episodes of one folder: file systems, and people, are slow in folders of a hundred thousand files
 PARTS = ("records", "timing")
@@ -56,3 +57,18 @@ def timing_of(record: Path) -> Path:
     """Return where the times of a record's episode lie."""
     folder = run_folder_of(record)
     return folder / "timing" / record.relative_to(folder / record.relative_to(folder).parts[0])
+
+
+def find_runs(directory: AnyPath) -> list[Path]:
+    """Return every run's folder at or below ``directory``, sorted; raise InputFileError when there is none."""
+    directory = Path(directory)
+    try:
+        there = directory.is_dir()
+    except (OSError, ValueError) as error:  # a name that is too long, or that none can have
+        raise InputFileError(f"{one_line(str(directory), 200)}: cannot be read ({reason_of(error)})") from None
+    if not there:
+        raise InputFileError(f"{directory}: no such folder; allowed: a folder that `arena run` wrote, or one above it")
+    runs = sorted(path.parent for path in directory.rglob("episodes.csv"))
+    if not runs:
+        raise InputFileError(f"{directory}: no run below it (no episodes.csv); allowed: a folder that `arena run` wrote, or one above it")
+    return runs

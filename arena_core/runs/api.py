@@ -12,8 +12,8 @@ from arena_core.base.errors import ArenaError, ConfigurationError
 from arena_core.config.configuration import PRIMARY, compose, one_line_errors
 from arena_core.config.registry import load_registry
 from arena_core.contracts.running import Reporter
-from arena_core.loop.record_places import record_path
-from arena_core.loop.recording import find_runs, read_record
+from arena_core.loop.record_files import read_record
+from arena_core.loop.record_places import find_runs, record_path
 from arena_core.runs.provenance import read_provenance
 from arena_core.runs.running import RunRequest, run_all
 from arena_core.values.episode import EpisodeRecord

@@ -26,7 +26,9 @@ from arena_core.loop.execution import Timing, run_episode
 from arena_core.loop.guide import Guide, ReplanRules
 from arena_core.loop.live import LiveFile
 from arena_core.loop.navigator import Navigator
-from arena_core.loop.recording import Recorder, whole_timing, write_grid
+from arena_core.loop.record_arrays import whole_timing
+from arena_core.loop.record_files import write_grid
+from arena_core.loop.recording import Recorder
 from arena_core.loop.recovery import RecoveryRules
 from arena_core.runs.code_digest import Code, code_of
 from arena_core.values.episode import EpisodeRecord

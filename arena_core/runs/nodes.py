@@ -12,10 +12,11 @@ from pathlib import Path
 from typing import Any
 
 from arena_core.base.errors import ArenaError, InputFileError, one_line
+from arena_core.base.files import check_inside
+from arena_core.base.whole_files import write_bytes_whole
 from arena_core.config.registry import Registry, load_registry
 from arena_core.contracts.running import Finished, Job, Lost
 from arena_core.loop.record_places import OF_EPISODE, PARTS, record_path, timing_path
-from arena_core.loop.recording import check_inside, write_bytes_whole
 from arena_core.runs.budgets import Budgets
 from arena_core.runs.code_digest import code_of
 from arena_core.runs.supervising import Supervisor

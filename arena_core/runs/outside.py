@@ -9,8 +9,10 @@ from types import TracebackType
 from typing import Any
 
 from arena_core.base.errors import ConfigurationError
+from arena_core.base.whole_files import write_text_whole
 from arena_core.config.registry import Registry
-from arena_core.loop.recording import rounded, write_grid, write_record, write_text_whole
+from arena_core.loop.grain import rounded
+from arena_core.loop.record_files import write_grid, write_record
 from arena_core.runs.benchmark import build_metrics, config_hash
 from arena_core.runs.code_digest import Code
 from arena_core.runs.provenance import NAME, provenance

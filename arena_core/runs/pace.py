@@ -53,7 +53,9 @@ class Pace:
     @classmethod
     def of_run(cls, config: Mapping[str, Any]) -> Pace:
         """Return the pace of a run of this configuration, before anything has ended."""
-        return cls(config.get("executor", {}).get("workers", 1) or os.cpu_count() or 1)
+        executor = config.get("executor")
+        workers = executor.get("workers") if isinstance(executor, Mapping) else 1
+        return cls(workers if isinstance(workers, int) and workers > 0 else os.cpu_count() or 1)
 
     @staticmethod
     def kind(config: Mapping[str, Any]) -> Hashable:

@@ -13,8 +13,9 @@ from arena_core.base.files import read_table
 from arena_core.base.folders import ITS_FOLDER
 from arena_core.config.registry import Registry
 from arena_core.contracts.running import Finished, Job, Lost
+from arena_core.loop.half_written import remove_half_written
+from arena_core.loop.record_files import read_record
 from arena_core.loop.record_places import record_path, record_paths
-from arena_core.loop.recording import read_record, remove_half_written
 from arena_core.runs.benchmark import build_metrics, config_hash
 from arena_core.runs.kept_rows import KeptRow
 from arena_core.runs.provenance import NAME, read_provenance

@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 from arena_core.base.cells import csv_text
 from arena_core.base.errors import InputFileError, one_line
 from arena_core.base.files import reason_of
+from arena_core.base.whole_files import write_text_whole
 from arena_core.contracts.running import Metric
+from arena_core.loop.record_files import read_record
 from arena_core.loop.record_layout import fault_of_numbers
 from arena_core.loop.record_places import record_paths
-from arena_core.loop.recording import read_record, write_text_whole
 from arena_core.values.episode import EpisodeRecord
 
 COLUMNS = (

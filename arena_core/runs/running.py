@@ -14,12 +14,14 @@ from typing import Any
 
 from arena_core.base.ctrl_c import interrupts
 from arena_core.base.errors import ConfigurationError, RunFolderError, RunStopped
+from arena_core.base.files import check_inside
 from arena_core.base.folders import KEPT, identity, locked
 from arena_core.base.notices import tell
+from arena_core.base.whole_files import write_text_whole
 from arena_core.config.configuration import plain
 from arena_core.config.registry import Registry
 from arena_core.contracts.running import Executor, Finished, Job, Lost
-from arena_core.loop.recording import check_inside, keep_room, remove_half_written, write_text_whole
+from arena_core.loop.half_written import keep_room, remove_half_written
 from arena_core.runs.benchmark import build_metrics, check_complete
 from arena_core.runs.progress import Progress
 from arena_core.runs.provenance import NAME, provenance, untuned

@@ -18,7 +18,7 @@ from arena_core.base.pulse import pulse
 from arena_core.config.registry import Registry, load_registry
 from arena_core.contracts.running import Finished, Job, Metric
 from arena_core.loop import rehearsal
-from arena_core.loop.recording import write_record
+from arena_core.loop.record_files import write_record
 from arena_core.runs.benchmark import Benchmark, build_benchmark, identification
 from arena_core.runs.code_digest import Code
 from arena_core.runs.compiling import MANY, NOTICE, announce

@@ -5,7 +5,13 @@ from __future__ import annotations
 import io
 import json
 import re
+import sqlite3
+import struct
+import tempfile
+from contextlib import closing, suppress
 from copy import deepcopy
+from functools import lru_cache
+from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
@@ -33,6 +39,7 @@ NUMBERS = (
         ".nan",
     ),
     *("2147483648", "-2147483649", "9223372036854775808", "99999999999999999999", "1" * 5000, "0x10", "1_0", "1e", "٣", "true", "null"),
+    *("6e6", "-6e6", "1e8", "1e12", "1e300", "-1e300"),
 )
 WORDS = (
     *("!!bool x", "!!int ''", "!!float ''", "!!timestamp x", "!!binary x", "!!set x", "!!omap x", "!!python/object:os.system x"),
@@ -70,6 +77,9 @@ WORDS = (
         "\x85",
         "\u2028",
         "\x1b[31m",
+        "a\x1b]0;b\x07",
+        "a\rb",
+        "a\0b",
     ),
     *(
         "<!DOCTYPE a [<!ENTITY b 'c'>]>",
@@ -113,14 +123,21 @@ VALUES: tuple[Any, ...] = (
         "\n",
         "a\r=1+1",
         "\x85\u2028",
+        "a\0b",
+        "\x1b[31mred",
+        "\ud800",
         6e6,
+        -6e6,
         1e8,
         1e300,
         "a" * 3000,
     ),
     *([], {}, [[]], [None], [1, 2], [1, 2, 3], ["a"], {"": 0}, {"x": 1, "y": 2}, [0] * 200, [[0.0, 0.0]] * 50, {"name": "dwa"}),
 )
-FAR = (6e6, -6e6, 1e8, 1e12, 1e300, np.inf, np.nan)  # one number far off among good ones
+FAR = (6e6, -6e6, 1e8, 1e12, 1e300, np.inf, -np.inf, np.nan)  # one number far off among good ones
+JUMPS = (-(10**8), -10, -1, 1, 10, 10**8, 2**31 - 2000)  # s, of stamps
+BEGIN = 1000  # s, near which the recordings of tests begin
+KEYS = ("", "name", "x", "\n", "a\r=1+1", "\0", "\x1b[31m", "a" * 300)
 KINDS = ("f4", "f8", "i1", "i4", "i8", "u8", "?", "S3", "U2", "c16", "M8[s]")
 SHAPES = ((), (0,), (1,), (3,), (2, 3), (0, 3), (1, 1, 1), (5, 2), (4, 4, 4))
 
@@ -174,7 +191,7 @@ def changed_tree(draw: st.DrawFn, tree: Any) -> Any:
         if way == 0:
             del parent[key]
         elif way == 1 and isinstance(parent, dict):
-            parent[draw(st.sampled_from(("", "name", "x", "\n", "a" * 300)))] = parent.pop(key)
+            parent[draw(st.sampled_from(KEYS))] = parent.pop(key)
         elif way == 2 and isinstance(parent, list):
             parent.extend([parent[key]] * draw(st.sampled_from((1, 20, 300))))
         elif way == 3:
@@ -240,7 +257,7 @@ def changed_npz(draw: st.DrawFn, content: bytes) -> bytes:
         arrays = {name: file[name] for name in file.files}
     for _ in range(draw(st.integers(1, 2))):
         name = draw(st.sampled_from(sorted(arrays)))
-        way = draw(st.integers(0, 7))
+        way = draw(st.integers(0, 8))
         if name == "meta" and way < 4 and str(arrays[name]).startswith("{"):  # not spoilt in the first round
             arrays[name] = np.array(json.dumps(draw(changed_tree(json.loads(str(arrays[name]))))))
         elif way == 0:
@@ -253,6 +270,10 @@ def changed_npz(draw: st.DrawFn, content: bytes) -> bytes:
             one = arrays[name].astype(np.float64)
             one.flat[draw(st.integers(0, one.size - 1))] = draw(st.sampled_from(FAR))
             arrays[name] = one
+        elif way == 8 and arrays[name].dtype.kind == "f" and arrays[name].ndim:
+            later = arrays[name].astype(np.float64)
+            later[draw(st.integers(0, len(later))) :] += draw(st.sampled_from((*FAR, *JUMPS)))
+            arrays[name] = later
         elif way == 7 and arrays[name].ndim:
             arrays[name] = np.concatenate([arrays[name]] * 2)
         elif way == 3 and arrays[name].ndim:
@@ -264,6 +285,86 @@ def changed_npz(draw: st.DrawFn, content: bytes) -> bytes:
     packed = io.BytesIO()
     np.savez(packed, **arrays)
     return packed.getvalue()
+
+
+@st.composite
+def changed_numbers(draw: st.DrawFn, content: bytes) -> bytes:
+    """Numbers of a binary file put far off where they stand: doubles of the size of metres and radians, and whole seconds of stamps."""
+    doubles, seconds = numbers_of(content)
+    changed = bytearray(content)
+    for _ in range(draw(st.integers(1, 3))):
+        if seconds and draw(st.booleans()):
+            at = draw(st.sampled_from(seconds))
+            (second,) = struct.unpack_from("<i", changed, at)
+            struct.pack_into("<i", changed, at, max(-(2**31), min(2**31 - 1, second + draw(st.sampled_from(JUMPS)))))
+        elif doubles:
+            struct.pack_into("<d", changed, draw(st.sampled_from(doubles)), draw(st.sampled_from(FAR)))
+    return bytes(changed)
+
+
+@lru_cache(maxsize=8)
+def numbers_of(content: bytes) -> tuple[list[int], list[int]]:
+    """Return where doubles of 0.01 to 100 seem to stand, and whole seconds of the stamps that recordings of tests have."""
+    doubles, seconds = [], []
+    for shift in range(8):
+        row = np.frombuffer(content[shift : shift + (len(content) - shift) // 8 * 8], "<f8")
+        with np.errstate(invalid="ignore"):
+            doubles += (np.flatnonzero((np.abs(row) > 0.01) & (np.abs(row) < 100.0)) * 8 + shift).tolist()
+    for shift in range(4):
+        whole = np.frombuffer(content[shift : shift + (len(content) - shift) // 4 * 4], "<i4")
+        seconds += (np.flatnonzero((whole >= BEGIN) & (whole < BEGIN + 100)) * 4 + shift).tolist()
+    return doubles, seconds
+
+
+@st.composite
+def changed_data_base(draw: st.DrawFn, content: bytes) -> bytes:
+    """A SQLite file in which tables are views, virtual, computed or without order, and cells are blobs without content or far numbers."""
+    with tempfile.NamedTemporaryFile(suffix=".db3") as file:
+        file.write(content)
+        file.flush()
+        with closing(sqlite3.connect(file.name, isolation_level=None)) as base:
+            for _ in range(draw(st.integers(1, 2))):
+                with suppress(sqlite3.Error):  # the one before has taken away what it is about
+                    base.executescript(draw(st.sampled_from(STATEMENTS)).format(number=draw(st.sampled_from(SQL_NUMBERS))))
+        return Path(file.name).read_bytes()
+
+
+ENDLESS = "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n)"
+SQL_NUMBERS = ("0", "-1", "1e300", "-9e999", "NULL", "'x'", "9223372036854775807", "-9223372036854775808", "1e17", "zeroblob(9)")
+STATEMENTS = (
+    *(
+        f"ALTER TABLE {table} RENAME TO old; CREATE VIEW {table} AS {endless}"
+        for table, endless in (
+            ("messages", f"{ENDLESS} SELECT i AS id, 1 AS topic_id, i AS timestamp, zeroblob(9) AS data FROM n"),
+            (
+                "topics",
+                f"{ENDLESS} SELECT i AS id, 'a' AS name, 'b' AS type FROM n",
+            ),
+            ("messages", "SELECT * FROM old"),
+            ("topics", "SELECT * FROM old"),
+        )
+    ),
+    "ALTER TABLE messages RENAME TO old; CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id, timestamp, "
+    "data AS (zeroblob(900000000))); INSERT INTO messages(id, topic_id, timestamp) SELECT id, topic_id, timestamp FROM old",
+    "ALTER TABLE messages RENAME TO old; CREATE TABLE messages(id, topic_id, timestamp, data); INSERT INTO messages SELECT * FROM old",
+    "ALTER TABLE messages RENAME TO old; CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id, timestamp, data) WITHOUT ROWID",
+    "ALTER TABLE messages RENAME TO old; CREATE VIRTUAL TABLE messages USING fts5(id, topic_id, timestamp, data)",
+    "CREATE INDEX i ON messages(timestamp); DROP TABLE topics",
+    "CREATE VIEW v AS SELECT * FROM v",
+    "UPDATE messages SET data = zeroblob(80000000) WHERE id % 40 = 1",
+    "UPDATE messages SET data = zeroblob(length(data))",
+    "UPDATE messages SET data = {number} WHERE id % 7 = 1",
+    "UPDATE messages SET timestamp = {number} WHERE id % 7 = 1",
+    "UPDATE messages SET timestamp = timestamp + {number} WHERE id > 100",
+    "UPDATE messages SET topic_id = {number} WHERE id % 7 = 1",
+    "UPDATE messages SET id = {number} WHERE id = 50",
+    "UPDATE topics SET id = {number} WHERE id = 1",
+    "UPDATE topics SET type = {number} WHERE id = 1",
+    "UPDATE topics SET name = '/a' || char(13, 61, 49, 0, 27) WHERE id % 2 = 1",
+    "UPDATE topics SET type = 'a/msg/' || char(13, 61, 49, 0, 27) WHERE id % 2 = 1",
+    "UPDATE topics SET type = (SELECT type FROM topics WHERE id = 2)",
+    "UPDATE topics SET name = (SELECT name FROM topics WHERE id = 2)",
+)
 
 
 @st.composite

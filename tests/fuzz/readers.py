@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from arena_core import World
-from arena_core.loop.recording import write_grid, write_record
+from arena_core.loop.record_files import write_grid, write_record
 from arena_core.records import read_record
 from tests.fuzz import mutations as change
 from tests.fuzz.samples import (
@@ -44,6 +44,7 @@ from tests.fuzz.samples import (
 Change = Callable[[bytes], Any]
 BYTES, TEXT, JSON, YAML, XML = change.changed_bytes, change.changed_text, change.changed_json, change.changed_yaml, change.changed_xml
 NPZ, TABLE = change.changed_npz, change.changed_table
+NUMBERS, DATA_BASE = change.changed_numbers, change.changed_data_base
 
 
 @dataclass(frozen=True)
@@ -197,6 +198,11 @@ def beside_run(folder: Path) -> None:
         (folder / name).write_bytes(content)
 
 
+def beside_named_run(folder: Path) -> None:
+    """Write a whole run into a folder of its own."""
+    beside_run(folder / "run")
+
+
 def run_file(name: str) -> Callable[[], bytes]:
     """Return what gives a file of that run."""
     return lambda: next(content for key, content in run_files().items() if key.startswith(name))
@@ -207,6 +213,21 @@ def read_record_file(path: Path) -> object:
     from arena_core.runs.rows import evaluate_file
 
     return evaluate_file(path, packs())
+
+
+def replay_record(path: Path) -> object:
+    """Make the replay of a record, and its strip."""
+    from arena_viewer.command import ReplayCommand
+
+    run, to = path.parent.parent, path.parent.parent.parent
+    return [ReplayCommand().run([str(run), "1", f"--to={to / name}"]) for name in (f"{path.stem}.html", f"{path.stem}.png")]
+
+
+def export_record(path: Path) -> object:
+    """Write a record to a recording."""
+    from arena_ros.bags.exporting import export
+
+    return export(path.parent.parent, path.parent / "out.mcap", [1])
 
 
 def evaluate_run(path: Path) -> object:
@@ -272,6 +293,42 @@ def lazily(module: str, name: str, *arguments: Any) -> Callable[[Path], object]:
         return getattr(importlib.import_module(module), name)(path, *arguments)
 
     return call
+
+
+def import_bag(path: Path) -> object:
+    """Import a recording, and compute the metrics of what came of it."""
+    from arena_ros.bags.importing import Request, import_bags, reading_of
+
+    request = Request({}, "jackal", "recorded", None, False, reading_of(0.1, 0.3, 180.0, 0.3, ""))
+    return import_bags([path], path.parent / f"{path.name}.out", request)
+
+
+@cache
+def laboratory(name: str) -> bytes:
+    """Return a recording of two seconds of a drive past people, of the kind that its name tells, without compression."""
+    import tempfile
+
+    from arena_ros.testing.recordings import write_laboratory
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = write_laboratory(Path(folder, name), 2.0)
+        return (unpacked_bag(path) if path.suffix == ".bag" else path).read_bytes()
+
+
+def unpacked_bag(path: Path) -> Path:
+    """Return a copy of a ROS 1 bag whose messages stand in it as they are."""
+    from rosbags.rosbag1 import Reader as BagReader
+    from rosbags.rosbag1 import Writer
+
+    copy = path.with_name("unpacked.bag")
+    with BagReader(path) as bag, Writer(copy) as writer:
+        to = {
+            each.id: writer.add_connection(each.topic, each.msgtype, msgdef=each.msgdef.data, md5sum=each.digest)
+            for each in bag.connections
+        }
+        for connection, stamp, content in bag.messages():
+            writer.write(to[connection.id], stamp, content)
+    return copy
 
 
 OWN_MODEL = b"""<mujoco model="m"><size nuserdata="3"/><asset><hfield name="h" nrow="4" ncol="4" size="1 1 1 1"/></asset><worldbody>
@@ -357,6 +414,8 @@ READERS: dict[str, Reader] = {
         (JSON, TEXT),
     ),
     "record": Reader({"records/0001.npz": run_file("records/0001")}, read_record_file, (NPZ, BYTES), beside_run, 1.5),
+    "record_replayed": Reader({"run/records/0001.npz": run_file("records/0001")}, replay_record, (NPZ,), beside_named_run, 0.05),
+    "record_exported": Reader({"run/records/0001.npz": run_file("records/0001")}, export_record, (NPZ,), beside_named_run, 0.1),
     "timing": Reader(
         {"timing/0001.npz": run_file("timing/0001")},
         lambda path: read_record(path.parent.parent / "records/0001.npz"),
@@ -372,6 +431,8 @@ READERS: dict[str, Reader] = {
     "configuration_staged": Reader(
         {"c.json": lambda: configuration("task=staged", "planner=teb", "world=indoor")}, build_configuration, (JSON,), share=0.05
     ),
+    "bag": Reader({"a.mcap": lambda: laboratory("a.mcap"), "a.bag": lambda: laboratory("a.bag")}, import_bag, (NUMBERS, BYTES), share=0.1),
+    "bag_data_base": Reader({"a.db3": lambda: laboratory("a")}, import_bag, (DATA_BASE, NUMBERS, BYTES), share=0.1),
     "own_model": Reader({"own.xml": const(OWN_MODEL)}, lazily("arena_mujoco.model_file", "check_model_file"), (XML, TEXT, BYTES)),
     "preset": Reader(
         {"conf/planner/mine.yaml": const(b"name: dwa\nspeed: 1.0\ncontrol_period: null\n")}, compose_own, (TEXT, YAML), share=0.01

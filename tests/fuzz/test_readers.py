@@ -21,6 +21,10 @@ from tests.fuzz.readers import BYTES, READERS, Change
 CORPUS = Path(__file__).parent / "corpus"
 HANG = 5.0  # s of the processor's time: the clock on the wall tells how busy a machine is
 MEMORY = 1_000_000  # kB that one process may take for all inputs together
+TELLING = (
+    *("arena_crowds.replay.recordings", "arena_worlds.formats.flatland_world", "arena_tasks.scenario_files.scenario_task"),
+    "arena_ros.bags.importing",
+)
 read_so_far = {"inputs": 0, "refused": 0}
 
 
@@ -68,7 +72,7 @@ def quiet(monkeypatch: pytest.MonkeyPatch, recwarn: pytest.WarningsRecorder) -> 
     warnings.simplefilter("ignore")
     gc.collect()
     gc.freeze()  # what other readers left behind is not searched again in this one's time
-    for module in ("arena_crowds.replay.recordings", "arena_worlds.formats.flatland_world", "arena_tasks.scenario_files.scenario_task"):
+    for module in TELLING:
         monkeypatch.setattr(f"{module}.tell", lambda line: None)
 
 

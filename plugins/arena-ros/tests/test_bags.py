@@ -42,13 +42,23 @@ def test_a_run_comes_back_value_for_value(finished_run: Path, tmp_path: Path, en
         before, after = read_record(path), read_record(back / "records" / path.name)
         assert before.meta == after.meta
         for name, array in before.arrays.items():
-            if name in ("route_points", "route_offsets"):  # a recording does not hold where people are going
-                continue
             np.testing.assert_array_equal(after[name], array, err_msg=name)
             assert after[name].dtype == array.dtype
     times = [name for name in episodes(finished_run)[0] if name.startswith("planning_")]
     for before_row, after_row in zip(episodes(finished_run), episodes(back), strict=True):
         assert {k: v for k, v in before_row.items() if k not in times} == {k: v for k, v in after_row.items() if k not in times}
+
+
+def test_routes_of_an_export_are_its_peoples_or_refused_and_older_exports_have_none() -> None:
+    from arena_ros.bags.records import _routes
+
+    assert _routes({"ids": [1]}) == {}
+    found = _routes({"ids": [1, 2, 3], "routes": [[[1.0, 2.0], [3.0, 4.0]], [], [[5.0, 6.0]]]})
+    assert (found["route_points"].tolist(), found["route_offsets"].tolist()) == ([[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]], [0, 2, 2, 3])
+    assert _routes({"ids": [], "routes": []})["route_offsets"].tolist() == [0]
+    for routes in ([[]], [[[1.0, 2.0]], [[1e300, 0.0]]], [[[1.0]], []], [[[np.nan, 0.0]], []], [["x"], []], 3, None):
+        with pytest.raises((ValueError, TypeError)):
+            _routes({"ids": [1, 2], "routes": routes})
 
 
 @pytest.mark.parametrize("ending", ENDINGS)

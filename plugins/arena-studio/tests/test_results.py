@@ -14,6 +14,8 @@ import pytest
 from fastapi.testclient import TestClient
 
 from arena_core import ArenaError
+from arena_core.base.cells import BREAKS
+from arena_core.files import csv_text, read_table
 from arena_studio import results
 from arena_studio.episode_table import EpisodeTable, Query
 
@@ -131,6 +133,25 @@ def test_export_has_the_filtered_rows_with_all_columns(client: TestClient, write
     assert float(rows[2]["time_to_goal"]) == 0.1 + 0.2
     assert rows[2]["error"].startswith("'=")
     assert rows[0]["config_hash"] == "0badcafe"
+
+
+def test_export_is_written_as_all_tables_are(client: TestClient, write_run: WriteRun, folder: Path) -> None:
+    write_run("odd", {"error": "a\x1b[31m\u2028\0b", "success": "", "time_to_goal": 0.1})
+    write_run("none", {"error": "\t=1", "success": 0.0, "time_to_goal": ""})
+    text = client.post("/api/results/export", json={}).text
+    columns, rows = read_table(written(folder.parent / "export.csv", text), "a table")
+    assert text.count("\n") == 3
+    assert not BREAKS.search(text.replace("\n", ""))
+    assert text == csv_text([columns, *(list(row.values()) for row in rows)])
+    assert [(row["run"], row["error"], row["success"], row["time_to_goal"]) for row in rows] == [
+        ("none", "'\\t=1", "0.0", ""),
+        ("odd", "a\\x1b[31m\\u2028\\x00b", "", "0.1"),
+    ]
+
+
+def written(path: Path, text: str) -> Path:
+    path.write_text(text, newline="")
+    return path
 
 
 @pytest.mark.usefixtures("two_runs")

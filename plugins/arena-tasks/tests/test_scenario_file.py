@@ -215,6 +215,8 @@ def first(content: dict[str, Any]) -> dict[str, Any]:
         ),
         (lambda c: first(c)["obstacles"][1].update(vertices=[[0, 0], [1, 1], [2, 2]]), r"obstacles\[1\]\.vertices: .*simple polygon"),
         (lambda c: c.update(format="other"), "has neither format: arena-scenario nor pedsim_agents"),
+        (lambda c: first(c).update(name="a\ud800b"), r"scenarios\[0\]\.name is .*; allowed: a text of whole characters"),
+        (lambda c: c.update(title="\udfff"), r"title is .*; allowed: a text of whole characters"),
     ],
 )
 def test_wrong_value_says_file_key_and_what_is_allowed(tmp_path: Path, change: Callable[[dict[str, Any]], object], message: str) -> None:

@@ -147,3 +147,37 @@ def test_a_converted_map_is_read_back_by_whatever_name(tmp_path: Path, name: str
     read(tmp_path, model())
     assert main(["world", "convert", str(tmp_path / "w.world"), str(tmp_path / name)]) == 0
     assert load_map(tmp_path / name).data.tolist() == site_grid(tmp_path / "w.world", 0.05, 1.0).data.tolist()
+
+
+def turned(pose: str, attributes: str) -> str:
+    return f"<model name='m'><static>1</static><pose {attributes}>{pose}</pose><link name='a'>{BOX}</link></model>"
+
+
+@pytest.mark.parametrize(
+    ("pose", "attributes"),
+    [
+        ("1 2 0 0 0 1.5707963267948966", ""),
+        ("1 2 0 0 0 90", "degrees='true'"),
+        ("1 2 0 0 0 90", "degrees='1' rotation_format='euler_rpy'"),
+        ("1 2 0 0 0 1.5707963267948966", "degrees='false'"),
+        ("1 2 0 0 0 0.7071067811865476 0.7071067811865476", "rotation_format='quat_xyzw'"),
+        ("1 2 0 0 0 -3 -3", "rotation_format='quat_xyzw' degrees='false'"),
+    ],
+)
+def test_poses_in_degrees_and_by_quaternions_are_read(tmp_path: Path, pose: str, attributes: str) -> None:
+    assert np.allclose(read(tmp_path, turned(pose, attributes)), [[1.0, 2.0, math.pi / 2]])
+
+
+@pytest.mark.parametrize(
+    ("pose", "attributes", "said"),
+    [
+        ("1 2 0 0 0 0 0", "rotation_format='quat_xyzw'", "allowed: seven numbers x y z qx qy qz qw"),
+        ("1 2 0 0 0 1", "rotation_format='quat_xyzw'", "allowed: seven numbers"),
+        ("1 2 0 0.5 0 0 0.8", "rotation_format='quat_xyzw'", "allowed: 0, upright"),
+        ("1 2 0 5 0 0", "degrees='true'", "allowed: 0, upright"),
+        ("1 2 0 0 0 0", "degrees='gradian'", "allowed: true or false or 1 or 0"),
+        ("1 2 0 0 0 0", "relative_to='world'", "allowed: none"),
+    ],
+)
+def test_poses_of_other_forms_are_refused(tmp_path: Path, pose: str, attributes: str, said: str) -> None:
+    assert said in refused(tmp_path, turned(pose, attributes))

@@ -18,6 +18,7 @@ from arena_submit.packing import Pack, PackedRun
 
 FREE = ("planner", "seed", "episodes", "executor", "resume", "report", "objective", "metrics", "recording", "experiment", "choices", "code")
 OF_THE_SCENARIO = ("world.path", "task.path")
+NAMED = 3  # keys that differ of which an error tells
 Condition = tuple[str, str]  # robot and scenario
 
 
@@ -57,7 +58,7 @@ def check_standing(pack: Pack, wanted: Standing, registry: Registry) -> None:
         condition = _condition(run)
         if fault := _fault(run, wanted, registry) or ("is there twice" if condition in faced else ""):
             raise InputFileError(
-                f"{pack.path}: {run.name} ({' '.join(condition)}) {fault}; allowed: runs of experiment={wanted.experiment}"
+                f"{pack.path}: {run.name} ({' '.join(condition)}) {fault}; allowed: runs of experiment={wanted.experiment} as it is here"
             )
         faced[condition] = run
     lacking = [condition for condition in wanted.conditions if condition not in faced]
@@ -93,8 +94,17 @@ def _fault(run: PackedRun, wanted: Standing, registry: Registry) -> str:
         return "is of another version of the scenario"
     expected = {**_rules(wanted.experiment, robot), **_paths(scenario, registry)}
     own = dict(_flat({key: value for key, value in run.config.items() if key not in FREE}))
-    wrong = [key for key, value in expected.items() if key in own and own[key] != value]
-    return f"has {wrong[0]} {one_line(str(own[wrong[0]]), 60)}, not {expected[wrong[0]]}" if wrong else ""
+    wrong = [_difference(key, own, expected) for key in {**expected, **own} if own.get(key) != expected.get(key)]
+    more = [f"{len(wrong) - NAMED} more differ"] if len(wrong) > NAMED else []
+    return ", ".join([*wrong[:NAMED], *more])
+
+
+def _difference(key: str, own: Mapping[str, str], expected: Mapping[str, str]) -> str:
+    """Return in what a key of a run is not as the benchmark has it in this version of the suite; packs of others may lack some."""
+    name, value = one_line(key, 60), one_line(own.get(key, ""), 60)
+    if key not in own:
+        return f"lacks {name}, which is {expected[key]}"
+    return f"has {name} {value}, not {expected[key]}" if key in expected else f"has {name} {value}, which the experiment has not"
 
 
 @lru_cache(maxsize=16)

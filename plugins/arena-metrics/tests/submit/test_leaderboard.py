@@ -62,15 +62,51 @@ def test_a_part_of_the_benchmark_is_not_ranked(faced):
     ],
 )
 def test_other_rules_are_named(key, value, fault, faced, small, tmp_path):
-    run = Path(shutil.copytree(faced().parent / "run", tmp_path / "run"))
+    def change(config):
+        *place, name = key.split(".")
+        reduce(getitem, place, config)[name] = value
+
+    assert fault in refusal(faced(), change, small, tmp_path)
+
+
+def refusal(pack, change, wanted, place):
+    """Return why a pack is not ranked, the configuration of whose run is changed."""
+    run = Path(shutil.copytree(pack.parent / "run", place / "run"))
     facts = json.loads((run / "provenance.json").read_text())
-    *place, name = key.split(".")
-    reduce(getitem, place, facts["config"])[name] = value
+    change(facts["config"])
     (run / "provenance.json").write_text(json.dumps(facts))
-    write_pack([run], tmp_path / "pack.zip")
-    with read_pack(tmp_path / "pack.zip") as pack, pytest.raises(InputFileError) as error:
-        check_standing(pack, small, load_registry())
-    assert fault in str(error.value)
+    write_pack([run], place / "pack.zip")
+    with read_pack(place / "pack.zip") as changed, pytest.raises(InputFileError) as error:
+        check_standing(changed, wanted, load_registry())
+    return str(error.value)
+
+
+def of_before(config):
+    """Make a configuration that of an earlier version: another default, a key that was not there yet, one that is not there any more."""
+    config["global_planner"]["padding"] = 0.0
+    del config["recoveries"]["progress_time"]
+    config["localizer"]["gone"] = [1, 2]
+
+
+def test_a_pack_of_before_a_default_was_changed_is_named_with_all_that_differs(faced, small, tmp_path):
+    line = refusal(faced(), of_before, small, tmp_path)
+    assert "runs/0 (jackal arena/warehouse_05) has global_planner.padding 0.0, not null, lacks recoveries.progress_time, which is " in line
+    assert "has localizer.gone [1, 2], which the experiment has not; allowed: runs of experiment=arena_v1 as it is here" in line
+    assert "\n" not in line
+
+
+def test_many_differences_are_counted(faced, small, tmp_path):
+    line = refusal(faced(), lambda config: config["localizer"].clear(), small, tmp_path)
+    assert line.count("lacks localizer.") == 3
+    assert "more differ; allowed" in line
+
+
+def test_commands_refuse_a_pack_of_before_beside_one_of_now(faced, small, tmp_path):
+    refusal(faced(), of_before, small, tmp_path)
+    together, alone = [faced(), tmp_path / "pack.zip"], [tmp_path / "run", f"--to={tmp_path / 'a.zip'}"]
+    for command, words in ((LeaderboardCommand(), together), (SubmitCommand(), alone)):
+        with pytest.raises(InputFileError, match=r"has global_planner\.padding 0\.0, not null"):
+            command.run([str(word) for word in words])
 
 
 def test_planners_are_ranked_with_their_cards(faced, small, tmp_path):

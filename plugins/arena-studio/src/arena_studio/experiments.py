@@ -142,13 +142,14 @@ class Experiments:
     def _standing(self, one: Experiment) -> dict[str, Any]:
         alive = one.process.is_alive()  # before it is asked how it ended: it may end in between
         one = self._settled(one)
-        found = self._progress.setdefault(one.name, Progress(self._folders(one), one.episodes)).look()
+        progress = self._progress.setdefault(one.name, Progress(self._folders(one), one.episodes))
+        found = progress.look()
         state = "stopping" if alive and one.interrupted else "running" if alive else _ending(one, found)
         return {
             **{"name": one.name, "state": state, "folder": one.folder, "command": shown(one.words), "began": one.began, "jobs": one.jobs},
             **{"status": one.status, "workers": one.process.workers() if alive else 0, "said": log_tail(self._log(one.name))},
             **found,
-            "left": found["left"] if alive else None,
+            "left": progress.left() if alive else None,
             "folders": [self._project.relative(folder) for folder in self._folders(one)],
         }
 

@@ -3,71 +3,74 @@
 from __future__ import annotations
 
 import csv
-from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from time import monotonic
+from time import time
 from typing import Any
 
 from arena_core.files import is_file
+from arena_viewer.time_left import RECENT, Begun, UnderWay, ends_of, episodes_of, read_begun, time_left
 
 TABLE = "episodes.csv"
 SHOWN = ("planner", "preset", "robot", "world", "scenario", "episode", "outcome", "error", "success", "time_to_goal", "collisions")
 LAST = 8  # rows that are shown
-TAIL = 32_000  # bytes of a table that are read for them
-WINDOW = 120.0  # s over which the rate is taken
+TAIL = 128_000  # bytes of a table that are read for them, and for when the last episodes ended
 PART = 2**20  # bytes
 
 
 @dataclass(slots=True)
 class Table:
-    """A table on disk: how many rows it has, counted anew only when the file has changed."""
+    """The table of a run: how many rows it has, and when episodes ended, looked at anew only when the file has changed."""
 
-    path: Path
+    folder: Path
     stamp: tuple[int, int] = (0, 0)
     rows: int = 0
     tail: list[dict[str, str]] = field(default_factory=list)
+    ends: list[float] = field(default_factory=list)
+    begun: Begun = field(default_factory=Begun)
 
     def look(self) -> None:
         """Count the rows and read the last ones; a table that is not there yet has none."""
+        path = self.folder / TABLE
         try:
-            if not is_file(self.path):
-                raise FileNotFoundError(self.path)
-            status = self.path.stat()
+            if not is_file(path):
+                raise FileNotFoundError(path)
+            status = path.stat()
             if (stamp := (status.st_mtime_ns, status.st_size)) == self.stamp:
                 return
-            self.rows, self.tail = _count(self.path), _tail(self.path, status.st_size)
+            rows = _tail(path, status.st_size)
+            self.rows, self.tail, self.begun = _count(path), [_known(row) for row in rows[-LAST:]], read_begun(self.folder)
+            self.ends = ends_of(self.folder, episodes_of(rows[-RECENT:]), self.begun.time)
             self.stamp = stamp
         except (OSError, ValueError, csv.Error):  # it is being replaced, or is none
-            self.rows, self.tail = 0, []
+            self.rows, self.tail, self.ends = 0, [], []
+
+    def under_way(self) -> UnderWay:
+        """Return how its run stands; of one that has no table yet nothing is known."""
+        return UnderWay(self.begun.config, max(0, self.begun.episodes - self.rows), self.ends)
 
 
 @dataclass(slots=True)
 class Progress:
-    """The tables of an experiment's jobs, and when how many episodes were done."""
+    """The tables of an experiment's jobs."""
 
     folders: Sequence[Path]
     episodes: int
     tables: list[Table] = field(default_factory=list)
-    seen: deque[tuple[float, int]] = field(default_factory=deque)
 
     def look(self) -> dict[str, Any]:
-        """Return ``done`` of ``episodes``, the seconds that are left (None: nothing is known), and the last rows with their job."""
-        self.tables = self.tables or [Table(folder / TABLE) for folder in self.folders]
+        """Return ``done`` of ``episodes``, and the last rows with their job."""
+        self.tables = self.tables or [Table(folder) for folder in self.folders]
         for table in self.tables:
             table.look()
-        done = sum(table.rows for table in self.tables)
         last = [{**row, "job": number} for number, table in enumerate(self.tables) for row in table.tail]
-        return {"done": done, "episodes": self.episodes, "left": self._left(done), "last": last[-LAST:]}
+        return {"done": sum(table.rows for table in self.tables), "episodes": self.episodes, "last": last[-LAST:]}
 
-    def _left(self, done: int) -> int | None:
-        now = monotonic()
-        self.seen.append((now, done))
-        while self.seen[0][0] < now - WINDOW:
-            self.seen.popleft()
-        seconds, ended = now - self.seen[0][0], done - self.seen[0][1]
-        return round((self.episodes - done) * seconds / ended) if ended > 0 else None
+    def left(self) -> int | None:
+        """Return the seconds that are left, at the last look; None: nothing is known."""
+        left = time_left([table.under_way() for table in self.tables], time())
+        return None if left is None else round(left)
 
 
 def _count(path: Path) -> int:
@@ -82,7 +85,7 @@ def _tail(path: Path, size: int) -> list[dict[str, str]]:
         file.seek(max(len(head.encode()), size - TAIL))
         text = file.read(TAIL).decode(errors="replace")
     lines = text.splitlines()[1:] if size - TAIL > len(head) else text.splitlines()
-    return [_known(row) for row in csv.DictReader([head, *lines[-LAST:]])]
+    return list(csv.DictReader([head, *lines[-RECENT:]]))
 
 
 def _known(row: Mapping[str, Any]) -> dict[str, str]:

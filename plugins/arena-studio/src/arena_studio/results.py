@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from datetime import datetime
 from threading import Lock
@@ -12,7 +13,7 @@ from fastapi import APIRouter, Response
 from pydantic import BaseModel, Field, StringConstraints
 
 from arena_core import Runs
-from arena_core.files import harmless
+from arena_core.files import csv_text
 from arena_studio.episode_table import EpisodeTable, Query
 from arena_studio.errors import Missing
 from arena_studio.project import Project
@@ -113,7 +114,9 @@ def router(project: Project) -> APIRouter:
         """Return all rows of a query as CSV."""
         results.look()
         headers = {"Content-Disposition": 'attachment; filename="episodes.csv"'}
-        return Response(csv_text(results.table.select(asked.query())), media_type="text/csv", headers=headers)
+        chosen = results.table.select(asked.query())
+        rows = chosen.itertuples(index=False, name=None)
+        return Response(csv_text(itertools.chain([map(str, chosen.columns)], rows)), media_type="text/csv", headers=headers)
 
     return routes
 
@@ -129,17 +132,6 @@ def _plain(value: Any) -> Any:
             return None if math.isnan(value) else "inf" if value > 0 else "-inf"
         return int(value) if value.is_integer() and abs(value) < 2**53 else value
     return value.item() if hasattr(value, "item") else value
-
-
-def csv_text(table: DataFrame) -> str:
-    """Return a table as CSV; a text that a spreadsheet would take for a formula is made harmless."""
-    import pandas
-
-    texts = [name for name in table.columns if isinstance(table[name].dtype, pandas.CategoricalDtype)]
-    written: str = table.assign(**{str(name): table[name].astype(str).map(harmless) for name in texts}).to_csv(
-        index=False, lineterminator="\n"
-    )
-    return written
 
 
 def _summary(chosen: DataFrame) -> list[dict[str, Any]]:

@@ -5,17 +5,17 @@ from __future__ import annotations
 import json
 import re
 import time
-from collections import Counter
-from collections.abc import Hashable, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from arena_core import ArenaError, InputFileError
-from arena_core.commands import Pace, one_line
-from arena_core.files import LIMITS, read_bytes, read_json, read_table
-from arena_core.records import find_runs, read_grid, record_path
+from arena_core.commands import one_line
+from arena_core.files import LIMITS, read_bytes, read_table
+from arena_core.records import find_runs, read_grid
 from arena_viewer.document import FREE, OCCUPIED, UNKNOWN, document, finite, read_recorded
+from arena_viewer.time_left import RECENT, UnderWay, ends_of, episodes_of, read_begun, time_left
 
 LOOK_EVERY, RUNS_EVERY = 0.2, 5.0  # s between two looks at the folder, and for new runs
 GRID = re.compile(r"worlds/[0-9a-f]+\.npz")  # as a run writes them
@@ -77,22 +77,18 @@ class Watched:
         return self._runs[number]
 
     def _run(self, number: int, folder: Path) -> dict[str, Any]:
-        try:
-            facts = read_json(folder / "provenance.json", "what `arena run` wrote")
-            began, total, config = (folder / "provenance.json").stat().st_mtime, int(facts["episodes"]), dict(facts["config"])
-        except (ArenaError, OSError, ValueError, KeyError, TypeError):
-            began, total, config = 0.0, 0, {}
+        begun = read_begun(folder)
         rows = self._rows(folder)
         return {
             "number": number,
             "name": str(folder.relative_to(self._folder)) if folder != self._folder else folder.name,
-            "total": max(total, len(rows)),
+            "total": max(begun.episodes, len(rows)),
             "done": len(rows),
-            "ends": _ends([record_path(folder, int(row["episode"])) for row in rows[-SHOWN:]], began),
-            "config": config,
+            "ends": ends_of(folder, episodes_of(rows[-RECENT:]), begun.time),
+            "config": begun.config,
             "succeeded": sum(row.get("success") in ("1", "1.0") for row in rows),
             "rows": [{name: row.get(name, "") for name in ROW} for row in rows[-SHOWN:]],
-            "running": _running(folder, {int(row["episode"]) for row in rows}),
+            "running": _running(folder, set(episodes_of(rows))),
         }
 
     def _rows(self, folder: Path) -> list[dict[str, str]]:
@@ -121,27 +117,9 @@ def _sums(runs: list[dict[str, Any]]) -> dict[str, Any]:
     """Return sums over runs, and how many s it may take still: None where too little of this start has finished to say."""
     total, done, succeeded = (sum(run[name] for run in runs) for name in ("total", "done", "succeeded"))
     workers = len({said.get("worker") for run in runs for said in run["running"]})
-    left = 0.0 if runs and total == done else _left(runs)
+    under_way = [UnderWay(run["config"], run["total"] - run["done"], run["ends"]) for run in runs]
+    left = 0.0 if runs and total == done else time_left(under_way, time.time())
     return {"total": total, "done": done, "succeeded": succeeded, "left": left, "workers": workers}
-
-
-def _left(runs: list[dict[str, Any]]) -> float | None:
-    kinds, due = [Pace.kind(run["config"]) for run in runs], Counter[Hashable]()
-    pace = Pace.of_run(runs[0]["config"] if runs else {})
-    for kind, run in zip(kinds, runs, strict=True):
-        due[kind] += run["total"] - run["done"]
-    for end, number in sorted((end, number) for number, run in enumerate(runs) for end in run["ends"]):
-        pace.add(kinds[number], end)
-    return pace.left(due, time.time()) if runs else None
-
-
-def _ends(records: list[Path], since: float) -> list[float]:
-    """Return when these records were written, of those of this start."""
-    found = []
-    for path in records:
-        with suppress(OSError):
-            found.append(path.stat().st_mtime)
-    return [end for end in found if end >= since]
 
 
 def _number(asked: Mapping[str, str], name: str) -> int:

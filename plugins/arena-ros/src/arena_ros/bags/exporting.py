@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
@@ -156,13 +157,21 @@ _CONTACTS = ("contact_stamp", "contact_kind", "contact_person", "contact_speed",
 
 
 def _write_begin(folder: Path, record: EpisodeRecord, own: Codec, write: Write, begin: int) -> None:
-    people = {"ids": record["pedestrian_ids"].tolist(), "radii": record["pedestrian_radii"].tolist()}
+    people = {"ids": record["pedestrian_ids"].tolist(), "radii": record["pedestrian_radii"].tolist(), **_routes(record)}
     meta = {key: value for key, value in record.meta.items() if key not in ("outcome", "error", "events")}
     write("/arena/episode", to.TEXT, begin, to.text(own, json.dumps({"event": "begin", "meta": meta, "people": people})))
     if (grid := _grid(folder, record)) is not None:
         write("/map", to.GRID, begin, to.grid(own, grid, begin, "map"))
     write(GOAL[own.ros], to.POSE_STAMPED, begin, to.pose_stamped(own, Pose.of(record.meta["scenario"]["goal"]), begin, "map"))
     write("/tf_static", to.TF, begin, to.transforms(own, [("base_link", "laser", _mount(record))], begin))
+
+
+def _routes(record: EpisodeRecord) -> dict[str, Any]:
+    """Return where everybody was to go; records from before routes were kept do not say."""
+    if "route_offsets" not in record.arrays:
+        return {}
+    points, offsets = record["route_points"], record["route_offsets"].tolist()
+    return {"routes": [points[first:last].tolist() for first, last in itertools.pairwise(offsets)]}
 
 
 def _grid(folder: Path, record: EpisodeRecord) -> OccupancyGrid | None:

@@ -15,6 +15,7 @@ from arena_ros.bags.series import People, Series
 
 FARTHEST = 2e7  # m, farther than any coordinate on Earth (UTM's reach 1e7); beyond, and at 1e3 m/s, numbers are none
 FASTEST = 1e3  # m/s
+SETTLED = 10**9  # ns after the begin of an episode from which on a counter's first message is an event
 
 
 @dataclass(eq=False)
@@ -41,6 +42,11 @@ class Gathered:
     paths: list[tuple[int, str, NDArray[np.float64]]] = field(default_factory=list)
     people: dict[str, People] = field(default_factory=dict)  # by frame
     links: Links = field(default_factory=lambda: Links(()))
+
+
+def is_settled(now: Gathered, stamp: int) -> bool:
+    """Return whether an episode has gone on long enough for what a counter says first to be an event."""
+    return stamp - now.begin > SETTLED
 
 
 def person_number(name: str, place: int) -> int:

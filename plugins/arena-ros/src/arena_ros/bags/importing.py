@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from arena_core import ConfigurationError, EpisodeRecord, InputFileError, OccupancyGrid, Pose, Robot
-from arena_core.commands import tell
+from arena_core.commands import one_line, tell
 from arena_core.hosting import Code, OutsideRun, Registry, compose, load_registry, plain
 from arena_core.scenes import free_area
 from arena_ros.bags.clocks import Clocks, clocks
@@ -66,9 +66,10 @@ def _import(bags: Sequence[Bag], paths: Sequence[Path], folder: Path, request: R
     if tracked:
         found = Cast({role: channel for role, channel in found.by_role.items() if role != "people"}, found.guesses)
     if not any(role in found.by_role for role in MOTION):
-        types = sorted({channel.type for channel in channels})
+        types = ", ".join(sorted({channel.type for channel in channels})) or "none"
+        cut = next((f"; {bag.name}: {bag.cut}" for bag in bags if bag.cut), "")
         raise InputFileError(
-            f"{paths[0]}: nothing says where the robot was (types: {', '.join(types) or 'none'}); "
+            f"{paths[0]}: nothing says where the robot was (types: {one_line(types)}{cut}); "
             "allowed: a nav_msgs/Odometry, /amcl_pose, /tf or a reference pose"
         )
     registry = load_registry()

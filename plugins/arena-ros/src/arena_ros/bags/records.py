@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import EpisodeRecord, Pose, Robot
+from arena_core.files import LIMITS
 from arena_core.records import robot_meta
 from arena_ros.bags.footprint import clearances
 from arena_ros.bags.gathered import Gathered
@@ -84,6 +85,7 @@ def restored(gathered: Gathered) -> EpisodeRecord:
         "pedestrian_positions": seen[:, :, :2],
         "pedestrian_velocities": seen[:, :, 2:],
         "pedestrian_states": np.nan_to_num(state[:, 6:]).astype(np.int8),
+        **_routes(people),
         **_paths([(stamp, poses) for stamp, _, poses in gathered.paths], gathered.begin),
     }
     contacts = ending["contacts"] if ending else {}
@@ -281,6 +283,17 @@ def _paths(paths: Sequence[tuple[int, NDArray[np.float64]]], begin: int) -> Arra
         "path_offsets": np.cumsum([0, *(len(poses) for _, poses in kept)], dtype=np.int64),
         "path_stamps": _seconds(np.array([stamp for stamp, _ in kept], np.int64), begin),
     }
+
+
+def _routes(people: Mapping[str, Any]) -> Arrays:
+    """Return where everybody was to go, as our export says it; raise ValueError for routes that are none."""
+    if "routes" not in people:
+        return {}
+    routes = [np.array(route, np.float64).reshape(-1, 2) for route in people["routes"]]
+    points = np.concatenate([np.empty((0, 2)), *routes])
+    if len(routes) != len(people["ids"]) or not (np.abs(points) <= LIMITS.record_farthest).all():
+        raise ValueError("its routes are not those of its people")
+    return {"route_points": points, "route_offsets": np.cumsum([0, *map(len, routes)], dtype=np.int64)}
 
 
 def _scans(gathered: Gathered, stamps: NDArray[np.int64]) -> Arrays:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.resources import files
@@ -12,6 +12,7 @@ from arena_core import ConfigurationError
 from arena_core.files import read_yaml
 from arena_ros.bags.stream import Channel
 
+ROBOTS = ("odometry", "scan", "command", "estimate")  # roles whose topics tell the namespace of a robot
 NONE = "none"  # what the user says of a role that no topic is to have
 
 
@@ -42,13 +43,13 @@ class Cast:
 def cast(channels: Mapping[Channel, int], said: Mapping[str, str]) -> Cast:
     """Give roles to channels, which have these numbers of messages; raise ConfigurationError for a topic that is not there or of no use."""
     found: dict[str, Channel] = {}
-    guesses = []
+    guesses, space = [], namespace(channels)
     for name, role in roles().items():
         fitting = {channel: count for channel, count in channels.items() if channel.type in role.types and count}
         if name in said:
             if said[name] != NONE:
                 found[name] = _said(name, role, said[name], channels)
-        elif fitting and (channel := _guess(role, fitting)) is not None:
+        elif fitting and (channel := _guess(role, fitting, space)) is not None:
             found[name] = channel
             if (len(fitting) > 1 and not role.only_by_name) or channel.topic != role.names[0]:
                 others = sorted(other.topic for other in fitting if other is not channel)
@@ -68,12 +69,29 @@ def _said(name: str, role: Role, topic: str, channels: Mapping[Channel, int]) ->
     return there[0]
 
 
-def _guess(role: Role, fitting: Mapping[Channel, int]) -> Channel | None:
-    for name in role.names:
+def namespace(channels: Iterable[Channel]) -> str:
+    """Return the namespace in which all topics of the one robot lie, ``/robot1``; empty where there are several, or none."""
+    found = set()
+    for role in (roles()[name] for name in ROBOTS):
+        for channel in channels:
+            topic, names = absolute(channel.topic), [name for name in role.names if absolute(channel.topic).endswith(name)]
+            if names and channel.type in role.types:
+                found.add(topic.removesuffix(max(names, key=len)))
+    return found.pop() if len(found) == 1 else ""
+
+
+def absolute(topic: str) -> str:
+    """Return a topic as it is called from anywhere: some bags leave out the slash that it begins with."""
+    return topic if topic.startswith("/") else f"/{topic}"
+
+
+def _guess(role: Role, fitting: Mapping[Channel, int], space: str) -> Channel | None:
+    for name in [*(space + name for name in role.names), *role.names]:  # transforms, map and clock may be common to all robots
         for channel in fitting:
-            if channel.topic == name:
+            if absolute(channel.topic) == name:
                 return channel
     if role.only_by_name:
         return None
-    others = [channel for channel in fitting if not any(channel.topic in other.names for other in roles().values() if other is not role)]
+    own = {within + name for other in roles().values() if other is not role for name in other.names for within in ("", space)}
+    others = [channel for channel in fitting if absolute(channel.topic) not in own]
     return max(others, key=lambda channel: (fitting[channel], channel.topic), default=None)

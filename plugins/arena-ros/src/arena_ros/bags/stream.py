@@ -74,8 +74,8 @@ class Bag(ABC):
         try:
             for channel, _, _ in self.read((), False):
                 found[channel] = found.get(channel, 0) + 1
-        except Cut:
-            pass
+        except Cut as cut:
+            self.cut = str(cut)
         return found
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import reprlib
 import sys
 from collections.abc import Mapping
@@ -19,6 +20,7 @@ from arena_core.commands import one_line
 from arena_core.files import LIMITS
 
 FARTHEST = 1e6  # m
+HALF_CHARACTER = re.compile("[\ud800-\udfff]")  # one of the two that stand for a rare character in UTF-16
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,9 +94,11 @@ class Field:
         return self.value
 
     def text(self) -> str:
-        """Return text that is not empty."""
+        """Return text that is not empty and that a file can hold, which half a character cannot (``"\\ud800"`` in JSON)."""
         if not isinstance(self.value, str) or not self.value:
             raise self.refused("a text that is not empty")
+        if HALF_CHARACTER.search(self.value):
+            raise self.refused("a text of whole characters")
         return self.value
 
     def truth(self) -> bool:

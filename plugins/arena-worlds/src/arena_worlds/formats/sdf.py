@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -15,6 +16,12 @@ from arena_worlds.formats.xml_file import numbers, read_xml, shown
 
 ALLOWED = "a Gazebo world file (.sdf, .world or .world.gz)"
 GROUND = "map_ground"  # the model whose plane bounds the map; any other plane is a ground without end
+POSE_ATTRIBUTES: dict[str, tuple[str, ...]] = {  # SDF 1.9
+    "relative_to": (),
+    "frame": (),
+    "degrees": ("true", "false", "1", "0"),
+    "rotation_format": ("euler_rpy", "quat_xyzw"),
+}
 # Includes that nobody can bump into: of Gazebo Classic, and of Fuel with or without a version
 HARMLESS = re.compile(
     r"(model:/|https?://[\w.]+/([\d.]+/)?openrobotics/(fuel/)?models)/(sun|ground[_ ]plane)(/(\d+|tip))?/?", re.IGNORECASE
@@ -109,14 +116,29 @@ def _pose(path: Path, name: str, element: ElementTree.Element) -> Pose:
     pose = element.find("pose")
     if pose is None:
         return Pose(0.0, 0.0)
-    for attribute in ("relative_to", "frame", "degrees", "rotation_format"):
-        if pose.get(attribute, "") not in ("", "false", "euler_rpy"):
-            raise InputFileError(f"{path}: model {name!r}: pose has {attribute} {shown(pose.get(attribute, ''))}; allowed: none")
-    text = pose.text or ""
+    for attribute, allowed in POSE_ATTRIBUTES.items():
+        if pose.get(attribute, "") not in ("", *allowed):
+            said = " or ".join(allowed) or "none"
+            raise InputFileError(f"{path}: model {name!r}: pose has {attribute} {shown(pose.get(attribute, ''))}; allowed: {said}")
+    text, by_quaternion = pose.text or "", pose.get("rotation_format") == "quat_xyzw"
     found = numbers(text)
-    if found is None or len(found) != 6:
-        raise InputFileError(f"{path}: model {name!r}: pose is {shown(text)}; allowed: six numbers x y z roll pitch yaw (m, rad)")
-    x, y, _, roll, pitch, yaw = found
+    if found is None or len(found) != (7 if by_quaternion else 6) or (by_quaternion and not any(found[3:])):
+        form = "seven numbers x y z qx qy qz qw (m)" if by_quaternion else "six numbers x y z roll pitch yaw (m, rad)"
+        raise InputFileError(f"{path}: model {name!r}: pose is {shown(text)}; allowed: {form}")
+    unit = math.pi / 180.0 if pose.get("degrees") in ("true", "1") else 1.0
+    roll, pitch, yaw = _angles(*found[3:]) if by_quaternion else (unit * angle for angle in found[3:])
     if max(abs(roll), abs(pitch)) > UPRIGHT:
         raise InputFileError(f"{path}: model {name!r}: pose has roll {roll:g} and pitch {pitch:g}; allowed: 0, upright")
-    return Pose(x, y, yaw)
+    return Pose(found[0], found[1], yaw)
+
+
+def _angles(i: float, j: float, k: float, w: float) -> tuple[float, float, float]:
+    """Return roll, pitch and yaw of a quaternion of any length but 0, rad."""
+    length = math.sqrt(i * i + j * j + k * k + w * w)
+    i, j, k, w = i / length, j / length, k / length, w / length
+    pitch = math.asin(min(1.0, max(-1.0, 2.0 * (w * j - k * i))))
+    return (
+        math.atan2(2.0 * (w * i + j * k), 1.0 - 2.0 * (i * i + j * j)),
+        pitch,
+        math.atan2(2.0 * (w * k + i * j), 1.0 - 2.0 * (j * j + k * k)),
+    )

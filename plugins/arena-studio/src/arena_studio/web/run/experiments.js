@@ -76,7 +76,7 @@ function facts(one) {
   if (one.jobs > 1) words.push(`${one.jobs} jobs`);
   if (one.workers) words.push(`${one.workers} worker${one.workers > 1 ? "s" : ""}`);
   if (one.left !== null) words.push(`about ${duration(one.left)} left`);
-  else if (one.state === "running") words.push(one.done ? "" : "components are built and compiled first");
+  else if (one.state === "running") words.push(one.done ? "time left not known yet" : "components are built and compiled first");
   return make("p", { className: "soft" }, words.filter(Boolean).join(" · "));
 }
 
