@@ -1,15 +1,12 @@
-"""The configuration groups of one plugin's folder, parsed by libyaml: PyYAML's own parser was half of the time to compose."""
+"""The configuration groups of one plugin's folder, whose files are read within limits and checked before they are expanded."""
 
 import os
-from functools import cache
 from pathlib import Path
-from typing import Any
 
 import yaml
 from hydra.core.object_type import ObjectType
 from hydra.plugins.config_source import ConfigLoadError, ConfigResult, ConfigSource
 from omegaconf import OmegaConf
-from omegaconf._utils import get_yaml_loader
 
 
 class ArenaSource(ConfigSource):
@@ -28,12 +25,8 @@ class ArenaSource(ConfigSource):
         from arena_core.config.option_file import check_option, option_text
 
         text = option_text(file)
-        reader = loader()(text)  # a safe one
-        node = reader.get_single_node()
-        check_option(file, node)
-        content = None if node is None else reader.construct_document(node)
-        config = OmegaConf.create({} if content is None else content)
-        return ConfigResult(self.provider, self.full_path(), config, self._get_header_dict(text))
+        check_option(file, yaml.compose(text, getattr(yaml, "CSafeLoader", yaml.SafeLoader)))
+        return ConfigResult(self.provider, self.full_path(), OmegaConf.create(text), self._get_header_dict(text))
 
     def available(self) -> bool:
         """Tell whether the folder is there."""
@@ -53,22 +46,3 @@ class ArenaSource(ConfigSource):
         for name in os.listdir(os.path.join(self.path, config_path)):
             self._list_add_result(found, os.path.join(config_path, name), name, results_filter)
         return sorted(set(found))
-
-
-@cache
-def loader() -> Any:
-    """Return OmegaConf's own loader, on top of libyaml where PyYAML was built with it."""
-    own: Any = get_yaml_loader()
-    if not yaml.__with_libyaml__:
-        return own
-    from yaml.cyaml import CParser  # type: ignore[attr-defined]
-
-    class Loader(CParser, own):  # type: ignore[misc]
-        """Takes numbers and keys as OmegaConf does."""
-
-        def __init__(self, stream: str) -> None:
-            CParser.__init__(self, stream)
-            yaml.constructor.SafeConstructor.__init__(self)
-            yaml.resolver.Resolver.__init__(self)
-
-    return Loader
