@@ -3,7 +3,7 @@
 import logging
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from hydra.core.hydra_config import HydraConfig
 from hydra.core.utils import JobReturn, JobRuntime, JobStatus, setup_globals
@@ -14,6 +14,8 @@ from omegaconf import DictConfig, open_dict, read_write
 
 class ArenaLauncher(Launcher):
     """Prepare each job's folder as Hydra does, then run the episodes of all of them together."""
+
+    composes_first: ClassVar[bool] = True  # all jobs of a batch, before one of them runs: no sweeper needs to check them
 
     def setup(self, *, hydra_context: HydraContext, task_function: TaskFunction, config: DictConfig) -> None:
         """Keep what Hydra hands over before a launch."""

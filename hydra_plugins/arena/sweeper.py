@@ -10,8 +10,6 @@ from hydra.plugins.sweeper import Sweeper
 from hydra.types import HydraContext, TaskFunction
 from omegaconf import DictConfig, OmegaConf
 
-from hydra_plugins.arena.launcher import ArenaLauncher
-
 
 class ArenaSweeper(Sweeper):
     """Launch all jobs together, or in batches; ``params`` are swept besides what the command line sweeps, which comes first."""
@@ -22,9 +20,11 @@ class ArenaSweeper(Sweeper):
 
     def setup(self, *, hydra_context: HydraContext, task_function: TaskFunction, config: DictConfig) -> None:
         """Make the launcher that is chosen."""
-        self.config = config
+        self.config: Any = config
         self.hydra_context = hydra_context
-        self.launcher = Plugins.instance().instantiate_launcher(hydra_context=hydra_context, task_function=task_function, config=config)
+        self.launcher: Any = Plugins.instance().instantiate_launcher(
+            hydra_context=hydra_context, task_function=task_function, config=config
+        )
 
     def sweep(self, arguments: list[str]) -> list[Sequence[JobReturn]]:
         """Launch the jobs that the words make; raise what is wrong with one of a batch before any of it runs."""
@@ -43,10 +43,10 @@ class ArenaSweeper(Sweeper):
     def _launch(self, batch: Sequence[Sequence[str]], first: int) -> Sequence[JobReturn]:
         from arena_core.runs.progress import told
 
-        if not isinstance(self.launcher, ArenaLauncher):  # which composes all of them before the first runs
+        if not getattr(self.launcher, "composes_first", False):
             for overrides in told("composing job", batch):
                 self.validate_batch_is_legal([overrides])
-        answers = self.launcher.launch(batch, initial_job_idx=first)
+        answers: Sequence[JobReturn] = self.launcher.launch(batch, initial_job_idx=first)
         for answer in answers:
             _ = answer.return_value  # raises what a job raised
         return answers

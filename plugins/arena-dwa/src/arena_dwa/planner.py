@@ -33,7 +33,7 @@ from arena_dwa.trajectory import stand_at
 from arena_dwa.turning import TurnInPlace
 from arena_dwa.way_out import WayOut
 from arena_dwa.window import dynamic_window
-from arena_kernels.entry import Entered
+from arena_kernels.compiled import Entered
 from arena_kernels.window import Window, clearance, window_of
 
 LOOK_AHEAD = 0.5  # m of path that a passage may be ahead, at least

@@ -25,7 +25,7 @@ from arena_core import (
     stream_key,
     wall_boxes,
 )
-from arena_kernels.entry import Entered
+from arena_kernels.compiled import Entered
 from arena_mujoco.attaching import wheeled_model
 from arena_mujoco.body import BodyFigures, body_of, check_wheels
 from arena_mujoco.camera import CameraFigures, DepthCamera

@@ -19,8 +19,8 @@ from arena_core import (
     furnished,
     with_obstacles,
 )
+from arena_kernels.compiled import Entered
 from arena_kernels.crowds import Crowds, Robots
-from arena_kernels.entry import Entered
 from arena_kernels.terrain import Terrain
 from arena_pedsim.forces.crowd_step import step_crowds
 from arena_pedsim.parameters import (

@@ -23,7 +23,7 @@ from arena_core import (
     Snapshot,
     Step,
 )
-from arena_kernels.entry import Entered
+from arena_kernels.compiled import Entered
 from arena_kernels.pool import GridPool
 from arena_sim2d.bodies import Floats, Rows, Worlds
 from arena_sim2d.motion import chassis

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import Costmap, LaserScan, LocalMap, NonNegative, OccupancyGrid, Pose, Positive, Robot, Window
-from arena_kernels.entry import Entered
+from arena_kernels.compiled import Entered
 from arena_navigation.local_map.evidence import Evidence
 from arena_navigation.local_map.mapping import SeenMap, with_marks
 from arena_navigation.local_map.marks import NEVER, Beams, Reach

@@ -19,7 +19,7 @@ from arena_core import (
     Tracker,
     Tracks,
 )
-from arena_kernels.entry import Entered
+from arena_kernels.compiled import Entered
 from arena_navigation.local_map.marks import Beams
 from arena_navigation.tracking.alignment import Alignment
 from arena_navigation.tracking.belief import Belief, LifeSpan, Told, write_told
