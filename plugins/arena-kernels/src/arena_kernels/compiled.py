@@ -177,13 +177,13 @@ class KernelCache(FunctionCache):
     """numba's cache on disk, good for as long as no package changes that the kernel or one that it calls is from."""
 
     def __init__(self, kernel: Callable[..., Any]) -> None:
-        config: Any = numba_config
-        before = config.CACHE_LOCATOR_CLASSES
-        config.CACHE_LOCATOR_CLASSES = before or LOCATORS  # who has set NUMBA_CACHE_LOCATOR_CLASSES has their own
+        settings: Any = numba_config
+        before = settings.CACHE_LOCATOR_CLASSES
+        settings.CACHE_LOCATOR_CLASSES = before or LOCATORS  # who has set NUMBA_CACHE_LOCATOR_CLASSES has their own
         try:
             super().__init__(kernel)  # type: ignore[no-untyped-call]
         finally:
-            config.CACHE_LOCATOR_CLASSES = before
+            settings.CACHE_LOCATOR_CLASSES = before
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return what was compiled for a signature, None if there is nothing, or only what names types that have moved since."""
