@@ -24,13 +24,16 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parents[1]
-PACKAGES = ("arena_core/**/*.py", "hydra_plugins/**/*.py", "plugins/*/src/**/*.py")
 OURS = ("arena", "hydra_plugins", "scout_lab")  # how import names of this project begin
 LEFT_OUT = {".venv", "node_modules", "build", "dist", "site", ".git"}
 LONGEST, MOST = 120, 5  # columns of a line, arguments of a function
 KERNELS = {"compiled", "borrowing", "inner", "inlined"}
 DOCUMENTED = {"_replace", "_asdict", "_fields", "_make", "_exit", "_getframe"}  # which Python's own documentation offers
 INTERNAL = re.compile(r"(?!arena)\w+(\.\w+)*\._internal[\w.]*")  # a module's name in a text
+DEFINED = re.compile(r"(?:\b(?:def |class |self\.|cls\.)|^\s*|[,(]\s*)(_[a-zA-Z]\w*)\b", re.MULTILINE)
+MEMBER = re.compile(r"\.(_[a-zA-Z]\w*)")
+IMPORTED = re.compile(r"\._\w|\bimport .*\b_\w")
+CHANGED = re.compile(r"^\s*(?!self\.|cls\.|#)[\w.\[\]()\"']+\.\w+ (?:, .*)?= |\bsetattr\(|\bvars\(.*\] =|^\s*del .*\.", re.MULTILINE)
 REASON = re.compile(r"#.*noqa: .*SLF001.* - \w")
 SILENT = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENCODING, tokenize.ENDMARKER}
 TRIVIAL = (
@@ -57,15 +60,22 @@ def main(words: Sequence[str]) -> int:
     return 0
 
 
-def sources(top: Path, *patterns: str) -> Iterator[Path]:
-    """Yield the files of a checkout that match, in order, without what was installed or built there."""
-    for pattern in patterns:
-        yield from (path for path in sorted(top.glob(pattern)) if not LEFT_OUT & set(path.relative_to(top).parts))
+def sources(top: Path, *endings: str) -> Iterator[Path]:
+    """Yield the files of a checkout, in order, without what was installed or built there."""
+    for folder, inside, names in os.walk(top):
+        inside[:] = sorted(name for name in inside if name not in LEFT_OUT)
+        yield from (Path(folder, name) for name in sorted(names) if name.endswith(endings))
+
+
+def packages(top: Path) -> Iterator[Path]:
+    """Yield the modules of the packages."""
+    for folder in (top / "arena_core", top / "hydra_plugins", *sorted(top.glob("plugins/*/src"))):
+        yield from sources(folder, ".py")
 
 
 def functions(top: Path) -> Iterator[Function]:
     """Yield all functions of the packages."""
-    for path in sources(top, *PACKAGES):
+    for path in packages(top):
         yield from (node for node in ast.walk(ast.parse(path.read_bytes())) if isinstance(node, Function))
 
 
@@ -116,12 +126,14 @@ def foreign_privates(top: Path) -> list[str]:
     Private are modules and names with a leading underscore, ``_internal`` among them; a member counts as another's where nothing in the
     checkout defines one of its name.
     """
-    trees = {path: ast.parse(path.read_bytes()) for path in sources(top, "**/*.py")}
-    own = {name for tree in trees.values() for node in ast.walk(tree) for name in _defined(node)} | DOCUMENTED
+    texts = {path: path.read_text(encoding="utf-8") for path in sources(top, ".py")}
+    own = {name for text in texts.values() for name in DEFINED.findall(text)} | DOCUMENTED
     found = []
-    for path, tree in trees.items():
-        lines = path.read_text(encoding="utf-8").splitlines()
-        for node in ast.walk(tree):
+    for path, text in texts.items():
+        if not (set(MEMBER.findall(text)) - own or IMPORTED.search(text)):
+            continue
+        lines = text.splitlines()
+        for node in ast.walk(ast.parse(text)):
             found += [
                 f"{path.relative_to(top)}:{node.lineno}: {name}"  # type: ignore[attr-defined]
                 for name in (*_imported(node), *_reached(node, own))
@@ -133,10 +145,12 @@ def foreign_privates(top: Path) -> list[str]:
 def foreign_patches(top: Path) -> list[str]:
     """Return where Python of a checkout replaces what an import from another distribution offers, as PLACE: NAME."""
     found = []
-    for path in sources(top, "**/*.py"):
-        nodes = list(ast.walk(ast.parse(path.read_bytes())))
+    for path in sources(top, ".py"):
+        if not CHANGED.search(text := path.read_text(encoding="utf-8")):
+            continue
+        nodes = list(ast.walk(ast.parse(text)))
         foreign = {name for node in nodes for name in _foreign_names(node)}
-        changed = [(node, place) for node in nodes for place in _changed(node) if ast.unparse(place).partition(".")[0] in foreign]
+        changed = [(node, place) for node in nodes for place in _changed(node) if _root(place) in foreign]
         found += [f"{path.relative_to(top)}:{node.lineno}: {ast.unparse(place)}" for node, place in changed]  # type: ignore[attr-defined]
     return found
 
@@ -150,24 +164,21 @@ def _foreign_names(node: ast.AST) -> Iterator[str]:
                 yield alias.asname or alias.name.partition(".")[0]
 
 
+def _root(place: ast.AST) -> str:
+    """Return the name that a place begins with."""
+    while isinstance(place, ast.Attribute | ast.Subscript | ast.Call):
+        place = place.func if isinstance(place, ast.Call) else place.value
+    return place.id if isinstance(place, ast.Name) else ""
+
+
 def _changed(node: ast.AST) -> Iterator[ast.expr]:
     """Yield what has an attribute set: ``x.y = 1``, ``setattr(x, "y", 1)``, ``vars(x)["y"] = 1``."""
     if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store | ast.Del):
         yield node
-    elif isinstance(node, ast.Call) and ast.unparse(node.func) == "setattr":
+    elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "setattr":
         yield node.args[0]
-    elif isinstance(node, ast.Subscript) and isinstance(node.ctx, ast.Store) and ast.unparse(node.value).startswith("vars("):
+    elif isinstance(node, ast.Subscript) and isinstance(node.ctx, ast.Store) and _root(node.value) == "vars":
         yield from node.value.args[:1]  # type: ignore[attr-defined]
-
-
-def _defined(node: ast.AST) -> Iterator[str]:
-    """Yield the private names that a node defines: functions, classes, fields, what is assigned to ``self`` or in a module."""
-    if isinstance(node, Function | ast.ClassDef):
-        yield node.name
-    elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
-        yield node.id
-    elif isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store) and ast.unparse(node.value) in ("self", "cls"):
-        yield node.attr
 
 
 def _imported(node: ast.AST) -> Iterator[str]:
@@ -182,7 +193,7 @@ def _imported(node: ast.AST) -> Iterator[str]:
 
 def _reached(node: ast.AST, own: set[str]) -> Iterator[str]:
     if isinstance(node, ast.Attribute) and _is_private(node.attr) and node.attr not in own:
-        if ast.unparse(node.value) not in ("self", "cls", "super()"):
+        if not _is_own(node.value):
             yield ast.unparse(node)
     elif (
         isinstance(node, ast.Constant)
@@ -192,19 +203,25 @@ def _reached(node: ast.AST, own: set[str]) -> Iterator[str]:
         yield node.value
 
 
+def _is_own(value: ast.expr) -> bool:
+    """Return whether this is ``self``, ``cls`` or ``super()``: what a class has inherited is its own."""
+    name = value.func if isinstance(value, ast.Call) else value
+    return isinstance(name, ast.Name) and name.id in ("self", "cls", "super")
+
+
 def _is_private(name: str) -> bool:
     return name.startswith("_") and not name.startswith("__")
 
 
 def long_lines(top: Path) -> int:
     """Return how many lines of Python and JavaScript are longer than ``LONGEST`` columns."""
-    texts = (path.read_text(encoding="utf-8") for path in sources(top, "**/*.py", "**/*.js"))
+    texts = (path.read_text(encoding="utf-8") for path in sources(top, ".py", ".js"))
     return sum(len(line) > LONGEST for text in texts for line in text.splitlines())
 
 
 def code_tokens(top: Path) -> int:
     """Return how many tokens the packages have, without comments, docstrings and layout."""
-    return sum(_tokens(path.read_text(encoding="utf-8")) for path in sources(top, *PACKAGES))
+    return sum(_tokens(path.read_text(encoding="utf-8")) for path in packages(top))
 
 
 def _tokens(text: str) -> int:
@@ -221,7 +238,7 @@ def _tokens(text: str) -> int:
 
 def distributions(top: Path) -> int:
     """Return how many packages can be installed by name."""
-    return len(list(sources(top, "pyproject.toml", "plugins/*/pyproject.toml")))
+    return len(list(top.glob("plugins/*/pyproject.toml"))) + 1
 
 
 MEASURES: dict[str, Callable[[Path], object]] = {
