@@ -45,6 +45,7 @@ COMPILED: dict[str, Any] = {"error_model": "numpy", "no_cfunc_wrapper": True}
 BORROWING: dict[str, Any] = {**COMPILED, "_nrt": False}
 INNER: dict[str, Any] = {**BORROWING, "no_cpython_wrapper": True}
 INLINED: dict[str, Any] = {**BORROWING, "forceinline": True}
+HERE = Path(__file__).parent
 PATIENCE, LOOK = 60.0, 0.02  # [s] for which a process waits for a kernel that another one compiles, and looks again
 
 
@@ -231,15 +232,19 @@ def packages_of(kernel: Callable[..., Any]) -> frozenset[Path]:
     if kernel not in _stands_on:
         within = [*kernel.__globals__.values(), *(cell.cell_contents for cell in kernel.__closure__ or ())]
         called = [value.py_func for value in within if isinstance(value, Dispatcher)]
-        below = (_stands_on.get(one, frozenset({_package_of(one)})) for one in called)
-        _stands_on[kernel] = frozenset({Path(__file__).parent, _package_of(kernel)}).union(*below)
+        below = {_stands_on[one] if one in _stands_on else frozenset({_package_of(one)}) for one in called}
+        _stands_on[kernel] = frozenset({HERE, _package_of(kernel)}).union(*below)
     return _stands_on[kernel]
 
 
 def _package_of(kernel: Callable[..., Any]) -> Path:
     """Return the folder of the kernel's whole package, all of its shelves included; its file where it is in none."""
-    package = sys.modules.get(kernel.__module__.partition(".")[0])
-    return Path(next(iter(getattr(package, "__path__", ())), inspect.getfile(kernel)))
+    return _folder_of(kernel.__module__.partition(".")[0]) or Path(inspect.getfile(kernel))
+
+
+@cache
+def _folder_of(package: str) -> Path | None:
+    return next(map(Path, getattr(sys.modules.get(package), "__path__", ())), None)
 
 
 @cache
