@@ -1,7 +1,9 @@
 """The configuration groups of one plugin's folder, whose files are read within limits and checked before they are expanded."""
 
 import os
+from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import yaml
 from hydra.core.object_type import ObjectType
@@ -22,11 +24,10 @@ class ArenaSource(ConfigSource):
         file = Path(self.path, self._normalize_file_name(config_path))
         if not file.is_file():
             raise ConfigLoadError(f"Config not found : {file}")
-        from arena_core.config.option_file import check_option, option_text
+        from arena_core.config.option_file import option_text
 
         text = option_text(file)
-        check_option(file, yaml.compose(text, getattr(yaml, "CSafeLoader", yaml.SafeLoader)))
-        return ConfigResult(self.provider, self.full_path(), OmegaConf.create(text), self._get_header_dict(text))
+        return ConfigResult(self.provider, self.full_path(), OmegaConf.create(content(file, text)), self._get_header_dict(text))
 
     def available(self) -> bool:
         """Tell whether the folder is there."""
@@ -46,3 +47,12 @@ class ArenaSource(ConfigSource):
         for name in os.listdir(os.path.join(self.path, config_path)):
             self._list_add_result(found, os.path.join(config_path, name), name, results_filter)
         return sorted(set(found))
+
+
+@lru_cache(maxsize=1024)
+def content(file: Path, text: str) -> Any:
+    """Return what the text of an option's file says, parsed once for all jobs of a multirun; raise InputFileError."""
+    from arena_core.config.option_file import check_option
+
+    check_option(file, yaml.compose(text, getattr(yaml, "CSafeLoader", yaml.SafeLoader)))
+    return OmegaConf.to_container(OmegaConf.create(text), resolve=False)
