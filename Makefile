@@ -3,7 +3,7 @@
 ROBOTS := turtlebot3 jackal robotino
 # What needs more than Python: a marker in pyproject.toml, a case in scripts/setup and scripts/NAME.txt, a name here. make test-NAME runs it.
 APART := browser ros1 ros2 pictures
-.PHONY: help demo test test-slow test-js long lint lint-js bench clean setup wheels dist policies fuzz coverage docs results-check $(APART:%=test-%)
+.PHONY: help demo test test-slow test-plain test-js long lint lint-js bench clean setup wheels dist policies fuzz coverage docs results-check $(APART:%=test-%)
 PYTHON ?= python3
 PLUGIN ?=
 FIRST ?= 40
@@ -19,6 +19,7 @@ help:
 	@echo "make demo   drive two classic planners and a learned one, say who was better and how sure that is, and where the report is"
 	@echo "make test   run the tests, one more at a time than there are cores (some wait for a clock); WORKERS=N: N at a time; PLUGIN=arena-dwa: all of that package"
 	@echo "make test-slow  run those that take more than a few seconds each: kills, faults, trainings, whole runs"
+	@echo "make test-plain  run the kernels' tests with numba's own njit and cache, and nothing of ours around them"
 	@echo "make test-browser  open the report's page and the documentation in chromium (installs it)"
 	@echo "make test-ros1  drive a simulated robot over a ROS 1 master (installs rosmaster and rospy with apt)"
 	@echo "make test-ros2  drive a simulated robot between nodes of rclpy and of DDS (installs wheels of ROS 2 Jazzy)"
@@ -54,6 +55,9 @@ test: setup
 
 test-slow: setup  # only files that have some are looked through: looking through all takes every process 20 s
 	$(PYTEST) -m "slow and not long and not browser and not ros1 and not ros2 and not pictures" $(shell grep -rl "mark\.slow" --include="test_*.py" tests plugins/*/tests)
+
+test-plain: setup
+	ARENA_KERNELS=plain NUMBA_CACHE_DIR=$(CURDIR)/build/kernels $(PYTEST) plugins/arena-kernels
 
 test-browser: node_modules/.complete  # axe, which looks whether pages are accessible
 test-browser: SPREAD := -n $(WORKERS) --dist loadfile  # a browser for each file

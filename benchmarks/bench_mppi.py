@@ -45,15 +45,15 @@ class NumpyStep:
     """The same control step, every operation on all roll-outs at once; polygons count as the discs that cover them."""
 
     def __init__(self, planner: MppiPlanner, observation: Observation) -> None:
-        self.sampling, self.chassis, self.body = planner._sampling, planner._chassis, planner._body
-        self.critics = planner._critics(observation)
+        self.sampling, self.chassis, self.body = planner._sampling, planner._chassis, planner._body  # noqa: SLF001 - the very parts of the planner that is measured
+        self.critics = planner._critics(observation)  # noqa: SLF001 - the very parts of the planner that is measured
         self.planner, self.observation = planner, observation
         self.generator = np.random.default_rng(0)
         self.mean = np.tile(np.array((0.8, 0.0, 0.1), np.float32), (self.sampling.time_steps, 1))
 
     def __call__(self) -> np.ndarray:
         """Return the new mean; the scene is the planner's own, its preparation counts for both."""
-        scene = self.planner._scene(self.observation)
+        scene = self.planner._scene(self.observation)  # noqa: SLF001 - the very parts of the planner that is measured
         velocities, poses = self.driven()
         costs = self.judged(scene, velocities, poses)
         weights = np.exp(-(costs - costs.min()) / float(self.sampling.temperature))
@@ -140,7 +140,7 @@ def measure() -> list[dict[str, Any]]:
         functions[f"numpy {name}"] = NumpyStep(planner, seen)
     window = standing_window(seen, 0.1)
     reach = 5.0
-    scene = partial(scene_of, seen, window, planner._body, planner._moving, planner._progress, 0.05, 56, reach)
+    scene = partial(scene_of, seen, window, planner._body, planner._moving, planner._progress, 0.05, 56, reach)  # noqa: SLF001 - the very parts of the planner that is measured
     functions["scene"] = scene
     times = interleave({name: partial(_repeat, function) for name, function in functions.items()}, repeats=7)
     ms = {name: float(np.median(seconds)) / CALLS * 1e3 for name, seconds in times.items()}

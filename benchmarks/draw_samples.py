@@ -15,7 +15,7 @@ from typing import Any
 
 EPISODE = "execution.py"  # below its last frame an episode is driven
 PASSED_THROUGH = re.compile(r"<(lambda|listcomp|genexpr)>|^(Once|Entered|Stopwatch)\.|^(Navigator\.decide|_run)$")  # they say nothing
-KERNEL = "arena_kernels/entry.py"
+KERNEL = "arena_kernels/compiled.py"
 COLOURS = {
     "arena_core": "#b8b8b8",
     "arena_sim2d": "#8fb8de",

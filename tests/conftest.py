@@ -26,7 +26,7 @@ settings.register_profile("suite", derandomize=True, deadline=None, suppress_hea
 settings.load_profile("suite")
 
 
-BUSY = re.compile(rf"arena: ({NOTICE}|\d+ of \d+ episodes, )")  # what a cold or slow machine says besides
+BUSY = re.compile(rf"arena: ({NOTICE}|\d+ of \d+ episodes, |composing job \d+ of \d+$)")  # what a cold or slow machine says besides
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from arena_core.config.configuration import compose, plain
 from arena_core.config.registry import load_registry
 from arena_core.runs.benchmark import build_benchmark
 from arena_core.runs.profiling import own_folders
-from arena_kernels.entry import Entered
+from arena_kernels.compiled import Entered
 
 WORDS = ("robot=jackal", "world=empty", "task.pedestrians=2")
 SHORT, LONG = 2.0, 4.0  # s that the episode may last; nobody is at the goal before

@@ -1,9 +1,11 @@
 import csv
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
-from hydra._internal.config_loader_impl import ConfigLoaderImpl
+import yaml
 
 SWEEP = (
     *("-m", "planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=8", "world.height=8", "task.pedestrians=0"),
@@ -27,12 +29,48 @@ def test_every_job_of_a_multirun_has_a_folder_of_its_own(arena):
         assert Path(f"sweep/{job}/.hydra/config.yaml").exists()
 
 
-def test_every_job_is_composed_once_though_it_is_checked_first(arena, monkeypatch):
-    composed, compose = [], ConfigLoaderImpl.load_sweep_config
-    monkeypatch.setattr(ConfigLoaderImpl, "load_sweep_config", lambda *words: composed.append(words[-1]) or compose(*words))
-    assert arena("run", *SWEEP, "planner.gain=1,2,3").status == 0
-    assert [words[-1] for words in composed] == ["planner.gain=1", "planner.gain=2", "planner.gain=3"]
-    assert [provenance(k)["config"]["planner"]["gain"] for k in range(3)] == [1, 2, 3]
+def test_a_sweep_says_which_job_it_composes_and_composes_each_once(tmp_path):
+    words = [sys.executable, "-m", "arena_core.cli.main", "run", *SWEEP, "planner.gain=1,2,3"]
+    said = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=True, timeout=300).stderr.splitlines()
+    assert said[0] == "arena: composing job 1 of 3"
+    assert len([line for line in said if line.startswith("arena: composing job 1 of")]) == 1
+
+
+def test_what_only_a_swept_component_has_can_be_set(arena):
+    answer = arena("run", *SWEEP, "world=empty,indoor", "world.draws=7,8", "--cfg", "job")
+    assert answer.errors == ["arena: world has no key draws (possible: height, known, name, resolution, width)"]
+    words = [word for word in SWEEP if not word.startswith(("world", "hydra"))]
+    answer = arena(
+        "run", *words, "world=indoor,outdoor", "world.difficulty=0.4", "+task.extra='a, b'", "hydra.job.chdir=false", "--cfg", "job"
+    )
+    assert (answer.status, answer.errors) == (0, [])
+    shown = [yaml.safe_load(document) for document in answer.out.split("---")[1:]]
+    assert [(job["world"]["difficulty"], job["task"]["extra"]) for job in shown] == [(0.4, "a, b")] * 2
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (("world=indoor,outdoor", "world.dificulty=0.4"), "arena: world has no key dificulty; did you mean difficulty?"),
+        (("world.difficulty=0.4", "planner.gain=1,2"), "arena: world has no key difficulty (possible: "),
+        (("seed=1,2", "episodes.x=3"), "arena: episodes has no key x (possible: none)"),
+        (("seed=1,2", "+seed=3"), "arena: Could not append to config. An item is already at 'seed'"),
+        (("planner.gain=interval(1,2)",), "arena: planner.gain=interval(1,2) has no end of values; allowed: planner.gain=A,B,C, or"),
+        (("planner.gain=1,2", "hydra.sweeper.max_batch_size=0"), "arena: hydra.sweeper.max_batch_size is 0; allowed: >= 1"),
+    ],
+)
+def test_what_no_job_can_take_is_refused_in_one_line(arena, words, line):
+    answer = arena("run", *SWEEP, *words)
+    assert answer.status == 2
+    assert answer.line.startswith(line)
+    assert not Path("sweep").exists()
+
+
+def test_jobs_may_be_launched_in_batches(third_party, arena):
+    third_party.package("counting", COUNTING, {"executor/counting": "name: counting\n"})
+    answer = arena("run", *SWEEP, "executor=counting", "planner.gain=1,2,3", "hydra.sweeper.max_batch_size=2")
+    assert answer.status == 0
+    assert [line for line in answer.out.splitlines() if line.startswith("jobs: ")] == ["jobs: 0/0 1/0", "jobs: 2/0"]
 
 
 def test_an_experiment_can_be_a_sweep_whose_axes_the_command_line_replaces(arena):

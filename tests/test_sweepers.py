@@ -80,7 +80,7 @@ JOBLIB += ("hydra.sweep.dir=sweep",)
 
 def test_joblib_runs_each_job_in_a_process_of_its_own(tmp_path):
     answer = arena_process(*JOBLIB, "planner.gain=1,2", cwd=tmp_path)
-    assert (answer.returncode, answer.stderr) == (0, "")
+    assert (answer.returncode, answer.stderr) == (0, "arena: composing job 1 of 2\n")
     assert all((tmp_path / f"sweep/{job}/records/0000.npz").exists() for job in range(2))
 
 

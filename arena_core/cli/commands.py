@@ -17,8 +17,9 @@ from arena_core.base.folders import KEPT, locked, new_folders
 from arena_core.base.limits import LIMITS
 from arena_core.cli.candidates import complete_overrides
 from arena_core.cli.words import key_value, read_words
-from arena_core.config.configuration import PRIMARY, compose, conf_directory, one_line_errors, plain, yaml_text
+from arena_core.config.configuration import PRIMARY, compose, conf_directory, one_line_errors, plain
 from arena_core.config.registry import load_registry
+from arena_core.config.sweeps import words_that_fit
 from arena_core.contracts.running import Command
 from arena_core.loop.record_places import find_runs
 from arena_core.runs.objective import check_objective, objective_of
@@ -49,7 +50,7 @@ class Show:
         parts = {"job": [key for key in config if key != "hydra"], "hydra": ["hydra"], "all": list(config)}
         with flag_override(config, ["struct", "readonly"], [False, False]):
             chosen = OmegaConf.masked_copy(config, parts[self.what])
-        print(f"---\n# {number}: {' '.join(overrides)}\n{yaml_text(chosen, self.resolve)}", end="")
+        print(f"---\n# {number}: {' '.join(overrides)}\n{OmegaConf.to_yaml(chosen, resolve=self.resolve)}", end="")
 
 
 class RunTask:
@@ -99,9 +100,11 @@ class RunTask:
 
 def request(config: Any, hydra: Any) -> RunRequest:
     """Return the request of one job, from its configuration and Hydra's own, which go to ``.hydra`` once the request is accepted."""
+    from omegaconf import OmegaConf
+
     own = hydra.hydra
     contents = {"config": config, "hydra": hydra, "overrides": own.overrides.task}
-    files = {f".hydra/{name}.yaml": yaml_text(content) for name, content in contents.items()}
+    files = {f".hydra/{name}.yaml": OmegaConf.to_yaml(content) for name, content in contents.items()}
     return RunRequest(config, Path(own.runtime.output_dir), dict(own.runtime.choices), files)
 
 
@@ -125,20 +128,16 @@ class RunCommand(Command):
             raise
 
     def _run(self, arguments: Sequence[str]) -> int:
-        import hydra
-
-        from arena_core.config.jobs import quick_loaders
-
         _check_folders(arguments)
         os.environ["HYDRA_FULL_ERROR"] = "1"  # Hydra then raises instead of printing and exiting by itself
         flags = [argument for argument in arguments if argument in MULTIRUN]  # Hydra wants them ahead of overrides
         words = [argument for argument in arguments if argument not in MULTIRUN]
         show, words = _shown(words) if flags else (None, words)
         task = RunTask(show)
-        before, sys.argv = sys.argv, ["arena run", *flags, *words]
+        before = sys.argv
         try:
-            with one_line_errors(), quick_loaders():
-                hydra.main(str(conf_directory()), PRIMARY, version_base="1.3")(task)()
+            with one_line_errors():
+                _through_hydra(task, flags, words)
         except Shown:
             new_folders.remove()
         except OSError as error:
@@ -156,6 +155,23 @@ class RunCommand(Command):
         if words and (values := FLAGS.get(words[-1])):
             return values
         return list(FLAGS) if word.startswith("-") else complete_overrides(words, word)
+
+
+def _through_hydra(task: RunTask, flags: Sequence[str], words: Sequence[str]) -> None:
+    """Have Hydra compose and start the task; words that only the jobs of a multirun can take are told to it as such, if there are any."""
+    import hydra
+    from hydra.errors import ConfigCompositionException
+
+    start = hydra.main(str(conf_directory()), PRIMARY, version_base="1.3")(task)
+    sys.argv = ["arena run", *flags, *words]
+    try:
+        start()
+    except ConfigCompositionException:
+        fitting = words_that_fit(words, bool(flags))
+        if fitting == list(words):
+            raise
+        sys.argv = ["arena run", *flags, *fitting]
+        start()
 
 
 def _shown(words: Sequence[str]) -> tuple[Show | None, list[str]]:

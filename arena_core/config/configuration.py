@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from functools import cache
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 from pathlib import Path
@@ -137,29 +136,6 @@ def plain(config: Any) -> dict[str, Any]:
     with one_line_errors():
         container = OmegaConf.to_container(config, resolve=True, throw_on_missing=True)
     return container  # type: ignore[return-value]
-
-
-def yaml_text(config: Any, resolve: bool = False) -> str:
-    """Return a configuration as YAML, as ``OmegaConf.to_yaml`` does, written by libyaml where PyYAML was built with it."""
-    import yaml
-    from omegaconf import OmegaConf
-
-    container = OmegaConf.to_container(config, resolve=resolve, enum_to_str=True)
-    return str(yaml.dump(container, default_flow_style=False, allow_unicode=True, sort_keys=False, Dumper=_dumper()))
-
-
-@cache
-def _dumper() -> Any:
-    """Return a dumper that quotes texts which OmegaConf would read as something else."""
-    import yaml
-    from omegaconf._utils import get_omega_conf_dumper
-
-    own = get_omega_conf_dumper()
-    if not yaml.__with_libyaml__:
-        return own
-    fast: Any = type("Dumper", (yaml.CDumper,), {})
-    fast.add_representer(str, own.str_representer)
-    return fast
 
 
 def _options(folder: Traversable, group: str = "") -> Iterator[str]:

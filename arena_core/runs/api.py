@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
-from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
 from arena_core.base.errors import ArenaError, ConfigurationError
 from arena_core.config.configuration import PRIMARY, compose, one_line_errors
 from arena_core.config.registry import load_registry
+from arena_core.config.sweeps import combinations
 from arena_core.contracts.running import Reporter
 from arena_core.loop.record_files import read_record
 from arena_core.loop.record_places import find_runs, record_path
@@ -109,27 +109,15 @@ def run(overrides: Sequence[str] = (), folder: str | Path | None = None) -> Runs
     It may be called from a notebook, from inside a Hydra application, and from a script without a main guard. An episode that fails is a
     row with its error. Raises ArenaError in one line for what is wrong with the request, before anything runs.
     """
-    combinations = _combinations(list(overrides))
-    composed = [compose(words, PRIMARY, hydra=True) for words in combinations]
+    with one_line_errors():
+        jobs = combinations(overrides)
+    composed = [compose(words, PRIMARY, hydra=True) for words in jobs]
     hydra = composed[0].hydra
     target = Path(folder if folder is not None else hydra.sweep.dir if len(composed) > 1 else hydra.run.dir).resolve()
     folders = [target / str(number) for number in range(len(composed))] if len(composed) > 1 else [target]
-    requests = [_request(*each) for each in zip(composed, combinations, folders, strict=True)]
+    requests = [_request(*each) for each in zip(composed, jobs, folders, strict=True)]
     run_all(requests, load_registry())
     return Runs([Run(folder) for folder in folders])
-
-
-def _combinations(overrides: list[str]) -> list[list[str]]:
-    """Return the overrides of every run: one for each combination of swept values."""
-    from hydra.core.override_parser.overrides_parser import OverridesParser
-
-    with one_line_errors():
-        parsed = OverridesParser.create().parse_overrides(overrides)
-    choices = [
-        [f"{one.get_key_element()}={value}" for value in one.sweep_string_iterator()] if one.is_sweep_override() else [text]
-        for one, text in zip(parsed, overrides, strict=True)
-    ]
-    return [list(words) for words in product(*choices)]
 
 
 def _request(composed: Any, overrides: Sequence[str], folder: Path) -> RunRequest:

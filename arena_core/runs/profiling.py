@@ -127,7 +127,7 @@ class Profilers:
 def compiled_places() -> set[Place]:
     """Return where the functions stand that numba compiles, or another compiler that keeps the Python function as ``py_func``.
 
-    Each of them in two places: as it is called through its dispatcher, and as the code that a dispatcher gives out (arena_kernels.entry).
+    Each of them in two places: as it is called through its dispatcher, and as the code that a dispatcher gives out.
     """
     modules = [vars(module) for module in list(sys.modules.values()) if isinstance(module, ModuleType)]
     functions = [function for module in modules for value in list(module.values()) if hasattr(function := _python_of(value), "__code__")]

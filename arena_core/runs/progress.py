@@ -4,17 +4,29 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from datetime import timedelta
 from time import monotonic
 from types import TracebackType
-from typing import Any
+from typing import Any, TypeVar
 
 from arena_core.contracts.running import Finished, Job
 from arena_core.runs.pace import Pace
 from arena_core.runs.schedule import Block, OpenRun
 
 LINE_EVERY = 30.0  # s between two lines where there is no terminal
+COUNT_EVERY = 2.0  # s between two lines of a count
+Item = TypeVar("Item")
+
+
+def told(what: str, items: Sequence[Item]) -> Iterator[Item]:
+    """Yield the items; say on standard error which of several is at hand, ``composing job 17 of 36``: the first, then now and then."""
+    last = -COUNT_EVERY
+    for number, item in enumerate(items, 1):
+        if len(items) > 1 and monotonic() >= last + COUNT_EVERY:
+            last = monotonic()
+            print(f"arena: {what} {number} of {len(items)}", file=sys.stderr, flush=True)
+        yield item
 
 
 class Progress:

@@ -1,7 +1,7 @@
-"""The configuration groups of one plugin's folder, parsed by libyaml: PyYAML's own parser was half of the time to compose."""
+"""The configuration groups of one plugin's folder, whose files are read within limits and checked before they are expanded."""
 
 import os
-from functools import cache
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +9,6 @@ import yaml
 from hydra.core.object_type import ObjectType
 from hydra.plugins.config_source import ConfigLoadError, ConfigResult, ConfigSource
 from omegaconf import OmegaConf
-from omegaconf._utils import get_yaml_loader
 
 
 class ArenaSource(ConfigSource):
@@ -25,15 +24,10 @@ class ArenaSource(ConfigSource):
         file = Path(self.path, self._normalize_file_name(config_path))
         if not file.is_file():
             raise ConfigLoadError(f"Config not found : {file}")
-        from arena_core.config.option_file import check_option, option_text
+        from arena_core.config.option_file import option_text
 
         text = option_text(file)
-        reader = loader()(text)  # a safe one
-        node = reader.get_single_node()
-        check_option(file, node)
-        content = None if node is None else reader.construct_document(node)
-        config = OmegaConf.create({} if content is None else content)
-        return ConfigResult(self.provider, self.full_path(), config, self._get_header_dict(text))
+        return ConfigResult(self.provider, self.full_path(), OmegaConf.create(content(file, text)), self._get_header_dict(text))
 
     def available(self) -> bool:
         """Tell whether the folder is there."""
@@ -55,20 +49,10 @@ class ArenaSource(ConfigSource):
         return sorted(set(found))
 
 
-@cache
-def loader() -> Any:
-    """Return OmegaConf's own loader, on top of libyaml where PyYAML was built with it."""
-    own: Any = get_yaml_loader()
-    if not yaml.__with_libyaml__:
-        return own
-    from yaml.cyaml import CParser  # type: ignore[attr-defined]
+@lru_cache(maxsize=1024)
+def content(file: Path, text: str) -> Any:
+    """Return what the text of an option's file says, parsed once for all jobs of a multirun; raise InputFileError."""
+    from arena_core.config.option_file import check_option
 
-    class Loader(CParser, own):  # type: ignore[misc]
-        """Takes numbers and keys as OmegaConf does."""
-
-        def __init__(self, stream: str) -> None:
-            CParser.__init__(self, stream)
-            yaml.constructor.SafeConstructor.__init__(self)
-            yaml.resolver.Resolver.__init__(self)
-
-    return Loader
+    check_option(file, yaml.compose(text, getattr(yaml, "CSafeLoader", yaml.SafeLoader)))
+    return OmegaConf.to_container(OmegaConf.create(text), resolve=False)

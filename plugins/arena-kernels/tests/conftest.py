@@ -5,6 +5,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from hypothesis import settings
+
+settings.register_profile("kernels", derandomize=True, deadline=None)  # the first call may compile
+settings.load_profile("kernels")
 
 
 @dataclass(eq=False)

@@ -1,13 +1,15 @@
 import importlib
+import os
 import subprocess
 import sys
-import textwrap
 
 import numpy as np
 import pytest
 
 import arena_kernels.compiled
-from arena_kernels.compiled import borrowing, compiled, inner, stamp
+from arena_kernels.compiled import MODE, borrowing, compiled, inner, packages_of, sources
+
+ours = pytest.mark.skipif(MODE == "plain", reason="ARENA_KERNELS=plain: numba's own decorators and cache")
 
 
 @inner
@@ -25,12 +27,14 @@ def sum_of_a_copy(values):
     return values.copy().sum()
 
 
+@ours
 def test_kernels_call_inner_kernels_and_python_cannot():
     assert twice_the_first(np.array([3.0, 4.0])) == 6.0
     with pytest.raises(TypeError, match="only other kernels can call it"):
         first_of(np.array([3.0]))
 
 
+@ours
 def test_borrowing_kernel_that_makes_an_array_is_refused():
     with pytest.raises(Exception, match="NRT"):
         sum_of_a_copy(np.array([3.0]))
@@ -44,30 +48,77 @@ def test_division_by_zero_does_not_raise():
     assert quotient(1.0, 0.0) == np.inf
 
 
-def test_kernel_is_compiled_anew_when_one_that_it_calls_has_changed(tmp_path, monkeypatch):
-    """numba alone would go on calling the old one: it looks at the caller's own file."""
-    package = tmp_path / "sample_kernels"
-    package.mkdir()
-    (package / "__init__.py").write_text("")
-    caller = "from arena_kernels.compiled import compiled\nfrom sample_kernels.called import value\n\n"
-    caller += "@compiled\ndef call(): return value()\n"
-    (package / "caller.py").write_text(caller)
-    monkeypatch.syspath_prepend(tmp_path)
-    answers = []
-    for number in (1, 22):
-        source = f"""
-            from arena_kernels.compiled import compiled
+CALLED = "from arena_kernels.compiled import compiled\n\n@compiled\ndef value(): return {number}\n"
+BETWEEN = "from arena_kernels.compiled import compiled\nfrom {called} import value\n\n@compiled\ndef passed(): return value()\n"
+CALLER = "from arena_kernels.compiled import compiled\nfrom {called} import passed\n\n@compiled\ndef call(): return passed()\n"
 
-            @compiled
-            def value(): return {number}
-            """
-        (package / "called.py").write_text(textwrap.dedent(source))
-        for name in [name for name in sys.modules if name.startswith("sample_kernels")]:
-            monkeypatch.delitem(sys.modules, name)
-        importlib.invalidate_caches()
-        answers.append(importlib.import_module("sample_kernels.caller").call())
-        stamp.cache_clear()
-    assert answers == [1, 22]
+
+@ours
+@pytest.mark.parametrize(
+    ("called", "between", "caller"),
+    [
+        ("sample.called", "sample.between", "sample.caller"),
+        ("sample.shelf.called", "sample.shelf.between", "sample.caller"),
+        ("sample_a.called", "sample_b.between", "sample_c.caller"),
+        ("sample_called", "sample_between", "sample_caller"),
+    ],
+)
+def test_a_kernel_is_compiled_anew_when_one_that_it_stands_on_has_changed_wherever_that_is(called, between, caller, tmp_path, monkeypatch):
+    """numba alone would go on calling the old one: it looks at the caller's own file."""
+    answers, hits = [], []
+    for number in (1, 22, 22):
+        texts = {called: CALLED.format(number=number), between: BETWEEN.format(called=called), caller: CALLER.format(called=between)}
+        for module, text in texts.items():
+            path = tmp_path / (module.replace(".", "/") + ".py")
+            path.parent.mkdir(parents=True, exist_ok=True)
+            for folder in (path.parent, *path.parent.parents):
+                if folder != tmp_path and tmp_path in folder.parents:
+                    (folder / "__init__.py").touch()
+            path.write_text(text)
+        told = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); from {caller} import call"
+        told += "; print(call(), sum(call.stats.cache_hits.values()))"
+        answer, hit = subprocess.run([sys.executable, "-c", told], capture_output=True, text=True, check=True).stdout.split()
+        answers.append(int(answer))
+        hits.append(int(hit))
+    assert answers == [1, 22, 22]
+    assert hits == [0, 0, 1]
+
+
+@ours
+def test_touched_files_and_other_packages_leave_kernels_on_disk_as_they_are(tmp_path):
+    for name in ("one", "other"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "__init__.py").write_text("x = 1\n")
+    before = sources(tmp_path / "one")
+    os.utime(tmp_path / "one" / "__init__.py", (1.0, 1.0))
+    (tmp_path / "other" / "__init__.py").write_text("x = 2\n")
+    sources.cache_clear()
+    assert sources(tmp_path / "one") == before
+    (tmp_path / "one" / "__init__.py").write_text("x = 3\n")
+    sources.cache_clear()
+    assert sources(tmp_path / "one") != before
+
+
+@ours
+def test_a_kernel_stands_on_its_package_this_one_and_those_of_kernels_that_its_module_has():
+    module = importlib.import_module("arena_mujoco.ticking")
+    names = {folder.name for folder in packages_of(module.before_tick.py_func)}
+    assert {"arena_mujoco", "arena_kernels"} <= names <= {"arena_mujoco", "arena_kernels", "arena_sim2d"}
+
+
+@pytest.mark.parametrize(("mode", "kind"), [("plain", "CPUDispatcher"), ("fast", "KernelDispatcher"), ("checked", "KernelDispatcher")])
+def test_the_environment_chooses_numbas_own_decorators(mode, kind):
+    told = "from arena_kernels import distance; from numba.core.dispatcher import Dispatcher;"
+    told += "print(*{type(value).__name__ for value in vars(distance).values() if isinstance(value, Dispatcher)})"
+    words = {"capture_output": True, "text": True, "check": True, "env": {**os.environ, "ARENA_KERNELS": mode}}
+    assert subprocess.run([sys.executable, "-c", told], **words).stdout.split() == [kind]
+
+
+def test_another_way_to_compile_is_refused_in_one_line():
+    told = subprocess.run(
+        [sys.executable, "-c", "import arena_kernels.compiled"], capture_output=True, env={**os.environ, "ARENA_KERNELS": "x"}
+    )
+    assert told.stderr.decode().splitlines()[-1] == "ValueError: ARENA_KERNELS is 'x'; allowed: fast, checked, plain"
 
 
 @pytest.fixture
@@ -76,16 +127,17 @@ def kernel_of_others(tmp_path, monkeypatch):
     source = "from arena_kernels.compiled import compiled\n\n@compiled\ndef double(x): return 2 * x\n"
     (tmp_path / "kernels_of_others.py").write_text(source)
     monkeypatch.syspath_prepend(tmp_path)
-    told = "from kernels_of_others import double; print(double(4), sum(double._cache_hits.values()))"
+    told = "from kernels_of_others import double; print(double(4), sum(double.stats.cache_hits.values()))"
     words = [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(tmp_path)!r}); {told}"]
     kernel = importlib.import_module("kernels_of_others").double
     yield kernel, lambda: subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
     del sys.modules["kernels_of_others"]
 
 
+@ours
 def test_kernel_that_another_process_compiles_is_waited_for_and_loaded(kernel_of_others):
     kernel, start = kernel_of_others
-    with kernel._cache.alone():
+    with kernel.alone():
         other = start()
         with pytest.raises(subprocess.TimeoutExpired):
             other.wait(4.0)
@@ -93,12 +145,13 @@ def test_kernel_that_another_process_compiles_is_waited_for_and_loaded(kernel_of
     assert other.communicate(timeout=60)[0].split() == ["8", "1"]
 
 
+@ours
 def test_process_goes_on_alone_where_the_one_that_compiles_is_suspended(kernel_of_others, monkeypatch):
     kernel, start = kernel_of_others
     assert start().communicate(timeout=60)[0].split() == ["8", "0"]  # nobody holds it
     monkeypatch.setattr(arena_kernels.compiled, "PATIENCE", 0.1)
     holder = subprocess.Popen(
-        [sys.executable, "-c", HOLDER.format(folder=kernel._cache.cache_path, index=kernel._cache._cache_file._index_name)],
+        [sys.executable, "-c", HOLDER.format(folder=kernel.stats.cache_path)],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,
@@ -112,9 +165,9 @@ HOLDER = """
 import sys
 from zlib import crc32
 
-from arena_kernels.compiled import _held, _lock_file
+from arena_kernels.compiled import held, lock_file
 
-if _held(_lock_file({folder!r}), crc32({index!r}.encode())):
+if held(lock_file({folder!r}), crc32(b"kernels_of_others.double")):
     print("held", flush=True)
 sys.stdin.read()
 """

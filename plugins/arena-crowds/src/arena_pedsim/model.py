@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from arena_core import Crowd, Gait, PedestrianModel, RobotBatch, Scenario
 from arena_core.parameters import Positive, Step
 from arena_core.scenes import furnished, with_obstacles
+from arena_kernels.compiled import Entered
 from arena_kernels.crowds import Crowds, Robots
-from arena_kernels.entry import Entered
 from arena_kernels.terrain import Terrain
 from arena_pedsim.forces.crowd_step import step_crowds
 from arena_pedsim.parameters import (

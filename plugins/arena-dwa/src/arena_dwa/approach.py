@@ -8,8 +8,7 @@ import numpy as np
 
 from arena_dwa.settings import Approach, Body, FieldArray
 from arena_dwa.trajectory import Stand, arc, moved
-from arena_kernels.compiled import borrowing, compiled
-from arena_kernels.entry import Entered
+from arena_kernels.compiled import Entered, borrowing, compiled
 from arena_kernels.window import Window, clearance
 
 STEPS = 10  # that an arc is looked at, evenly over the critic's time

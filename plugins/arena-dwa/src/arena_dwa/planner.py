@@ -34,7 +34,7 @@ from arena_dwa.trajectory import stand_at
 from arena_dwa.turning import TurnInPlace
 from arena_dwa.way_out import Ground, WayOut
 from arena_dwa.window import dynamic_window
-from arena_kernels.entry import Entered
+from arena_kernels.compiled import Entered
 from arena_kernels.escape import keeps_gap
 from arena_kernels.passage import AHEAD
 from arena_kernels.window import Window, clearance, window_of

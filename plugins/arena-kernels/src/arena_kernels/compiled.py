@@ -1,21 +1,30 @@
-"""How kernels are compiled, and when they are compiled anew."""
+"""How kernels are compiled, kept on disk and called: all that the suite asks of numba, beyond `njit`, stands here.
+
+The environment variable ``ARENA_KERNELS`` chooses: ``fast``; ``checked``, the same with every ``Entered`` call looked at; or ``plain``,
+numba's own ``njit(cache=True)`` for all of them.
+"""
 
 from __future__ import annotations
 
+import hashlib
 import inspect
 import os
 import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cache, lru_cache
+from functools import cache
+from itertools import zip_longest
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Generic, ParamSpec, TypeVar
+from weakref import WeakKeyDictionary
 from zlib import crc32
 
-from numba import njit
-from numba.core.caching import FunctionCache
+from numba import njit, typeof
+from numba.core import config as numba_config
+from numba.core.caching import FunctionCache, InTreeCacheLocator, UserProvidedCacheLocator, UserWideCacheLocator
 from numba.core.compiler_lock import global_compiler_lock
+from numba.core.dispatcher import Dispatcher
 from numba.core.registry import CPUDispatcher
 
 try:
@@ -24,10 +33,19 @@ except ImportError:  # Windows
     fcntl = None  # type: ignore[assignment]
 
 Kernel = TypeVar("Kernel", bound=Callable[..., Any])
+Arguments = ParamSpec("Arguments")
+Result = TypeVar("Result")
 
-BORROWING: dict[str, Any] = {"error_model": "numpy", "no_cfunc_wrapper": True, "_nrt": False}
+MODES = ("fast", "checked", "plain")
+MODE = os.environ.get("ARENA_KERNELS", "fast")
+if MODE not in MODES:
+    raise ValueError(f"ARENA_KERNELS is {MODE!r}; allowed: {', '.join(MODES)}")
+
+COMPILED: dict[str, Any] = {"error_model": "numpy", "no_cfunc_wrapper": True}
+BORROWING: dict[str, Any] = {**COMPILED, "_nrt": False}
 INNER: dict[str, Any] = {**BORROWING, "no_cpython_wrapper": True}
 INLINED: dict[str, Any] = {**BORROWING, "forceinline": True}
+HERE = Path(__file__).parent
 PATIENCE, LOOK = 60.0, 0.02  # [s] for which a process waits for a kernel that another one compiles, and looks again
 
 
@@ -36,7 +54,7 @@ def compiled(kernel: Kernel) -> Kernel:
 
     A division that cannot raise lets the compiler drop much of the reference counting of array arguments.
     """
-    return _kept(njit(error_model="numpy", no_cfunc_wrapper=True)(kernel), kernel)  # type: ignore[call-overload]
+    return _dispatcher(kernel, COMPILED)
 
 
 def borrowing(kernel: Kernel) -> Kernel:
@@ -45,7 +63,7 @@ def borrowing(kernel: Kernel) -> Kernel:
     Counting is atomic, and was most of the time of short kernels that take whole named tuples of arrays. numba refuses to compile
     an allocation here. Such a kernel returns numbers only: arrays in a returned tuple would be released once too often.
     """
-    return _kept(njit(**BORROWING)(kernel), kernel)
+    return _dispatcher(kernel, BORROWING)
 
 
 def inner(kernel: Kernel) -> Kernel:
@@ -53,51 +71,120 @@ def inner(kernel: Kernel) -> Kernel:
 
     Such a kernel may return named tuples of borrowed arrays.
     """
-    return _kept(njit(**INNER)(kernel), kernel, _InnerDispatcher)
+    return _dispatcher(kernel, INNER, InnerDispatcher)
 
 
 def inlined(kernel: Kernel) -> Kernel:
     """Compile a borrowing kernel into every caller, however large: loops over a call cannot run in vector registers."""
-    return _kept(njit(**INLINED)(kernel), kernel)
+    return _dispatcher(kernel, INLINED)
 
 
-class _KernelDispatcher(CPUDispatcher):
+class Entered(Generic[Arguments, Result]):
+    """A kernel that is always called with arguments of the types of the first call: nothing checks them any more.
+
+    numba tells the types anew before each call, which takes some 0.15 us for each number and array in named tuples, and more for tables
+    with named fields: most of the time of a short kernel that takes a hundred of them. Who makes one vouches for the types: arrays that
+    come from elsewhere are converted first. Whether an array can be written to does not matter. ``ARENA_KERNELS=checked`` raises a
+    TypeError for arguments of other types.
+    """
+
+    def __init__(self, kernel: Callable[Arguments, Result]) -> None:
+        self._kernel = kernel
+        self._code: Callable[Arguments, Result] | None = None
+
+    def __call__(self, *arguments: Arguments.args, **named: Arguments.kwargs) -> Result:
+        """Call what the kernel is compiled to; arguments have no names here."""
+        if self._code is None:
+            self._code = self._entry(arguments)
+        return self._code(*arguments, **named)
+
+    def _entry(self, arguments: tuple[Any, ...]) -> Callable[Arguments, Result]:
+        kernel: Any = self._kernel
+        if MODE == "plain":
+            return kernel  # type: ignore[no-any-return]
+        code = kernel.compile(tuple(typeof(argument) for argument in arguments))  # type: ignore[no-untyped-call]
+        return code if MODE == "fast" else _checked(code, kernel.py_func.__qualname__, arguments)  # type: ignore[no-any-return]
+
+
+def _checked(code: Any, name: str, first: tuple[Any, ...]) -> Any:
+    """Return what raises TypeError for arguments of other types than the first ones, before it calls ``code``."""
+    expected = [kind(argument) for argument in first]
+
+    def call(*arguments: Any) -> Any:
+        found = [kind(argument) for argument in arguments]
+        if found != expected:
+            others = ((place, one, other) for place, (one, other) in enumerate(zip_longest(found, expected)) if one != other)
+            raise TypeError("{}: argument {} is of type {}, at the first call {}".format(name, *next(others)))
+        return code(*arguments)
+
+    return call
+
+
+def kind(value: Any) -> Any:
+    """Return what numba compiles for: the type of a value, of each in a tuple; whether an array can be written to is left out."""
+    if isinstance(value, tuple):
+        return type(value).__name__, *map(kind, value)
+    return str(typeof(value)).removeprefix("readonly ")  # type: ignore[no-untyped-call]
+
+
+def _dispatcher(kernel: Kernel, options: dict[str, Any], made: type[KernelDispatcher] | None = None) -> Kernel:
+    if MODE == "plain":
+        return njit(cache=True, error_model="numpy")(kernel)  # type: ignore[return-value]
+    dispatcher: Any = (made or KernelDispatcher)(py_func=kernel, targetoptions={"nopython": True, "boundscheck": None, **options})
+    dispatcher.enable_caching()
+    return dispatcher  # type: ignore[no-any-return]
+
+
+class KernelDispatcher(CPUDispatcher):
     """A kernel that one process compiles, while others that want it wait and then load it.
 
     Without that, tests and sweeps side by side would each compile everything, and numba's index of a kernel could name the code of
     another signature: it is written before the code, and by whoever comes last.
     """
 
-    _cache: _KernelCache
+    _cache: KernelCache
+
+    def enable_caching(self) -> None:
+        """Keep on disk what is compiled."""
+        self._cache = KernelCache(self.py_func)
 
     def compile(self, sig: Any) -> Any:
         """Load the kernel for a signature, or compile and keep it."""
-        with global_compiler_lock, self._cache.alone():
+        with global_compiler_lock, self.alone():
             return super().compile(sig)
 
+    @contextmanager
+    def alone(self) -> Iterator[None]:
+        """Keep other processes from this kernel, or go on beside them after a while: who holds it may be suspended."""
+        file, byte = lock_file(self._cache.cache_path), crc32(f"{self.py_func.__module__}.{self.py_func.__qualname__}".encode())
+        if file is None or not held(file, byte):
+            yield
+            return
+        try:
+            yield
+        finally:
+            fcntl.lockf(file, fcntl.LOCK_UN, 1, byte)
 
-class _InnerDispatcher(_KernelDispatcher):
+
+class InnerDispatcher(KernelDispatcher):
     """A kernel without an entry for Python; calling it would end the process."""
 
     def __call__(self, *arguments: Any) -> Any:
+        """Raise TypeError."""
         raise TypeError(f"{self.py_func.__name__} is an inner kernel: only other kernels can call it")
 
 
-def _kept(dispatcher: Any, kernel: Kernel, kind: type[_KernelDispatcher] = _KernelDispatcher) -> Kernel:
-    dispatcher.__class__ = kind
-    dispatcher._cache = _KernelCache(kernel)
-    return dispatcher  # type: ignore[no-any-return]
-
-
-class _KernelCache(FunctionCache):
-    """numba's cache on disk, good for as long as neither the kernel's package nor this one changes.
-
-    numba looks at the kernel's own file only; a changed kernel in another file would go on being called as it was.
-    """
+class KernelCache(FunctionCache):
+    """numba's cache on disk, good for as long as no package changes that the kernel or one that it calls is from."""
 
     def __init__(self, kernel: Callable[..., Any]) -> None:
-        super().__init__(kernel)  # type: ignore[no-untyped-call]
-        self._cache_file._source_stamp = (stamp(_package_of(kernel)), stamp(Path(__file__).parent))
+        settings: Any = numba_config
+        before = settings.CACHE_LOCATOR_CLASSES
+        settings.CACHE_LOCATOR_CLASSES = before or LOCATORS  # who has set NUMBA_CACHE_LOCATOR_CLASSES has their own
+        try:
+            super().__init__(kernel)  # type: ignore[no-untyped-call]
+        finally:
+            settings.CACHE_LOCATOR_CLASSES = before
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return what was compiled for a signature, None if there is nothing, or only what names types that have moved since."""
@@ -107,21 +194,71 @@ class _KernelCache(FunctionCache):
             self.flush()  # type: ignore[no-untyped-call]
             return None
 
-    @contextmanager
-    def alone(self) -> Iterator[None]:
-        """Keep other processes from this kernel, or go on beside them after a while: who holds it may be suspended."""
-        file, byte = _lock_file(self.cache_path), crc32(self._cache_file._index_name.encode())
-        if file is None or not _held(file, byte):
-            yield
-            return
-        try:
-            yield
-        finally:
-            fcntl.lockf(file, fcntl.LOCK_UN, 1, byte)
+
+class _Stamped:
+    """Tells by content, of all packages that a kernel stands on, whether its code on disk is still good.
+
+    numba looks at the kernel's own file only; a changed kernel in another file would go on being called as it was.
+    """
+
+    def __init__(self, py_func: Callable[..., Any], py_file: str) -> None:
+        super().__init__(py_func, py_file)  # type: ignore[call-arg]
+        self._stamp = tuple(sorted((folder.name, sources(folder)) for folder in packages_of(py_func)))
+
+    def get_source_stamp(self) -> tuple[Any, ...]:
+        """Return name and digest of each package."""
+        return self._stamp
+
+
+class GivenFolder(_Stamped, UserProvidedCacheLocator):
+    """Keeps kernels where ``NUMBA_CACHE_DIR`` says."""
+
+
+class BesideSource(_Stamped, InTreeCacheLocator):
+    """Keeps kernels in ``__pycache__`` beside their source."""
+
+
+class UsersFolder(_Stamped, UserWideCacheLocator):
+    """Keeps kernels in the user's folder for caches, where the source's own cannot be written to."""
+
+
+OURS = [f"{__name__}.{locator.__name__}" for locator in (GivenFolder, BesideSource, UsersFolder)]
+LOCATORS = ",".join([*OURS, "IPythonCacheLocator", "ZipCacheLocator"])
+_stands_on: WeakKeyDictionary[Any, frozenset[Path]] = WeakKeyDictionary()  # folders by kernel
+
+
+def packages_of(kernel: Callable[..., Any]) -> frozenset[Path]:
+    """Return the folders of the packages that a kernel stands on: this one, its own, and those of kernels that its module has got."""
+    if kernel not in _stands_on:
+        within = [*kernel.__globals__.values(), *(cell.cell_contents for cell in kernel.__closure__ or ())]
+        called = [value.py_func for value in within if isinstance(value, Dispatcher)]
+        below = {_stands_on[one] if one in _stands_on else frozenset({_package_of(one)}) for one in called}
+        _stands_on[kernel] = frozenset({HERE, _package_of(kernel)}).union(*below)
+    return _stands_on[kernel]
+
+
+def _package_of(kernel: Callable[..., Any]) -> Path:
+    """Return the folder of the kernel's whole package, all of its shelves included; its file where it is in none."""
+    return _folder_of(kernel.__module__.partition(".")[0]) or Path(inspect.getfile(kernel))
 
 
 @cache
-def _lock_file(folder: str) -> int | None:
+def _folder_of(package: str) -> Path | None:
+    return next(map(Path, getattr(sys.modules.get(package), "__path__", ())), None)
+
+
+@cache
+def sources(place: Path) -> str:
+    """Return a digest of all modules at or below a folder, or beside a file."""
+    digest = hashlib.blake2b(digest_size=16)
+    for file in sorted(place.rglob("*.py") if place.is_dir() else place.parent.glob("*.py")):
+        digest.update(f"{file.relative_to(place if place.is_dir() else place.parent)}\0".encode())
+        digest.update(hashlib.blake2b(file.read_bytes()).digest())
+    return digest.hexdigest()
+
+
+@cache
+def lock_file(folder: str) -> int | None:
     """Open the file of which each kernel in a folder locks a byte, for as long as the process lives; None where there can be none."""
     if fcntl is None:
         return None
@@ -132,7 +269,7 @@ def _lock_file(folder: str) -> int | None:
         return None
 
 
-def _held(file: int, byte: int) -> bool:
+def held(file: int, byte: int) -> bool:
     """Lock a byte of a file; return whether that was possible, within ``PATIENCE``."""
     until = time.monotonic() + PATIENCE
     while time.monotonic() < until:
@@ -145,16 +282,3 @@ def _held(file: int, byte: int) -> bool:
         else:
             return True
     return False
-
-
-def _package_of(kernel: Callable[..., Any]) -> Path:
-    """Return the folder of the kernel's whole package, all of its shelves included; its file's folder where it is in none."""
-    package = sys.modules.get(kernel.__module__.partition(".")[0])
-    return Path(next(iter(getattr(package, "__path__", ())), Path(inspect.getfile(kernel)).parent))
-
-
-@lru_cache
-def stamp(folder: Path) -> tuple[tuple[str, int, int], ...]:
-    """Return name, time of change and size of every module at or below a folder."""
-    files = ((str(path.relative_to(folder)), path.stat()) for path in sorted(folder.rglob("*.py")))
-    return tuple((name, status.st_mtime_ns, status.st_size) for name, status in files)

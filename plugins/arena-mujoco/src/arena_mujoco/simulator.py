@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from arena_core import ConfigurationError, ImpossibleScenario, OccupancyGrid, PedestrianModel, Robot, Scenario, Snapshot, stream_key
 from arena_core.parameters import Bounds, Positive, Step
 from arena_core.scenes import wall_boxes
-from arena_kernels.entry import Entered
+from arena_kernels.compiled import Entered
 from arena_mujoco.attaching import wheeled_model
 from arena_mujoco.body import BodyFigures, body_of, check_wheels
 from arena_mujoco.camera import CameraFigures, DepthCamera

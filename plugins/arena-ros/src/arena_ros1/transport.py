@@ -53,7 +53,7 @@ class Ros1(Transport):
             if self._closed:
                 return
             message = kind()
-            message._buff = content
+            message._buff = content  # noqa: SLF001 - the field in which rospy.AnyMsg hands bytes on; there is no other
             with suppress(self._rospy.ROSException):  # the master, or all of ROS, is gone
                 publisher.publish(message)
 
@@ -61,7 +61,7 @@ class Ros1(Transport):
 
     def subscribe(self, topic: str, type: str, heard: Heard, latched: bool = False) -> None:
         """Hear a topic, in rospy's thread."""
-        self._rospy.Subscriber(topic, self._type(type), lambda message: heard(message._buff), queue_size=10, tcp_nodelay=True)
+        self._rospy.Subscriber(topic, self._type(type), lambda message: heard(message._buff), queue_size=10, tcp_nodelay=True)  # noqa: SLF001 - as above
 
     def topics(self) -> Mapping[str, str]:
         """Return what is published at the master."""
@@ -107,7 +107,7 @@ class Ros1(Transport):
 
 
 def _serialize(message: Any, buffer: Any) -> None:
-    buffer.write(message._buff)
+    buffer.write(message._buff)  # noqa: SLF001 - as above
 
 
 def _rospy() -> Any:

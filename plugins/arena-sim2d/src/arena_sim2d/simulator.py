@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from arena_core import ConfigurationError, Contact, Crowd, LaserScan, PedestrianModel, Robot, RobotBatch, Scenario, Simulator, Snapshot
 from arena_core.parameters import NonNegative, Positive, Step
-from arena_kernels.entry import Entered
+from arena_kernels.compiled import Entered
 from arena_kernels.pool import GridPool
 from arena_sim2d.bodies import Floats, Rows, Worlds
 from arena_sim2d.motion import chassis

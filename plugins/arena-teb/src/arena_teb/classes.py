@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from arena_core import wrap_angle
-from arena_kernels.entry import Entered
+from arena_kernels.compiled import Entered
 from arena_kernels.window import Outline
 from arena_teb.band import band_along, carried_over, duration
 from arena_teb.clusters import cluster_points

@@ -15,8 +15,8 @@ from arena_crowds.orca.orca_step import step_crowds
 from arena_crowds.orca.parameters import RobotRules, Rules, Wayfinding, WayRules
 from arena_crowds.orca.walkers import Walkers
 from arena_crowds.orca.ways import grant_wishes
+from arena_kernels.compiled import Entered
 from arena_kernels.crowds import Crowds, Robots
-from arena_kernels.entry import Entered
 from arena_kernels.terrain import Terrain
 
 

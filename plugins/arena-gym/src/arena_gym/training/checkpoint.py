@@ -16,6 +16,7 @@ from stable_baselines3 import PPO
 from arena_core import ConfigurationError
 from arena_core.commands import one_line
 from arena_core.files import write_bytes_whole
+from arena_gym.training.learner import Learner
 from arena_gym.training.worlds_in_step import WorldsInStep
 
 Weights = dict[str, torch.Tensor]
@@ -49,12 +50,12 @@ def of_this_training(path: Path) -> Iterator[None]:
         raise ConfigurationError(f"{path}: is no checkpoint of this training ({reason}); remove the folder to begin anew") from error
 
 
-def save_checkpoint(path: Path, learner: PPO, worlds: WorldsInStep, progress: Mapping[str, Any], best: Weights | None) -> None:
+def save_checkpoint(path: Path, learner: Learner, worlds: WorldsInStep, progress: Mapping[str, Any], best: Weights | None) -> None:
     """Write weights, optimiser, random streams, running episodes, ``progress`` and the best weights, whole or not at all."""
     content = {
         "policy": learner.policy.state_dict(),
         "optimizer": learner.policy.optimizer.state_dict(),
-        "updates": learner._n_updates,
+        "updates": learner.updates,
         "steps": learner.num_timesteps,
         "random": _random_state(),
         "episodes": _with_tensors(worlds.state()),
@@ -66,7 +67,7 @@ def save_checkpoint(path: Path, learner: PPO, worlds: WorldsInStep, progress: Ma
     write_bytes_whole(path, file.getvalue())
 
 
-def load_checkpoint(path: Path, learner: PPO, worlds: WorldsInStep | None = None) -> tuple[dict[str, Any], Weights | None]:
+def load_checkpoint(path: Path, learner: Learner, worlds: WorldsInStep | None = None) -> tuple[dict[str, Any], Weights | None]:
     """Give a learner and its worlds the state of a checkpoint; return its progress and the best weights.
 
     Without ``worlds`` only weights and optimiser are taken. Reads tensors and plain numbers, never code. Raises ConfigurationError for a
@@ -76,11 +77,11 @@ def load_checkpoint(path: Path, learner: PPO, worlds: WorldsInStep | None = None
         content = torch.load(path, weights_only=True, map_location=learner.device)
         learner.policy.load_state_dict(content["policy"])
         learner.policy.optimizer.load_state_dict(content["optimizer"])
-        learner._n_updates, learner.num_timesteps = int(content["updates"]), int(content["steps"])
+        learner.count_on(int(content["updates"]), int(content["steps"]))
         progress, best = dict(content["progress"]), content["best"]
         episodes, streams = _with_arrays(content["episodes"]), content["random"]
     if worlds is not None:
-        learner._last_obs, learner._last_episode_starts = worlds.restore(episodes)
+        learner.look_on(*worlds.restore(episodes))
         _restore_random(streams)
     return progress, best
 

@@ -12,18 +12,19 @@ from stable_baselines3.common.vec_env import VecEnv
 from torch import nn
 
 from arena_core import ConfigurationError, ObservationField
+from arena_gym.training.learner import Learner
 from arena_gym.training.network import BeamFeatures, TruthSeeingCritic
 from arena_gym.training.settings import Network, TrainingSettings
 from arena_policies.actions import ActionScale
 
 
-def make_learner(env: VecEnv, layout: tuple[ObservationField, ...], settings: TrainingSettings, logs: Path | None) -> PPO:
+def make_learner(env: VecEnv, layout: tuple[ObservationField, ...], settings: TrainingSettings, logs: Path | None) -> Learner:
     """Return an untrained learner whose random streams follow from its seed; what ``env`` shows behind ``layout`` is the truth."""
     torch.set_num_threads(settings.threads)
     chosen = settings.optimization
     truth = env.observation_space.shape[0] - sum(field.size for field in layout)  # type: ignore[index]
     policy = _policy(settings.network, layout)
-    return PPO(
+    return Learner(
         TruthSeeingCritic if truth else "MlpPolicy",
         env,
         learning_rate=_falling(chosen.learning_rate, chosen.final_learning_rate),

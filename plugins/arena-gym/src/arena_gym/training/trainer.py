@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import Logger
 
@@ -21,6 +20,7 @@ from arena_core.hosting import RunFolderError
 from arena_gym.training.checkpoint import Weights, all_finite, load_checkpoint, save_checkpoint, weights_of
 from arena_gym.training.evaluation import evaluate
 from arena_gym.training.export import Actor
+from arena_gym.training.learner import Learner
 from arena_gym.training.learning import limit_spread, make_learner, spread_in_si
 from arena_gym.training.levels import Levels
 from arena_gym.training.plan import steps_driven
@@ -45,7 +45,7 @@ class TrainingStopped(ArenaError):
 class Trained:
     """What a training made: a learner with its last weights after ``steps``, its curve, and the weights that were chosen."""
 
-    learner: PPO
+    learner: Learner
     steps: int
     curve: list[dict[str, float]]
     choice: Choice
@@ -60,7 +60,7 @@ class Trainer(BaseCallback):
 
     def __init__(
         self,
-        learner: PPO,
+        learner: Learner,
         settings: TrainingSettings,
         levels: Levels,
         worlds: WorldsInStep,
@@ -205,7 +205,7 @@ class Trainer(BaseCallback):
             raise TrainingStopped(self._said(NO_NUMBER)) from error
 
 
-def prepare(settings: TrainingSettings, env: NavigationVectorEnv, folder: Path) -> tuple[PPO, WorldsInStep]:
+def prepare(settings: TrainingSettings, env: NavigationVectorEnv, folder: Path) -> tuple[Learner, WorldsInStep]:
     """Return a learner as it begins, with the worlds that it drives in; ``folder`` will have its logs.
 
     Raises InputFileError or ConfigurationError for weights that it cannot begin with.
@@ -222,7 +222,7 @@ def prepare(settings: TrainingSettings, env: NavigationVectorEnv, folder: Path) 
 
 def train(
     settings: TrainingSettings,
-    learner: PPO,
+    learner: Learner,
     worlds: WorldsInStep,
     validation: NavigationVectorEnv,
     levels: Levels,
@@ -259,7 +259,9 @@ def train(
     return Trained(learner, int(trainer.curve[-1]["steps"]), trainer.curve, trainer.choice, trainer.best)
 
 
-def _go_on(trainer: Trainer, learner: PPO, settings: TrainingSettings, worlds: WorldsInStep, folder: Path, report: TrainingReport) -> None:
+def _go_on(
+    trainer: Trainer, learner: Learner, settings: TrainingSettings, worlds: WorldsInStep, folder: Path, report: TrainingReport
+) -> None:
     """Take the state of the folder's checkpoint, if there is one; its running episodes only where training goes on."""
     if not (folder / CHECKPOINT).exists():
         return

@@ -7,11 +7,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from stable_baselines3 import PPO
-
 from arena_core.files import read_json
 from arena_gym.training.checkpoint import load_checkpoint
 from arena_gym.training.export import Actor, round_as_kept
+from arena_gym.training.learner import Learner
 from arena_gym.training.teaching import TAUGHT, take_taught
 from arena_gym.training.trainer import CHECKPOINT
 
@@ -20,7 +19,7 @@ Write = Callable[[Mapping[str, Any]], None]
 
 
 @contextmanager
-def keeping_a_policy(learner: PPO, folder: Path, write: Write) -> Iterator[None]:
+def keeping_a_policy(learner: Learner, folder: Path, write: Write) -> Iterator[None]:
     """Have Ctrl-C ``write`` the policy of what is kept, with what its card tells of it, and say what that is."""
     try:
         yield
@@ -29,7 +28,7 @@ def keeping_a_policy(learner: PPO, folder: Path, write: Write) -> Iterator[None]
         raise
 
 
-def _keep(learner: PPO, folder: Path, write: Write) -> str:
+def _keep(learner: Learner, folder: Path, write: Write) -> str:
     found = _take_checkpoint(learner, folder) or _take_lessons(learner, folder)
     if found is None:
         return f"nothing was learned as yet; resume=true (with the same words) begins anew in {folder}"
@@ -43,7 +42,7 @@ def _keep(learner: PPO, folder: Path, write: Write) -> str:
     return f"{kept}, and {policy}, untested; {GOES_ON}"
 
 
-def _take_checkpoint(learner: PPO, folder: Path) -> tuple[str, dict[str, Any]] | None:
+def _take_checkpoint(learner: Learner, folder: Path) -> tuple[str, dict[str, Any]] | None:
     """Give a learner the best weights of a checkpoint, or its last where none was validated; say which, for the user and for a card."""
     if not (folder / CHECKPOINT).exists():
         return None
@@ -55,7 +54,7 @@ def _take_checkpoint(learner: PPO, folder: Path) -> tuple[str, dict[str, Any]] |
     return kept, {**told, "choice": progress["choice"], "score": None}
 
 
-def _take_lessons(learner: PPO, folder: Path) -> tuple[str, dict[str, Any]] | None:
+def _take_lessons(learner: Learner, folder: Path) -> tuple[str, dict[str, Any]] | None:
     if not (folder / TAUGHT).exists():
         return None
     lessons = take_taught(folder, Actor(learner.policy))

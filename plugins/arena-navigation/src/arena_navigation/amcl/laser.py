@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from arena_core import LaserScan, OccupancyGrid
-from arena_kernels.entry import Entered
+from arena_kernels.compiled import Entered
 from arena_kernels.grids import GridStack, stack_grids
 from arena_navigation.amcl.beams import Walls, look_of, measured_ranges, predicted, rays_of
 from arena_navigation.amcl.filter import Cloud, Resampling, filter_scan, filter_update_by_ranges

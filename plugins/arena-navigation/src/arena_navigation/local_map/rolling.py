@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from arena_core import Costmap, LaserScan, LocalMap, OccupancyGrid, Pose, Robot, Window
 from arena_core.parameters import NonNegative, Positive
-from arena_kernels.entry import Entered
+from arena_kernels.compiled import Entered
 from arena_navigation.local_map.evidence import Evidence
 from arena_navigation.local_map.mapping import SeenMap, with_marks
 from arena_navigation.local_map.marks import NEVER, Beams, Reach

@@ -8,7 +8,7 @@ import numpy as np
 
 from arena_core import NO_TRACKS, ConfigurationError, LaserScan, OccupancyGrid, Pose, Robot, Tracker, Tracks
 from arena_core.parameters import NonNegative, Positive, PositiveInt
-from arena_kernels.entry import Entered
+from arena_kernels.compiled import Entered
 from arena_navigation.local_map.marks import Beams
 from arena_navigation.tracking.alignment import Alignment
 from arena_navigation.tracking.belief import Belief, LifeSpan, Told, write_told

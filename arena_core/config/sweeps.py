@@ -1,0 +1,84 @@
+"""The words of a multirun: its jobs, and what Hydra is told of words that fit its jobs alone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+from arena_core.base.errors import ConfigurationError
+from arena_core.config.configuration import PRIMARY, conf_directory
+
+if TYPE_CHECKING:
+    from hydra.core.config_loader import ConfigLoader
+    from hydra.core.override_parser.types import Override
+
+
+def combinations(words: Sequence[str]) -> list[list[str]]:
+    """Return the overrides of every job: one for each combination of swept values, the last word of each key.
+
+    Raises ConfigurationError for an interval, which has no end of values, and Hydra's own errors.
+    """
+    choices = {one.get_key_element(): _choices(one) for one in _parsed(words)}
+    return [list(job) for job in product(*choices.values())]
+
+
+def _choices(one: Override) -> list[str]:
+    key = one.get_key_element()
+    if not one.is_sweep_override():
+        return [f"{key}={one.get_value_element_as_str()}"]
+    if not one.is_discrete_sweep():
+        raise ConfigurationError(f"{one.input_line} has no end of values; allowed: {key}=A,B,C, or hydra/sweeper=optuna")
+    return [f"{key}={value}" for value in one.sweep_string_iterator()]
+
+
+def words_that_fit(words: Sequence[str], multirun: bool) -> list[str]:
+    """Return the words of a multirun, those that only its jobs can take as sweeps of one value: Hydra leaves sweeps to the jobs.
+
+    ``world=indoor,outdoor world.difficulty=0.4`` is such a case: what all jobs have in common has the default world, without that key.
+    Words stay as they are where Hydra's own options stand among them, and where neither ``multirun`` nor an experiment makes a multirun.
+    """
+    from hydra import initialize_config_dir
+    from hydra.core.global_hydra import GlobalHydra
+    from hydra.types import RunMode
+
+    if any(word.startswith("-") for word in words):
+        return list(words)
+    with initialize_config_dir(str(conf_directory()), job_name="arena", version_base="1.3"):
+        loader = GlobalHydra.instance().config_loader()
+        settings = {one.input_line: one for one in _parsed(words) if not _chooses(one, loader)}
+        common = loader.load_configuration(PRIMARY, [word for word in words if word not in settings], RunMode.MULTIRUN)
+        if not multirun and common.hydra.mode is not RunMode.MULTIRUN:
+            return list(words)
+        return [_for_jobs(settings[word]) if word in settings and not _fits(settings[word], common) else word for word in words]
+
+
+def _chooses(one: Override, loader: ConfigLoader) -> bool:
+    """Return whether a word chooses an option or is Hydra's own, in place of setting a value."""
+    return one.is_hydra_override() or bool(loader.get_group_options(one.key_or_group))
+
+
+def _fits(one: Override, common: Any) -> bool:
+    """Return whether a word can be taken by what all jobs have in common, which takes it; Hydra knows no sweep of a deletion."""
+    from omegaconf import OmegaConf
+    from omegaconf.errors import OmegaConfBaseException
+
+    if one.is_sweep_override() or one.is_delete():
+        return True
+    if one.is_add() and not isinstance(one.value(), (dict, list)) and OmegaConf.select(common, one.key_or_group) is not None:
+        return False
+    try:
+        OmegaConf.update(common, one.key_or_group, one.value(), merge=True, force_add=one.is_add() or one.is_force_add())
+    except OmegaConfBaseException:
+        return False
+    return True
+
+
+def _for_jobs(one: Override) -> str:
+    return f"{one.get_key_element()}=choice({one.get_value_element_as_str()})"
+
+
+def _parsed(words: Sequence[str]) -> list[Override]:
+    from hydra.core.override_parser.overrides_parser import OverridesParser
+
+    return list(OverridesParser.create().parse_overrides(list(words)))

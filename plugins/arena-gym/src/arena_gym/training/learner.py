@@ -1,0 +1,24 @@
+"""Stable-Baselines3's PPO, which can go on where an earlier process stopped."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from stable_baselines3 import PPO
+
+
+class Learner(PPO):
+    """PPO that tells and takes what ``learn`` goes on from."""
+
+    @property
+    def updates(self) -> int:
+        """Return how many passes over a roll-out have been made."""
+        return int(self._n_updates)
+
+    def count_on(self, updates: int, steps: int) -> None:
+        """Count on from what was done before."""
+        self._n_updates, self.num_timesteps = updates, steps
+
+    def look_on(self, observations: Any, begun: Any) -> None:
+        """Go on from what was last observed, and which worlds began an episode with it."""
+        self._last_obs, self._last_episode_starts = observations, begun
