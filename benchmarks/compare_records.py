@@ -233,7 +233,10 @@ def record(names: Sequence[str]) -> None:
 def _understood(words: Sequence[str]) -> list[str]:
     """Return the overrides with those alternatives that this checkout has."""
     from arena_core import ConfigurationError
-    from arena_core.hosting import compose
+    try:
+        from arena_core.hosting import compose
+    except ImportError:  # a checkout of before
+        from arena_core import compose
 
     chosen = [word for word in words if "|" not in word]
     for word in words:
