@@ -14,7 +14,7 @@ from arena_core.base.errors import (
     NoPath,
     NoValidCommand,
 )
-from arena_core.base.random_streams import generator, stream_key
+from arena_core.base.random_streams import random_generator, stream_key
 from arena_core.contracts.hookspecs import Register, hookimpl
 from arena_core.contracts.learning import (
     EarlierScans,
@@ -141,9 +141,9 @@ __all__ = [
     "Window",
     "World",
     "WorldSource",
-    "generator",
     "hookimpl",
     "make_robot",
+    "random_generator",
     "run",
     "stream_key",
     "wrap_angle",

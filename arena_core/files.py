@@ -2,7 +2,7 @@
 
 from arena_core.base.addresses import local_path
 from arena_core.base.arrays import read_array, read_arrays
-from arena_core.base.cells import csv_text, harmless
+from arena_core.base.cells import csv_text, escape_formula
 from arena_core.base.confinement import reading_within
 from arena_core.base.files import check_inside, is_file, read_bytes, read_json, read_table, read_text, read_yaml
 from arena_core.base.limits import LIMITS
@@ -13,7 +13,7 @@ __all__ = [
     "LIMITS",
     "check_inside",
     "csv_text",
-    "harmless",
+    "escape_formula",
     "is_file",
     "local_path",
     "option_files",

@@ -10,7 +10,7 @@ from arena_core.base.errors import (
     UnknownComponent,
 )
 from arena_core.base.optional import require_extra
-from arena_core.config.configuration import compose, plain
+from arena_core.config.configuration import compose, to_plain
 from arena_core.config.registry import Registry, load_registry
 from arena_core.contracts.learning import Situation
 from arena_core.contracts.navigation import OFF_PATH, REPLAN_REASONS, WAYPOINT_FOUND, WAYPOINT_TIMEOUT
@@ -22,10 +22,10 @@ from arena_core.loop.navigator import NAVIGATOR_KEYS, Decision, Navigator
 from arena_core.loop.navigator import Spent as NavigatorSpent
 from arena_core.runs.benchmark import Benchmark, build_benchmark, build_guide, check_sections
 from arena_core.runs.budgets import Budgets
-from arena_core.runs.code_digest import Code, code_of
+from arena_core.runs.code_digest import Code, digest_code
 from arena_core.runs.executors import ProcessExecutor
 from arena_core.runs.forms import Field, Form, check_settings, default_options, form_of, option_names, settings_form
-from arena_core.runs.nodes import Delivery, Node, OtherCode, take_in
+from arena_core.runs.nodes import Delivery, Node, OtherCode, store_delivery
 from arena_core.runs.outside import OutsideRun
 from arena_core.values.staging import Staging
 
@@ -74,17 +74,17 @@ __all__ = [
     "build_guide",
     "check_sections",
     "check_settings",
-    "code_of",
     "compose",
     "default_options",
+    "digest_code",
     "form_of",
     "load_registry",
     "mission_of",
     "option_names",
-    "plain",
     "pose_at_scan",
     "require_extra",
     "run_episode",
     "settings_form",
-    "take_in",
+    "store_delivery",
+    "to_plain",
 ]

@@ -6,12 +6,12 @@ from arena_core.loop.record_files import read_grid, read_record
 from arena_core.loop.record_places import find_runs, record_path, record_paths, timing_paths
 from arena_core.loop.recording import Recorder, robot_meta
 from arena_core.runs.benchmark import build_metrics
-from arena_core.runs.provenance import cpu_kind, read_provenance, untuned, versions
-from arena_core.runs.repeating import repeat
+from arena_core.runs.provenance import cpu_kind, installed_versions, missing_tunings, read_provenance
+from arena_core.runs.repeating import repeat_episodes
 from arena_core.runs.rows import COLUMNS as EPISODE_COLUMNS
-from arena_core.runs.rows import TEXT, evaluate, metric_column
+from arena_core.runs.rows import TEXT, evaluate_record, metric_column
 from arena_core.values.episode import Event, Outcome, WorldState
-from arena_core.values.success import COLLISIONS_ALLOWED, succeeded
+from arena_core.values.success import COLLISIONS_ALLOWED, is_success
 
 __all__ = [
     "COLLISIONS_ALLOWED",
@@ -24,19 +24,19 @@ __all__ = [
     "WorldState",
     "build_metrics",
     "cpu_kind",
-    "evaluate",
+    "evaluate_record",
     "find_runs",
+    "installed_versions",
+    "is_success",
     "metric_column",
+    "missing_tunings",
     "read_grid",
     "read_provenance",
     "read_record",
     "record_digest",
     "record_path",
     "record_paths",
-    "repeat",
+    "repeat_episodes",
     "robot_meta",
-    "succeeded",
     "timing_paths",
-    "untuned",
-    "versions",
 ]

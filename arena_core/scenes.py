@@ -1,10 +1,10 @@
 """The solids of a world: furniture, walls, obstacles as polygons and prisms."""
 
 from arena_core.config.furniture import furniture_kind
-from arena_core.values.furniture import FurnitureKind, furnished, furniture_of, furniture_shapes, outlines
-from arena_core.values.obstacles import with_obstacles
-from arena_core.values.rectangles import rectangles
-from arena_core.values.scene import Prism, Scene, furniture_scene, raised, scene_of, wall_boxes
+from arena_core.values.furniture import FurnitureKind, add_furniture, furniture_of, furniture_outlines, furniture_shapes
+from arena_core.values.obstacles import add_obstacles
+from arena_core.values.rectangles import cover_with_rectangles
+from arena_core.values.scene import Prism, Scene, furniture_scene, raise_footprints, scene_of, wall_boxes
 from arena_core.values.sensing import camera_rays
 from arena_core.values.world import free_area
 
@@ -12,17 +12,17 @@ __all__ = [
     "FurnitureKind",
     "Prism",
     "Scene",
+    "add_furniture",
+    "add_obstacles",
     "camera_rays",
+    "cover_with_rectangles",
     "free_area",
-    "furnished",
     "furniture_kind",
     "furniture_of",
+    "furniture_outlines",
     "furniture_scene",
     "furniture_shapes",
-    "outlines",
-    "raised",
-    "rectangles",
+    "raise_footprints",
     "scene_of",
     "wall_boxes",
-    "with_obstacles",
 ]

@@ -21,11 +21,11 @@ BIN = Path(sys.executable).parent
 @lru_cache(maxsize=2)
 def benchmark_of(overrides: tuple[str, ...]) -> Any:
     """Return the benchmark of a configuration, after two episodes that compile and fill caches."""
-    from arena_core.config.configuration import compose, plain
+    from arena_core.config.configuration import compose, to_plain
     from arena_core.hosting import load_registry
     from arena_core.runs.benchmark import build_benchmark
 
-    built = build_benchmark(plain(compose([*overrides, "executor=serial"])), load_registry())
+    built = build_benchmark(to_plain(compose([*overrides, "executor=serial"])), load_registry())
     for episode in (1000, 1001):
         drive(built, episode)
     return built
@@ -34,13 +34,13 @@ def benchmark_of(overrides: tuple[str, ...]) -> Any:
 def drive(benchmark: Any, episode: int) -> dict[str, float]:
     """Run, write and evaluate an episode; return CPU seconds of all, and of the planner alone, and how many control steps it had."""
     from arena_core.loop.record_files import write_record
-    from arena_core.runs.rows import evaluate
+    from arena_core.runs.rows import evaluate_record
 
     with tempfile.TemporaryDirectory() as folder:
         began = own_seconds()
         record = benchmark.run(episode, Path(folder))
         write_record(Path(folder), episode, record)
-        evaluate(record, benchmark.metrics)
+        evaluate_record(record, benchmark.metrics)
         took = own_seconds() - began
     return {"seconds": took, "planner": float(record.timing["planner_cpu_seconds"].sum()), "count": len(record["stamp"]) - 1}
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from timing import interleave
 
 from arena_core import OccupancyGrid, PedestrianSpec, Pose, RobotBatch, Scenario, World
-from arena_core.config.configuration import compose, plain
+from arena_core.config.configuration import compose, to_plain
 from arena_core.hosting import load_registry
 
 PEOPLE = (10, 100, 1000)
@@ -66,7 +66,7 @@ def ours(people: int, worlds: int = 1, preset: str = "social_force") -> Callable
     """Return steps of the social-force crowd in so many worlds, each with random numbers of its own."""
     scenario = hall(people)
     scenarios = [replace(scenario, seed=seed) for seed in range(worlds)]
-    node: Any = plain(compose([], f"pedestrians/{preset}").pedestrians)
+    node: Any = to_plain(compose([], f"pedestrians/{preset}").pedestrians)
     model = load_registry().build("pedestrians", node)
     crowd = model.reset(np.arange(worlds), scenarios, worlds)
     robots, ticks = RobotBatch(np.zeros((worlds, 3)), np.zeros((worlds, 2)), 0.2), np.zeros(worlds, np.int64)

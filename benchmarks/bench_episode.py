@@ -10,11 +10,11 @@ import time
 from pathlib import Path
 from typing import Any
 
-from arena_core.config.configuration import compose, plain
+from arena_core.config.configuration import compose, to_plain
 from arena_core.config.registry import load_registry
 from arena_core.loop.record_files import write_record
 from arena_core.runs.benchmark import Benchmark, build_benchmark
-from arena_core.runs.rows import evaluate
+from arena_core.runs.rows import evaluate_record
 
 EPISODES = 5
 MEMORY = """
@@ -40,7 +40,7 @@ def measure() -> list[dict[str, Any]]:
 
 def drive(robot: str, episodes: int) -> tuple[float, float]:
     """Run, record and evaluate episodes after a warm-up; return (CPU seconds, simulated seconds)."""
-    benchmark = build_benchmark(plain(compose([f"robot={robot}", "executor=serial", "task.pedestrians=5"])), load_registry())
+    benchmark = build_benchmark(to_plain(compose([f"robot={robot}", "executor=serial", "task.pedestrians=5"])), load_registry())
     with tempfile.TemporaryDirectory() as folder:
         _run(benchmark, 100, Path(folder))
         began = time.process_time()
@@ -51,7 +51,7 @@ def drive(robot: str, episodes: int) -> tuple[float, float]:
 def _run(benchmark: Benchmark, episode: int, folder: Path) -> float:
     record = benchmark.run(episode, folder)
     write_record(folder, episode, record)
-    evaluate(record, benchmark.metrics)
+    evaluate_record(record, benchmark.metrics)
     return float(record["stamp"][-1])
 
 

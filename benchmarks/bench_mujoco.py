@@ -13,7 +13,7 @@ from bench_simulator import PEOPLE, STEP, robot, scenario
 from timing import interleave
 
 from arena_core import OccupancyGrid, Pose, Simulator, World
-from arena_core.hosting import compose, load_registry, plain
+from arena_core.hosting import compose, load_registry, to_plain
 
 WALLS, REPEATS, GOAL = 400, 5, 1 / 8
 CALLS = {"planar": 300, "wheels": 150, "pybullet": 20}
@@ -31,8 +31,8 @@ def cluttered() -> OccupancyGrid:
 def build(drive: str) -> Simulator:
     """Return the simulator with the social-force crowd on legs, as configured by default."""
     registry = load_registry()
-    crowd = registry.build("pedestrians", plain(compose([], "pedestrians/social_force")["pedestrians"]) | {"body": "legs"})
-    figures = plain(compose(["simulator=mujoco", "robot=jackal"])["simulator"]) | {"drive": drive}
+    crowd = registry.build("pedestrians", to_plain(compose([], "pedestrians/social_force")["pedestrians"]) | {"body": "legs"})
+    figures = to_plain(compose(["simulator=mujoco", "robot=jackal"])["simulator"]) | {"drive": drive}
     simulator: Simulator = registry.build("simulator", figures, robot=robot(1.0), pedestrians=crowd)
     return simulator
 

@@ -16,7 +16,7 @@ from bench_lidar import free_poses, rooms
 from timing import interleave
 
 from arena_core import Footprint, Lidar, OdometryModel, PedestrianSpec, Pose, Robot, Scenario, Simulator, VelocityLimits, World
-from arena_core.config.configuration import compose, plain
+from arena_core.config.configuration import compose, to_plain
 from arena_core.hosting import load_registry
 
 PEOPLE, STEP, BATCH, REPEATS = 10, 0.1, 64, 7
@@ -49,7 +49,7 @@ def build(noise: float, **crowd_settings: float) -> Simulator:
     registry, body = load_registry(), robot(noise)
 
     def preset(group: str, name: str) -> Any:
-        return plain(compose([], f"{group}/{name}")[group])
+        return to_plain(compose([], f"{group}/{name}")[group])
 
     crowd = registry.build("pedestrians", preset("pedestrians", "social_force") | crowd_settings)
     simulator: Simulator = registry.build("simulator", preset("simulator", "sim2d"), robot=body, pedestrians=crowd)

@@ -233,6 +233,7 @@ def record(names: Sequence[str]) -> None:
 def _understood(words: Sequence[str]) -> list[str]:
     """Return the overrides with those alternatives that this checkout has."""
     from arena_core import ConfigurationError
+
     try:
         from arena_core.hosting import compose
     except ImportError:  # a checkout of before

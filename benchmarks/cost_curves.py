@@ -23,7 +23,7 @@ from bench_lidar import rooms
 from bench_simulator import STEP, robot, scenario
 
 from arena_core import Scenario, Simulator, World
-from arena_core.config.configuration import compose, plain
+from arena_core.config.configuration import compose, to_plain
 from arena_core.hosting import load_registry
 
 HERE = Path(__file__).resolve().parents[1]
@@ -36,7 +36,7 @@ def simulator(beams: int, crowd: str) -> Simulator:
     """Return the simulator with a lidar of so many beams, as configured by default but without noise."""
     body = robot(0.0)
     body = replace(body, lidar=replace(body.lidar, beams=beams, angle_increment=2.0 * np.pi / beams))
-    chosen = plain(compose([], f"pedestrians/{crowd}").pedestrians), plain(compose([], "simulator/sim2d").simulator)
+    chosen = to_plain(compose([], f"pedestrians/{crowd}").pedestrians), to_plain(compose([], "simulator/sim2d").simulator)
     built: Simulator = load_registry().build(
         "simulator", chosen[1], robot=body, pedestrians=load_registry().build("pedestrians", chosen[0])
     )

@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import Localizer, OccupancyGrid, Pose, PoseEstimate, Robot, Sensors, generator, wrap_angle
-from arena_core.config.configuration import compose, plain
+from arena_core import Localizer, OccupancyGrid, Pose, PoseEstimate, Robot, Sensors, random_generator, wrap_angle
+from arena_core.config.configuration import compose, to_plain
 from arena_core.config.registry import Registry, load_registry
 from arena_core.runs.benchmark import build_benchmark
 
@@ -43,7 +43,7 @@ class Watched(Localizer):
         self.truth = []
         self.estimates = {name: [] for name in self.watching}
         for name, localizer in self.watching.items():
-            localizer.reset(grid, start.compose(self.wrong_by), generator(int(random.integers(2**31)), "watched", name))
+            localizer.reset(grid, start.compose(self.wrong_by), random_generator(int(random.integers(2**31)), "watched", name))
 
     def update(self, sensors: Sensors) -> PoseEstimate:
         """Return the truth."""
@@ -70,7 +70,7 @@ class Watched(Localizer):
 def drives(overrides: Sequence[str], localizers: Sequence[str], episodes: int, wrong_by: Pose = EXACT) -> list[Drive]:
     """Run episodes of ``arena run OVERRIDES`` on the truth and return how the localisers (names of presets) did meanwhile."""
     registry = load_registry()
-    benchmark = build_benchmark(plain(compose(["localizer=ground_truth", *overrides])), registry)
+    benchmark = build_benchmark(to_plain(compose(["localizer=ground_truth", *overrides])), registry)
     watched = Watched({name: build(name, benchmark.robot, registry) for name in localizers}, wrong_by)
     benchmark.navigator.localizer = watched
     found = []
@@ -84,7 +84,7 @@ def drives(overrides: Sequence[str], localizers: Sequence[str], episodes: int, w
 def build(preset: str, robot: Robot, registry: Registry) -> Localizer:
     """Build a localiser from its preset, with overrides after blanks; ROS's own values get the motion model that a ROS user would set."""
     name, *changes = preset.split()
-    node = dict(plain(compose([f"localizer={name}", *(f"localizer.{change}" for change in changes)]))["localizer"])
+    node = dict(to_plain(compose([f"localizer={name}", *(f"localizer.{change}" for change in changes)]))["localizer"])
     if node.get("odom", {}).get("model_type") == "diff" and robot.holonomic:
         node["odom"]["model_type"] = "omni"
     localizer: Localizer = registry.build("localizer", node, robot=robot)

@@ -14,7 +14,7 @@ from time import process_time
 import numpy as np
 
 from arena_core import Observation, Twist
-from arena_core.config.configuration import compose, plain
+from arena_core.config.configuration import compose, to_plain
 from arena_core.hosting import load_registry
 from arena_core.runs.benchmark import build_benchmark
 
@@ -25,7 +25,7 @@ WARM = 1.0  # s of an episode that do not count
 
 def calls(planner: str, robot: str, episodes: int, more: list[str]) -> tuple[np.ndarray, float]:
     """Return the CPU seconds of each call over so many episodes, and the control period, s."""
-    benchmark = build_benchmark(plain(compose([f"planner={planner}", f"robot={robot}", *RUN, *more])), load_registry())
+    benchmark = build_benchmark(to_plain(compose([f"planner={planner}", f"robot={robot}", *RUN, *more])), load_registry())
     seconds: list[float] = []
     inner = benchmark.navigator.planner
     compute = inner.compute_velocity

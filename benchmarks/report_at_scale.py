@@ -20,7 +20,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from arena_core.hosting import compose, plain
+from arena_core.hosting import compose, to_plain
 from arena_core.records import EPISODE_COLUMNS
 
 HERE = Path(__file__).resolve().parent
@@ -35,7 +35,7 @@ def write_runs(folder: Path, episodes: int) -> None:
     cells = defaultdict(list)
     for row in rows:
         cells[row["config_hash"]].append(row)
-    metrics, random = plain(compose([]))["metrics"], np.random.default_rng(0)
+    metrics, random = to_plain(compose([]))["metrics"], np.random.default_rng(0)
     for number, cell in enumerate(cells.values()):
         _write_run(folder / str(number), cell, round(episodes / len(cells)), metrics, random)
 

@@ -14,9 +14,9 @@ from pathlib import Path
 import numpy as np
 
 from arena_core import EpisodeRecord, GlobalPlanner, NoPath, Obstacle, OccupancyGrid, Pose, Robot
-from arena_core.hosting import compose, load_registry, plain
+from arena_core.hosting import compose, load_registry, to_plain
 from arena_core.records import find_runs, read_record
-from arena_core.values.obstacles import with_obstacles
+from arena_core.values.obstacles import add_obstacles
 
 STAND_RADIUS = 0.3  # m
 
@@ -63,7 +63,7 @@ def has_way(record: EpisodeRecord, grid: OccupancyGrid, planner: GlobalPlanner, 
     people = zip(record["pedestrian_positions"][row][there].astype(float), record["pedestrian_radii"][there], strict=True)
     crowd = [Obstacle(position[None], float(radius)) for position, radius in people]
     try:
-        planner.plan(with_obstacles(grid, [*standing, *crowd]), Pose.of(record["pose"][row]), Pose(*scenario["goal"]))
+        planner.plan(add_obstacles(grid, [*standing, *crowd]), Pose.of(record["pose"][row]), Pose(*scenario["goal"]))
     except NoPath:
         return False
     return True
@@ -73,7 +73,7 @@ def astar(record: EpisodeRecord) -> GlobalPlanner:
     """Return A* for the robot as a disc that holds all of its body."""
     registry = load_registry()
     robot: Robot = registry.build("robot", record.meta["config"]["robot"])
-    node = plain(compose([f"robot={robot.name}"]))["global_planner"]
+    node = to_plain(compose([f"robot={robot.name}"]))["global_planner"]
     disc = {"radius": robot.footprint.radius, "vertices_xy": None}
     round_robot = registry.build("robot", {**record.meta["config"]["robot"], "footprint": disc})
     planner: GlobalPlanner = registry.build("global_planner", {**node, "name": "astar"}, robot=round_robot)

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import EpisodeRecord
-from arena_core.config.configuration import compose, plain
+from arena_core.config.configuration import compose, to_plain
 from arena_core.config.registry import load_registry
 from arena_core.runs.benchmark import build_benchmark, build_metrics
-from arena_core.statistics import Estimate, difference
+from arena_core.statistics import Estimate, estimate_difference
 
 STILL = 0.05  # m that a robot which stands may shift
 COLUMNS = ("success", "collisions", "time", "detour", "reverse", "stand")
@@ -45,7 +45,7 @@ def longest_stand(stamp: FloatArray, pose: FloatArray) -> float:
 
 def drive(overrides: Sequence[str], episodes: range) -> FloatArray:
     """Run episodes of ``arena run OVERRIDES`` and return their rows (E, COLUMNS)."""
-    config = plain(compose(list(overrides)))
+    config = to_plain(compose(list(overrides)))
     registry = load_registry()
     benchmark = build_benchmark(config, registry)
     compute = {metric.name: metric.compute for metric in build_metrics(config, registry)[""]}
@@ -92,8 +92,8 @@ def main() -> None:
                 if given.each:
                     print(np.array2string(found[-1], precision=2, suppress_small=True, max_line_width=160), flush=True)
             for tracker, rows in zip(trackers[:-1], found[:-1], strict=True):
-                success = difference(rows[:, 0], found[-1][:, 0], proportion=True)
-                time = difference(rows[:, 2], found[-1][:, 2])
+                success = estimate_difference(rows[:, 0], found[-1][:, 0], proportion=True)
+                time = estimate_difference(rows[:, 2], found[-1][:, 2])
                 print(f"| {world} | {robot} | {tracker} - {trackers[-1]} | {told(success)} | | {told(time)} | | | |", flush=True)
 
 

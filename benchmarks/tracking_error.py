@@ -26,7 +26,7 @@ from arena_core import (
     Tracks,
     Twist,
 )
-from arena_core.config.configuration import compose, plain
+from arena_core.config.configuration import compose, to_plain
 from arena_core.config.registry import load_registry
 from arena_core.runs.benchmark import build_benchmark
 
@@ -104,7 +104,7 @@ class Score:
 
 def drives(overrides: Sequence[str], episodes: int) -> Iterator[Drive]:
     """Run episodes of ``arena run OVERRIDES``."""
-    benchmark = build_benchmark(plain(compose(list(overrides))), load_registry())
+    benchmark = build_benchmark(to_plain(compose(list(overrides))), load_registry())
     benchmark.navigator.tracker = notebook = Notebook()
     benchmark.navigator.planner = Asking(benchmark.navigator.planner)
     with tempfile.TemporaryDirectory() as folder:
@@ -115,7 +115,7 @@ def drives(overrides: Sequence[str], episodes: int) -> Iterator[Drive]:
 
 def build(preset: str, robot: Robot, overrides: Sequence[str] = ()) -> Tracker:
     """Build a tracker from its preset."""
-    node = plain(compose([f"tracker={preset}", *overrides]))["tracker"]
+    node = to_plain(compose([f"tracker={preset}", *overrides]))["tracker"]
     tracker: Tracker = load_registry().build("tracker", node, robot=robot)
     return tracker
 

@@ -22,7 +22,7 @@ import torch
 from numpy.typing import NDArray
 from torch import nn
 
-from arena_core import ObservationField, generator
+from arena_core import ObservationField, random_generator
 from arena_core.hosting import load_registry
 from arena_gym.building import build_parts, compose_training
 from arena_gym.training.evaluation import evaluate, unseen_worlds
@@ -98,7 +98,7 @@ def hold(robot: str, count: int) -> Held:
         for k in range(count):
             lesson = classroom.hold(actor, settings.teacher.decisions, 1.0 - k / max(count - 1, 1), k * env.num_envs)
             held.append((lesson.seen, lesson.shown))
-            imitate(actor, optimizer, held, settings.teacher, 1.0 - k / count, generator(k, "lesson", "minibatches"))
+            imitate(actor, optimizer, held, settings.teacher, 1.0 - k / count, random_generator(k, "lesson", "minibatches"))
             print(f"lesson {k + 1} of {count}: {dict(lesson.ends)}", file=sys.stderr, flush=True)
         elsewhere = Classroom(NavigationVectorEnv(env.num_envs, parts=others).batch, "teb", robot, registry)
         lesson = elsewhere.hold(actor, settings.teacher.decisions, 0.5, 0)
@@ -108,7 +108,7 @@ def hold(robot: str, count: int) -> Held:
 def learn(net: Imitator, held: list[tuple[Rows, Rows]], settings: Teacher, seed: int) -> None:
     """Let a network imitate, more slowly from epoch to epoch."""
     optimizer = torch.optim.Adam(net.parameters(), lr=settings.learning_rate)
-    random = generator(seed, "what to show", "minibatches")
+    random = random_generator(seed, "what to show", "minibatches")
     for epoch in range(EPOCHS):
         imitate(net, optimizer, held, replace(settings, epochs=1), 1.0 - epoch / EPOCHS, random)
 

@@ -20,10 +20,10 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
-from arena_core import ArenaError, InputFileError, Run, Runs, generator
+from arena_core import ArenaError, InputFileError, Run, Runs, random_generator
 from arena_core.files import read_json, write_text_whole
-from arena_core.hosting import Job, compose, load_registry, plain
-from arena_core.records import read_record, record_digest, record_path, repeat, succeeded
+from arena_core.hosting import Job, compose, load_registry, to_plain
+from arena_core.records import is_success, read_record, record_digest, record_path, repeat_episodes
 from arena_submit.verifying import AGREEING, driven_elsewhere, here_and_now
 
 TOP = Path(__file__).resolve().parents[1]
@@ -54,7 +54,7 @@ def sample_of(experiment: str, size: int = SAMPLE) -> list[dict[str, Any]]:
     config = compose([f"experiment={experiment}"], hydra=True)
     params = {str(key): str(values).split(",") for key, values in config.hydra.sweeper.params.items()}
     cells = [[f"{key}={value}" for key, value in zip(params, values, strict=True)] for values in product(*params.values())]
-    random = generator(0, experiment, "results-check")
+    random = random_generator(0, experiment, "results-check")
     drawn = sorted(int(i) for i in random.choice(len(cells), size=min(size, len(cells)), replace=False))
     return [{"overrides": cells[i], "episode": int(random.integers(config.episodes))} for i in drawn]
 
@@ -68,7 +68,7 @@ def write(folder: Path, experiment: str, target: Path) -> int:
         if run is None:
             raise InputFileError(f"{folder}: lacks {' '.join(one['overrides'])}; allowed: all of experiment={experiment}")
         record = run.record(one["episode"])
-        kept.append({**one, "digest": record_digest(record), "succeeded": succeeded(record)})
+        kept.append({**one, "digest": record_digest(record), "succeeded": is_success(record)})
     write_text_whole(target, json.dumps({"experiment": experiment, **here_and_now(), "sample": kept}, indent=1, sort_keys=True) + "\n")
     print(f"{target}: {len(kept)} episodes")
     return 0
@@ -79,7 +79,7 @@ def check(path: Path, first: int | None, overrides: Sequence[str]) -> int:
     kept = read_json(path, "what results_check.py --write wrote")
     sample = kept["sample"][:first]
     elsewhere = list(driven_elsewhere(kept))
-    executor = plain(compose(list(overrides)))["executor"]
+    executor = to_plain(compose(list(overrides)))["executor"]
     differing, agreeing = [], 0
     with tempfile.TemporaryDirectory(prefix="arena-results-") as folder:
         asked = {str(Path(folder, str(number))): one for number, one in enumerate(sample)}
@@ -97,21 +97,21 @@ def check(path: Path, first: int | None, overrides: Sequence[str]) -> int:
 def _driven(experiment: str, asked: dict[str, Any], executor: dict[str, Any]) -> Iterator[tuple[str, bool, bool, str]]:
     """Drive episodes; yield the folder of each, whether it is the same, whether it ends alike, and how it went."""
     jobs = [Job(_config(experiment, one["overrides"]), place, one["episode"]) for place, one in asked.items()]
-    for answer in repeat(jobs, executor, load_registry()):
+    for answer in repeat_episodes(jobs, executor, load_registry()):
         one = asked[answer.job.folder]
         path = record_path(Path(answer.job.folder), answer.job.episode)
         if not path.exists():
             yield answer.job.folder, False, False, getattr(answer, "reason", "") or str(answer.row.get("error"))  # type: ignore[union-attr]
             continue
         record = read_record(path)
-        words = ["success" if one["succeeded"] else "failure", "success" if succeeded(record) else "failure"]
+        words = ["success" if one["succeeded"] else "failure", "success" if is_success(record) else "failure"]
         yield answer.job.folder, record_digest(record) == one["digest"], words[0] == words[1], f"{words[0]} then, {words[1]} now"
 
 
 def _config(experiment: str, overrides: Sequence[str]) -> dict[str, Any]:
     composed = compose([f"experiment={experiment}", *overrides], hydra=True)
     choices = {k: v for k, v in dict(composed.hydra.runtime.choices).items() if v is not None and not k.startswith("hydra/")}
-    return {**{key: value for key, value in plain(_without_hydra(composed)).items()}, "choices": choices}
+    return {**{key: value for key, value in to_plain(_without_hydra(composed)).items()}, "choices": choices}
 
 
 def _without_hydra(composed: Any) -> Any:

@@ -15,12 +15,12 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 from arena_core.cli.main import main
-from arena_core.config.plugins import _loaded
+from arena_core.config.plugins import _load_manager
 from arena_core.hosting import load_registry
 from arena_core.records import read_record
-from arena_core.runs.code_digest import _code
+from arena_core.runs.code_digest import _digest_code
 from arena_core.runs.compiling import NOTICE
-from arena_core.runs.working import _benchmark, _registry
+from arena_core.runs.working import _cached_benchmark, _load_registry
 
 settings.register_profile("suite", derandomize=True, deadline=None, suppress_health_check=list(HealthCheck))
 settings.load_profile("suite")
@@ -69,10 +69,10 @@ def arena(capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tm
 
 
 def _forget_plugins() -> None:
-    _registry.cache_clear()
-    _loaded.cache_clear()
-    _benchmark.cache_clear()
-    _code.cache_clear()
+    _load_registry.cache_clear()
+    _load_manager.cache_clear()
+    _cached_benchmark.cache_clear()
+    _digest_code.cache_clear()
 
 
 @dataclass(frozen=True)

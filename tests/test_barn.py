@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from arena_core.config.configuration import compose, plain
+from arena_core.config.configuration import compose, to_plain
 from arena_core.hosting import load_registry
 from arena_core.runs.benchmark import build_benchmark
 
@@ -14,7 +14,7 @@ POST = """<model name='post{k}'><static>1</static><pose>{x} {y} 0 0 0 0</pose><l
 
 
 def figures(path, folder, *overrides, episode=0):
-    config = plain(compose(["experiment=barn", f"world.path={path}", "metrics=[barn]", *overrides]))
+    config = to_plain(compose(["experiment=barn", f"world.path={path}", "metrics=[barn]", *overrides]))
     benchmark = build_benchmark(config, load_registry())
     record = benchmark.run(episode, folder)
     return record, {metric.name: metric.compute(record) for metric in benchmark.metrics["barn"]}

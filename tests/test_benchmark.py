@@ -3,7 +3,7 @@ import copy
 import pytest
 
 from arena_core import ConfigurationError
-from arena_core.config.configuration import compose, plain
+from arena_core.config.configuration import compose, to_plain
 from arena_core.hosting import load_registry
 from arena_core.runs.benchmark import build_benchmark, config_hash
 
@@ -12,7 +12,7 @@ WORDS = ("planner=pure_pursuit", "world=empty", "localizer=ground_truth")
 
 @pytest.fixture(scope="module")
 def config():
-    return plain(compose(WORDS))
+    return to_plain(compose(WORDS))
 
 
 def changed(config, key, value):
@@ -71,12 +71,12 @@ def test_a_part_without_keys_is_named(config, key, value):
 
 
 def test_metric_packs_come_with_the_bare_one_first():
-    both = plain(compose([*WORDS, "metrics=[paper_legacy,si]"]))
+    both = to_plain(compose([*WORDS, "metrics=[paper_legacy,si]"]))
     assert list(build_benchmark(both, load_registry()).metrics) == ["", "paper_legacy"]
 
 
 def test_a_run_without_metrics_is_possible():
-    assert build_benchmark(plain(compose([*WORDS, "metrics=[]"])), load_registry()).metrics == {}
+    assert build_benchmark(to_plain(compose([*WORDS, "metrics=[]"])), load_registry()).metrics == {}
 
 
 def test_a_composed_configuration_can_be_built_as_it_is(config):

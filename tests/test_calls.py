@@ -10,7 +10,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from arena_core.config.configuration import compose, plain
+from arena_core.config.configuration import compose, to_plain
 from arena_core.config.registry import load_registry
 from arena_core.runs.benchmark import build_benchmark
 from arena_core.runs.profiling import own_folders
@@ -44,7 +44,7 @@ class Counting:
 def count(planner, time_limit, folder):
     """Run the first episode, warm, and return its steps, calls and kernels."""
     words = [*WORDS, f"planner={planner}", f"task.time_limit={time_limit}"]
-    benchmark = build_benchmark(plain(compose(words)), load_registry())
+    benchmark = build_benchmark(to_plain(compose(words)), load_registry())
     benchmark.run(0, folder)
     counting, before = Counting(), sys.getprofile()
     sys.setprofile(counting)

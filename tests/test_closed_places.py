@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arena_core import ConfigurationError, NoPath, Pose
-from arena_core.hosting import compose, load_registry, plain
+from arena_core.hosting import compose, load_registry, to_plain
 from arena_core.loop.closed_places import ClosedPlaces
 from arena_core.loop.guide import ReplanRules
 from arena_core.runs.benchmark import build_benchmark, passage_margin
@@ -176,7 +176,7 @@ def test_no_way_at_all_is_still_no_way():
 
 def composed(preset, *words, robot="jackal"):
     quick = ["world=empty", "pedestrians=none", "localizer=ground_truth"]
-    return plain(compose([f"planner={preset}", f"robot={robot}", *quick, *words]))
+    return to_plain(compose([f"planner={preset}", f"robot={robot}", *quick, *words]))
 
 
 @pytest.mark.parametrize(

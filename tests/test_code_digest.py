@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 
 from arena_core import __version__
-from arena_core.config.configuration import compose, plain
+from arena_core.config.configuration import compose, to_plain
 from arena_core.hosting import load_registry
 from arena_core.records import read_record
-from arena_core.runs.code_digest import _code, code_of
+from arena_core.runs.code_digest import _digest_code, digest_code
 
 QUICK = (
     *("robot=jackal", "world=empty", "world.width=8", "world.height=8", "task.pedestrians=0", "localizer=ground_truth"),
@@ -40,8 +40,8 @@ SLOW = ("planner=creeper", "task.time_limit=2", *QUICK)
 
 
 def digest(*overrides):
-    _code.cache_clear()
-    return code_of(plain(compose([*overrides])), load_registry())
+    _digest_code.cache_clear()
+    return digest_code(to_plain(compose([*overrides])), load_registry())
 
 
 @pytest.fixture

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from arena_core.hosting import Job, compose, plain
+from arena_core.hosting import Job, compose, to_plain
 from arena_core.runs.compiling import NOTICE, Turns, parts_of
-from arena_core.runs.working import rehearse
+from arena_core.runs.working import compile_job
 
 CONFIG = {
     "planner": {"name": "switch", "members": [], "first": {"name": "dwa"}},
@@ -128,8 +128,8 @@ def test_a_rehearsal_asks_planners_that_compile_and_what_they_do_is_their_own_af
     monkeypatch.chdir(tmp_path)
     conf = {f"planner/{name}": f"name: {name}\n" for name in ("silent", "compiling")}
     third_party.package("rehearsed", REHEARSED, conf)
-    config = plain(compose([f"planner={planner}", "robot=jackal", "world=empty"]))
-    rehearse(Job({**config, "choices": {}, "code": ""}, str(tmp_path), 0))
+    config = to_plain(compose([f"planner={planner}", "robot=jackal", "world=empty"]))
+    compile_job(Job({**config, "choices": {}, "code": ""}, str(tmp_path), 0))
     assert (Path("asked").read_text().splitlines() if asked else []) == asked
     assert Path("asked").exists() == bool(asked)
     assert not (tmp_path / "records").exists()

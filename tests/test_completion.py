@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from arena_core.cli.completion import SHELLS, candidates
+from arena_core.cli.completion import SHELLS, next_words
 
 HEAVY = ("numba", "torch", "casadi", "pandas", "matplotlib", "scipy", "shapely", "hydra", "omegaconf")
 START = {"bash": ("bash", "--norc", "--noprofile", "-i"), "zsh": ("zsh", "-f", "-i")}
@@ -57,7 +57,7 @@ QUIET = {
 )
 def test_the_last_word_is_completed(line, found, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert candidates(line.split(" ")) == found
+    assert next_words(line.split(" ")) == found
 
 
 def test_a_package_and_a_folder_of_ones_own_are_completed_too(third_party, tmp_path, monkeypatch):
@@ -65,9 +65,9 @@ def test_a_package_and_a_folder_of_ones_own_are_completed_too(third_party, tmp_p
     (tmp_path / "conf" / "robot").mkdir(parents=True)
     (tmp_path / "conf" / "robot" / "my_own.yaml").write_text("defaults: [jackal, _self_]\n")
     monkeypatch.chdir(tmp_path)
-    assert candidates(["run", "planner=calm", "planner."]) == ["planner.patience="]
-    assert candidates(["run", "robot=my"]) == ["robot=my_own"]
-    assert "robot.lidar." in candidates(["run", "robot=my_own", "robot."])
+    assert next_words(["run", "planner=calm", "planner."]) == ["planner.patience="]
+    assert next_words(["run", "robot=my"]) == ["robot=my_own"]
+    assert "robot.lidar." in next_words(["run", "robot=my_own", "robot."])
 
 
 CALM = """
@@ -84,8 +84,8 @@ CALM = """
 
 
 def test_completing_loads_no_heavy_library(tmp_path):
-    code = f"""import sys; from arena_core.cli.completion import candidates
-candidates(["run", "planner=teb", "planner.l"]); print([m for m in {HEAVY} if m in sys.modules])"""
+    code = f"""import sys; from arena_core.cli.completion import next_words
+next_words(["run", "planner=teb", "planner.l"]); print([m for m in {HEAVY} if m in sys.modules])"""
     answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True, cwd=tmp_path)
     assert answer.stdout == "[]\n"
 

@@ -3,7 +3,7 @@ from hydra import initialize
 from hydra.core.global_hydra import GlobalHydra
 
 from arena_core import ConfigurationError
-from arena_core.config.configuration import compose, conf_directory, option_files, plain, search_path
+from arena_core.config.configuration import compose, conf_directory, option_files, search_path, to_plain
 from arena_core.config.plugins import load_plugins
 from arena_core.config.registry import load_registry
 from arena_core.hosting import DuplicateComponent
@@ -44,7 +44,7 @@ SLOW = """
 
 
 def component(*overrides):
-    return plain(compose(overrides, config_name="component"))
+    return to_plain(compose(overrides, config_name="component"))
 
 
 def test_composing_inside_a_hydra_application_leaves_that_application_alone():
@@ -80,7 +80,7 @@ def test_composing_leaves_nothing_behind_outside_one_and_after_an_error():
 )
 def test_a_wrong_override_is_one_line_that_says_what_is_possible(override, message):
     with pytest.raises(ConfigurationError, match=f"^{message}") as caught:
-        plain(compose([override]))
+        to_plain(compose([override]))
     assert "\n" not in str(caught.value)
 
 
@@ -92,16 +92,16 @@ def test_a_missing_value_is_one_line_that_names_the_key(third_party):
 
 
 def test_no_experiment_is_chosen_by_default():
-    assert "experiment" not in plain(compose())
+    assert "experiment" not in to_plain(compose())
 
 
 def test_an_experiment_overrides_components_and_their_numbers(tuned):
-    config = plain(compose(["experiment=slow"]))
+    config = to_plain(compose(["experiment=slow"]))
     assert (config["planner"], config["robot"]["name"]) == ({"name": "tuned", "speed": 0.1}, "jackal")
 
 
 def test_the_command_line_overrides_the_experiment(tuned):
-    assert plain(compose(["experiment=slow", "planner.speed=0.7"]))["planner"]["speed"] == 0.7
+    assert to_plain(compose(["experiment=slow", "planner.speed=0.7"]))["planner"]["speed"] == 0.7
 
 
 def test_a_planner_is_tuned_by_the_name_of_the_robot(tuned):
@@ -202,7 +202,7 @@ def test_a_key_that_lies_deeper_is_suggested(words, said):
 
 
 def test_a_key_of_a_file_that_lies_deeper_is_suggested():
-    registry, node = load_registry(), plain(compose(["robot=jackal"]))["robot"]
+    registry, node = load_registry(), to_plain(compose(["robot=jackal"]))["robot"]
     with pytest.raises(ConfigurationError, match=r"robot has no parameter vx_max; did you mean limits\.vx_max\? \(allowed: "):
         registry.build("robot", {**node, "vx_max": 1.0})
     with pytest.raises(ConfigurationError, match=r"robot\.limits has no parameter vx_mx; did you mean vx_max\? \(allowed: "):

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from arena_core import ConfigurationError, Planner, Robot
-from arena_core.config.binding import build, convert, parameters
+from arena_core.config.binding import build_component, convert_value, parameter_types
 from arena_core.parameters import Bounds, Positive, PositiveInt
 from arena_core.testing import robot
 
@@ -18,7 +18,7 @@ def nothing_nested(annotation, value, key, context):
 
 
 def converted(value, annotation):
-    return convert(value, annotation, "planner.x", {}, nothing_nested)
+    return convert_value(value, annotation, "planner.x", {}, nothing_nested)
 
 
 @dataclass(frozen=True)
@@ -125,7 +125,7 @@ def test_whatever_comes_is_either_a_positive_number_or_refused(value):
 
 def test_building_passes_the_context_that_the_constructor_names():
     body = robot()
-    thing = build(Thing, NODE, "planner", {"robot": body, "world": "not asked for"}, nothing_nested)
+    thing = build_component(Thing, NODE, "planner", {"robot": body, "world": "not asked for"}, nothing_nested)
     assert thing.given == (body, 0.5, 20, Weights(32.0, 20.0))
 
 
@@ -133,7 +133,7 @@ def test_a_function_is_a_factory_too_and_may_ask_for_the_name():
     def make(name: str, size: Positive) -> tuple[str, float]:
         return name, size
 
-    assert build(make, {"name": "big", "size": 2}, "world", {}, nothing_nested) == ("big", 2.0)
+    assert build_component(make, {"name": "big", "size": 2}, "world", {}, nothing_nested) == ("big", 2.0)
 
 
 @pytest.mark.parametrize(
@@ -148,12 +148,12 @@ def test_a_function_is_a_factory_too_and_may_ask_for_the_name():
 )
 def test_an_unknown_or_impossible_key_of_a_component_is_named(change, message):
     with pytest.raises(ConfigurationError, match=f"^{message}"):
-        build(Thing, NODE | change, "planner", {"robot": robot()}, nothing_nested)
+        build_component(Thing, NODE | change, "planner", {"robot": robot()}, nothing_nested)
 
 
 def test_a_missing_key_is_named():
     with pytest.raises(ConfigurationError, match=r"^planner lacks speed, samples$"):
-        build(Thing, {"weights": NODE["weights"]}, "planner", {"robot": robot()}, nothing_nested)
+        build_component(Thing, {"weights": NODE["weights"]}, "planner", {"robot": robot()}, nothing_nested)
 
 
 def test_what_has_a_default_may_be_left_out():
@@ -162,10 +162,10 @@ def test_what_has_a_default_may_be_left_out():
             self.values = speed, turn
 
     given = {"robot": robot()}
-    assert build(Old, {"name": "old", "speed": 1.0}, "planner", given, nothing_nested).values == (1.0, 2.0)
-    assert build(Old, {"name": "old", "speed": 1.0, "turn": 3}, "planner", given, nothing_nested).values == (1.0, 3.0)
+    assert build_component(Old, {"name": "old", "speed": 1.0}, "planner", given, nothing_nested).values == (1.0, 2.0)
+    assert build_component(Old, {"name": "old", "speed": 1.0, "turn": 3}, "planner", given, nothing_nested).values == (1.0, 3.0)
     with pytest.raises(ConfigurationError, match=r"^planner lacks speed$"):
-        build(Old, {"turn": 3.0}, "planner", given, nothing_nested)
+        build_component(Old, {"turn": 3.0}, "planner", given, nothing_nested)
 
 
 def test_a_component_without_parameters_says_so():
@@ -173,9 +173,9 @@ def test_a_component_without_parameters_says_so():
         pass
 
     with pytest.raises(ConfigurationError, match=r"has no parameter size \(allowed: none\)"):
-        build(Plain, {"size": 1}, "tracker", {}, nothing_nested)
+        build_component(Plain, {"size": 1}, "tracker", {}, nothing_nested)
 
 
 def test_parameters_keep_their_bounds():
-    assert parameters(Thing)["samples"] == PositiveInt
-    assert list(parameters(Thing)) == ["robot", "speed", "samples", "weights"]
+    assert parameter_types(Thing)["samples"] == PositiveInt
+    assert list(parameter_types(Thing)) == ["robot", "speed", "samples", "weights"]

@@ -170,7 +170,7 @@ class Shell:
         with pytest.MonkeyPatch.context() as patch:
             if absent:
                 patch.setenv("ARENA_DISABLED_PLUGINS", f"{absent[1]},aio")  # AIO's presets are made of other planners
-                patch.setattr("arena_core.base.suite._state", lambda distribution: "not installed")
+                patch.setattr("arena_core.base.suite._install_state", lambda distribution: "not installed")
             answer = self.arena(*shlex.split(line)[1:], "hydra.run.dir=run")
         assert answer.status == 2
         assert answer.line.partition("(possible")[0] == after.partition("(possible")[0]
@@ -221,16 +221,15 @@ class Shell:
         subprocess.run(["make", "--dry-run", *words], cwd=TOP, check=True, capture_output=True)
 
     def pip(self, words):
-        """Nothing is on an index yet: what is installed are folders, with all that they need of the suite."""
+        """Nothing is on an index yet: what is installed is a checkout, or arena-suite from the wheels of one, with extras that it has."""
         assert words[0] == "install"
         if words[1] == "-e":
             self.install(Path(words[2]))
             return
-        folders = {re.sub(r"\[\w+\]$", "", word) for word in words[1:]}
-        assert all((TOP / folder / "pyproject.toml").is_file() for folder in folders), words
-        there = {project(folder)["name"] for folder in folders | set(BASE)}
-        needed = {re.match(r"[\w-]+", line)[0] for folder in folders for line in project(folder)["dependencies"]}
-        assert {name for name in needed if name.startswith("arena-")} <= there, words
+        name, extras = re.fullmatch(r"([a-z-]+)(?:\[([a-z,-]+)\])?", words[-1]).groups()
+        assert words[1:-1] == ["--find-links", "dist"]
+        assert name == "arena-suite"
+        assert set(extras.split(",") if extras else ()) <= set(SUITE["optional-dependencies"])
 
     def install(self, folder):
         """Make a package that ``arena new`` wrote look installed."""
@@ -260,8 +259,7 @@ def project(folder):
     return tomllib.loads((TOP / folder / "pyproject.toml").read_text())["project"]
 
 
-# what README installs first, which other packages stand on
-BASE = next(shlex.split(line)[2:] for block in BLOCKS if block.page == "README.md" for line, _ in block.commands if line.startswith("pip "))
+SUITE = project("plugins/arena-suite")
 
 
 @pytest.mark.parametrize("block", BLOCKS, ids=lambda block: block.name)
@@ -274,11 +272,9 @@ def test_there_are_commands():
     assert len([line for block in BLOCKS for line, _ in block.commands]) > 150
 
 
-def test_what_is_installed_first_runs_the_first_planner():
-    """The list of README is complete: every package's needs are in it."""
-    needed = {re.match(r"[\w-]+", line)[0] for folder in BASE for line in project(folder)["dependencies"]}
-    assert {name for name in needed if name.startswith("arena-")} <= {project(folder)["name"] for folder in BASE}
-    assert "plugins/arena-dwa" in BASE
+def test_what_is_installed_first_is_the_suite_with_the_first_planner():
+    first = next(line for block in BLOCKS if block.page == "README.md" for line, _ in block.commands if line.startswith("pip "))
+    assert shlex.split(first) == ["pip", "install", "--find-links", "dist", "arena-suite[dwa]"]
 
 
 def named():

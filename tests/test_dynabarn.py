@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arena_core.config.configuration import compose, plain
+from arena_core.config.configuration import compose, to_plain
 from arena_core.hosting import load_registry
 from arena_core.runs.benchmark import build_benchmark
 
@@ -19,7 +19,7 @@ POST = """<sdf version='1.6'><world name='default'><model name='post'><static>1<
 
 
 def benchmark(*overrides):
-    return build_benchmark(plain(compose([*overrides])), load_registry())
+    return build_benchmark(to_plain(compose([*overrides])), load_registry())
 
 
 def driven(folder: Path, *overrides, episode=0):

@@ -18,7 +18,7 @@ from arena_core.runs.compiling import MANY
 from arena_core.runs.executors import ProcessExecutor, SerialExecutor
 from arena_core.runs.workers import Task, Worker
 from arena_core.testing import check, robot
-from arena_core.testing.checks import echo
+from arena_core.testing.checks import echo_job
 
 JOBS = [Job({}, "", episode) for episode in range(5)]
 BUDGETS = ("first_command", "command", "episode", "memory")
@@ -29,12 +29,12 @@ def processes(workers=2, budgets=GENEROUS):
     return ProcessExecutor(workers, budgets)
 
 
-def rows(executor, work=echo, jobs=JOBS):
+def rows(executor, work=echo_job, jobs=JOBS):
     with closing(executor):
         return list(executor.map(work, jobs))
 
 
-def numbers(executor, work=echo, jobs=JOBS):
+def numbers(executor, work=echo_job, jobs=JOBS):
     return [row["episode"] for row in rows(executor, work, jobs)]
 
 
@@ -310,10 +310,10 @@ def test_a_warm_worker_has_no_longer_for_its_first_command_than_for_any_other(be
 
 @pytest.mark.parametrize(("first", "command", "limit"), [(3.0, 5.0, 3.0), (None, 5.0, 5.0), (3.0, None, 3.0), (None, None, None)])
 def test_the_lesser_budget_holds_in_a_warm_worker(first, command, limit):
-    assert Watch(Budgets(first, command, None, None))._limit(False) is None, "it has not begun"
+    assert Watch(Budgets(first, command, None, None))._time_limit(False) is None, "it has not begun"
     watch = Watch(Budgets(first, command, None, None))
     watch.look(1, 0.0, 0, True)
-    assert watch._limit(True) == limit
+    assert watch._time_limit(True) == limit
 
 
 def test_a_planner_that_hangs_in_its_first_command_costs_a_warm_worker_a_command(working):
@@ -356,13 +356,13 @@ def test_workers_end_when_their_parent_has_gone_whatever_they_are_at(working, th
     assert all(gone(pid) for pid in pids)
 
 
-@pytest.mark.parametrize("work", [echo, time.sleep], ids=["answers", "raises"])
+@pytest.mark.parametrize("work", [echo_job, time.sleep], ids=["answers", "raises"])
 def test_what_comes_of_a_rehearsal_is_nobodys_row(work):
     with closing(processes(1)) as executor:
         worker = Worker()
         executor.supervisor._staff.append(worker)
         assert worker.begin(work, Task(JOBS[0], 1, Watch(GENEROUS), rehearsal=True))
         while worker.task:
-            assert list(executor.supervisor._look(worker, 0.0)) == []
+            assert list(executor.supervisor._check_worker(worker, 0.0)) == []
             time.sleep(0.02)
         assert not executor.supervisor.unfinished

@@ -18,7 +18,7 @@ from arena_core.base.files import check_inside
 from arena_core.files import (
     LIMITS,
     csv_text,
-    harmless,
+    escape_formula,
     is_file,
     read_array,
     read_arrays,
@@ -31,7 +31,7 @@ from arena_core.files import (
 from arena_core.loop.half_written import keep_room
 from arena_core.loop.record_files import write_record
 from arena_core.records import read_grid, read_record
-from arena_core.runs.rows import evaluate
+from arena_core.runs.rows import evaluate_record
 from arena_core.testing import record
 
 WRITERS = re.compile(r"csv\.writer\(|DictWriter\(|\.to_csv\(")
@@ -124,12 +124,12 @@ def test_a_table_with_a_row_of_another_length_is_refused(tmp_path):
 
 @pytest.mark.parametrize("text", ["=1+1", "@SUM(A1)", "+cmd|' /C calc'!A0", "-2+3+cmd|' /C calc'!A0", "\t=1", "\r=1"])
 def test_a_text_that_a_spreadsheet_would_run_begins_with_an_apostrophe(text):
-    assert harmless(text) == f"'{text}"
+    assert escape_formula(text) == f"'{text}"
 
 
 @pytest.mark.parametrize("value", ["-1.5", "-0.2 (-0.4 – 0.1)", "+3", "-inf", "goal_reached", "", 3, -1.5, None])
 def test_figures_and_plain_texts_stay_as_they_are(value):
-    assert harmless(value) == value
+    assert escape_formula(value) == value
 
 
 @pytest.mark.parametrize("text", ["a\r=1+1", "a\n=1+1", "\r", "a\x85b", "a\u2028=1", "a\0b", 'a"\r\n,b', "\uff1d1+1", "a\x1b[31m"])
@@ -291,7 +291,7 @@ def test_a_record_with_numbers_far_off_is_refused_before_anything_is_computed_of
     write_record(tmp_path, 0, changed)
     assert fault in refused(read_record, tmp_path / "records" / "0000.npz")
     with pytest.raises(InputFileError, match="numbers that are too far off"):
-        evaluate(changed, {})
+        evaluate_record(changed, {})
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,16 @@ from shapely import Polygon, unary_union
 from arena_core import ConfigurationError, OccupancyGrid, Pose, World
 from arena_core.files import option_files
 from arena_core.hosting import load_registry
-from arena_core.scenes import FurnitureKind, furnished, furniture_kind, furniture_of, furniture_scene, furniture_shapes, outlines, scene_of
+from arena_core.scenes import (
+    FurnitureKind,
+    add_furniture,
+    furniture_kind,
+    furniture_of,
+    furniture_outlines,
+    furniture_scene,
+    furniture_shapes,
+    scene_of,
+)
 from arena_core.testing import furniture, room
 from arena_core.values.furniture import furniture_meta
 
@@ -24,20 +33,20 @@ def area(shapes):
 @pytest.mark.parametrize("kind", KINDS)
 def test_lidars_see_legs_where_bodies_meet_tops(kind):
     piece = furniture(kind, 1.0, 2.0, 0.3)
-    slices = [area(outlines([piece], height, height)) for height in LIDARS]
+    slices = [area(furniture_outlines([piece], height, height)) for height in LIDARS]
     assert slices[0] > 0.0
     assert slices == pytest.approx([slices[0]] * len(LIDARS), abs=1e-12)  # both simulators see the same
-    assert area(outlines([piece], 0.0, 2.0)) > 10.0 * slices[0]
+    assert area(furniture_outlines([piece], 0.0, 2.0)) > 10.0 * slices[0]
 
 
 def test_low_robot_meets_the_legs_of_a_table_and_a_high_one_its_top():
     table = furniture("table", 0.0, 0.0)
-    assert len(outlines([table], 0.0, 0.3)) == 4
-    assert area(outlines([table], 0.0, 0.8)) > 1.28
+    assert len(furniture_outlines([table], 0.0, 0.3)) == 4
+    assert area(furniture_outlines([table], 0.0, 0.8)) > 1.28
 
 
 def test_outlines_are_turned_and_moved_with_the_piece():
-    top = outlines([furniture("table", 1.0, 2.0, 0.5 * np.pi)], 0.72, 0.72)[0].vertices_xy
+    top = furniture_outlines([furniture("table", 1.0, 2.0, 0.5 * np.pi)], 0.72, 0.72)[0].vertices_xy
     assert top.min(axis=0) == pytest.approx((0.6, 1.2))
     assert top.max(axis=0) == pytest.approx((1.4, 2.8))
 
@@ -56,11 +65,11 @@ def test_scene_has_the_solids_in_the_frame_of_the_map():
 
 def test_nobody_stands_where_furniture_is():
     world = World("room", room(), furniture=(furniture("table", 1.0, 0.0),))
-    standing = furnished(world)
+    standing = add_furniture(world)
     assert standing.occupied[tuple(standing.cells((1.0, 0.0)))]
     assert not world.grid.occupied[tuple(world.grid.cells((1.0, 0.0)))]
-    assert furnished(world) is standing
-    assert furnished(World("room", world.grid)) is world.grid
+    assert add_furniture(world) is standing
+    assert add_furniture(World("room", world.grid)) is world.grid
 
 
 def test_record_gives_furniture_back():

@@ -68,6 +68,6 @@ def test_what_is_kept_is_said_as_the_interrupt_tells_it(monkeypatch, capsys, not
             error.add_note(note)
         raise error
 
-    monkeypatch.setattr(main, "_dispatch", interrupted)
+    monkeypatch.setattr(main, "_run_command", interrupted)
     assert main.main(["train"]) == 130
     assert capsys.readouterr().err == said

@@ -12,7 +12,7 @@ import psutil
 import pytest
 
 from arena_core.base.errors import RunFolderError
-from arena_core.base.folders import KEPT, locked
+from arena_core.base.folders import KEPT, lock_folder
 from arena_core.loop.half_written import keep_room, remove_half_written
 
 pytestmark = pytest.mark.slow
@@ -171,12 +171,12 @@ def test_two_runs_of_a_sweep_cannot_share_a_folder(misbehaving):
 
 
 def test_a_locked_folder_is_free_again_afterwards(tmp_path):
-    with locked(tmp_path / "new"):
-        with pytest.raises(RunFolderError, match="another run is under way there"), locked(tmp_path / "new"):
+    with lock_folder(tmp_path / "new"):
+        with pytest.raises(RunFolderError, match="another run is under way there"), lock_folder(tmp_path / "new"):
             pass
         assert (tmp_path / "new" / ".lock").exists()
     assert not (tmp_path / "new").exists()
-    with locked(tmp_path):
+    with lock_folder(tmp_path):
         pass
     assert list(tmp_path.iterdir()) == []
 
@@ -194,6 +194,6 @@ def test_a_folder_that_cannot_be_locked_is_named(tmp_path):
     (tmp_path / "file").write_text("")
     with (
         pytest.raises(RunFolderError, match=r"cannot use the run's folder .*file/run: " + os.strerror(errno.ENOTDIR)),
-        locked(tmp_path / "file/run"),
+        lock_folder(tmp_path / "file/run"),
     ):
         pass

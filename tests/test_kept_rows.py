@@ -6,7 +6,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from arena_core.config.configuration import compose, plain
+from arena_core.config.configuration import compose, to_plain
 from arena_core.hosting import load_registry
 from arena_core.runs.benchmark import build_metrics
 from arena_core.runs.kept_rows import KeptRow
@@ -25,7 +25,7 @@ def row(episode, packs):
 
 @pytest.fixture(scope="module")
 def packs():
-    return build_metrics(plain(compose(["planner=pure_pursuit", "robot=jackal"])), load_registry())
+    return build_metrics(to_plain(compose(["planner=pure_pursuit", "robot=jackal"])), load_registry())
 
 
 def test_a_kept_row_is_the_row_bit_for_bit(packs):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from arena_core import Pose, Simulator, Twist
-from arena_core.config.configuration import compose, plain
+from arena_core.config.configuration import compose, to_plain
 from arena_core.config.registry import load_registry
 from arena_core.loop.record_arrays import CONTACT_KINDS
 from arena_core.runs.benchmark import build_benchmark
@@ -36,7 +36,7 @@ class Poisoned(Simulator):
 
 def benchmark(*overrides):
     words = ["robot=jackal", "world=warehouse", "task.pedestrians=5", "episodes=1", *overrides]
-    return build_benchmark(plain(compose(words)), load_registry())
+    return build_benchmark(to_plain(compose(words)), load_registry())
 
 
 @pytest.mark.parametrize("planner", ["dwa", "pure_pursuit"])

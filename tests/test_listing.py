@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 from arena_core import InputFileError
-from arena_core.config.plugins import _distributions
+from arena_core.config.plugins import _read_distributions
 from arena_core.config.presets import read_preset
 
 PLUGIN = """
@@ -143,7 +143,7 @@ def test_metadata_of_each_distribution_is_read_once(arena, monkeypatch):
         return read_text(distribution, name)
 
     monkeypatch.setattr(PathDistribution, "read_text", counted)
-    _distributions.cache_clear()
+    _read_distributions.cache_clear()
     assert arena("list").status == 0
     assert len(read) > 10
     assert max(read.values()) == 1

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from arena_core import Contact, Crowd, Pose, Scenario, Simulator, Snapshot
 from arena_core.hosting import CommandQueue, EpisodeLoop
-from arena_core.loop.episode_loop import joined
+from arena_core.loop.episode_loop import join_snapshots
 from arena_core.testing import robot, scan, scenario
 
 TOUCH = Contact(1.0, "wall", -1, 0.5, True, 0.0, 0.0)
@@ -121,8 +121,8 @@ def test_joining_keeps_the_last_instant_all_contacts_and_the_whole_time_in_conta
     simulator = Glide(((TOUCH,), ()))
     simulator.reset([scenario()] * 2)
     snapshots = [simulator.advance(np.ones((2, 3)), n) for n in (2, 3)]
-    whole = joined(snapshots)
+    whole = join_snapshots(snapshots)
     assert whole.poses.tolist() == snapshots[1].poses.tolist()
     assert whole.contacts == ((TOUCH, TOUCH), ())
     assert whole.contact_times == pytest.approx([0.05, 0.05])
-    assert joined(snapshots[:1]) is snapshots[0]
+    assert join_snapshots(snapshots[:1]) is snapshots[0]

@@ -5,7 +5,7 @@ import os
 
 import pytest
 
-from arena_core.runs.messages import LENGTH, LONGEST, Inbox, new_mark, send
+from arena_core.runs.messages import LENGTH, LONGEST, Inbox, new_mark, send_message
 
 
 @pytest.fixture
@@ -19,7 +19,7 @@ def ends():
 def test_values_arrive_in_order(ends):
     inbox, theirs, mark = ends
     for value in ("a", {"row": [1.5] * 1000}, b""):
-        send(theirs, mark, value)
+        send_message(theirs, mark, value)
     assert [inbox.take() for _ in range(4)] == ["a", {"row": [1.5] * 1000}, b"", None]
 
 
@@ -28,7 +28,7 @@ def test_what_is_no_message_is_skipped(ends, junk):
     inbox, theirs, mark = ends
     os.write(theirs.fileno(), junk + mark[:7])
     assert inbox.take() is None
-    send(theirs, mark, "answer")
+    send_message(theirs, mark, "answer")
     assert inbox.take() == "answer"
 
 

@@ -161,7 +161,7 @@ def test_what_goes_wrong_in_the_rehearsal_is_reported_in_the_episode():
 
 def test_local_map_and_tracker_count_apart_also_where_the_planner_asks_for_them(monkeypatch):
     time = [0.0]
-    monkeypatch.setattr(stopwatch, "_now", lambda: stopwatch.Duration(time[0], 3.0 * time[0]))
+    monkeypatch.setattr(stopwatch, "_current_time", lambda: stopwatch.Duration(time[0], 3.0 * time[0]))
 
     def lasting(seconds, answer):
         time[0] += seconds

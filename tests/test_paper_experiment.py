@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from arena_core.hosting import compose, plain
+from arena_core.hosting import compose, to_plain
 
 EXPERIMENTS = {
     "paper": (7, 3, 3, 2),
@@ -21,7 +21,7 @@ def composed(experiment):
 
 
 def settings(experiment):
-    return plain(compose([f"experiment={experiment}"]))
+    return to_plain(compose([f"experiment={experiment}"]))
 
 
 @pytest.mark.parametrize("experiment", EXPERIMENTS)

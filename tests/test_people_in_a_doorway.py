@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arena_core.config.configuration import compose, plain
+from arena_core.config.configuration import compose, to_plain
 from arena_core.config.registry import load_registry
 from arena_core.runs.benchmark import build_benchmark
 
@@ -18,7 +18,7 @@ FITS = {"turtlebot3": 4, "jackal": 4, "robotino": 2}  # the scenes from the firs
 @pytest.mark.parametrize("tracker", ["kalman", "none"])
 @pytest.mark.parametrize("robot", FITS)
 def test_teb_goes_through_the_gap_that_two_people_leave(robot, tracker, tmp_path):
-    benchmark = build_benchmark(plain(compose(["planner=teb", f"robot={robot}", f"tracker={tracker}", *ROOM])), load_registry())
+    benchmark = build_benchmark(to_plain(compose(["planner=teb", f"robot={robot}", f"tracker={tracker}", *ROOM])), load_registry())
     for episode in range(FITS[robot]):
         record = benchmark.run(episode, tmp_path)
         name = record.meta["columns"]["scenario"]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from arena_core import LETHAL, ConfigurationError, Costmap, NoValidCommand, Path, Pose, Tracks
-from arena_core.loop.navigator import checked
+from arena_core.loop.navigator import check_command
 from arena_core.testing import component, free_costmap, observation, planner, robot
 from tests.conftest import of_the_suite
 
@@ -83,4 +83,4 @@ def built(request):
 def test_bad_input_is_answered_with_a_finite_command_or_refused(built, view):
     asked, body = built
     with suppress(NoValidCommand):
-        checked(asked.compute_velocity(VIEWS[view](body)), asked)
+        check_command(asked.compute_velocity(VIEWS[view](body)), asked)

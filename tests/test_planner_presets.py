@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from arena_core import ConfigurationError
-from arena_core.cli.listing import presets
+from arena_core.cli.listing import preset_files
 from arena_core.hosting import load_registry
 from arena_core.testing import check, component
 from tests.conftest import of_the_suite
@@ -25,8 +25,8 @@ def body(name):
 def cases():
     """Yield every pair of preset and robot."""
     registry = load_registry()
-    for preset in sorted({*presets(registry, "planner")} - {*OUTSIDE}):
-        for robot in presets(registry, "robot"):
+    for preset in sorted({*preset_files(registry, "planner")} - {*OUTSIDE}):
+        for robot in preset_files(registry, "robot"):
             yield pytest.param(preset, robot, id=f"{preset}-{robot}")
 
 
@@ -42,7 +42,7 @@ def test_preset_keeps_the_contract_or_names_what_it_can_drive(preset, robot):
     else:
         _, _, allowed = refusal.partition("allowed:")
         drivable = set(re.findall(r"\w+", allowed))
-        assert drivable & {*KINEMATICS, *presets(load_registry(), "robot")}, refusal
+        assert drivable & {*KINEMATICS, *preset_files(load_registry(), "robot")}, refusal
         assert not drivable & {body(robot).kinematics, robot}, refusal
 
 

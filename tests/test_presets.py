@@ -11,7 +11,7 @@ import pytest
 import yaml
 
 from arena_core.files import option_files
-from arena_core.hosting import compose, load_registry, plain
+from arena_core.hosting import compose, load_registry, to_plain
 
 GROUPS = (
     "planner", "robot", "world", "pedestrians", "task", "localizer", "global_planner", "waypoints", "local_map", "tracker", "reward",
@@ -92,7 +92,7 @@ def test_presets_of_one_component_derive_from_one_another(options):
 def composed(option: str) -> Any:
     group, _, name = option.partition("/")
     chosen = f"{group}=[{name}]" if group == "metrics" else f"{group}={name}"
-    return plain(compose([chosen], "component"))[group]
+    return to_plain(compose([chosen], "component"))[group]
 
 
 def test_every_published_preset_has_its_digest(options):

@@ -6,14 +6,14 @@ from arena_core.cli.main import main
 from arena_core.config.configuration import compose
 from arena_core.hosting import load_registry
 from arena_core.runs.benchmark import build_benchmark
-from arena_core.runs.profiling import METRICS, TASK, Clock, profile
+from arena_core.runs.profiling import METRICS, TASK, Clock, profile_benchmark
 
 SHORT = ["planner=pure_pursuit", "robot=jackal", "world=empty", "task.pedestrians=2", "task.time_limit=3", "localizer=ground_truth"]
 
 
 @pytest.fixture(scope="module")
 def found():
-    return profile(build_benchmark(compose(SHORT), load_registry()), 2)
+    return profile_benchmark(build_benchmark(compose(SHORT), load_registry()), 2)
 
 
 def test_every_part_is_told(found):
@@ -33,7 +33,7 @@ def test_compiled_functions_are_told_from_others_however_they_are_called(found):
 def test_a_watched_benchmark_is_as_it_was(found):
     benchmark = build_benchmark(compose(SHORT), load_registry())
     before = vars(benchmark.simulator).keys() - {"advance", "reset"}
-    profile(benchmark, 1)
+    profile_benchmark(benchmark, 1)
     assert "advance" not in vars(benchmark.simulator)
     assert before <= vars(benchmark.simulator).keys()
 

@@ -56,7 +56,7 @@ def test_time_in_which_kernels_were_compiled_does_not_count_into_the_time_left(c
         for episode in range(1, 9):
             clock.append(clock[-1] + 2.0)
             said.add(finished(episode))
-        assert said._standing() == "9 of 20 episodes, 9 of 9 succeeded, about 22 s left"
+        assert said._status_text() == "9 of 20 episodes, 9 of 9 succeeded, about 22 s left"
     assert capsys.readouterr().err == "arena: 1 of 20 episodes, 1 of 1 succeeded, time left not known yet\n"
 
 

@@ -12,7 +12,7 @@ from hypothesis.extra.numpy import array_shapes, arrays
 
 from arena_core import ABSENT, EpisodeRecord, InputFileError, OccupancyGrid, PedestrianSpec, Pose
 from arena_core.base.whole_files import write_bytes_whole, write_text_whole, write_whole
-from arena_core.config.configuration import compose, plain
+from arena_core.config.configuration import compose, to_plain
 from arena_core.config.registry import load_registry
 from arena_core.hosting import RunFolderError
 from arena_core.loop import grain
@@ -23,7 +23,7 @@ from arena_core.loop.record_places import find_runs
 from arena_core.loop.recording import Recorder
 from arena_core.records import record_digest
 from arena_core.runs.benchmark import build_benchmark
-from arena_core.runs.rows import evaluate, evaluate_file
+from arena_core.runs.rows import evaluate_file, evaluate_record
 from arena_core.testing import record, robot, room, scenario, sensors
 
 
@@ -58,7 +58,7 @@ def test_any_array_and_any_text_survive(tmp_path_factory, floats, text):
 
 @given(arrays(np.float64, (4, 3), elements=st.floats(-100.0, 100.0) | st.sampled_from((np.nan, np.inf, -np.inf))))
 def test_records_are_rounded_to_their_grain_once_and_for_all(values):
-    once = grain.rounded(
+    once = grain.round_arrays(
         {name: values.astype(kind) for name, kind in (("pose", float), ("pedestrian_positions", np.float32), ("x", float))}
     )
     assert np.array_equal(once["x"], values, equal_nan=True)
@@ -68,7 +68,7 @@ def test_records_are_rounded_to_their_grain_once_and_for_all(values):
         assert np.array_equal(array[~finite], values[~finite], equal_nan=True)
     assert np.abs(once["pose"][finite] - values[finite]).max(initial=0.0) <= 2.0**-23
     assert np.abs(once["pedestrian_positions"][finite] - values.astype(np.float32)[finite]).max(initial=0.0) <= 2.0**-13
-    again = grain.rounded(once)
+    again = grain.round_arrays(once)
     assert all(np.array_equal(again[name], once[name], equal_nan=True) for name in once)
 
 
@@ -184,10 +184,10 @@ def test_every_metric_of_the_file_equals_that_of_the_run(tmp_path):
         "task.time_limit=15",
         "metrics=[si,paper_legacy]",
     ]
-    benchmark = build_benchmark(plain(compose(words)), load_registry())
+    benchmark = build_benchmark(to_plain(compose(words)), load_registry())
     driven = benchmark.run(0, tmp_path)
     write_record(tmp_path, 0, driven)
-    of_run, of_file = evaluate(driven, benchmark.metrics), evaluate_file(tmp_path / "records" / "0000.npz", benchmark.metrics)
+    of_run, of_file = evaluate_record(driven, benchmark.metrics), evaluate_file(tmp_path / "records" / "0000.npz", benchmark.metrics)
     assert len(driven["stamp"]) > 30
     assert {name: repr(value) for name, value in of_file.items()} == {name: repr(value) for name, value in of_run.items()}
 

@@ -6,8 +6,8 @@ import pytest
 
 from arena_core import ConfigurationError, Pose
 from arena_core.config.registry import load_registry
-from arena_core.hosting import compose, plain
-from arena_core.loop.recovery import STAND, Recoveries, RecoveryRules, body, touched
+from arena_core.hosting import compose, to_plain
+from arena_core.loop.recovery import STAND, Recoveries, RecoveryRules, count_touched, footprint_points
 from arena_core.runs.benchmark import build_benchmark
 from arena_core.testing import free_costmap, robot
 from arena_core.values.world import LETHAL
@@ -133,13 +133,13 @@ def test_standing_is_braking():
 @pytest.mark.parametrize("shape", ["circle", "polygon"])
 def test_the_body_is_tried_out_to_the_footprints_outline(shape):
     footprint = robot().footprint if shape == "circle" else robot("ackermann").footprint
-    points = body(footprint)
+    points = footprint_points(footprint)
     assert np.hypot(*points.T).max() == pytest.approx(footprint.radius)
-    assert touched(window(), points, HERE) == 0
+    assert count_touched(window(), points, HERE) == 0
 
 
 def composed(*overrides):
-    return plain(compose(["planner=pure_pursuit", "world=empty", "pedestrians=none", "localizer=ground_truth", *overrides]))
+    return to_plain(compose(["planner=pure_pursuit", "world=empty", "pedestrians=none", "localizer=ground_truth", *overrides]))
 
 
 def test_a_planners_own_rules_take_the_place_of_the_runs_key_by_key():

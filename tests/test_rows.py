@@ -7,7 +7,7 @@ import pytest
 from arena_core import Metric
 from arena_core.hosting import RunFolderError
 from arena_core.loop.record_files import write_record
-from arena_core.runs.rows import COLUMNS, evaluate, evaluate_folder, metric_columns, write_episodes
+from arena_core.runs.rows import COLUMNS, evaluate_folder, evaluate_record, metric_columns, write_episodes
 from arena_core.testing import record
 
 STEPS = Metric("steps", "-", "lower", "control steps", lambda r: len(r["stamp"]) - 1)
@@ -29,7 +29,7 @@ def test_columns_of_the_bare_pack_have_its_metrics_names_and_others_are_prefixed
 
 
 def test_a_row_is_what_identifies_the_episode_then_its_figures():
-    values = evaluate(record(steps=31), PACKS)
+    values = evaluate_record(record(steps=31), PACKS)
     assert (values["planner"], values["outcome"], values["error"]) == ("sample", "goal_reached", "")
     assert (values["steps"], values["mine.steps"]) == (30.0, 30.0)
     assert math.isnan(values["nothing"])
@@ -76,7 +76,7 @@ def test_the_records_of_a_folder_are_evaluated_in_order(tmp_path):
 
 def test_a_figure_may_be_a_numpy_number():
     mean = Metric("mean", "m", "lower", "mean x", lambda r: np.float32(r["pose"][:, 0].mean()))
-    assert type(evaluate(record(), {"": [mean]})["mean"]) is float
+    assert type(evaluate_record(record(), {"": [mean]})["mean"]) is float
 
 
 def test_a_table_that_cannot_be_written_is_named(tmp_path):
@@ -88,7 +88,7 @@ def test_a_table_that_cannot_be_written_is_named(tmp_path):
 def test_a_text_and_a_truth_are_values_of_metrics(tmp_path):
     side = Metric("side", "text", "neither", "on which side people were passed", lambda r: "left")
     touched = Metric("touched", "0/1", "lower", "whether anybody was touched", lambda r: bool(r["in_contact"].any()))
-    values = evaluate(record(contact=True), {"mine": [side, touched]})
+    values = evaluate_record(record(contact=True), {"mine": [side, touched]})
     assert (values["mine.side"], values["mine.touched"]) == ("left", 1.0)
     write_episodes(tmp_path, [row(0, **{"mine.side": "=left", "mine.touched": 1.0})], {"mine": [side, touched]})
     assert (read(tmp_path)[0]["mine.side"], read(tmp_path)[0]["mine.touched"]) == ("'=left", "1.0")
@@ -98,4 +98,4 @@ def test_a_text_and_a_truth_are_values_of_metrics(tmp_path):
 def test_a_value_that_the_unit_does_not_allow_is_an_error(unit, value):
     metric = Metric("side", unit, "neither", "which side", lambda r: value)
     with pytest.raises(TypeError, match=f"metric side is {value!r} in unit {unit}; allowed: a text in unit text, else a number"):
-        evaluate(record(), {"mine": [metric]})
+        evaluate_record(record(), {"mine": [metric]})

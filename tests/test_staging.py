@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from arena_core import ConfigurationError
 from arena_core.hosting import Staging
-from arena_core.records import succeeded
+from arena_core.records import is_success
 from arena_core.runs.code_digest import Code
-from arena_core.runs.schedule import OpenRun, rounds
+from arena_core.runs.schedule import OpenRun, job_rounds
 from arena_core.testing import record
 
 CODE = Code("00000000", {})
@@ -82,9 +82,9 @@ def test_a_good_planner_rises_and_a_failing_one_falls_back():
     rule = Staging(levels=3, start=1, block=2, promote=0.85, fall_back=0.6)
     good, bad = run_of(9, rule), run_of(9, rule)
     world = World({(i, k) for i in range(9) for k in range(3)})
-    for jobs in rounds([good]):
+    for jobs in job_rounds([good]):
         World().run(good, jobs)
-    for jobs in rounds([bad]):
+    for jobs in job_rounds([bad]):
         world.run(bad, jobs)
     assert stages(good) == [1, 1, 2, 2, 2, 2, 2, 2, 2]
     assert stages(bad) == [1, 1, 0, 0, 0, 0, 0, 0, 0]
@@ -94,7 +94,7 @@ def test_runs_advance_side_by_side_and_those_without_levels_at_once():
     rule = Staging(levels=3, start=0, block=2, promote=0.85, fall_back=0.6)
     staged, plain = run_of(3, rule), OpenRun({"episodes": 3}, Path("plain"), {}, None, CODE)
     asked = []
-    for jobs in rounds([staged, plain]):
+    for jobs in job_rounds([staged, plain]):
         asked.append([(job.folder, job.episode, job.stage) for job in jobs])
         for run in (staged, plain):
             World().run(run, [job for job in jobs if job.folder == str(run.folder)])
@@ -105,11 +105,11 @@ def test_runs_advance_side_by_side_and_those_without_levels_at_once():
 def test_a_run_that_was_interrupted_anywhere_goes_the_same_way(finished, failing):
     rule, world = Staging(levels=3, start=1, block=4, promote=0.75, fall_back=0.5), World(failing)
     whole, continued = run_of(12, rule), run_of(12, rule)
-    for jobs in rounds([whole]):
+    for jobs in job_rounds([whole]):
         world.run(whole, jobs)
     for i in range(finished):
         continued.rows[i], continued.successes[i] = whole.rows[i], whole.successes[i]
-    for jobs in rounds([continued]):
+    for jobs in job_rounds([continued]):
         assert all(job.episode >= finished for job in jobs)
         world.run(continued, jobs)
     assert continued.rows == whole.rows
@@ -124,9 +124,9 @@ def test_an_episode_of_another_level_is_run_again():
 
 
 def test_a_job_whose_row_never_comes_is_not_asked_for_again():
-    assert len(list(rounds([run_of(3, None), run_of(3, RULE)]))) == 1
+    assert len(list(job_rounds([run_of(3, None), run_of(3, RULE)]))) == 1
 
 
 def test_success_is_an_arrival_in_time_with_fewer_than_two_collisions():
     clean, touched = record(), record(contact=True)
-    assert (succeeded(clean), succeeded(touched), succeeded(touched, collisions_allowed=0)) == (True, True, False)
+    assert (is_success(clean), is_success(touched), is_success(touched, collisions_allowed=0)) == (True, True, False)

@@ -10,7 +10,7 @@ from arena_core.base.stopwatch import Duration, Stopwatch
 def tick(monkeypatch):
     """Return a function that lets the clocks go on."""
     time = [0.0, 0.0]
-    monkeypatch.setattr(stopwatch, "_now", lambda: Duration(*time))
+    monkeypatch.setattr(stopwatch, "_current_time", lambda: Duration(*time))
 
     def tick(wall, cpu=0.0):
         time[:] = time[0] + wall, time[1] + cpu

@@ -1,7 +1,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from arena_core import generator, stream_key
+from arena_core import random_generator, stream_key
 
 KEY = 2846907950199389129
 NUMBERS = [710, 456, 298, 757]
@@ -24,8 +24,8 @@ def test_the_parts_of_a_key_do_not_run_into_each_other():
 def test_keys_and_numbers_stay_what_they_were():
     """Records of older runs can be repeated only as long as this holds."""
     assert int(stream_key(0, "random/0", "localizer")) == KEY
-    assert generator(0, "random/0", "localizer").integers(0, 1000, 4).tolist() == NUMBERS
+    assert random_generator(0, "random/0", "localizer").integers(0, 1000, 4).tolist() == NUMBERS
 
 
 def test_a_generator_begins_anew_each_time():
-    assert generator(3, "a", "b").random(3).tolist() == generator(3, "a", "b").random(3).tolist()
+    assert random_generator(3, "a", "b").random(3).tolist() == random_generator(3, "a", "b").random(3).tolist()

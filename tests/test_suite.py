@@ -25,7 +25,7 @@ def test_the_list_is_what_the_packages_bring():
 )
 def test_what_is_not_installed_is_named_with_its_distribution(words, line, arena, monkeypatch):
     monkeypatch.setenv("ARENA_DISABLED_PLUGINS", "dwa,gym,scenarios")
-    monkeypatch.setattr("arena_core.base.suite._state", lambda distribution: "not installed")
+    monkeypatch.setattr("arena_core.base.suite._install_state", lambda distribution: "not installed")
     answer = arena(*words)
     assert (answer.status, answer.line) == (2, line)
 

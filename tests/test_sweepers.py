@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from arena_core.config.configuration import _missing
+from arena_core.config.configuration import _missing_option
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*declarative_base:DeprecationWarning")  # optuna 2 with SQLAlchemy 2
 SMALL = (
@@ -96,4 +96,7 @@ def arena_process(*words, **settings):
 
 
 def test_an_extra_that_is_not_installed_is_named():
-    assert _missing("hydra/sweeper/optuna", []) == "hydra/sweeper=optuna comes with the extra arena-core[optuna], which is not installed"
+    assert (
+        _missing_option("hydra/sweeper/optuna", [])
+        == "hydra/sweeper=optuna comes with the extra arena-core[optuna], which is not installed"
+    )

@@ -8,7 +8,7 @@ from onnx import TensorProto, helper, numpy_helper
 
 from arena_aio.planner import Aio
 from arena_core import ObservationBatch, Planner, ScanMemory, Twist
-from arena_core.hosting import compose, load_registry, plain
+from arena_core.hosting import compose, load_registry, to_plain
 from arena_core.loop.execution import mission_of, run_episode
 from arena_core.loop.recording import Recorder
 from arena_core.runs.benchmark import build_benchmark
@@ -101,7 +101,7 @@ def write_switch(path, parts):
 
 def drive(planner, scenario, robot, steps, brain=BRAIN):
     """Let a benchmark's navigator drive a scenario by a planner for so many control steps; return it."""
-    benchmark = build_benchmark(plain(compose([f"robot={robot}", "world=indoor", *COMMON, *brain])), load_registry())
+    benchmark = build_benchmark(to_plain(compose([f"robot={robot}", "world=indoor", *COMMON, *brain])), load_registry())
     navigator, simulator = benchmark.navigator, benchmark.simulator
     navigator.planner = planner
     snapshot = simulator.reset([scenario])
@@ -147,7 +147,7 @@ def test_a_policy_drives_the_same_episode_in_training_and_in_a_run(robot):
     shared = [f"robot={robot}", "world=indoor", *COMMON, "task.pedestrians=8", "task.time_limit=30", "robot.lidar.noise_std=0.02"]
     latency = ["timing.mode=latency", "timing.latency=0.1"]
     driving = ["planner=rosnav", "planner.passage_margin=0", "localizer=gauss_markov"]  # training plans for a robot without a planner
-    run = build_benchmark(plain(compose([*shared, *latency, *driving])), load_registry())
+    run = build_benchmark(to_plain(compose([*shared, *latency, *driving])), load_registry())
     card = run.navigator.planner.card
     encoder = [f"observation_encoder.{key}={json.dumps(value)}" for key, value in card.encoder.items() if key != "name"]
     action = [f"action.{key}={json.dumps(value)}" for key, value in card.action_range.items()]

@@ -1,7 +1,7 @@
 import pytest
 
 from arena_core import ConfigurationError
-from arena_core.commands import aligned, is_key_value, key_value, read_words
+from arena_core.commands import align_columns, is_key_value, key_value, read_words
 from arena_core.parameters import Positive, PositiveInt
 
 USAGE = "arena draw FILE [out=DIR] [size=1.0] [world.KEY=VALUE]"
@@ -72,9 +72,9 @@ def test_a_word_is_split_at_its_first_equals_sign_without_marks():
 
 
 def test_columns_are_as_wide_as_their_widest_cell():
-    assert aligned([("name", "n", "text"), ("a", "10", "b"), ("a longer one",)], right=[1]) == [
+    assert align_columns([("name", "n", "text"), ("a", "10", "b"), ("a longer one",)], right=[1]) == [
         "name   n  text",
         "a     10  b",
         "a longer one",
     ]
-    assert aligned([]) == []
+    assert align_columns([]) == []

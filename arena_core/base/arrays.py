@@ -26,8 +26,8 @@ def read_arrays(path: AnyPath, allowed: str) -> dict[str, NDArray[Any]]:
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
             members = archive.infolist()
-            _check(members)
-            return {member.filename.removesuffix(".npy"): _member(archive, member) for member in members}
+            _check_members(members)
+            return {member.filename.removesuffix(".npy"): _read_member(archive, member) for member in members}
     except Exception as error:  # zipfile and numpy raise whatever a damaged file leads them to, tokenize.TokenError among it
         raise InputFileError(f"{path}: damaged ({reason_of(error)}); allowed: {allowed}") from None
 
@@ -36,12 +36,12 @@ def read_array(path: AnyPath, allowed: str) -> NDArray[Any]:
     """Return the array of an .npy file; raise InputFileError."""
     content = read_bytes(path, LIMITS.arrays_bytes, allowed)
     try:
-        return _array(io.BytesIO(content), len(content))
+        return _read_npy(io.BytesIO(content), len(content))
     except Exception as error:  # as above
         raise InputFileError(f"{path}: is no NumPy file ({reason_of(error)}); allowed: {allowed}") from None
 
 
-def _check(members: list[zipfile.ZipInfo]) -> None:
+def _check_members(members: list[zipfile.ZipInfo]) -> None:
     total = sum(member.file_size for member in members)
     if len(members) > MOST_MEMBERS or total > LIMITS.arrays_bytes:
         raise ValueError(f"{len(members)} arrays of {total} bytes, at most {MOST_MEMBERS} of {LIMITS.arrays_bytes} are read")
@@ -49,12 +49,12 @@ def _check(members: list[zipfile.ZipInfo]) -> None:
         raise ValueError("it is packed otherwise than by deflate")
 
 
-def _member(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[Any]:
+def _read_member(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[Any]:
     with archive.open(member) as file:
-        return _array(file, member.file_size)
+        return _read_npy(file, member.file_size)
 
 
-def _array(file: IO[bytes], size: int) -> NDArray[Any]:
+def _read_npy(file: IO[bytes], size: int) -> NDArray[Any]:
     """Read an array from a file of ``size`` bytes, its header among them."""
     major, minor = npy.read_magic(file)
     read_header = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}.get((major, minor))

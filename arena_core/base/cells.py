@@ -14,7 +14,7 @@ FIGURES = re.compile(r"[-+][\d.,eE%() –…+-]*|[-+](inf|nan)")  # figures with
 BREAKS = re.compile("[\0-\x1f\x7f-\x9f\u2028\u2029]")  # control characters, and what else ends a line for some reader
 
 
-def harmless(value: Any) -> Any:
+def escape_formula(value: Any) -> Any:
     """Return a cell's value; a text that a spreadsheet would run, and that is no figure, begins with an apostrophe instead."""
     if not isinstance(value, str) or not value.startswith(FORMULA):
         return value
@@ -24,13 +24,13 @@ def harmless(value: Any) -> Any:
 def csv_text(rows: Iterable[Iterable[Any]]) -> str:
     r"""Return rows as CSV, the names of the columns among them; None and NaN are empty cells, control characters escapes such as ``\r``."""
     text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows([_cell(value) for value in row] for row in rows)
+    csv.writer(text, lineterminator="\n").writerows([_format_cell(value) for value in row] for row in rows)
     return text.getvalue()
 
 
-def _cell(value: Any) -> Any:
+def _format_cell(value: Any) -> Any:
     if isinstance(value, float):
         return "" if value != value else repr(float(value))
     if not isinstance(value, str):
         return value
-    return BREAKS.sub(lambda found: found.group().encode("unicode_escape").decode(), str(harmless(value)))
+    return BREAKS.sub(lambda found: found.group().encode("unicode_escape").decode(), str(escape_formula(value)))

@@ -35,11 +35,11 @@ def is_readable(path: Path) -> bool:
         real = os.path.realpath(path)
     except (OSError, ValueError):  # a name that no file can have
         return False
-    return any(_lies_in(real, place) for place in places) or any(_lies_in(real, place) for place in _installed())
+    return any(_lies_in(real, place) for place in places) or any(_lies_in(real, place) for place in _installed_folders())
 
 
 @cache
-def _installed() -> tuple[str, ...]:
+def _installed_folders() -> tuple[str, ...]:
     """Return the folders that Python imports from, but for the one that it runs in and those above it."""
     here = os.getcwd()
     found = {os.path.realpath(place) for place in (sys.prefix, *sys.path) if place}

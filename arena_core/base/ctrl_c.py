@@ -69,12 +69,12 @@ class Interrupts:
         try:
             for number, handler in _TAKEN.items():
                 if signal.getsignal(number) is handler:
-                    usual[number] = signal.signal(number, self._take)
+                    usual[number] = signal.signal(number, self._take_signal)
         except ValueError:  # not in the main thread, where no signal arrives
             return {}
         return usual
 
-    def _take(self, signum: int, frame: FrameType | None) -> None:
+    def _take_signal(self, signum: int, frame: FrameType | None) -> None:
         """Note the first one where it is held, raise it elsewhere; end at once where even that has not helped."""
         self._came.append(signum)
         if len(self._came) > 2:

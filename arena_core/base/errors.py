@@ -66,7 +66,7 @@ class ContractViolation(ArenaError):
     """A component breaks its contract; raised by the checks of ``arena_core.testing``."""
 
 
-def described(error: BaseException) -> str:
+def describe_error(error: BaseException) -> str:
     """Return an exception of foreign code as one line that every file and terminal can take."""
     try:
         text = str(error)

@@ -43,7 +43,7 @@ def read_bytes(path: AnyPath, largest: int, allowed: str, unpack: bool = True) -
             raise InputFileError(f"{path}: cannot be read (it is no file); allowed: {allowed}")
         if not packed and status.st_size > largest:
             raise _too_large(path, largest)
-        content = _content(path, largest + 1, packed)
+        content = _read_content(path, largest + 1, packed)
     except (gzip.BadGzipFile, EOFError, zlib.error) as error:
         raise InputFileError(f"{path}: is no gzip file ({reason_of(error)}); allowed: {allowed}") from None
     except (OSError, ValueError) as error:  # ValueError: a name with a null in it
@@ -74,7 +74,7 @@ def read_json(path: AnyPath, allowed: str) -> Any:
     """Return what a JSON file holds; raise InputFileError for anything else, a key that is there twice and NaN among it."""
     text = read_text(path, LIMITS.json_bytes, allowed)
     try:
-        return json.loads(text, object_pairs_hook=_unique, parse_constant=_no_constant)
+        return json.loads(text, object_pairs_hook=_unique_pairs, parse_constant=_no_constant)
     except json.JSONDecodeError as error:
         raise InputFileError(f"{path}: is no JSON (line {error.lineno}, column {error.colno}: {error.msg}); allowed: {allowed}") from None
     # ValueError: what the two functions below refuse, and numbers of thousands of digits; RecursionError: nested without end
@@ -92,7 +92,7 @@ def read_yaml(path: AnyPath, allowed: str) -> Any:
     ):  # PyYAML would take seconds for each thousand
         raise InputFileError(f"{path}: is no YAML (it nests deeper than {LIMITS.yaml_depth} brackets); allowed: {allowed}")
     try:
-        return yaml.load(content, _loader())  # noqa: S506 - it is a SafeLoader
+        return yaml.load(content, _safe_loader())  # noqa: S506 - it is a SafeLoader
     except Exception as error:  # PyYAML lets through whatever its constructors stumble over: KeyError, IndexError, AttributeError, ...
         mark = getattr(error, "problem_mark", None)
         place = f"line {mark.line + 1}: " if mark is not None else ""
@@ -131,7 +131,7 @@ def reason_of(error: BaseException) -> str:
     return one_line(f"{type(error).__name__}: {said}".removesuffix(": ") if tells_little else said, QUOTED)
 
 
-def _content(path: Path, most: int, packed: bool) -> bytes:
+def _read_content(path: Path, most: int, packed: bool) -> bytes:
     """Read up to so many bytes, in parts: one read would first make room for all of them."""
     parts, left = list[bytes](), most
     with gzip.open(path) if packed else path.open("rb") as file:
@@ -145,7 +145,7 @@ def _too_large(path: Path, largest: int) -> InputFileError:
     return InputFileError(f"{path}: is larger than {largest} bytes{' unpacked' if path.suffix == '.gz' else ''}; allowed: up to that")
 
 
-def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+def _unique_pairs(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     mapping = dict(pairs)
     if len(mapping) < len(pairs):
         raise ValueError(f"a key is there twice among {', '.join(one_line(name, QUOTED) for name, _ in pairs[:QUOTED])}")
@@ -156,7 +156,7 @@ def _no_constant(name: str) -> Any:
     raise ValueError(f"{name} is no number of JSON")
 
 
-def _loader() -> type[yaml.SafeLoader]:
+def _safe_loader() -> type[yaml.SafeLoader]:
     import yaml
 
     class PlainLoader(yaml.SafeLoader):

@@ -16,7 +16,7 @@ KEPT = f"finished episodes are kept, resume=true {ITS_FOLDER} continues"
 
 
 @contextmanager
-def locked(folder: Path) -> Iterator[None]:
+def lock_folder(folder: Path) -> Iterator[None]:
     """Keep every other run out of a folder, which is made where it is missing; raise RunFolderError (one line) where one is in it.
 
     The kernel holds the lock, not the file: a killed run leaves a file and no lock.
@@ -43,7 +43,7 @@ def locked(folder: Path) -> Iterator[None]:
                 folder.rmdir()  # if it is empty
 
 
-def identity(folder: Path) -> tuple[int, int] | None:
+def folder_identity(folder: Path) -> tuple[int, int] | None:
     """Return what a folder stays the same by while its name may come to stand for another; None where there is none."""
     try:
         found = folder.stat()
@@ -63,7 +63,7 @@ def check_there(folder: Path) -> None:
 
 
 @contextmanager
-def writing() -> Iterator[None]:
+def check_writable() -> Iterator[None]:
     """Raise FolderLost where a run's folder takes no file; what this process alone lacks stays a RunFolderError."""
     try:
         yield

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 Scalar = TypeVar("Scalar", bound=np.generic)
 
 
-def frozen(array: NDArray[Scalar]) -> NDArray[Scalar]:
+def freeze_array(array: NDArray[Scalar]) -> NDArray[Scalar]:
     """Return the array's values over immutable bytes, in C order; an array that has been frozen is returned as it is.
 
     A flag alone protects nothing: the owner of an array can set it back, and ``base`` leads to the owner.
@@ -24,17 +24,17 @@ def frozen(array: NDArray[Scalar]) -> NDArray[Scalar]:
     return values
 
 
-def sealed(array: NDArray[Scalar]) -> NDArray[Scalar]:
+def seal_array(array: NDArray[Scalar]) -> NDArray[Scalar]:
     """Return the array's values over memory that the kernel lets nobody write to, compiled code neither; frozen where it cannot.
 
     For what outlives an episode. It takes whole pages, so what is made at every control step is only frozen.
     """
     if is_sealed(array) or array.size == 0:
-        return frozen(array)
+        return freeze_array(array)
     with suppress(OSError, ValueError, AttributeError):  # no room for more mappings, or no POSIX
         values: NDArray[Any] = np.ndarray(array.shape, array.dtype, _read_only(array.tobytes()))
         return values
-    return frozen(array)
+    return freeze_array(array)
 
 
 def is_sealed(array: NDArray[Any]) -> bool:
@@ -46,12 +46,12 @@ def _read_only(content: bytes) -> mmap.mmap:
     """Return bytes in pages of their own that can only be read."""
     pages = mmap.mmap(-1, len(content), mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS, mmap.PROT_READ)
     begin = np.frombuffer(pages, np.uint8).ctypes.data
-    _protect(begin, len(content), mmap.PROT_READ | mmap.PROT_WRITE)
+    _protect_memory(begin, len(content), mmap.PROT_READ | mmap.PROT_WRITE)
     ctypes.memmove(begin, content, len(content))
-    _protect(begin, len(content), mmap.PROT_READ)
+    _protect_memory(begin, len(content), mmap.PROT_READ)
     return pages
 
 
-def _protect(begin: int, length: int, protection: int) -> None:
+def _protect_memory(begin: int, length: int, protection: int) -> None:
     if ctypes.CDLL(None, use_errno=True).mprotect(ctypes.c_void_p(begin), ctypes.c_size_t(length), protection):
         raise OSError(ctypes.get_errno(), "mprotect")

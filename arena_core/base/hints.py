@@ -16,16 +16,16 @@ def did_you_mean(name: str, beside: Iterable[str], below: Iterable[str] = ()) ->
 
     Nothing where there is none.
     """
-    found = _guesses(name, list(beside), sorted(below, key=lambda path: (path.count("."), path)))
+    found = _close_names(name, list(beside), sorted(below, key=lambda path: (path.count("."), path)))
     return f"; did you mean {' or '.join(found[:MOST])}?" if found else ""
 
 
-def _guesses(name: str, beside: list[str], paths: list[str]) -> list[str]:
+def _close_names(name: str, beside: list[str], paths: list[str]) -> list[str]:
     if likely := get_close_matches(name, beside, n=1, cutoff=LIKELY):
         return likely
-    found = [path for path in paths if _last(path) == name] + get_close_matches(name, beside, n=1)
-    like = [] if found else get_close_matches(name, {_last(path): None for path in paths}, n=1)
-    return found or [path for path in paths if _last(path) in like]
+    found = [path for path in paths if _last_part(path) == name] + get_close_matches(name, beside, n=1)
+    like = [] if found else get_close_matches(name, {_last_part(path): None for path in paths}, n=1)
+    return found or [path for path in paths if _last_part(path) in like]
 
 
 def keys_below(node: Mapping[Any, Any], levels: int = DEEPEST) -> Iterator[str]:
@@ -36,5 +36,5 @@ def keys_below(node: Mapping[Any, Any], levels: int = DEEPEST) -> Iterator[str]:
             yield from (f"{key}.{path}" for path in keys_below(inner, levels - 1))
 
 
-def _last(path: str) -> str:
+def _last_part(path: str) -> str:
     return path.rpartition(".")[2]

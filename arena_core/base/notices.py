@@ -10,15 +10,15 @@ _untold: list[str] = []
 
 
 @cache
-def tell(line: str) -> None:
-    """Print a line on stderr, once in a process; a worker keeps it for the main process, which asks for what it has ``untold``."""
+def print_notice(line: str) -> None:
+    """Print a line on stderr, once in a process; a worker keeps it for the main process, which asks for what it has ``take_notices``."""
     if parent_process() is None:
         print(f"arena: {line}", file=sys.stderr)
     else:
         _untold.append(line)
 
 
-def untold() -> list[str]:
+def take_notices() -> list[str]:
     """Return, once, the lines that this worker has kept."""
     lines = list(_untold)
     _untold.clear()

@@ -13,6 +13,6 @@ def stream_key(seed: int, scenario: str, stream: str) -> np.uint64:
     return np.uint64(int.from_bytes(digest, "little"))
 
 
-def generator(seed: int, scenario: str, stream: str) -> np.random.Generator:
+def random_generator(seed: int, scenario: str, stream: str) -> np.random.Generator:
     """Return a numpy generator of its own for this stream."""
     return np.random.Generator(np.random.Philox(key=int(stream_key(seed, scenario, stream))))

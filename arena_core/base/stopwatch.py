@@ -40,15 +40,15 @@ class Stopwatch:
     def timed(self, part: str, compute: Callable[[], T]) -> T:
         """Return what ``compute`` returns; what it takes counts for this part, less the parts that run inside it."""
         (wall, cpu), self._within = self._within, NOTHING
-        began = _now()
+        began = _current_time()
         try:
             return compute()
         finally:
-            ended, before, within = _now(), self._spent.get(part, NOTHING), self._within
+            ended, before, within = _current_time(), self._spent.get(part, NOTHING), self._within
             took_wall, took_cpu = ended.wall - began.wall, ended.cpu - began.cpu
             self._spent[part] = Duration(before.wall + took_wall - within.wall, before.cpu + took_cpu - within.cpu)
             self._within = Duration(wall + took_wall, cpu + took_cpu)
 
 
-def _now() -> Duration:
+def _current_time() -> Duration:
     return Duration(perf_counter(), process_time())

@@ -8,13 +8,13 @@ from importlib.metadata import PackageNotFoundError, version
 from importlib.resources import files
 
 
-def whence(kind: str, name: str) -> str:
+def distribution_hint(kind: str, name: str) -> str:
     """Return, as the end of a message, which distribution brings a component or an option, and why it is not there; empty if none does."""
-    found = [distribution for distribution, brought in _suite().items() if name in brought.get(kind, ())]
-    return f"comes with {found[0]}, which is {_state(found[0])}" if found else ""
+    found = [distribution for distribution, brought in _read_suite().items() if name in brought.get(kind, ())]
+    return f"comes with {found[0]}, which is {_install_state(found[0])}" if found else ""
 
 
-def _state(distribution: str) -> str:
+def _install_state(distribution: str) -> str:
     try:
         version(distribution)
     except PackageNotFoundError:
@@ -23,6 +23,6 @@ def _state(distribution: str) -> str:
 
 
 @cache
-def _suite() -> dict[str, dict[str, list[str]]]:
+def _read_suite() -> dict[str, dict[str, list[str]]]:
     found: dict[str, dict[str, list[str]]] = json.loads((files("arena_core") / "suite.json").read_text(encoding="utf-8"))
     return found

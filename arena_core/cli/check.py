@@ -9,9 +9,9 @@ from typing import Any, ClassVar
 
 from arena_core.base.errors import ConfigurationError, ContractViolation, ImpossibleScenario, UnknownComponent
 from arena_core.cli.candidates import complete_overrides
-from arena_core.cli.listing import presets
+from arena_core.cli.listing import preset_files
 from arena_core.cli.words import key_value
-from arena_core.config.registry import load_registry, unknown
+from arena_core.config.registry import load_registry, unknown_name
 from arena_core.contracts.running import Command
 from arena_core.testing.checks import CHECKS, check
 from arena_core.testing.samples import component, robot
@@ -38,12 +38,12 @@ class CheckCommand(Command):
         parser.add_argument("request", nargs="+", metavar="KIND=NAME", help="a component, then overrides; or: all")
         given = parser.parse_args(list(arguments)).request
         if given == ["all"]:
-            return max(_check_or_say_why_not(kind, preset) for kind in CHECKS for preset in presets(load_registry(), kind))
+            return max(_check_or_say_why_not(kind, preset) for kind in CHECKS for preset in preset_files(load_registry(), kind))
         kind, preset = key_value(given[0])
         if kind not in CHECKS:
-            raise UnknownComponent(unknown("kind", kind, list(CHECKS)))
+            raise UnknownComponent(unknown_name("kind", kind, list(CHECKS)))
         if not preset:
-            raise ConfigurationError(f"no name given; allowed: {kind}= one of {', '.join(presets(load_registry(), kind))}")
+            raise ConfigurationError(f"no name given; allowed: {kind}= one of {', '.join(preset_files(load_registry(), kind))}")
         strangers = [word for word in given[1:] if not re.match(rf"[+~]*({kind}[.@]|robot[.=])", word)]
         if strangers:
             raise ConfigurationError(f"{strangers[0]} says nothing of {kind}={preset}; allowed: {kind}.KEY=VALUE, robot=NAME")
@@ -66,12 +66,12 @@ def _check_or_say_why_not(kind: str, preset: str) -> int:
 
 def _check_preset(kind: str, preset: str, overrides: Sequence[str]) -> int:
     """Check one preset on every kind of robot that matters to it and print what held, and what a planner refuses to drive."""
-    bodies, refused = _bodies(kind, preset, overrides)
+    bodies, refused = _sample_robots(kind, preset, overrides)
     for drive, reason in refused.items():
         print(f"-- {kind}={preset} drives no robot with {drive} drive: {reason}")
     for tuned_for, body in bodies:
         try:
-            facts = check(kind, component(kind, preset, overrides, tuned_for, **_context(kind, body)), body)
+            facts = check(kind, component(kind, preset, overrides, tuned_for, **_build_context(kind, body)), body)
         except ContractViolation as violation:
             print(f"BROKEN {kind}={preset} ({body.name}, {body.kinematics}): {violation}")
             return 1
@@ -80,7 +80,7 @@ def _check_preset(kind: str, preset: str, overrides: Sequence[str]) -> int:
     return 0
 
 
-def _bodies(kind: str, preset: str, overrides: Sequence[str]) -> tuple[list[Body], Mapping[str, ConfigurationError]]:
+def _sample_robots(kind: str, preset: str, overrides: Sequence[str]) -> tuple[list[Body], Mapping[str, ConfigurationError]]:
     """Return a sample of each drive that matters to a kind, and why a planner refuses others.
 
     For a planner that takes none of them, because it knows robots by name, those of them that are installed. Raises
@@ -90,21 +90,21 @@ def _bodies(kind: str, preset: str, overrides: Sequence[str]) -> tuple[list[Body
     if kind != "planner":
         return samples, {}
     refused: dict[str, ConfigurationError] = {
-        body.kinematics: why for tuned_for, body in samples if (why := _refusal(preset, overrides, (tuned_for, body)))
+        body.kinematics: why for tuned_for, body in samples if (why := _rejection(preset, overrides, (tuned_for, body)))
     }
     if len(refused) < len(samples):
         return [(tuned_for, body) for tuned_for, body in samples if body.kinematics not in refused], refused
     given = [word.removeprefix("robot=") for word in overrides if word.startswith("robot=")]
     named: list[Body] = [(None, component("robot", name)) for name in given]  # the overrides tune for it
-    named = named or [(name, component("robot", name)) for name in presets(load_registry(), "robot")]
-    refusals = [_refusal(preset, overrides, body) for body in named or samples]
+    named = named or [(name, component("robot", name)) for name in preset_files(load_registry(), "robot")]
+    refusals = [_rejection(preset, overrides, body) for body in named or samples]
     accepted = [body for body, refusal in zip(named, refusals, strict=False) if refusal is None]
     if not accepted and refusals[0] is not None:
         raise refusals[0]
     return accepted, {}
 
 
-def _refusal(preset: str, overrides: Sequence[str], body: Body) -> ConfigurationError | None:
+def _rejection(preset: str, overrides: Sequence[str], body: Body) -> ConfigurationError | None:
     try:
         component("planner", preset, overrides, body[0], robot=body[1])
     except ConfigurationError as error:
@@ -112,7 +112,7 @@ def _refusal(preset: str, overrides: Sequence[str], body: Body) -> Configuration
     return None
 
 
-def _context(kind: str, body: Robot) -> dict[str, Any]:
+def _build_context(kind: str, body: Robot) -> dict[str, Any]:
     """Return what the constructor of a kind is given beside its YAML."""
     if kind == "task":
         return {"robot": body, "world": component("world", "empty")}

@@ -13,18 +13,18 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from arena_core.base.errors import ArenaError, ConfigurationError, RunStopped
-from arena_core.base.folders import KEPT, locked, new_folders
+from arena_core.base.folders import KEPT, lock_folder, new_folders
 from arena_core.base.limits import LIMITS
 from arena_core.cli.candidates import complete_overrides
 from arena_core.cli.words import key_value, read_words
-from arena_core.config.configuration import PRIMARY, compose, conf_directory, one_line_errors, plain
+from arena_core.config.configuration import PRIMARY, compose, conf_directory, one_line_errors, to_plain
 from arena_core.config.registry import load_registry
 from arena_core.config.sweeps import words_that_fit
 from arena_core.contracts.running import Command
 from arena_core.loop.record_places import find_runs
 from arena_core.runs.objective import check_objective, objective_of
 from arena_core.runs.resuming import re_evaluate
-from arena_core.runs.running import RunRequest, report, run_all
+from arena_core.runs.running import RunRequest, run_all, write_reports
 
 MULTIRUN = ("-m", "--multirun")
 EVALUATE = "arena evaluate DIR... [metrics=[si,paper_legacy]]"
@@ -67,7 +67,7 @@ class RunTask:
         from hydra.types import RunMode
 
         hydra: Any = HydraConfig.instance().cfg
-        one = request(config, hydra)
+        one = make_request(config, hydra)
         with chdir(hydra.hydra.runtime.cwd):  # where hydra.job.chdir has left it, relative paths would mean others
             told = self.run([one])
         if hydra.hydra.mode == RunMode.MULTIRUN:  # this is the process of another launcher: nobody will look at this object
@@ -84,12 +84,12 @@ class RunTask:
         """
         registry = load_registry()
         try:
-            wanted = [plain(request.config)["objective"] for request in requests]
+            wanted = [to_plain(request.config)["objective"] for request in requests]
             for one, objective in zip(requests, wanted, strict=True):
                 if objective is not None:
-                    check_objective(plain(one.config), registry)
+                    check_objective(to_plain(one.config), registry)
             runs = run_all(requests, registry)
-            report(runs, registry, above)
+            write_reports(runs, registry, above)
             self.status = max(self.status, *(int(run.failed) for run in runs))
             folders = [request.folder for request in requests]
             return [self.status if o is None else objective_of(folder, o) for folder, o in zip(folders, wanted, strict=True)]
@@ -98,7 +98,7 @@ class RunTask:
             return []
 
 
-def request(config: Any, hydra: Any) -> RunRequest:
+def make_request(config: Any, hydra: Any) -> RunRequest:
     """Return the request of one job, from its configuration and Hydra's own, which go to ``.hydra`` once the request is accepted."""
     from omegaconf import OmegaConf
 
@@ -132,7 +132,7 @@ class RunCommand(Command):
         os.environ["HYDRA_FULL_ERROR"] = "1"  # Hydra then raises instead of printing and exiting by itself
         flags = [argument for argument in arguments if argument in MULTIRUN]  # Hydra wants them ahead of overrides
         words = [argument for argument in arguments if argument not in MULTIRUN]
-        show, words = _shown(words) if flags else (None, words)
+        show, words = _split_cfg(words) if flags else (None, words)
         task = RunTask(show)
         before = sys.argv
         try:
@@ -174,7 +174,7 @@ def _through_hydra(task: RunTask, flags: Sequence[str], words: Sequence[str]) ->
         start()
 
 
-def _shown(words: Sequence[str]) -> tuple[Show | None, list[str]]:
+def _split_cfg(words: Sequence[str]) -> tuple[Show | None, list[str]]:
     """Take `--cfg`, which Hydra knows for single runs alone, out of the words of a multirun."""
     parser = argparse.ArgumentParser("arena run", add_help=False, allow_abbrev=False)
     parser.add_argument("--cfg", "-c", choices=FLAGS["--cfg"])
@@ -206,13 +206,13 @@ class EvaluateCommand(Command):
         parser.add_argument("directories", nargs="+", metavar="DIR", help="a run's folder, or one above several; KEY=VALUE chooses packs")
         given = parser.parse_args(list(arguments)).directories
         words = read_words(EVALUATE, given, names=None, overrides=["metrics"])
-        metrics = plain(compose(words.overrides).metrics) if words.overrides else None
+        metrics = to_plain(compose(words.overrides).metrics) if words.overrides else None
         registry = load_registry()
         folders = [folder for directory in words.names for folder in find_runs(Path(directory))]
         if not folders:
             raise ArenaError("no folder given; allowed: folders that `arena run` wrote, or folders above them")
         for folder in folders:
-            with locked(folder):
+            with lock_folder(folder):
                 print(f"{folder}: {re_evaluate(folder, registry, metrics)} episodes")
         return 0
 

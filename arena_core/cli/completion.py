@@ -24,7 +24,7 @@ class CompletionCommand(Command):
     def run(self, arguments: Sequence[str]) -> int:
         """Print a shell's script, or for such a script what may stand at the end of a line."""
         if arguments and arguments[0] == CANDIDATES:
-            sys.stdout.writelines(f"{candidate}\n" for candidate in candidates(arguments[1:]))
+            sys.stdout.writelines(f"{candidate}\n" for candidate in next_words(arguments[1:]))
             return 0
         parser = argparse.ArgumentParser("arena completion", description=self.__doc__)
         parser.add_argument("shell", choices=SHELLS)
@@ -37,7 +37,7 @@ class CompletionCommand(Command):
         return SHELLS if not words else ()
 
 
-def candidates(words: Sequence[str]) -> list[str]:
+def next_words(words: Sequence[str]) -> list[str]:
     """Return what the last of the words after `arena` can become, sorted; nothing where the words ahead of it are wrong."""
     registry = load_registry()
     *before, word = words or [""]

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 from arena_core.base.ctrl_c import SIGNAL_STATUS, interrupts
 from arena_core.base.errors import ArenaError, UnknownComponent
-from arena_core.config.registry import Registry, load_registry, unknown
+from arena_core.config.registry import Registry, load_registry, unknown_name
 
 CUT_OFF = 141  # the same, when nobody reads its output any more (arena list | head)
 
@@ -20,8 +20,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     registry: Registry | None = None
     try:
         try:
-            registry = _loaded()
-            return _dispatch(registry, arguments)
+            registry = _load_registry()
+            return _run_command(registry, arguments)
         finally:
             sys.stdout.flush()  # here, where a broken pipe is known; argparse ends the process after --help
     except ArenaError as error:
@@ -30,16 +30,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt as interrupt:
         came = signal.Signals(interrupt.args[0] if interrupt.args else signal.SIGINT)
         said = "interrupted" if came == signal.SIGINT else f"ended by {came.name}"
-        print("; ".join([f"arena: {said}", *getattr(interrupt, "__notes__", _kept(registry, arguments))]), file=sys.stderr)
+        print("; ".join([f"arena: {said}", *getattr(interrupt, "__notes__", _kept_lines(registry, arguments))]), file=sys.stderr)
         return SIGNAL_STATUS + came
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python complains again when it flushes at its end
         return CUT_OFF
 
 
-def _dispatch(registry: Registry, arguments: list[str]) -> int:
+def _run_command(registry: Registry, arguments: list[str]) -> int:
     if not arguments or arguments[0] in ("-h", "--help"):
-        print(_usage(registry))
+        print(_usage_text(registry))
         return 0
     name, rest = arguments[0], arguments[1:]
     if name == "--version":
@@ -48,12 +48,12 @@ def _dispatch(registry: Registry, arguments: list[str]) -> int:
         print(f"arena {__version__}")
         return 0
     if name not in registry.names("command"):
-        raise UnknownComponent(unknown("command", name, registry.names("command")))
+        raise UnknownComponent(unknown_name("command", name, registry.names("command")))
     command = registry.component("command", name).resolve()()
     return int(command.run(rest))
 
 
-def _loaded() -> Registry:
+def _load_registry() -> Registry:
     """Return what all plugins offer; Ctrl-C waits until they are imported: libraries turn it into errors of their own."""
     with interrupts.heard(), interrupts.held():
         registry = load_registry()
@@ -61,14 +61,14 @@ def _loaded() -> Registry:
     return registry
 
 
-def _kept(registry: Registry | None, arguments: Sequence[str]) -> list[str]:
+def _kept_lines(registry: Registry | None, arguments: Sequence[str]) -> list[str]:
     """Return what the command that was interrupted leaves, if it leaves anything."""
     known = registry is not None and arguments and arguments[0] in registry.names("command")
     kept = registry.component("command", arguments[0]).resolve().kept if registry and known else ""  # type: ignore[attr-defined]
     return [kept] if kept else []
 
 
-def _usage(registry: Registry) -> str:
+def _usage_text(registry: Registry) -> str:
     commands = [registry.component("command", name) for name in registry.names("command")]
     lines = [f"  {c.name:10} {c.resolve().help}" for c in commands]  # type: ignore[attr-defined]
     return "\n".join(["usage: arena COMMAND ...", "", "Benchmark obstacle avoidance of mobile robots among people.", "", *lines])

@@ -13,7 +13,7 @@ from arena_core.config.configuration import compose
 from arena_core.config.registry import load_registry
 from arena_core.contracts.running import Command
 from arena_core.runs.benchmark import build_benchmark
-from arena_core.runs.profiling import METRICS, TASK, Profile, profile
+from arena_core.runs.profiling import METRICS, TASK, Profile, profile_benchmark
 from arena_core.values.parameters import Bounds
 
 USAGE = "arena profile [KEY=VALUE ...] [first=3] [functions=15]"
@@ -30,7 +30,7 @@ class ProfileCommand(Command):
         words = read_words(USAGE, arguments, keys=("first", "functions"), overrides=None)
         episodes, most = words.value("first", Number, 3), words.value("functions", Number, 15)
         benchmark = build_benchmark(compose(words.overrides), load_registry())
-        print("\n".join(told(profile(benchmark, episodes, _announce), most)))
+        print("\n".join(profile_lines(profile_benchmark(benchmark, episodes, _print_stage), most)))
         return 0
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
@@ -38,11 +38,11 @@ class ProfileCommand(Command):
         return [*(key for key in ("first=", "functions=") if key.startswith(word)), *complete_overrides(words, word)]
 
 
-def _announce(what: str) -> None:
+def _print_stage(what: str) -> None:
     print(f"arena: {what}", file=sys.stderr, flush=True)
 
 
-def told(found: Profile, most: int) -> list[str]:
+def profile_lines(found: Profile, most: int) -> list[str]:
     """Return the lines of a profile."""
     in_steps = {part: spent for part, spent in found.parts.items() if part not in (TASK, METRICS)}
     whole = sum(spent.cpu for spent in in_steps.values())
@@ -51,9 +51,9 @@ def told(found: Profile, most: int) -> list[str]:
     lines += [f"{'ms a control step':24}{'all':>9}{'compiled':>10}{'libraries':>11}{'Python':>9}"]
     each = 1e3 / found.steps
     for part, spent in sorted(in_steps.items(), key=lambda item: -item[1].cpu):
-        lines.append(_row(part, each, spent.cpu, spent.compiled, spent.libraries, spent.python))
+        lines.append(_profile_row(part, each, spent.cpu, spent.compiled, spent.libraries, spent.python))
     sums = (sum(getattr(spent, name) for spent in in_steps.values()) for name in ("cpu", "compiled", "libraries", "python"))
-    lines += [_row("together", each, *sums), ""]
+    lines += [_profile_row("together", each, *sums), ""]
     once = [f"{part} {1e3 * found.parts[part].cpu / found.episodes:.1f}" for part in (TASK, METRICS) if part in found.parts]
     lines += [f"ms an episode: {', '.join(once)}", "", f"{'ms a step':>9}  calls  most time in (Python as the profiler slows it)"]
     for called in found.functions[:most]:
@@ -65,6 +65,6 @@ def told(found: Profile, most: int) -> list[str]:
     return lines
 
 
-def _row(name: str, each: float, *spent: float) -> str:
+def _profile_row(name: str, each: float, *spent: float) -> str:
     cpu, compiled, libraries, python = (each * seconds for seconds in spent)
     return f"{name:24}{cpu:9.3f}{compiled:10.3f}{libraries:11.3f}{python:9.3f}"

@@ -77,16 +77,16 @@ def write_package(kind: str, module: str, parent: Path) -> Path:
     folder = parent / module.replace("_", "-")
     if folder.exists():
         raise ConfigurationError(f"{folder} exists already; choose another name or --out DIR")
-    words = _words(KINDS[kind], module)
+    words = _template_words(KINDS[kind], module)
     templates = files("arena_core") / "templates"
     for source in (FRAME, kind):
-        for path, template in _templates(templates / source):
+        for path, template in _template_files(templates / source):
             content = Template(template.read_text(encoding="utf-8")).substitute(words)
             write_text_whole(folder / path.replace(MODULE, module), content)
     return folder
 
 
-def _words(kind: Kind, module: str) -> dict[str, str]:
+def _template_words(kind: Kind, module: str) -> dict[str, str]:
     """Return what the templates leave open."""
     name = "".join(part.capitalize() for part in module.split("_"))
     return {
@@ -101,10 +101,10 @@ def _words(kind: Kind, module: str) -> dict[str, str]:
     }
 
 
-def _templates(folder: Traversable, place: str = "") -> Iterator[tuple[str, Traversable]]:
+def _template_files(folder: Traversable, place: str = "") -> Iterator[tuple[str, Traversable]]:
     """Yield every template below a folder with the path of the file that it makes."""
     for entry in folder.iterdir():
         if entry.is_dir():
-            yield from _templates(entry, f"{place}{entry.name}/")
+            yield from _template_files(entry, f"{place}{entry.name}/")
         else:
             yield f"{place}{entry.name.removesuffix('.in')}", entry

@@ -27,7 +27,7 @@ class Words:
     def value(self, key: str, annotation: Any, default: Any) -> Any:
         """Return a key's value as ``annotation`` wants it, as in a configuration; raise ConfigurationError."""
         text = self.keys.get(key)
-        return default if text is None else read_settings(text if annotation is str else _plain(text), annotation, key)
+        return default if text is None else read_settings(text if annotation is str else _parse_yaml(text), annotation, key)
 
     def required(self, key: str) -> str:
         """Return the value of a key that has to be there; raise ConfigurationError."""
@@ -98,7 +98,7 @@ def _check_overrides(found: Words, keys: Collection[str], parts: Collection[str]
             raise ConfigurationError(f"there is no key {key}{did_you_mean(key, keys) or ';'} allowed: {found.usage}")
 
 
-def _plain(text: str) -> Any:
+def _parse_yaml(text: str) -> Any:
     for number in (int, float):
         with suppress(ValueError):
             return number(text)

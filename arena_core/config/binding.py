@@ -22,34 +22,36 @@ WHOLES = f"a whole number up to {LIMITS.whole_largest}"
 Nested = Callable[[Any, Any, str, Mapping[str, Any]], Any]
 
 
-def build(factory: Callable[..., Any], node: Mapping[str, Any], key: str, context: Mapping[str, Any], nested: Nested) -> Any:
+def build_component(factory: Callable[..., Any], node: Mapping[str, Any], key: str, context: Mapping[str, Any], nested: Nested) -> Any:
     """Call ``factory`` with the values of ``node`` and those of ``context`` that its signature names.
 
     ``key`` is the node's place in the configuration (empty for its top), for messages. ``nested`` builds components inside components.
     What has a default in the signature may be left out: cards of policies are older than some parameters of their encoders.
     """
-    expected = parameters(factory)
-    given = arguments(factory, node, key, context, nested)
+    expected = parameter_types(factory)
+    given = bind_arguments(factory, node, key, context, nested)
     return factory(**given, **{name: value for name, value in context.items() if name in expected})
 
 
-def arguments(factory: Callable[..., Any], node: Mapping[str, Any], key: str, context: Mapping[str, Any], nested: Nested) -> dict[str, Any]:
-    """Return what ``build`` would take from ``node``, converted; raise ConfigurationError as it does."""
-    expected = parameters(factory)
+def bind_arguments(
+    factory: Callable[..., Any], node: Mapping[str, Any], key: str, context: Mapping[str, Any], nested: Nested
+) -> dict[str, Any]:
+    """Return what ``build_component`` would take from ``node``, converted; raise ConfigurationError as it does."""
+    expected = parameter_types(factory)
     given = {name: value for name, value in node.items() if name != "name" or "name" in expected}
     own = {name: annotation for name, annotation in expected.items() if name not in context}
     _check_keys(given, own, _optional_ones(factory), key)
-    return {name: convert(given[name], expected[name], f"{key}.{name}".lstrip("."), context, nested) for name in own if name in given}
+    return {name: convert_value(given[name], expected[name], f"{key}.{name}".lstrip("."), context, nested) for name in own if name in given}
 
 
 def read_settings(node: Any, record: type[Record], key: str) -> Record:
     """Return the frozen dataclass ``record`` from a configuration node that holds no components; raise ConfigurationError."""
-    settings: Record = convert(node, record, key, {}, lambda *_: NotImplemented)
+    settings: Record = convert_value(node, record, key, {}, lambda *_: NotImplemented)
     return settings
 
 
 @lru_cache(maxsize=512)
-def parameters(factory: Callable[..., Any]) -> Mapping[str, Any]:
+def parameter_types(factory: Callable[..., Any]) -> Mapping[str, Any]:
     """Return the annotation of each parameter of a constructor or function."""
     function = factory.__init__ if inspect.isclass(factory) else factory
     hints = get_type_hints(function, include_extras=True)
@@ -63,7 +65,7 @@ def _optional_ones(factory: Callable[..., Any]) -> frozenset[str]:
     return frozenset(name for name, p in inspect.signature(factory).parameters.items() if p.default is not inspect.Parameter.empty)
 
 
-def convert(value: Any, annotation: Any, key: str, context: Mapping[str, Any], nested: Nested) -> Any:
+def convert_value(value: Any, annotation: Any, key: str, context: Mapping[str, Any], nested: Nested) -> Any:
     """Return ``value`` as ``annotation`` wants it; raise ConfigurationError with the key and what is allowed."""
     component = nested(annotation, value, key, context)
     if component is not NotImplemented:
@@ -72,66 +74,68 @@ def convert(value: Any, annotation: Any, key: str, context: Mapping[str, Any], n
     if annotation is Any:
         return value
     if origin is Annotated:
-        return _bounded(value, arguments, key, context, nested)
+        return _convert_bounded(value, arguments, key, context, nested)
     if origin is Literal:
-        return _check(any(value == a and type(value) is type(a) for a in arguments), value, key, "one of " + ", ".join(map(str, arguments)))
+        return _check_value(
+            any(value == a and type(value) is type(a) for a in arguments), value, key, "one of " + ", ".join(map(str, arguments))
+        )
     if origin in (Union, types.UnionType):
-        return _optional(value, arguments, key, context, nested)
+        return _convert_optional(value, arguments, key, context, nested)
     if dataclasses.is_dataclass(annotation):
-        return _record(value, annotation, key, context, nested)
+        return _convert_record(value, annotation, key, context, nested)
     if origin in (list, tuple, Sequence):
-        _check(isinstance(value, (list, tuple)), value, key, "a list")
-        return [convert(v, arguments[0], f"{key}[{i}]", context, nested) for i, v in enumerate(value)]
+        _check_value(isinstance(value, (list, tuple)), value, key, "a list")
+        return [convert_value(v, arguments[0], f"{key}[{i}]", context, nested) for i, v in enumerate(value)]
     if origin in (dict, Mapping):
-        _check(isinstance(value, Mapping), value, key, "a mapping")
-        return {str(k): convert(v, arguments[1], f"{key}.{k}", context, nested) for k, v in value.items()}
-    return _scalar(value, annotation, key)
+        _check_value(isinstance(value, Mapping), value, key, "a mapping")
+        return {str(k): convert_value(v, arguments[1], f"{key}.{k}", context, nested) for k, v in value.items()}
+    return _convert_scalar(value, annotation, key)
 
 
-def _bounded(value: Any, arguments: tuple[Any, ...], key: str, context: Mapping[str, Any], nested: Nested) -> Any:
-    converted = convert(value, arguments[0], key, context, nested)
+def _convert_bounded(value: Any, arguments: tuple[Any, ...], key: str, context: Mapping[str, Any], nested: Nested) -> Any:
+    converted = convert_value(value, arguments[0], key, context, nested)
     for bounds in arguments[1:]:
         if isinstance(bounds, Bounds):
-            _check(bounds.allows(converted), value, key, str(bounds))
-            _check(bounds.above != 0.0 or converted >= LIMITS.number_smallest, value, key, DIVISORS)
+            _check_value(bounds.allows(converted), value, key, str(bounds))
+            _check_value(bounds.above != 0.0 or converted >= LIMITS.number_smallest, value, key, DIVISORS)
     return converted
 
 
-def _optional(value: Any, arguments: tuple[Any, ...], key: str, context: Mapping[str, Any], nested: Nested) -> Any:
+def _convert_optional(value: Any, arguments: tuple[Any, ...], key: str, context: Mapping[str, Any], nested: Nested) -> Any:
     if value is None and type(None) in arguments:
         return None
     choices = [a for a in arguments if a is not type(None)]
     for choice in choices[:-1]:
         try:
-            return convert(value, choice, key, context, nested)
+            return convert_value(value, choice, key, context, nested)
         except ConfigurationError:
             continue
-    return convert(value, choices[-1], key, context, nested)
+    return convert_value(value, choices[-1], key, context, nested)
 
 
-def _record(value: Any, annotation: Any, key: str, context: Mapping[str, Any], nested: Nested) -> Any:
+def _convert_record(value: Any, annotation: Any, key: str, context: Mapping[str, Any], nested: Nested) -> Any:
     if isinstance(value, annotation):
         return value
-    _check(isinstance(value, Mapping), value, key, "a mapping with " + ", ".join(f.name for f in dataclasses.fields(annotation)))
-    return build(annotation, value, key, {}, nested)
+    _check_value(isinstance(value, Mapping), value, key, "a mapping with " + ", ".join(f.name for f in dataclasses.fields(annotation)))
+    return build_component(annotation, value, key, {}, nested)
 
 
-def _scalar(value: Any, annotation: Any, key: str) -> Any:
+def _convert_scalar(value: Any, annotation: Any, key: str) -> Any:
     if annotation is float:
         number = isinstance(value, (int, float)) and not isinstance(value, bool)
-        _check(number and value == value, value, key, "a number")
-        return float(_check(abs(value) <= LIMITS.number_largest, value, key, NUMBERS))
+        _check_value(number and value == value, value, key, "a number")
+        return float(_check_value(abs(value) <= LIMITS.number_largest, value, key, NUMBERS))
     if annotation is int:
-        _check(isinstance(value, int) and not isinstance(value, bool), value, key, "a whole number")
-        return _check(abs(value) <= LIMITS.whole_largest, value, key, WHOLES)
+        _check_value(isinstance(value, int) and not isinstance(value, bool), value, key, "a whole number")
+        return _check_value(abs(value) <= LIMITS.whole_largest, value, key, WHOLES)
     if annotation in (str, bool):
-        return _check(isinstance(value, annotation), value, key, {str: "a text", bool: "true or false"}[annotation])
+        return _check_value(isinstance(value, annotation), value, key, {str: "a text", bool: "true or false"}[annotation])
     if isinstance(annotation, type):
-        return _check(isinstance(value, annotation), value, key, f"a {annotation.__name__}")
+        return _check_value(isinstance(value, annotation), value, key, f"a {annotation.__name__}")
     return value
 
 
-def _check(possible: bool, value: Any, key: str, allowed: str) -> Any:
+def _check_value(possible: bool, value: Any, key: str, allowed: str) -> Any:
     if not possible:
         raise ConfigurationError(f"{key} is {reprlib.repr(value)}; allowed: {allowed}")
     return value
@@ -140,16 +144,16 @@ def _check(possible: bool, value: Any, key: str, allowed: str) -> Any:
 def _check_keys(given: Mapping[str, Any], expected: Mapping[str, Any], optional: frozenset[str], key: str) -> None:
     for name in given:
         if name not in expected:
-            hint = did_you_mean(str(name), expected, _below(expected))
+            hint = did_you_mean(str(name), expected, _nested_keys(expected))
             raise ConfigurationError(f"{key} has no parameter {name}{hint} (allowed: {', '.join(expected) or 'none'})")
     missing = [name for name in expected if name not in given and name not in optional]
     if missing:
         raise ConfigurationError(f"{key} lacks {', '.join(missing)}")
 
 
-def _below(expected: Mapping[str, Any], levels: int = 3) -> Iterator[str]:
+def _nested_keys(expected: Mapping[str, Any], levels: int = 3) -> Iterator[str]:
     """Yield the keys of the records among parameters, with those that lead there, so many levels down."""
     for name, annotation in expected.items():
         for record in (one for one in (annotation, *get_args(annotation)) if dataclasses.is_dataclass(one) and inspect.isclass(one)):
-            inner = parameters(record)
-            yield from (f"{name}.{key}" for key in (*inner, *(_below(inner, levels - 1) if levels else ())))
+            inner = parameter_types(record)
+            yield from (f"{name}.{key}" for key in (*inner, *(_nested_keys(inner, levels - 1) if levels else ())))

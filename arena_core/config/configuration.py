@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 from arena_core.base.errors import ArenaError, ConfigurationError, DuplicateComponent
 from arena_core.base.files import reason_of
 from arena_core.base.hints import did_you_mean, keys_below
-from arena_core.base.suite import whence
+from arena_core.base.suite import distribution_hint
 from arena_core.config.plugins import config_packages, load_plugins
-from arena_core.config.registry import unknown
+from arena_core.config.registry import unknown_name
 
 if TYPE_CHECKING:
     from omegaconf import DictConfig
@@ -40,13 +40,13 @@ def search_path() -> list[tuple[str, str]]:
     Raises DuplicateComponent when two sources offer the same option of a group: Hydra would silently take the first.
     """
     manager = load_plugins()
-    _check_options(_folders(manager))
-    sources = [(plugin, _address(package)) for plugin, package in config_packages(manager).items()]
+    _check_options(_group_folders(manager))
+    sources = [(plugin, _package_address(package)) for plugin, package in config_packages(manager).items()]
     own = own_folder()
     return [*sources, ("working-directory", f"arena://{own}")] if own else sources
 
 
-def _address(package: str) -> str:
+def _package_address(package: str) -> str:
     """Return where Hydra finds a configuration package: its folder, where it is one (an archive has none)."""
     folder = files(package)
     return f"arena://{folder}" if isinstance(folder, Path) else f"pkg://{package}"
@@ -54,17 +54,17 @@ def _address(package: str) -> str:
 
 def option_files(group: str, manager: PluginManager) -> dict[str, Traversable]:
     """Return the file of every option of a group, by the option's name; those of subgroups are called ``subgroup/option``."""
-    folders = [folder / group for folder in _folders(manager).values()]
-    return dict(sorted((name, folder / f"{name}.yaml") for folder in folders if folder.is_dir() for name in _options(folder)))
+    folders = [folder / group for folder in _group_folders(manager).values()]
+    return dict(sorted((name, folder / f"{name}.yaml") for folder in folders if folder.is_dir() for name in _option_names(folder)))
 
 
-def groups(manager: PluginManager) -> list[str]:
+def group_names(manager: PluginManager) -> list[str]:
     """Return the configuration groups, sorted; without Hydra's own."""
-    entries = [entry for folder in _folders(manager).values() for entry in folder.iterdir() if entry.is_dir()]
+    entries = [entry for folder in _group_folders(manager).values() for entry in folder.iterdir() if entry.is_dir()]
     return sorted({entry.name for entry in entries if not entry.name.startswith("_")} - {"hydra"})
 
 
-def _folders(manager: PluginManager) -> dict[str, Traversable]:
+def _group_folders(manager: PluginManager) -> dict[str, Traversable]:
     """Return every folder of configuration groups, by who offers it."""
     folders: dict[str, Traversable] = {"the core": conf_directory()}
     folders |= {f"plugin {plugin}": files(package) for plugin, package in config_packages(manager).items()}
@@ -82,7 +82,7 @@ def _check_options(folders: Mapping[str, Traversable]) -> None:
     """Raise DuplicateComponent when two folders hold the same option of a group."""
     offered: dict[str, str] = {}
     for source, folder in folders.items():
-        for option in _options(folder):
+        for option in _option_names(folder):
             if "/" in option and option in offered:
                 raise DuplicateComponent(f"option {option} is offered twice: by {offered[option]} and by {source}; rename one")
             offered[option] = source
@@ -127,7 +127,7 @@ def one_line_errors() -> Iterator[None]:
         raise ConfigurationError("an override chooses no component; allowed: KIND=NAME, such as planner=dwa") from error
 
 
-def plain(config: Any) -> dict[str, Any]:
+def to_plain(config: Any) -> dict[str, Any]:
     """Return a composed configuration as plain, resolved containers; one that is plain already as it is."""
     from omegaconf import OmegaConf
 
@@ -138,7 +138,7 @@ def plain(config: Any) -> dict[str, Any]:
     return container  # type: ignore[return-value]
 
 
-def _options(folder: Traversable, group: str = "") -> Iterator[str]:
+def _option_names(folder: Traversable, group: str = "") -> Iterator[str]:
     """Yield the options below a folder; folders that cannot be read, deeper ones and links in a circle or upwards hold none."""
     try:
         entries = [(entry, entry.is_dir()) for entry in folder.iterdir()]
@@ -147,7 +147,7 @@ def _options(folder: Traversable, group: str = "") -> Iterator[str]:
     for entry, is_folder in entries:
         if is_folder and not entry.name.startswith("_"):
             if group.count("/") < DEEPEST and not _leads_up(entry, folder):
-                yield from _options(entry, f"{group}{entry.name}/")
+                yield from _option_names(entry, f"{group}{entry.name}/")
         elif not is_folder and entry.name.endswith(".yaml"):
             yield f"{group}{entry.name.removesuffix('.yaml')}"
 
@@ -174,27 +174,31 @@ def _one_line(error: BaseException) -> str:
 
     text = str(error)
     if isinstance(error, MissingConfigException):
-        return _missing(error.missing_cfg_file or "", error.options)
+        return _missing_option(error.missing_cfg_file or "", error.options)
     if isinstance(error, OverrideParseException):
-        reason = _joined(text.splitlines()[0])
+        reason = _join_lines(text.splitlines()[0])
         return f"{error.override} cannot be read: {reason}; allowed: KEY=VALUE, lists as [a,b], texts with spaces in quotes"
     override = re.search(r"Could not override '([^']+)'", text)
     if override:
         cause = error.__cause__
         return _no_key(getattr(cause, "full_key", None) or override.group(1), getattr(cause, "parent_node", None))
-    return _joined(f"{text} {error.__cause__ or ''}")
+    return _join_lines(f"{text} {error.__cause__ or ''}")
 
 
-def _missing(file: str, options: Sequence[str] | None) -> str:
+def _missing_option(file: str, options: Sequence[str] | None) -> str:
     """Return the line for an option that no configuration source has; Hydra does not always say which there are."""
     group, _, option = file.partition("/")
     known = list(options or option_files(group, load_plugins()))
     if extra := EXTRAS.get(file):
         return f"{'='.join(file.rsplit('/', 1))} comes with the extra arena-core[{extra}], which is not installed"
-    return unknown(group, option, known) if known or whence(group, option) else f"there is no {file}; `arena list` shows what is installed"
+    return (
+        unknown_name(group, option, known)
+        if known or distribution_hint(group, option)
+        else f"there is no {file}; `arena list` shows what is installed"
+    )
 
 
-def _joined(text: str) -> str:
+def _join_lines(text: str) -> str:
     return re.sub(r"\s+", " ", text).strip()
 
 

@@ -27,7 +27,7 @@ def check_option(file: Traversable, node: Any) -> None:
     if not isinstance(node, yaml.MappingNode):
         raise InputFileError(f"{file}: is no mapping; allowed: {ALLOWED}")
     try:
-        size = _size(node, {})
+        size = _expanded_size(node, {})
     except RecursionError:
         size = LIMITS.yaml_nodes + 1
     if size > LIMITS.yaml_nodes:
@@ -37,7 +37,7 @@ def check_option(file: Traversable, node: Any) -> None:
             raise InputFileError(f"{file}: defaults is no list; allowed: a list of options, or no such key")
 
 
-def _size(node: Any, known: dict[int, int]) -> int:
+def _expanded_size(node: Any, known: dict[int, int]) -> int:
     """Return how many values a node is once its aliases are written out; without end where it holds itself."""
     import yaml
 
@@ -46,5 +46,5 @@ def _size(node: Any, known: dict[int, int]) -> int:
     if id(node) not in known:
         known[id(node)] = LIMITS.yaml_nodes + 1  # until it is known: whoever meets it before holds itself
         below = node.value if isinstance(node, yaml.SequenceNode) else [part for pair in node.value for part in pair]
-        known[id(node)] = 1 + sum(_size(part, known) for part in below)
+        known[id(node)] = 1 + sum(_expanded_size(part, known) for part in below)
     return known[id(node)]

@@ -11,7 +11,7 @@ from importlib.resources import files
 
 import pluggy
 
-from arena_core.base.errors import BrokenPlugin, described
+from arena_core.base.errors import BrokenPlugin, describe_error
 from arena_core.contracts import hookspecs
 
 GROUP = "arena"
@@ -24,53 +24,53 @@ def load_plugins() -> pluggy.PluginManager:
     It is made once: what is installed meanwhile changes nothing. Raises BrokenPlugin when a plugin cannot be imported, misspells a hook
     or declares wrong arguments.
     """
-    return _loaded(os.environ.get(DISABLED, ""), tuple(sys.path))
+    return _load_manager(os.environ.get(DISABLED, ""), tuple(sys.path))
 
 
 @lru_cache(maxsize=1)
-def _loaded(disabled: str, path: tuple[str, ...]) -> pluggy.PluginManager:
+def _load_manager(disabled: str, path: tuple[str, ...]) -> pluggy.PluginManager:
     manager = pluggy.PluginManager(GROUP)
     manager.add_hookspecs(hookspecs)
     for entry_point in enabled_entry_points():
-        _register(manager, entry_point)
+        _register_plugin(manager, entry_point)
     try:
         manager.check_pending()
     except pluggy.PluginValidationError as error:
-        raise broken(str(getattr(error.plugin, "__name__", error.plugin)), error) from error
+        raise broken_plugin(str(getattr(error.plugin, "__name__", error.plugin)), error) from error
     return manager
 
 
 def enabled_entry_points() -> list[EntryPoint]:
     """Return the entry points of the plugins that are not switched off, sorted by name."""
     disabled = {name.strip() for name in os.environ.get(DISABLED, "").split(",")}
-    return [point for point in _installed(_places()) if point.name not in disabled]
+    return [point for point in _installed_entry_points(_search_path()) if point.name not in disabled]
 
 
 @lru_cache(maxsize=1)
-def _installed(places: tuple[tuple[str, int], ...]) -> list[EntryPoint]:
+def _installed_entry_points(places: tuple[tuple[str, int], ...]) -> list[EntryPoint]:
     return sorted(entry_points(group=GROUP), key=lambda point: point.name)
 
 
-def _places() -> tuple[tuple[str, int], ...]:
+def _search_path() -> tuple[tuple[str, int], ...]:
     """Return the folders of the path, each with when something was last installed in it, ns; 0 where there is none."""
-    return tuple((place, _changed(place)) for place in sys.path)
+    return tuple((place, _modified_at(place)) for place in sys.path)
 
 
-def _changed(place: str) -> int:
+def _modified_at(place: str) -> int:
     try:
         return os.stat(place or ".").st_mtime_ns
     except OSError:
         return 0
 
 
-def distributions() -> dict[str, tuple[str, str]]:
+def plugin_distributions() -> dict[str, tuple[str, str]]:
     """Return name and version of the distribution that brought each plugin, switched off ones among them."""
-    return _distributions(_places())
+    return _read_distributions(_search_path())
 
 
 @lru_cache(maxsize=1)
-def _distributions(places: tuple[tuple[str, int], ...]) -> dict[str, tuple[str, str]]:
-    brought = {point.name: point.dist for point in _installed(places) if point.dist}
+def _read_distributions(places: tuple[tuple[str, int], ...]) -> dict[str, tuple[str, str]]:
+    brought = {point.name: point.dist for point in _installed_entry_points(places) if point.dist}
     metadata = {found: found.metadata for found in set(brought.values())}
     return {plugin: (metadata[found]["Name"], metadata[found]["Version"]) for plugin, found in brought.items()}
 
@@ -81,20 +81,20 @@ def config_packages(manager: pluggy.PluginManager) -> dict[str, str]:
     return dict(sorted((i.plugin_name, _config_package(i)) for i in implementations))
 
 
-def broken(name: str, error: BaseException) -> BrokenPlugin:
+def broken_plugin(name: str, error: BaseException) -> BrokenPlugin:
     """Return the error for a plugin that failed, with the reason and how to switch it off."""
-    said = str(error) if isinstance(error, Exception) else described(error)
+    said = str(error) if isinstance(error, Exception) else describe_error(error)
     reason = " ".join(said.split()) or type(error).__name__
     return BrokenPlugin(f"plugin {name} cannot be loaded ({reason}); mend it, or switch it off with {DISABLED}={name}")
 
 
-def _register(manager: pluggy.PluginManager, entry_point: EntryPoint) -> None:
+def _register_plugin(manager: pluggy.PluginManager, entry_point: EntryPoint) -> None:
     try:
         manager.register(entry_point.load(), name=entry_point.name)
     except KeyboardInterrupt:
         raise
     except BaseException as error:  # sys.exit() of a module, too
-        raise broken(entry_point.name, error) from error
+        raise broken_plugin(entry_point.name, error) from error
 
 
 def _config_package(implementation: pluggy.HookImpl) -> str:
@@ -102,5 +102,5 @@ def _config_package(implementation: pluggy.HookImpl) -> str:
         package = str(implementation.function())
         files(package)
     except Exception as error:
-        raise broken(implementation.plugin_name, error) from error
+        raise broken_plugin(implementation.plugin_name, error) from error
     return package

@@ -61,29 +61,29 @@ def read_preset(option: str, files: Mapping[str, Traversable], inside: tuple[str
     Its tuning for a robot and components inside it are not part of it. Raises InputFileError for a file that is no YAML.
     """
     text = option_text(files[option])
-    node = _compose(text, files[option])
-    own = {parameter.path: parameter for parameter in _parameters(node, text.splitlines(), text)}
+    node = _compose_yaml(text, files[option])
+    own = {parameter.path: parameter for parameter in _list_parameters(node, text.splitlines(), text)}
     component = next((value.value for key, value in node.value if key.value == "name"), "") if node else ""
     parameters: dict[Path, Parameter] = {}
-    choices = _choices(node)
-    for base in _bases(node):
+    choices = _group_choices(node)
+    for base in _base_options(node):
         if base == SELF:
-            _merge(parameters, own)
+            _merge_parameters(parameters, own)
         elif base in files and base not in inside:
             inherited = read_preset(base, files, (*inside, option))
-            _merge(parameters, inherited.parameters)
+            _merge_parameters(parameters, inherited.parameters)
             component = component or inherited.component
             choices = {**inherited.choices, **choices}
     package = PACKAGE.search(text)
-    return Preset(_about(text), component, parameters, choices, package[1] if package else "")
+    return Preset(_first_comment(text), component, parameters, choices, package[1] if package else "")
 
 
 def about_of(file: Traversable) -> str:
     """Return what an option is, by its first line of comment; the rest of its file may be anything."""
-    return _about(option_text(file))
+    return _first_comment(option_text(file))
 
 
-def _about(text: str) -> str:
+def _first_comment(text: str) -> str:
     """Return the first line of comment ahead of the first key, without Hydra's directives."""
     for line in text.splitlines():
         if line and not line.startswith("#"):
@@ -93,7 +93,7 @@ def _about(text: str) -> str:
     return ""
 
 
-def _compose(text: str, file: Traversable) -> yaml.MappingNode | None:
+def _compose_yaml(text: str, file: Traversable) -> yaml.MappingNode | None:
     import yaml
 
     try:
@@ -104,24 +104,24 @@ def _compose(text: str, file: Traversable) -> yaml.MappingNode | None:
     return node  # type: ignore[no-any-return]
 
 
-def _bases(node: yaml.MappingNode | None) -> list[str]:
+def _base_options(node: yaml.MappingNode | None) -> list[str]:
     """Return the options of its own group that a file inherits from, with ``_self_`` in its place, at the end unless it is there."""
-    named = [entry.value.removesuffix(HERE) for entry in _defaults(node) if isinstance(entry.value, str)]
+    named = [entry.value.removesuffix(HERE) for entry in _defaults_list(node) if isinstance(entry.value, str)]
     return named if SELF in named else [*named, SELF]
 
 
-def _choices(node: yaml.MappingNode | None) -> dict[str, str]:
+def _group_choices(node: yaml.MappingNode | None) -> dict[str, str]:
     """Return the options of other groups that a file is made of, by group; of several those between commas."""
-    entries = [pair for entry in _defaults(node) if not isinstance(entry.value, str) for pair in entry.value]
+    entries = [pair for entry in _defaults_list(node) if not isinstance(entry.value, str) for pair in entry.value]
     chosen = {key.value: value.value if isinstance(value.value, str) else [v.value for v in value.value] for key, value in entries}
     return {group: ",".join(option) if isinstance(option, list) else option for group, option in chosen.items() if group.isidentifier()}
 
 
-def _defaults(node: yaml.MappingNode | None) -> Sequence[yaml.Node]:
+def _defaults_list(node: yaml.MappingNode | None) -> Sequence[yaml.Node]:
     return next((value.value for key, value in node.value if key.value == "defaults"), ()) if node else ()
 
 
-def _merge(parameters: dict[Path, Parameter], others: Mapping[Path, Parameter]) -> None:
+def _merge_parameters(parameters: dict[Path, Parameter], others: Mapping[Path, Parameter]) -> None:
     """Take in the parameters of another file: its values count, texts stay where it has none of its own."""
     for path, other in others.items():
         before = parameters.get(path)
@@ -129,7 +129,7 @@ def _merge(parameters: dict[Path, Parameter], others: Mapping[Path, Parameter]) 
         parameters[path] = described
 
 
-def _parameters(node: Any, lines: list[str], text: str, path: Path = ()) -> Iterator[Parameter]:
+def _list_parameters(node: Any, lines: list[str], text: str, path: Path = ()) -> Iterator[Parameter]:
     """Yield every key of a mapping, each ahead of those below it; those inside braces have no comments of their own."""
     import yaml
 
@@ -142,4 +142,4 @@ def _parameters(node: Any, lines: list[str], text: str, path: Path = ()) -> Iter
             described = (comment["unit"] or "", comment["text"]) if comment else ("", "")
             yield Parameter((*path, key.value), written, *described)
             if nested:
-                yield from _parameters(value, [] if value.flow_style else lines, text, (*path, key.value))
+                yield from _list_parameters(value, [] if value.flow_style else lines, text, (*path, key.value))

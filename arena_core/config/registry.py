@@ -10,11 +10,11 @@ from typing import Any
 
 import pluggy
 
-from arena_core.base.errors import ArenaError, BrokenPlugin, ConfigurationError, DuplicateComponent, UnknownComponent, described
+from arena_core.base.errors import ArenaError, BrokenPlugin, ConfigurationError, DuplicateComponent, UnknownComponent, describe_error
 from arena_core.base.hints import did_you_mean
-from arena_core.base.suite import whence
-from arena_core.config.binding import Nested, arguments, build, parameters
-from arena_core.config.plugins import broken, distributions, load_plugins
+from arena_core.base.suite import distribution_hint
+from arena_core.config.binding import Nested, bind_arguments, build_component, parameter_types
+from arena_core.config.plugins import broken_plugin, load_plugins, plugin_distributions
 from arena_core.contracts import learning, navigation, running, simulation
 from arena_core.contracts.hookspecs import Factory
 from arena_core.loop.navigator import NAVIGATOR_KEYS
@@ -81,11 +81,11 @@ class Component:
         except KeyboardInterrupt:
             raise
         except BaseException as error:  # sys.exit() of a module, too
-            raise BrokenPlugin(f"plugin {self.plugin}: {self.kind} {self.name} cannot be imported ({described(error)})") from error
+            raise BrokenPlugin(f"plugin {self.plugin}: {self.kind} {self.name} cannot be imported ({describe_error(error)})") from error
 
     def distribution(self) -> tuple[str, str]:
         """Return the name and version of the distribution that brought the plugin."""
-        return distributions().get(self.plugin, (self.plugin, "-"))
+        return plugin_distributions().get(self.plugin, (self.plugin, "-"))
 
 
 class Registry:
@@ -96,7 +96,7 @@ class Registry:
         self._components: dict[str, dict[str, Component]] = {kind: {} for kind in HOOKS}
         for kind, hook in HOOKS.items():
             for implementation in getattr(manager.hook, hook).get_hookimpls():
-                self._collect(kind, implementation)
+                self._collect_components(kind, implementation)
 
     def names(self, kind: str) -> list[str]:
         """Return the installed names of a kind, sorted."""
@@ -107,7 +107,7 @@ class Registry:
         try:
             return self._components[kind][name]
         except KeyError:
-            raise UnknownComponent(unknown(kind, name, self.names(kind))) from None
+            raise UnknownComponent(unknown_name(kind, name, self.names(kind))) from None
 
     def build(self, kind: str, node: Mapping[str, Any], **context: Any) -> Any:
         """Build the component that ``node["name"]`` names from the node's other keys and the context that it asks for.
@@ -116,30 +116,32 @@ class Registry:
         """
         if not isinstance(node, Mapping) or "name" not in node:
             raise ConfigurationError(f"{kind} has no key name; choose one with {kind}=..., installed: {', '.join(self.names(kind))}")
-        return self._build(kind, node, kind, context)
+        return self._build_component(kind, node, kind, context)
 
     def check(self, kind: str, node: Mapping[str, Any]) -> None:
         """Raise ConfigurationError for a key or value of ``node`` that its component does not take; nothing is built."""
-        self._check(kind, node, kind, {})
+        self._check_component(kind, node, kind, {})
 
-    def _check(self, kind: str, node: Mapping[str, Any], key: str, context: Mapping[str, Any]) -> Any:
+    def _check_component(self, kind: str, node: Mapping[str, Any], key: str, context: Mapping[str, Any]) -> Any:
         component = self.component(kind, str(node.get("name")))
         factory = component.resolve()
-        own = _own(kind, node)
-        elsewhere = dict.fromkeys(name for name in parameters(factory) if name not in own)
-        arguments(factory, own, key, elsewhere, self._nested(self._check))
+        own = _component_keys(kind, node)
+        elsewhere = dict.fromkeys(name for name in parameter_types(factory) if name not in own)
+        bind_arguments(factory, own, key, elsewhere, self._nested_builder(self._check_component))
         return node
 
-    def _build(self, kind: str, node: Mapping[str, Any], key: str, context: Mapping[str, Any]) -> Any:
+    def _build_component(self, kind: str, node: Mapping[str, Any], key: str, context: Mapping[str, Any]) -> Any:
         component = self.component(kind, str(node["name"]))
         try:
-            return build(component.resolve(), _own(kind, node), key, context, self._nested(self._build))
+            return build_component(
+                component.resolve(), _component_keys(kind, node), key, context, self._nested_builder(self._build_component)
+            )
         except (ArenaError, MemoryError, KeyboardInterrupt):
             raise
         except BaseException as error:
-            raise broken(component.plugin, error) from error
+            raise broken_plugin(component.plugin, error) from error
 
-    def _nested(self, make: Callable[[str, Mapping[str, Any], str, Mapping[str, Any]], Any]) -> Nested:
+    def _nested_builder(self, make: Callable[[str, Mapping[str, Any], str, Mapping[str, Any]], Any]) -> Nested:
         """Return what builds or checks components inside another one's configuration."""
 
         def nested(annotation: Any, node: Any, key: str, context: Mapping[str, Any]) -> Any:
@@ -151,7 +153,7 @@ class Registry:
 
         return nested
 
-    def _collect(self, kind: str, implementation: pluggy.HookImpl) -> None:
+    def _collect_components(self, kind: str, implementation: pluggy.HookImpl) -> None:
         plugin = implementation.plugin_name
         known = self._components[kind]
 
@@ -165,10 +167,10 @@ class Registry:
         except (DuplicateComponent, KeyboardInterrupt):
             raise
         except BaseException as error:
-            raise broken(plugin, error) from error
+            raise broken_plugin(plugin, error) from error
 
 
-def _own(kind: str, node: Mapping[str, Any]) -> dict[str, Any]:
+def _component_keys(kind: str, node: Mapping[str, Any]) -> dict[str, Any]:
     """Return the keys of a node that are its component's: what a planner's says of its navigator is not the planner's."""
     return {name: value for name, value in node.items() if kind != "planner" or name not in NAVIGATOR_KEYS}
 
@@ -183,8 +185,8 @@ def _registry_of(manager: pluggy.PluginManager) -> Registry:
     return Registry(manager)
 
 
-def unknown(kind: str, name: str, known: list[str]) -> str:
+def unknown_name(kind: str, name: str, known: list[str]) -> str:
     """Return the line for a name that nothing installed has: who brings it, or the nearest one."""
-    if brought := whence(kind, name):
+    if brought := distribution_hint(kind, name):
         return f"{kind} {name} {brought}"
     return f"unknown {kind} {name!r}{did_you_mean(name, known)} (possible: {', '.join(known) or 'none installed'})"

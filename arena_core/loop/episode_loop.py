@@ -127,7 +127,7 @@ class EpisodeLoop:
     def drive(self, commands: FloatArray, delays: NDArray[np.int64] = AT_ONCE) -> Snapshot:
         """Drive for one control period; ``commands`` (N, 3) in ``base_link`` act after ``delays`` (N,) ticks."""
         self._queue.send(commands, delays)
-        self.snapshot = joined([self._simulator.advance(acting, ticks) for acting, ticks in self._queue.segments(self.ticks)])
+        self.snapshot = join_snapshots([self._simulator.advance(acting, ticks) for acting, ticks in self._queue.segments(self.ticks)])
         self.collisions += [len(contacts) for contacts in self.snapshot.contacts]
         return self.snapshot
 
@@ -145,7 +145,7 @@ class EpisodeLoop:
         return Verdicts(claims & near, claims & ~near, collided, failed, timed_out)
 
 
-def joined(snapshots: Sequence[Snapshot]) -> Snapshot:
+def join_snapshots(snapshots: Sequence[Snapshot]) -> Snapshot:
     """Return the last of some snapshots in a row, with the contacts and the times in contact of all."""
     if len(snapshots) == 1:
         return snapshots[0]

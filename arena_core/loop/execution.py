@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from arena_core.base.ctrl_c import interrupts
-from arena_core.base.errors import described
+from arena_core.base.errors import describe_error
 from arena_core.base.pulse import pulse
 from arena_core.contracts.simulation import Simulator
 from arena_core.loop.episode_loop import EpisodeLoop
@@ -50,13 +50,13 @@ def run_episode(
     cannot go on from, ends it with the outcome ``error``. Where it is meanwhile is told in the ``live`` file.
     """
     try:
-        return _run(scenario, simulator, navigator, timing, recorder, stop_on_collision, live)
+        return _drive_episode(scenario, simulator, navigator, timing, recorder, stop_on_collision, live)
     finally:
         if live is not None:
             live.remove()
 
 
-def _run(
+def _drive_episode(
     scenario: Scenario,
     simulator: Simulator,
     navigator: Navigator,
@@ -82,7 +82,7 @@ def _run(
         except BaseException as error:  # whatever a planner raises, sys.exit() too
             if interrupts.raised(error):
                 raise
-            return recorder.finish(state, "error", described(error))
+            return recorder.finish(state, "error", describe_error(error))
         outcome = worlds.judge(np.array((decision.arrived,))).outcome(0)
         if outcome is not None:
             return recorder.finish(state, outcome, "", decision)

@@ -22,10 +22,10 @@ def kept_candidates(candidates: Sequence[Candidate] | None, planner: str) -> lis
 
     Raises InvalidCandidates where one of them is none.
     """
-    given = [_checked(candidate, planner) for candidate in candidates or ()]
+    given = [_check_candidate(candidate, planner) for candidate in candidates or ()]
     ranked = sorted(given, key=lambda one: (not one.chosen, math.isnan(one.cost), one.cost))
-    kept = [ranked[k] for k in _spread(len(ranked), MOST)]
-    return [Candidate(one.points_xy[_spread(len(one.points_xy), LONGEST)], one.cost, one.chosen) for one in kept]
+    kept = [ranked[k] for k in _evenly_spaced(len(ranked), MOST)]
+    return [Candidate(one.points_xy[_evenly_spaced(len(one.points_xy), LONGEST)], one.cost, one.chosen) for one in kept]
 
 
 def candidate_arrays(steps: Sequence[Sequence[Candidate]]) -> Arrays:
@@ -35,7 +35,7 @@ def candidate_arrays(steps: Sequence[Sequence[Candidate]]) -> Arrays:
     return {
         "considered_rows": np.cumsum([0, *map(len, steps)], dtype=np.int64),
         "considered_offsets": np.cumsum([0, *(len(one.points_xy) for one in flat)], dtype=np.int64),
-        "considered_points": _rounded(points, POINT_PLACES),
+        "considered_points": _round_float32(points, POINT_PLACES),
         "considered_costs": np.array([one.cost for one in flat], dtype=np.float32),
         "considered_chosen": np.array([one.chosen for one in flat], dtype=np.bool_),
     }
@@ -47,13 +47,13 @@ def track_arrays(steps: Sequence[Tracks | None]) -> Arrays:
     return {
         "track_rows": np.cumsum([0, *(len(tracks.ids) for tracks in known[: len(steps)])], dtype=np.int64),
         "track_ids": np.concatenate([tracks.ids for tracks in known]).astype(np.int32),
-        "track_positions": _rounded(np.concatenate([tracks.positions for tracks in known]), TRACK_PLACES),
-        "track_velocities": _rounded(np.concatenate([tracks.velocities for tracks in known]), TRACK_PLACES),
-        "track_radii": _rounded(np.concatenate([tracks.radii for tracks in known]), TRACK_PLACES),
+        "track_positions": _round_float32(np.concatenate([tracks.positions for tracks in known]), TRACK_PLACES),
+        "track_velocities": _round_float32(np.concatenate([tracks.velocities for tracks in known]), TRACK_PLACES),
+        "track_radii": _round_float32(np.concatenate([tracks.radii for tracks in known]), TRACK_PLACES),
     }
 
 
-def _checked(candidate: object, planner: str) -> Candidate:
+def _check_candidate(candidate: object, planner: str) -> Candidate:
     if not isinstance(candidate, Candidate):
         raise InvalidCandidates(f"{planner}.considered returned {type(candidate).__name__}; allowed: Candidates")
     points = np.asarray(candidate.points_xy)
@@ -62,10 +62,10 @@ def _checked(candidate: object, planner: str) -> Candidate:
     return Candidate(points.astype(np.float64), float(candidate.cost), bool(candidate.chosen))
 
 
-def _spread(count: int, most: int) -> NDArray[np.int64]:
+def _evenly_spaced(count: int, most: int) -> NDArray[np.int64]:
     """Return which of ``count`` are kept: all, or the first, the last and others at even distances."""
     return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64)) if count else np.empty(0, np.int64)
 
 
-def _rounded(values: NDArray[np.float64], places: int) -> NDArray[np.float32]:
+def _round_float32(values: NDArray[np.float64], places: int) -> NDArray[np.float32]:
     return (np.ldexp(np.rint(np.ldexp(values, places)), -places) + 0.0).astype(np.float32)

@@ -23,7 +23,7 @@ GRAIN = {  # binary places that are kept, finer than what any simulator or senso
 TIME_GRAIN = 20  # binary places of everything in timing/, s
 
 
-def rounded(arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+def round_arrays(arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
     """Return a record's arrays rounded to their grain, so that metrics are of what the file holds."""
     return {**arrays, **{name: to_grain(arrays[name], places) for name, places in GRAIN.items() if name in arrays}}
 

@@ -11,9 +11,9 @@ from typing import TypeVar
 import numpy as np
 
 from arena_core.base.errors import NoPath
-from arena_core.base.frozen import frozen
+from arena_core.base.frozen import freeze_array
 from arena_core.base.once import Once
-from arena_core.base.random_streams import generator
+from arena_core.base.random_streams import random_generator
 from arena_core.base.stopwatch import Timed
 from arena_core.contracts.navigation import (
     REPLAN_REASONS,
@@ -26,12 +26,12 @@ from arena_core.contracts.navigation import (
     Window,
 )
 from arena_core.loop.closed_places import ClosedPlaces
+from arena_core.loop.followed_path import FollowedPath
+from arena_core.loop.observing import make_observation, shown_map
 from arena_core.loop.recovery import Begun, Recoveries, RecoveryRules
-from arena_core.loop.shown import shown, shown_map
-from arena_core.loop.way import Way
 from arena_core.values.episode import Event
 from arena_core.values.geometry import Pose, Twist
-from arena_core.values.obstacles import with_obstacles
+from arena_core.values.obstacles import add_obstacles
 from arena_core.values.parameters import Fraction, NonNegative, Positive
 from arena_core.values.robot import Robot
 from arena_core.values.sensing import Observation, PoseEstimate, Sensors, Tracks
@@ -88,7 +88,7 @@ class View:
     tracks: Once[Tracks] | None = None
 
 
-def _untimed(part: str, compute: Callable[[], T]) -> T:
+def _call_untimed(part: str, compute: Callable[[], T]) -> T:
     return compute()
 
 
@@ -121,7 +121,7 @@ class Guide:
     def reset(self, mission: Mission) -> None:
         """Begin an episode; nothing of the one before is kept."""
         self.begin(mission)
-        self.localizer.reset(mission.map, mission.start, self._stream("localizer"))
+        self.localizer.reset(mission.map, mission.start, self._random_stream("localizer"))
         self.waypoints.reset(_SLOT, 1)
         self.tracker.reset(mission.map)
         self._shown_map = mission.map.derive(shown_map) if mission.map is not None else None
@@ -129,19 +129,19 @@ class Guide:
     def begin(self, mission: Mission) -> None:
         """Begin an episode as far as planning goes: for who localises and chooses waypoints for several robots at once."""
         self.mission = mission
-        self._way: Way | None = None
+        self._way: FollowedPath | None = None
         self._planned_at = -math.inf
         self._blocked_since: float | None = None
         self._closed = ClosedPlaces()
         self.local_map.reset(mission.map)
         self.recoveries.reset()
 
-    def look(self, sensors: Sensors, timed: Timed = _untimed) -> View:
+    def look(self, sensors: Sensors, timed: Timed = _call_untimed) -> View:
         """Localise, begin a recovery if there is no progress, plan where needed, and choose a waypoint.
 
         Raises NoPath where there is no first path.
         """
-        estimate = _kept(self.localizer.update(sensors))
+        estimate = _freeze_estimate(self.localizer.update(sensors))
         scan_pose = pose_at_scan(estimate.pose, sensors.odometry.twist, sensors.stamp - sensors.scan.stamp)
         window: Callable[[], Window] = Once(lambda: timed("local_map", lambda: self.local_map.take_in(sensors.scan, scan_pose)))
         local_map: Callable[[], Costmap] = Once(lambda: timed("local_map", window().costmap))
@@ -149,9 +149,9 @@ class Guide:
             return View(estimate, self.mission.goal, None, True, (), None, local_map)
         begun = self._begin_recovery(estimate.pose, sensors.stamp, lambda: self.recoveries.touches(local_map(), estimate.pose))
         before = self._way
-        way, waypoint, events = self._plan(estimate.pose, sensors.stamp, window, begun)
+        way, waypoint, events = self._plan_path(estimate.pose, sensors.stamp, window, begun)
         tracks = Once(lambda: timed("tracker", lambda: self.tracker.update(sensors.scan, scan_pose, sensors.stamp)))
-        observation = shown(
+        observation = make_observation(
             sensors,
             estimate,
             self.mission.goal,
@@ -198,7 +198,7 @@ class Guide:
 
     def follow(self, path: Path) -> None:
         """Follow this path from now on."""
-        self._way = Way(path)
+        self._way = FollowedPath(path)
         self.waypoints.reset(_SLOT, 1)
 
     @property
@@ -206,8 +206,8 @@ class Guide:
         """Return the path that is followed, None before the first one."""
         return None if self._way is None else self._way.path
 
-    def _stream(self, name: str) -> np.random.Generator:
-        return generator(self.mission.seed, self.mission.scenario, name)
+    def _random_stream(self, name: str) -> np.random.Generator:
+        return random_generator(self.mission.seed, self.mission.scenario, name)
 
     def _begin_recovery(self, pose: Pose, stamp: float, touches: Callable[[], bool]) -> Begun | None:
         """Return the recovery behaviour that begins now; what it wipes off the local map is gone before the scan is taken in."""
@@ -225,7 +225,9 @@ class Guide:
         time = self._closed.close(place, rules.detour_radius, stamp, rules.detour_time)
         return f"({place[0, 0]:.2f}, {place[0, 1]:.2f}) is closed for {time:.0f} s"
 
-    def _plan(self, pose: Pose, stamp: float, window: Callable[[], Window], begun: Begun | None) -> tuple[Way, Pose, tuple[Event, ...]]:
+    def _plan_path(
+        self, pose: Pose, stamp: float, window: Callable[[], Window], begun: Begun | None
+    ) -> tuple[FollowedPath, Pose, tuple[Event, ...]]:
         """Return way, waypoint and the events that led there: a recovery, a due replan, and one that the waypoint asked for."""
         reason = "recovery" if begun is not None else self.why_replan(pose, stamp, window)
         events: tuple[Event, ...] = () if begun is None else (begun.event,)
@@ -249,18 +251,18 @@ class Guide:
         window()
         closed = self._closed.at(self._planned_at)
         for places in (closed, []) if closed else ([],):
-            grid = with_obstacles(self.local_map.planning_grid(self.mission.goal, True), places)
+            grid = add_obstacles(self.local_map.planning_grid(self.mission.goal, True), places)
             with suppress(NoPath):
                 path = self.global_planner.plan(grid, pose, self.mission.goal)
-                return self._wider(pose, closed) or (grid, path) if self.global_planner.is_narrow(grid, path) else (grid, path)
+                return self._plan_wide_path(pose, closed) or (grid, path) if self.global_planner.is_narrow(grid, path) else (grid, path)
         grid = self.local_map.planning_grid(self.mission.goal, False)
         return grid, self.global_planner.plan(grid, pose, self.mission.goal)
 
-    def _wider(self, pose: Pose, closed: list[Obstacle]) -> tuple[OccupancyGrid, Path] | None:
+    def _plan_wide_path(self, pose: Pose, closed: list[Obstacle]) -> tuple[OccupancyGrid, Path] | None:
         """Return a path on the map alone, with ``closed`` places, that leads through no narrow passage; None if there is none."""
         if self.mission.map is None:
             return None
-        grid = with_obstacles(self.mission.map, closed)
+        grid = add_obstacles(self.mission.map, closed)
         with suppress(NoPath):
             path = self.global_planner.plan(grid, pose, self.mission.goal)
             return None if self.global_planner.is_narrow(grid, path) else (grid, path)
@@ -278,9 +280,9 @@ class Guide:
         return Pose.of(found.poses[0]), int(found.status[0])
 
 
-def _kept(estimate: PoseEstimate) -> PoseEstimate:
+def _freeze_estimate(estimate: PoseEstimate) -> PoseEstimate:
     """Return an estimate that its localiser cannot change any more."""
-    return PoseEstimate(estimate.pose, frozen(estimate.covariance))
+    return PoseEstimate(estimate.pose, freeze_array(estimate.covariance))
 
 
 def pose_at_scan(pose: Pose, twist: Twist, age: float) -> Pose:

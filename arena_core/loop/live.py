@@ -45,7 +45,7 @@ class LiveFile:
         there = np.isfinite(people.positions).all(axis=1)
         bodies = np.column_stack((people.positions, people.radii))[there]
         moving = {"stamp": state.stamp, "pose": state.pose.array().tolist(), "people": bodies.round(3).tolist()}
-        self._write(json.dumps({**self._said, **moving, "contact": bool(state.in_contact)}))
+        self._write_file(json.dumps({**self._said, **moving, "contact": bool(state.in_contact)}))
 
     def remove(self) -> None:
         """Say that the episode is over."""
@@ -54,7 +54,7 @@ class LiveFile:
         with suppress(OSError):
             self._path.parent.rmdir()
 
-    def _write(self, text: str) -> None:
+    def _write_file(self, text: str) -> None:
         beside = self._path.with_suffix(".part")
         with suppress(OSError, InputFileError):
             self._path.parent.mkdir(exist_ok=True)

@@ -15,8 +15,8 @@ from arena_core.base.stopwatch import NOTHING, Duration, Stopwatch, Timed
 from arena_core.contracts.navigation import GlobalPlanner, Localizer, LocalMap, Planner, Tracker, WaypointGenerator
 from arena_core.loop.extras import kept_candidates
 from arena_core.loop.guide import Guide, Mission, ReplanRules
+from arena_core.loop.observing import shown_pose
 from arena_core.loop.recovery import RecoveryRules
-from arena_core.loop.shown import shown_pose
 from arena_core.values.candidate import Candidate
 from arena_core.values.episode import DRIVER, EpisodeStart, Event
 from arena_core.values.geometry import Pose, Twist
@@ -102,7 +102,7 @@ class Navigator(Guide):
         """Begin an episode; nothing of the one before is kept."""
         super().reset(mission)
         self._driver = None
-        self.planner.reset(EpisodeStart(self._shown_map, shown_pose(mission.goal), self.control_period, self._stream("planner")))
+        self.planner.reset(EpisodeStart(self._shown_map, shown_pose(mission.goal), self.control_period, self._random_stream("planner")))
 
     def rehearse(self, sensors: Sensors) -> None:
         """Let a planner that compiles decide once for nothing, so that no compiler's time counts as its own; begin the episode anew."""
@@ -123,7 +123,7 @@ class Navigator(Guide):
         Raises NoPath when there is no first path, InvalidCommand when the planner returns no finite Twist.
         """
         watch = Stopwatch()
-        decided, tracks = watch.timed("rest", lambda: self._decide(sensors, watch.timed))
+        decided, tracks = watch.timed("rest", lambda: self._decide_once(sensors, watch.timed))
         return Decision(*decided, Spent.of(watch.spent), tracks() if tracks is not None and tracks.known else None)
 
     def considered(self, decision: Decision) -> list[Candidate]:
@@ -132,7 +132,7 @@ class Navigator(Guide):
             return []
         return kept_candidates(self.planner.considered(), type(self.planner).__name__)
 
-    def _decide(self, sensors: Sensors, timed: Timed) -> tuple[Decided, Once[Tracks] | None]:
+    def _decide_once(self, sensors: Sensors, timed: Timed) -> tuple[Decided, Once[Tracks] | None]:
         view = self.look(sensors, timed)
         observation = view.observation
         if observation is None:
@@ -152,12 +152,12 @@ class Navigator(Guide):
     def _ask_planner(self, observation: Observation) -> tuple[Twist, tuple[Event, ...]]:
         """Return the planner's command, the brake if it has none, and the event of a refusal."""
         try:
-            return checked(self.planner.compute_velocity(observation), self.planner), ()
+            return check_command(self.planner.compute_velocity(observation), self.planner), ()
         except NoValidCommand as refusal:
             return BRAKE, (Event(observation.stamp, "no_valid_command", str(refusal)),)
 
 
-def checked(command: object, planner: Planner) -> Twist:
+def check_command(command: object, planner: Planner) -> Twist:
     """Return a planner's command with plain floats; raise InvalidCommand unless it is a finite Twist."""
     name = type(planner).__name__
     if not isinstance(command, Twist):

@@ -18,7 +18,7 @@ def record_digest(record: EpisodeRecord) -> str:
 
     Wall times do not count, nor what names code and configuration: equal drives of other code have equal digests.
     """
-    digest = blake2b(json.dumps(_happened(record), sort_keys=True).encode(), digest_size=16)
+    digest = blake2b(json.dumps(_recorded_facts(record), sort_keys=True).encode(), digest_size=16)
     for name in sorted(record.arrays.keys() - set(GIVEN)):
         array = np.ascontiguousarray(record.arrays[name])
         digest.update(f"\0{name} {array.dtype.str} {array.shape}\0".encode())
@@ -26,7 +26,7 @@ def record_digest(record: EpisodeRecord) -> str:
     return digest.hexdigest()
 
 
-def _happened(record: EpisodeRecord) -> dict[str, object]:
+def _recorded_facts(record: EpisodeRecord) -> dict[str, object]:
     columns = {key: value for key, value in record.meta["columns"].items() if key not in WHICH_CODE}
     events = [event for event in record.meta["events"] if event["kind"] != DRIVER]  # which member drove says nothing of where
     return {**{key: value for key, value in record.meta.items() if key != "config"}, "columns": columns, "events": events}

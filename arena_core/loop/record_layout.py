@@ -98,10 +98,10 @@ def is_inside(name: object) -> bool:
 
 def _fault_of_arrays(arrays: Mapping[str, NDArray[Any]]) -> str:
     extents: dict[str | int, int] = {}
-    return _misfit(arrays, LAYOUT, extents) or ("" if extents["T"] > 0 else "it has no rows")
+    return _find_mismatch(arrays, LAYOUT, extents) or ("" if extents["T"] > 0 else "it has no rows")
 
 
-def _misfit(arrays: Mapping[str, NDArray[Any]], layout: Mapping[str, tuple[Extents, str]], extents: dict[str | int, int]) -> str:
+def _find_mismatch(arrays: Mapping[str, NDArray[Any]], layout: Mapping[str, tuple[Extents, str]], extents: dict[str | int, int]) -> str:
     """Return which array is missing or has not the extents of its layout; ``extents`` are known ones, and take in what is found."""
     for name, (letters, kinds) in layout.items():
         if name not in arrays:
@@ -127,7 +127,7 @@ def _fault_of_extras(arrays: Mapping[str, NDArray[Any]]) -> str:
         layout = {name: said for name, said in EXTRAS.items() if name.startswith(f"{prefix}_")}
         if not any(name in arrays for name in layout):
             continue
-        if fault := _misfit(arrays, layout, {"R": len(arrays["stamp"]), "B": len(arrays["pedestrian_ids"]) + 1}):
+        if fault := _find_mismatch(arrays, layout, {"R": len(arrays["stamp"]), "B": len(arrays["pedestrian_ids"]) + 1}):
             return fault
         places = [name for name in layout if name.endswith(("_points", "_positions", "_velocities", "_radii"))]
         if far := next((name for name in places if not (np.abs(arrays[name]) <= LIMITS.record_farthest).all()), ""):

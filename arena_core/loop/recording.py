@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core.base.frozen import frozen
+from arena_core.base.frozen import freeze_array
 from arena_core.loop.extras import candidate_arrays, track_arrays
-from arena_core.loop.grain import rounded
+from arena_core.loop.grain import round_arrays
 from arena_core.loop.navigator import Decision
 from arena_core.loop.record_arrays import (
     contact_arrays,
@@ -53,7 +53,7 @@ class Recorder:
 
     def sense(self, state: WorldState, sensors: Sensors) -> None:
         """Take in what is true and what was measured at a control step, before anybody decides; it counts once a decision is added."""
-        self._sensed = state, float(sensors.scan.ranges.min()), frozen(sensors.scan.ranges) if self._keep_scans else None
+        self._sensed = state, float(sensors.scan.ranges.min()), freeze_array(sensors.scan.ranges) if self._keep_scans else None
 
     def add(self, decision: Decision, considered: list[Candidate] | None = None) -> None:
         """Take in what was decided on what was sensed last, and what is kept of what the planner considered."""
@@ -84,9 +84,9 @@ class Recorder:
             arrays |= track_arrays([d.tracks for d in self._decisions])
         if self.keeps_considered:
             arrays |= candidate_arrays(self._considered)
-        events = [_event(e) for d in self._decisions for e in d.events]
+        events = [_event_dict(e) for d in self._decisions for e in d.events]
         meta = {**self._meta, "outcome": outcome, "error": error, "events": events}
-        return EpisodeRecord(rounded(arrays), meta, timing_arrays(self._decisions))
+        return EpisodeRecord(round_arrays(arrays), meta, timing_arrays(self._decisions))
 
 
 def robot_meta(robot: Robot) -> dict[str, Any]:
@@ -107,8 +107,8 @@ def _scenario_meta(scenario: Scenario) -> dict[str, Any]:
     return {
         "name": scenario.name,
         "seed": scenario.seed,
-        "start": _pose(scenario.start),
-        "goal": _pose(scenario.goal),
+        "start": _pose_list(scenario.start),
+        "goal": _pose_list(scenario.goal),
         "goal_radius": scenario.goal_radius,
         "time_limit": scenario.time_limit,
         "reference_length": scenario.reference_length,
@@ -119,9 +119,9 @@ def _scenario_meta(scenario: Scenario) -> dict[str, Any]:
     }
 
 
-def _event(event: Event) -> dict[str, Any]:
+def _event_dict(event: Event) -> dict[str, Any]:
     return {"stamp": event.stamp, "kind": event.kind, "detail": event.detail}
 
 
-def _pose(pose: Pose) -> list[float]:
+def _pose_list(pose: Pose) -> list[float]:
     return [pose.x, pose.y, pose.theta]

@@ -76,7 +76,7 @@ class Recoveries:
     def __init__(self, rules: RecoveryRules, robot: Robot) -> None:
         self._rules = rules
         self._robot = robot
-        self._body, self._rim = body(robot.footprint), _outline(robot.footprint)
+        self._body, self._rim = footprint_points(robot.footprint), _outline_points(robot.footprint)
         self._possible = [b for b in rules.behaviours if b != "turn" or robot.kinematics != "ackermann"]
         self.reset()
 
@@ -99,17 +99,17 @@ class Recoveries:
 
         ``touches`` is asked whether its body touches something where it has not moved for ``lean_time``.
         """
-        leaning = self._leans(pose, stamp, touches)
+        leaning = self._behaviour_when_leaning(pose, stamp, touches)
         if self._anchor is None or pose.distance(self._anchor) >= self._rules.progress_radius:
             self._anchor, self._since, self._tried = pose, stamp, 0
             self._due_at = stamp + self._rules.progress_time
         if leaning is not None:
             self._due_at = max(self._due_at, stamp + self._rules.retry_time)
-            return self._started(leaning, pose, stamp, f"{leaning}: leans on something")
-        if self._circles(pose, stamp):
+            return self._start_behaviour(leaning, pose, stamp, f"{leaning}: leans on something")
+        if self._drives_in_circles(pose, stamp):
             behaviour = self._possible[self._circled % len(self._possible)]
             self._circled += 1
-            return self._started(behaviour, pose, stamp, f"{behaviour}: drives in circles", behaviour == "detour")
+            return self._start_behaviour(behaviour, pose, stamp, f"{behaviour}: drives in circles", behaviour == "detour")
         if self._active is not None or not self._possible or stamp < self._due_at - 1e-9:
             return None
         behaviour = self._possible[self._tried % len(self._possible)]
@@ -117,16 +117,16 @@ class Recoveries:
         self._due_at = stamp + self._rules.retry_time
         all_failed = self._tried > len(self._possible) and self._tried % len(self._possible) == 1
         closes = "detour" in self._possible and (behaviour == "detour" or all_failed)
-        return self._started(behaviour, pose, stamp, f"{behaviour}: no progress for {stamp - self._since:.1f} s", closes)
+        return self._start_behaviour(behaviour, pose, stamp, f"{behaviour}: no progress for {stamp - self._since:.1f} s", closes)
 
-    def _started(self, behaviour: Behaviour, pose: Pose, stamp: float, detail: str, closes: bool = False) -> Begun:
+    def _start_behaviour(self, behaviour: Behaviour, pose: Pose, stamp: float, detail: str, closes: bool = False) -> Begun:
         if behaviour not in AT_ONCE:
-            self._active, self._from, self._until = behaviour, pose, stamp + self._longest(behaviour)
+            self._active, self._from, self._until = behaviour, pose, stamp + self._time_limit(behaviour)
             self._turned, self._side = 0.0, 0.0
         clear_beyond = {"clear": 0.0, "clear_far": self._rules.clear_beyond}.get(behaviour)
         return Begun(behaviour, clear_beyond, Event(stamp, "recovery", detail), closes)
 
-    def _circles(self, pose: Pose, stamp: float) -> bool:
+    def _drives_in_circles(self, pose: Pose, stamp: float) -> bool:
         """Return whether the robot has driven about in one place for too long since the last behaviour that was begun for that."""
         rules = self._rules
         if self._centre is None or pose.distance(self._centre) >= rules.circle_radius:
@@ -136,7 +136,7 @@ class Recoveries:
         due = stamp - self._circling_since >= rules.circle_time + self._circled * rules.progress_time - 1e-9
         return due and stamp < self._due_at - 1e-9
 
-    def _leans(self, pose: Pose, stamp: float, touches: Callable[[], bool]) -> Behaviour | None:
+    def _behaviour_when_leaning(self, pose: Pose, stamp: float, touches: Callable[[], bool]) -> Behaviour | None:
         """Return the behaviour that brings the robot off what it has leaned on for too long, each in turn; None if it does not lean."""
         if self._rest is None or pose.distance(self._rest) > _LEANING or self._active is not None:
             self._rest, self._rest_since = pose, stamp
@@ -153,26 +153,26 @@ class Recoveries:
         """Return what the behaviour under way sends now; None when none is, or when it has just ended."""
         if self._active is None:
             return None
-        command = self._next(pose, stamp, local_map, waypoint)
+        command = self._next_command(pose, stamp, local_map, waypoint)
         if command is None:
             self._active, self._due_at = None, stamp + self._rules.retry_time
         return command
 
-    def _next(self, pose: Pose, stamp: float, local_map: Callable[[], Costmap], waypoint: Pose) -> Twist | None:
+    def _next_command(self, pose: Pose, stamp: float, local_map: Callable[[], Costmap], waypoint: Pose) -> Twist | None:
         if stamp >= self._until - 1e-9:
             return None
         if self._active == "wait":
             return STAND
-        moves = {"back_up": self._backwards, "drive_on": self._onwards, "turn": self._turning}
+        moves = {"back_up": self._back_up, "drive_on": self._drive_on, "turn": self._turn_in_place}
         command = moves[str(self._active)](pose, waypoint)
         return command if command is not None and self._is_free(local_map(), pose, command) else None
 
-    def _backwards(self, pose: Pose, _: Pose) -> Twist | None:
+    def _back_up(self, pose: Pose, _: Pose) -> Twist | None:
         speed = min(self._rules.back_up_speed, -self._robot.limits.vx_min)
         far = pose.distance(self._from) >= self._rules.back_up_distance
         return None if far or speed <= 0.0 else Twist(-speed)
 
-    def _onwards(self, pose: Pose, waypoint: Pose) -> Twist | None:
+    def _drive_on(self, pose: Pose, waypoint: Pose) -> Twist | None:
         """Turn to the waypoint, then drive there slowly."""
         if pose.distance(self._from) >= self._rules.drive_on_distance:
             return None
@@ -185,7 +185,7 @@ class Recoveries:
             speed = 0.0
         return Twist(speed, 0.0, min(max(2.0 * bearing, -turn), turn))
 
-    def _turning(self, pose: Pose, waypoint: Pose) -> Twist | None:
+    def _turn_in_place(self, pose: Pose, waypoint: Pose) -> Twist | None:
         """Turn on to the side on which the waypoint was when the turn began."""
         turned = float(wrap_angle(pose.theta - self._from.theta))
         self._turned += float(wrap_angle(turned - self._turned))
@@ -198,14 +198,14 @@ class Recoveries:
 
     def touches(self, costmap: Costmap, pose: Pose) -> bool:
         """Return whether the robot's outline lies in an occupied cell or half a cell beside one, where a scan marks what it touches."""
-        return touched(costmap, self._rim * (1.0 + 0.5 * costmap.resolution / self._robot.footprint.radius), pose) > 0
+        return count_touched(costmap, self._rim * (1.0 + 0.5 * costmap.resolution / self._robot.footprint.radius), pose) > 0
 
     def _is_free(self, costmap: Costmap, pose: Pose, command: Twist) -> bool:
         """Tell whether the body, a little further on this motion, touches nothing that it does not touch already."""
         ahead = Pose(command.vx * _LOOK_AHEAD, 0.0, command.wz * _LOOK_AHEAD)
-        return touched(costmap, self._body, pose.compose(ahead)) <= touched(costmap, self._body, pose)
+        return count_touched(costmap, self._body, pose.compose(ahead)) <= count_touched(costmap, self._body, pose)
 
-    def _longest(self, behaviour: Behaviour) -> float:
+    def _time_limit(self, behaviour: Behaviour) -> float:
         """Return for how long a behaviour goes on at most, s: twice what it would take, where the robot moves as told."""
         rules = self._rules
         on = 2.0 * (rules.drive_on_distance / rules.back_up_speed + math.pi / rules.turn_speed)
@@ -214,12 +214,12 @@ class Recoveries:
         return times.get(behaviour, rules.wait_time)
 
 
-def body(footprint: Footprint) -> FloatArray:
+def footprint_points(footprint: Footprint) -> FloatArray:
     """Return points all over a footprint, (K, 2), m, in ``base_link``: its outline, and that drawn in towards the origin in rings."""
-    return np.concatenate([share * _outline(footprint) for share in _RINGS])
+    return np.concatenate([share * _outline_points(footprint) for share in _RINGS])
 
 
-def _outline(footprint: Footprint) -> FloatArray:
+def _outline_points(footprint: Footprint) -> FloatArray:
     if footprint.is_circle:
         angles = 2.0 * math.pi * np.arange(_OUTLINE) / _OUTLINE
         return footprint.radius * np.stack((np.cos(angles), np.sin(angles)), axis=1)
@@ -228,7 +228,7 @@ def _outline(footprint: Footprint) -> FloatArray:
     return np.asarray((footprint.vertices_xy + shares * (ends - footprint.vertices_xy)).reshape(-1, 2))
 
 
-def touched(costmap: Costmap, body_xy: FloatArray, pose: Pose) -> int:
+def count_touched(costmap: Costmap, body_xy: FloatArray, pose: Pose) -> int:
     """Count the points of a body at ``pose`` that lie in lethal cells of the window."""
     c, s = math.cos(pose.theta), math.sin(pose.theta)
     placed = body_xy @ np.array(((c, s), (-s, c))) + (pose.x, pose.y)

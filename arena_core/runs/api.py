@@ -42,7 +42,7 @@ class Run:
     @property
     def episodes(self) -> DataFrame:
         """Return the table of episodes, as it is on disk now: a row each, a column a metric (NaN where it is not defined)."""
-        return _pandas().read_csv(self.folder / "episodes.csv", keep_default_na=False, na_values={})
+        return _import_pandas().read_csv(self.folder / "episodes.csv", keep_default_na=False, na_values={})
 
     def record(self, episode: int) -> EpisodeRecord:
         """Return the record of an episode; raise InputFileError where there is none."""
@@ -84,21 +84,21 @@ class Runs(Sequence[Run]):
     @property
     def episodes(self) -> DataFrame:
         """Return the episodes of all runs in one table; ``preset``, ``robot``, ``world`` and others say which is whose."""
-        return _pandas().concat([run.episodes for run in self._runs], ignore_index=True)
+        return _import_pandas().concat([run.episodes for run in self._runs], ignore_index=True)
 
     def compare(self, baseline: str | None = None) -> DataFrame:
         """Compare planners with a baseline (by default the first) on the same scenarios: a row for each planner, condition and metric.
 
         ``difference`` has its 95 % interval ``low`` .. ``high``, ``p`` and ``p_holm``, after Holm among the comparisons of one metric.
         """
-        return _pandas().DataFrame(list(_reporter().compare(self._folders(), baseline)))
+        return _import_pandas().DataFrame(list(_find_reporter().compare(self._run_folders(), baseline)))
 
     def report(self, out: str | Path, baseline: str | None = None) -> Path:
         """Write tables, pictures and a page to the folder ``out``; return the folder."""
-        _reporter().report(self._folders(), Path(out), baseline)
+        _find_reporter().report(self._run_folders(), Path(out), baseline)
         return Path(out)
 
-    def _folders(self) -> list[Path]:
+    def _run_folders(self) -> list[Path]:
         return [run.folder for run in self._runs]
 
 
@@ -115,12 +115,12 @@ def run(overrides: Sequence[str] = (), folder: str | Path | None = None) -> Runs
     hydra = composed[0].hydra
     target = Path(folder if folder is not None else hydra.sweep.dir if len(composed) > 1 else hydra.run.dir).resolve()
     folders = [target / str(number) for number in range(len(composed))] if len(composed) > 1 else [target]
-    requests = [_request(*each) for each in zip(composed, jobs, folders, strict=True)]
+    requests = [_make_request(*each) for each in zip(composed, jobs, folders, strict=True)]
     run_all(requests, load_registry())
     return Runs([Run(folder) for folder in folders])
 
 
-def _request(composed: Any, overrides: Sequence[str], folder: Path) -> RunRequest:
+def _make_request(composed: Any, overrides: Sequence[str], folder: Path) -> RunRequest:
     from omegaconf import OmegaConf, open_dict
 
     hydra = composed.hydra
@@ -133,7 +133,7 @@ def _request(composed: Any, overrides: Sequence[str], folder: Path) -> RunReques
     return RunRequest(composed, folder, dict(hydra.runtime.choices), files)
 
 
-def _reporter() -> Reporter:
+def _find_reporter() -> Reporter:
     registry = load_registry()
     names = registry.names("reporter")
     if not names:
@@ -142,7 +142,7 @@ def _reporter() -> Reporter:
     return reporter
 
 
-def _pandas() -> Any:
+def _import_pandas() -> Any:
     try:
         import pandas
     except ImportError as error:

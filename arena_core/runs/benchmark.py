@@ -13,11 +13,11 @@ from typing import Annotated, Any, Literal
 import numpy as np
 
 from arena_core.base.errors import ConfigurationError
-from arena_core.base.folders import writing
+from arena_core.base.folders import check_writable
 from arena_core.base.hints import did_you_mean
 from arena_core.base.stopwatch import Stopwatch
 from arena_core.config.binding import read_settings
-from arena_core.config.configuration import plain
+from arena_core.config.configuration import to_plain
 from arena_core.config.registry import Registry
 from arena_core.contracts.navigation import Localizer
 from arena_core.contracts.running import Metric, MetricPack
@@ -30,7 +30,7 @@ from arena_core.loop.record_arrays import whole_timing
 from arena_core.loop.record_files import write_grid
 from arena_core.loop.recording import Recorder
 from arena_core.loop.recovery import RecoveryRules
-from arena_core.runs.code_digest import Code, code_of
+from arena_core.runs.code_digest import Code, digest_code
 from arena_core.values.episode import EpisodeRecord
 from arena_core.values.parameters import Bounds, Episodes, NonNegativeInt
 from arena_core.values.robot import Robot
@@ -114,18 +114,18 @@ class Benchmark:
     @property
     def columns(self) -> dict[str, Any]:
         """Return the columns of episodes.csv that the configuration alone decides."""
-        return identification(self.config) | {"code": self.code.digest}
+        return identity_columns(self.config) | {"code": self.code.digest}
 
     def run(self, episode: int, folder: Path, stage: int | None = None) -> EpisodeRecord:
         """Run one episode, on level ``stage`` of a task that adapts; its map is written to ``folder`` once."""
         watch = Stopwatch()
-        record = watch.timed("episode", lambda: self._run(episode, folder, stage))
+        record = watch.timed("episode", lambda: self._run_episode(episode, folder, stage))
         return replace(record, timing={**record.timing, **whole_timing(watch.spent["episode"])})
 
-    def _run(self, episode: int, folder: Path, stage: int | None) -> EpisodeRecord:
+    def _run_episode(self, episode: int, folder: Path, stage: int | None) -> EpisodeRecord:
         task = self.task if stage is None else self.task.at_stage(stage)
         scenario = task.scenario(self.settings.seed, episode)
-        columns = identification(self.config) | {
+        columns = identity_columns(self.config) | {
             "scenario": scenario.name,
             "scenario_hash": scenario.content_hash,
             "stage": scenario.stage if stage is None else stage,
@@ -134,7 +134,7 @@ class Benchmark:
             "code": self.code.digest,
         }
         grid = scenario.world.grid
-        with writing():
+        with check_writable():
             world = {"name": scenario.world.name, "known": scenario.world.known, "grid": write_grid(folder, grid)}
         world["free_area"] = grid.derive(free_area)
         meta = {"columns": columns, "world": world, "config": cell_config(self.config)}
@@ -151,7 +151,7 @@ def build_benchmark(config: Mapping[str, Any], registry: Registry) -> Benchmark:
 
     Raises ConfigurationError for the first thing that is wrong, before anything runs.
     """
-    config = plain(config)
+    config = to_plain(config)
     check_complete(config)
     settings = read_settings({k: config[k] for k in RunSettings.__slots__}, RunSettings, "")
     robot = registry.build("robot", config["robot"])
@@ -159,7 +159,7 @@ def build_benchmark(config: Mapping[str, Any], registry: Registry) -> Benchmark:
     pedestrians = registry.build("pedestrians", config["pedestrians"])
     simulator = registry.build("simulator", config["simulator"], robot=robot, pedestrians=pedestrians)
     control_period = _control_period(config, robot, simulator)
-    parts = _parts(config, registry, robot, passage_margin(config["planner"], robot))
+    parts = _build_navigation(config, registry, robot, passage_margin(config["planner"], robot))
     _check_map(config, parts["localizer"])
     planner = registry.build("planner", config["planner"], robot=deepcopy(robot))  # its own: the others' is not its to change
     replan = read_settings(_with_planners_own(config, "replan"), ReplanRules, "replan")
@@ -168,7 +168,7 @@ def build_benchmark(config: Mapping[str, Any], registry: Registry) -> Benchmark:
     timing = read_settings(config["timing"], Timing, "timing")
     recording = read_settings(config["recording"], RecordingSettings, "recording")
     metrics = build_metrics(config, registry)
-    return Benchmark(config, settings, robot, task, simulator, navigator, timing, metrics, recording, code_of(config, registry))
+    return Benchmark(config, settings, robot, task, simulator, navigator, timing, metrics, recording, digest_code(config, registry))
 
 
 def build_guide(config: Mapping[str, Any], registry: Registry, robot: Robot) -> Guide:
@@ -176,10 +176,12 @@ def build_guide(config: Mapping[str, Any], registry: Registry, robot: Robot) -> 
     check_sections(config, (*BRAIN, "replan", "recoveries"), "guide")
     replan = read_settings(config["replan"], ReplanRules, "replan")
     recoveries = read_settings(config["recoveries"], RecoveryRules, "recoveries")
-    return Guide(robot, **_parts(config, registry, robot, 0.0), replan=replan, recoveries=recoveries, control_period=robot.control_period)
+    return Guide(
+        robot, **_build_navigation(config, registry, robot, 0.0), replan=replan, recoveries=recoveries, control_period=robot.control_period
+    )
 
 
-def _parts(config: Mapping[str, Any], registry: Registry, robot: Robot, margin: float) -> dict[str, Any]:
+def _build_navigation(config: Mapping[str, Any], registry: Registry, robot: Robot, margin: float) -> dict[str, Any]:
     """Build what leads a robot; a global planner whose ``padding`` is null keeps off passages with less ``margin`` (m) on a side."""
     nodes = {kind: config[kind] for kind in BRAIN}
     if nodes["global_planner"].get("padding", margin) is None:
@@ -221,7 +223,7 @@ def config_hash(config: Mapping[str, Any]) -> str:
     return blake2b(json.dumps(cell_config(config), sort_keys=True).encode(), digest_size=4).hexdigest()
 
 
-def identification(config: Mapping[str, Any]) -> dict[str, Any]:
+def identity_columns(config: Mapping[str, Any]) -> dict[str, Any]:
     """Return the columns of episodes.csv that the configuration alone decides, with the code that the run began with."""
     choices = config.get("choices", {})
     return {

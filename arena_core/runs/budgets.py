@@ -47,14 +47,14 @@ class Watch:
         return self._too_late(warm) or self._too_large(memory)
 
     def _too_late(self, warm: bool) -> str | None:
-        limit = self._limit(warm)
+        limit = self._time_limit(warm)
         if limit is not None and self._since_beat > limit:
             return f"no {'first ' * (self._beats <= 1)}command within {limit:g} s"
         if self._budgets.episode is not None and self._since_begin > self._budgets.episode:
             return f"not over within {self._budgets.episode:g} s"
         return None
 
-    def _limit(self, warm: bool) -> float | None:
+    def _time_limit(self, warm: bool) -> float | None:
         """Return how long the next control step may take to begin."""
         first, command = self._budgets.first_command, self._budgets.command
         if self._beats in (STARTING, FINISHING):

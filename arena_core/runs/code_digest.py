@@ -35,42 +35,42 @@ class Code:
         return sorted(name for name in {**before, **self.parts} if before.get(name) != self.parts.get(name))
 
 
-def code_of(config: Mapping[str, Any], registry: Registry, apart: Sequence[str] = APART, besides: Iterable[str] = ()) -> Code:
+def digest_code(config: Mapping[str, Any], registry: Registry, apart: Sequence[str] = APART, besides: Iterable[str] = ()) -> Code:
     """Return the code that a composed configuration runs with, as it lies on the disk when this process first asks.
 
     Components of the kinds ``apart`` do not count; the plugins ``besides``, entry points by name, do in any case.
     """
-    chosen = {registry.component(kind, name).plugin for kind, name in _named(config, registry, apart)} | set(besides)
-    return _code(frozenset(point for point in enabled_entry_points() if point.name in chosen and point.dist))
+    chosen = {registry.component(kind, name).plugin for kind, name in _configured_components(config, registry, apart)} | set(besides)
+    return _digest_code(frozenset(point for point in enabled_entry_points() if point.name in chosen and point.dist))
 
 
 @lru_cache(maxsize=64)
-def _code(brought: frozenset[EntryPoint]) -> Code:
-    names = {_name(point.dist) for point in brought if point.dist}
-    parts = {name: f"{dist.version} {content}" for name, dist, content in _parts({CORE, *names})}
+def _digest_code(brought: frozenset[EntryPoint]) -> Code:
+    names = {_distribution_name(point.dist) for point in brought if point.dist}
+    parts = {name: f"{dist.version} {content}" for name, dist, content in _digest_distributions({CORE, *names})}
     digest = blake2b(json.dumps(parts, sort_keys=True).encode(), digest_size=4).hexdigest()
     return Code(digest, parts)
 
 
-def _named(config: Mapping[str, Any], registry: Registry, apart: Sequence[str]) -> Iterator[tuple[str, str]]:
+def _configured_components(config: Mapping[str, Any], registry: Registry, apart: Sequence[str]) -> Iterator[tuple[str, str]]:
     """Yield kind and name of every component that the configuration builds, also inside others (a switch's members)."""
     kinds = [kind for kind in HOOKS if kind not in apart]
     for key, node in config.items():
-        if key not in apart and (names := set(_names(node))):
+        if key not in apart and (names := set(_component_names(node))):
             yield from ((kind, name) for kind in kinds for name in registry.names(kind) if name in names)
 
 
-def _names(node: Any) -> Iterator[str]:
+def _component_names(node: Any) -> Iterator[str]:
     if isinstance(node, Mapping):
         if isinstance(node.get("name"), str):
             yield node["name"]
         for value in node.values():
-            yield from _names(value)
+            yield from _component_names(value)
 
 
-def _parts(wanted: Iterable[str]) -> Iterator[tuple[str, Distribution, str]]:
+def _digest_distributions(wanted: Iterable[str]) -> Iterator[tuple[str, Distribution, str]]:
     """Yield name, distribution and content of these distributions and of what they need of the suite or of the user's own checkouts."""
-    plugins = {_name(point.dist) for point in enabled_entry_points() if point.dist}
+    plugins = {_distribution_name(point.dist) for point in enabled_entry_points() if point.dist}
     open_names, seen = sorted(wanted), set(wanted)
     while open_names:
         name = open_names.pop()
@@ -78,16 +78,16 @@ def _parts(wanted: Iterable[str]) -> Iterator[tuple[str, Distribution, str]]:
             found = distribution(name)
         except PackageNotFoundError:
             continue  # imported from a folder that nobody installed
-        yield name, found, _content(found)
-        needed = {other for other in _needed(found) if other in plugins or other.startswith(SUITE) or _is_editable(other)}
+        yield name, found, _digest_content(found)
+        needed = {other for other in _required_names(found) if other in plugins or other.startswith(SUITE) or _is_editable(other)}
         open_names += sorted(needed - seen)
         seen |= needed
 
 
-def _needed(found: Distribution) -> set[str]:
+def _required_names(found: Distribution) -> set[str]:
     """Return the distributions that one requires without any extra."""
     lines = [line for line in found.requires or [] if "extra ==" not in line]
-    return {_normal(match[0]) for line in lines if (match := re.match(r"[A-Za-z0-9._-]+", line))}
+    return {_normal_name(match[0]) for line in lines if (match := re.match(r"[A-Za-z0-9._-]+", line))}
 
 
 def _is_editable(name: str) -> bool:
@@ -98,19 +98,19 @@ def _is_editable(name: str) -> bool:
         return False
 
 
-def _content(found: Distribution) -> str:
+def _digest_content(found: Distribution) -> str:
     """Return a digest of the files of a distribution's packages: those of its plugins, and the one that bears its name."""
     points = {point.module.partition(".")[0] for point in found.entry_points if point.group == GROUP}
-    roots = sorted({root for module in {*points, _name(found).replace("-", "_")} for root in _roots(module)})
+    roots = sorted({root for module in {*points, _distribution_name(found).replace("-", "_")} for root in _package_roots(module)})
     digest = blake2b(digest_size=4)
     for root in roots:
-        for path in _files(root):
+        for path in _source_files(root):
             digest.update(f"{path.relative_to(root.parent).as_posix()}\0".encode())
             digest.update(blake2b(_without_line_endings(path.read_bytes())).digest())
     return digest.hexdigest()
 
 
-def _roots(module: str) -> list[Path]:
+def _package_roots(module: str) -> list[Path]:
     """Return the folders of a package, or the file of a module; nothing where it cannot be found."""
     spec = find_spec(module)
     if spec is None:
@@ -120,7 +120,7 @@ def _roots(module: str) -> list[Path]:
     return [Path(spec.origin)] if spec.origin else []
 
 
-def _files(root: Path) -> list[Path]:
+def _source_files(root: Path) -> list[Path]:
     if root.is_file():
         return [root]
     found = [path for path in root.rglob("*") if path.is_file() and path.suffix not in LEFT_OUT]
@@ -136,10 +136,10 @@ def _without_line_endings(content: bytes) -> bytes:
     return content if b"\0" in content else content.replace(b"\r\n", b"\n")
 
 
-def _name(found: Distribution) -> str:
-    return _normal(found.metadata["Name"])
+def _distribution_name(found: Distribution) -> str:
+    return _normal_name(found.metadata["Name"])
 
 
-def _normal(name: str) -> str:
+def _normal_name(name: str) -> str:
     """Return a distribution's name as PEP 503 writes it."""
     return re.sub(r"[-_.]+", "-", name).lower()

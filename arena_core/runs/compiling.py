@@ -12,7 +12,7 @@ from importlib import import_module
 from itertools import count
 from typing import Any
 
-from arena_core.base.notices import tell
+from arena_core.base.notices import print_notice
 from arena_core.contracts.running import Job
 from arena_core.runs.benchmark import BRAIN
 
@@ -26,7 +26,7 @@ Waiting = deque[tuple[Job, int]]
 _told: list[Callable[[], None]] = []
 
 
-def announce(compiled: Callable[[], None]) -> None:
+def announce_compilation(compiled: Callable[[], None]) -> None:
     """Have ``compiled`` called for every kernel that numba begins to compile in this process, if anything has imported numba."""
     if "numba" not in sys.modules or compiled in _told:
         return
@@ -43,15 +43,15 @@ def announce(compiled: Callable[[], None]) -> None:
     _told.append(compiled)
 
 
-def tell_of_compiling() -> None:
+def announce_compiling() -> None:
     """Say it, once, when this process has begun to compile more than a few kernels; of no use before numba is imported."""
     kernels = count(1)
 
     def compiled() -> None:
         if next(kernels) == MANY:
-            tell(NOTICE)
+            print_notice(NOTICE)
 
-    announce(compiled)
+    announce_compilation(compiled)
 
 
 class Turns:
@@ -114,12 +114,12 @@ class Turns:
 
 def parts_of(job: Job, kinds: Iterable[str] = COMPILED) -> Parts:
     """Return the names of the components that may have to be compiled for a job, those within others too."""
-    return tuple(name for kind in kinds for name in _names(job.config.get(kind)))
+    return tuple(name for kind in kinds for name in _component_names(job.config.get(kind)))
 
 
-def _names(node: Any) -> Iterator[str]:
+def _component_names(node: Any) -> Iterator[str]:
     if isinstance(node, Mapping):
         if "name" in node:
             yield str(node["name"])
         for value in node.values():
-            yield from _names(value)
+            yield from _component_names(value)

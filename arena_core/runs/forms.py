@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from arena_core.base.errors import ConfigurationError
-from arena_core.config.binding import parameters, read_settings
+from arena_core.config.binding import parameter_types, read_settings
 from arena_core.config.configuration import PRIMARY, option_files
 from arena_core.config.presets import Parameter, Path, Preset, about_of, options_of, read_preset
 from arena_core.config.registry import HOOKS, INTERFACES, Registry
@@ -73,17 +73,17 @@ def form_of(group: str, option: str, registry: Registry) -> Form:
     if option not in files:
         raise ConfigurationError(f"{group} has no option {option}; allowed: {', '.join(option_names(group, registry))}")
     preset = read_preset(option, files)
-    top = _top(group, preset, registry)
+    top = _own_annotations(group, preset, registry)
     place = {"": group, GLOBAL: ""}.get(preset.package, preset.package)
-    return Form(preset.about, preset.component, _fields(preset, place, top, registry))
+    return Form(preset.about, preset.component, _make_fields(preset, place, top, registry))
 
 
 def settings_form(registry: Registry) -> Form:
     """Return the form of the run's own settings: episodes, seed, timing and what is recorded."""
     preset = read_preset(PRIMARY, option_files("", registry.manager))
-    top = {**parameters(RunSettings), **SETTINGS}
+    top = {**parameter_types(RunSettings), **SETTINGS}
     known = {path: parameter for path, parameter in preset.parameters.items() if path[0] in top}
-    return Form(preset.about, "", _fields(dataclasses.replace(preset, parameters=known), "", top, registry))
+    return Form(preset.about, "", _make_fields(dataclasses.replace(preset, parameters=known), "", top, registry))
 
 
 def check_settings(config: Mapping[str, Any], registry: Registry) -> None:
@@ -101,59 +101,59 @@ def check_settings(config: Mapping[str, Any], registry: Registry) -> None:
         registry.check("metrics", pack)
 
 
-def _top(group: str, preset: Preset, registry: Registry) -> Mapping[str, Any]:
+def _own_annotations(group: str, preset: Preset, registry: Registry) -> Mapping[str, Any]:
     """Return the annotations of an option's own keys, as far as they are known."""
     if group in RULES:
-        return parameters(RULES[group])
+        return parameter_types(RULES[group])
     if group in HOOKS and preset.component in registry.names(group):
-        return {**parameters(registry.component(group, preset.component).resolve()), **(RULES if group == "planner" else {})}
+        return {**parameter_types(registry.component(group, preset.component).resolve()), **(RULES if group == "planner" else {})}
     return {}
 
 
-def _fields(preset: Preset, place: str, top: Mapping[str, Any], registry: Registry) -> tuple[Field, ...]:
+def _make_fields(preset: Preset, place: str, top: Mapping[str, Any], registry: Registry) -> tuple[Field, ...]:
     above = {path[:-1] for path in preset.parameters}
     leaves = [parameter for path, parameter in preset.parameters.items() if path not in above]
-    return tuple(_field(leaf, place, _annotation(leaf.path, top, preset, registry)) for leaf in leaves if leaf.path[-1] != "name")
+    return tuple(_make_field(leaf, place, _find_annotation(leaf.path, top, preset, registry)) for leaf in leaves if leaf.path[-1] != "name")
 
 
-def _field(parameter: Parameter, place: str, annotation: Any) -> Field:
-    kind, allowed, choices, optional = _described(annotation, parameter.value)
+def _make_field(parameter: Parameter, place: str, annotation: Any) -> Field:
+    kind, allowed, choices, optional = _describe_type(annotation, parameter.value)
     key = ".".join((place, *parameter.path) if place else parameter.path)
     return Field(key, parameter.value, parameter.unit, parameter.text, kind, allowed, choices, optional)
 
 
-def _annotation(path: Path, top: Mapping[str, Any], preset: Preset, registry: Registry) -> Any:
+def _find_annotation(path: Path, top: Mapping[str, Any], preset: Preset, registry: Registry) -> Any:
     """Return what a key's value has to be, or None where nobody says: it is looked up from the outermost mapping inwards."""
     found = top.get(path[0])
     for depth in range(1, len(path)):
         named = preset.parameters.get((*path[:depth], "name"))
-        found = _inside(found, path[depth], named.value if named else "", registry)
+        found = _inner_annotation(found, path[depth], named.value if named else "", registry)
     return found
 
 
-def _inside(annotation: Any, name: str, component: str, registry: Registry) -> Any:
+def _inner_annotation(annotation: Any, name: str, component: str, registry: Registry) -> Any:
     """Return the annotation of a key inside what ``annotation`` describes: a record, a mapping, or a component by name."""
-    for one in _alternatives(annotation):
+    for one in _possible_types(annotation):
         if isinstance(one, type) and dataclasses.is_dataclass(one):
-            return parameters(one).get(name)
+            return parameter_types(one).get(name)
         if get_origin(one) in (dict, Mapping):
             return get_args(one)[1]
         kind = INTERFACES.get(one) if isinstance(one, type) else None
         if kind and component in registry.names(kind):
-            return parameters(registry.component(kind, component).resolve()).get(name)
+            return parameter_types(registry.component(kind, component).resolve()).get(name)
     return None
 
 
-def _alternatives(annotation: Any) -> list[Any]:
+def _possible_types(annotation: Any) -> list[Any]:
     """Return the types that a value may have, without None and without bounds."""
     if get_origin(annotation) is Annotated:
-        return _alternatives(get_args(annotation)[0])
+        return _possible_types(get_args(annotation)[0])
     if get_origin(annotation) in (Union, types.UnionType):
-        return [kind for one in get_args(annotation) if one is not type(None) for kind in _alternatives(one)]
+        return [kind for one in get_args(annotation) if one is not type(None) for kind in _possible_types(one)]
     return [annotation]
 
 
-def _described(annotation: Any, value: str) -> tuple[str, str, tuple[str, ...], bool]:
+def _describe_type(annotation: Any, value: str) -> tuple[str, str, tuple[str, ...], bool]:
     """Return kind, what is allowed, choices, and whether null is."""
     optional = get_origin(annotation) in (Union, types.UnionType) and type(None) in get_args(annotation)
     kinds = [one for one in get_args(annotation) if one is not type(None)] if optional else [annotation]
@@ -163,17 +163,17 @@ def _described(annotation: Any, value: str) -> tuple[str, str, tuple[str, ...], 
     bounds = next((b for b in get_args(one)[1:] if isinstance(b, Bounds)), None) if get_origin(one) is Annotated else None
     bare = get_args(one)[0] if get_origin(one) is Annotated else one
     if get_origin(bare) is Literal:
-        choices = tuple(_written(choice) for choice in get_args(bare))
+        choices = tuple(_format_choice(choice) for choice in get_args(bare))
         return "choice", f"one of {', '.join(choices)}", choices, optional
-    kind = KINDS.get(bare, "other") if isinstance(bare, type) else _guessed(value) if bare is None else "other"
+    kind = KINDS.get(bare, "other") if isinstance(bare, type) else _guess_kind(value) if bare is None else "other"
     return kind, str(bounds) if bounds else "", (), optional
 
 
-def _written(choice: Any) -> str:
+def _format_choice(choice: Any) -> str:
     return str(choice).lower() if isinstance(choice, bool) else str(choice)
 
 
-def _guessed(value: str) -> str:
+def _guess_kind(value: str) -> str:
     """Return the kind of a value that nobody describes, by how it is written."""
     if value in ("true", "false"):
         return "truth"

@@ -28,9 +28,9 @@ class KeptRow(Mapping[str, Any]):
     __slots__ = ("_layout", "_numbers", "_others")
 
     def __init__(self, row: Mapping[str, Any]) -> None:
-        self._layout = _layout(tuple((name, type(value) is float) for name, value in row.items()))
+        self._layout = _column_layout(tuple((name, type(value) is float) for name, value in row.items()))
         self._numbers = array("d", [value for value in row.values() if type(value) is float])
-        self._others = tuple(_shared(value) for value in row.values() if type(value) is not float)
+        self._others = tuple(_intern_value(value) for value in row.values() if type(value) is not float)
 
     def __getitem__(self, name: str) -> Any:
         is_number, place = self._layout.places[name]
@@ -44,9 +44,9 @@ class KeptRow(Mapping[str, Any]):
 
 
 @lru_cache(maxsize=1000)
-def _layout(columns: tuple[tuple[str, bool], ...]) -> Layout:
+def _column_layout(columns: tuple[tuple[str, bool], ...]) -> Layout:
     return Layout(columns)
 
 
-def _shared(value: Any) -> Any:
+def _intern_value(value: Any) -> Any:
     return sys.intern(value) if type(value) is str else value

@@ -23,7 +23,7 @@ def new_mark() -> bytes:
     return token_bytes(MARK)
 
 
-def send(connection: Connection, mark: bytes, value: Any) -> None:
+def send_message(connection: Connection, mark: bytes, value: Any) -> None:
     """Send a value; raise OSError where nobody reads any more."""
     content = pickle.dumps(value)
     left = memoryview(mark + LENGTH.pack(len(content)) + content)
@@ -40,7 +40,7 @@ class Inbox:
 
     def take(self) -> Any:
         """Return the next value that is there whole, None if none is; raise EOFError once the pipe is closed."""
-        while (content := self._content()) is None:
+        while (content := self._take_message()) is None:
             if not self._connection.poll():
                 return None
             part = os.read(self._connection.fileno(), PART)
@@ -49,7 +49,7 @@ class Inbox:
             self._read += part
         return pickle.loads(content)  # noqa: S301 - it has the worker's mark
 
-    def _content(self) -> bytes | None:
+    def _take_message(self) -> bytes | None:
         """Take the next whole message out of what was read."""
         begin = self._read.find(self._mark)
         del self._read[: begin if begin >= 0 else max(0, len(self._read) - MARK + 1)]

@@ -18,7 +18,7 @@ from arena_core.config.registry import Registry, load_registry
 from arena_core.contracts.running import Finished, Job, Lost
 from arena_core.loop.record_places import OF_EPISODE, PARTS, record_path, timing_path
 from arena_core.runs.budgets import Budgets
-from arena_core.runs.code_digest import code_of
+from arena_core.runs.code_digest import digest_code
 from arena_core.runs.supervising import Supervisor
 from arena_core.runs.workers import Work
 
@@ -66,11 +66,11 @@ class Node:
         """Take on jobs; raise OtherCode where the code here is not that with which their runs were begun."""
         for job in jobs:
             self._check_code(job.config)
-        self._supervisor.add([replace(job, folder=self._place(job)) for job in jobs])
+        self._supervisor.add([replace(job, folder=self._job_folder(job)) for job in jobs])
 
     def look(self, work: Work) -> list[Delivery]:
         """Wait a moment, and return what is over; raise what ``work`` raised."""
-        return [self._delivery(one.job, one.answer) for one in self._supervisor.look(work)]
+        return [self._make_delivery(one.job, one.answer) for one in self._supervisor.look(work)]
 
     def close(self) -> None:
         """End the workers."""
@@ -82,13 +82,13 @@ class Node:
         if not wanted or key in self._checked:
             return
         self._registry = self._registry or load_registry()
-        code = code_of(config, self._registry)
+        code = digest_code(config, self._registry)
         if code.digest != wanted:
             parts = ", ".join(f"{name} {content}" for name, content in code.parts.items())
             raise OtherCode(f"{platform.node()} has other code, {code.digest} in place of {wanted}: {one_line(parts, 300)}")
         self._checked.add(key)
 
-    def _place(self, job: Job) -> str:
+    def _job_folder(self, job: Job) -> str:
         """Return the folder in which a job runs here."""
         if self._folder is None or not job.folder:
             return job.folder
@@ -97,12 +97,12 @@ class Node:
         self._homes[str(place)] = job.folder
         return str(place)
 
-    def _delivery(self, job: Job, answer: Any) -> Delivery:
+    def _make_delivery(self, job: Job, answer: Any) -> Delivery:
         home = replace(job, folder=self._homes.get(job.folder, job.folder))
         told = replace(answer, job=home) if isinstance(answer, Finished | Lost) else answer
-        return Delivery(told, home, self._files(job) if self._folder is not None and job.folder else {})
+        return Delivery(told, home, self._job_files(job) if self._folder is not None and job.folder else {})
 
-    def _files(self, job: Job) -> dict[str, bytes]:
+    def _job_files(self, job: Job) -> dict[str, bytes]:
         """Return a job's files and the maps that are new, and keep only the maps."""
         folder = Path(job.folder)
         own = [path for place in (timing_path, record_path) if (path := place(folder, job.episode)).exists()]
@@ -114,7 +114,7 @@ class Node:
         return content
 
 
-def take_in(delivery: Delivery) -> Any:
+def store_delivery(delivery: Delivery) -> Any:
     """Write a delivery's files to its run's folder, its record last, and return what came of the job.
 
     Raises RunFolderError where one cannot be written, InputFileError for a file that no job has.

@@ -23,7 +23,7 @@ def check_objective(config: Mapping[str, Any], registry: Registry) -> None:
     read_settings(config["objective"], str | list[str] | None, "objective")  # type: ignore[arg-type]
     packs = build_metrics(config, registry) if config["objective"] is not None else {}
     known = [metric_column(pack, metric) for pack, metrics in packs.items() for metric in metrics if metric.unit != TEXT]
-    for name in _names(config["objective"]):
+    for name in _metric_names(config["objective"]):
         if name not in known:
             raise ConfigurationError(f"objective is {name}; allowed: null, or out of {', '.join(known)}")
 
@@ -31,7 +31,7 @@ def check_objective(config: Mapping[str, Any], registry: Registry) -> None:
 def objective_of(folder: Path, wanted: str | list[str]) -> Objective:
     """Return the mean of a metric over the episodes of a run in which it is defined, or of several; raise ConfigurationError for none."""
     _, rows = read_table(folder / "episodes.csv", "a table that `arena run` wrote")
-    values = {name: [float(row[name]) for row in rows if row[name]] for name in _names(wanted)}
+    values = {name: [float(row[name]) for row in rows if row[name]] for name in _metric_names(wanted)}
     means = {name: fmean(found) if found else math.nan for name, found in values.items()}
     for name, mean in means.items():
         if not math.isfinite(mean):
@@ -39,5 +39,5 @@ def objective_of(folder: Path, wanted: str | list[str]) -> Objective:
     return means[wanted] if isinstance(wanted, str) else [means[name] for name in wanted]
 
 
-def _names(wanted: str | list[str] | None) -> list[str]:
+def _metric_names(wanted: str | list[str] | None) -> list[str]:
     return [] if wanted is None else [wanted] if isinstance(wanted, str) else list(wanted)

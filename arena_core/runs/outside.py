@@ -11,12 +11,12 @@ from typing import Any
 from arena_core.base.errors import ConfigurationError
 from arena_core.base.whole_files import write_text_whole
 from arena_core.config.registry import Registry
-from arena_core.loop.grain import rounded
+from arena_core.loop.grain import round_arrays
 from arena_core.loop.record_files import write_grid, write_record
 from arena_core.runs.benchmark import build_metrics, config_hash
 from arena_core.runs.code_digest import Code
-from arena_core.runs.provenance import NAME, provenance
-from arena_core.runs.rows import evaluate, write_episodes
+from arena_core.runs.provenance import NAME, make_provenance
+from arena_core.runs.rows import evaluate_record, write_episodes
 from arena_core.values.episode import EpisodeRecord
 from arena_core.values.world import OccupancyGrid
 
@@ -41,7 +41,7 @@ class OutsideRun:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         if self.rows:
-            facts = provenance({**self._config, "episodes": len(self.rows)}, self._code, self._notes)
+            facts = make_provenance({**self._config, "episodes": len(self.rows)}, self._code, self._notes)
             write_text_whole(self.folder / NAME, json.dumps(facts, indent=2, sort_keys=True) + "\n")
             write_episodes(self.folder, self.rows, self._packs)
 
@@ -53,7 +53,7 @@ class OutsideRun:
         """Write the next record and return its row; arrays are rounded as those of a simulation are."""
         number = len(self.rows)
         columns = {"config_hash": config_hash(self._config), "code": self._code.digest, **record.meta["columns"], "episode": number}
-        kept = EpisodeRecord(rounded(record.arrays), {**record.meta, "columns": columns}, record.timing)
+        kept = EpisodeRecord(round_arrays(record.arrays), {**record.meta, "columns": columns}, record.timing)
         write_record(self.folder, number, kept)
-        self.rows.append(evaluate(kept, self._packs))
+        self.rows.append(evaluate_record(kept, self._packs))
         return self.rows[-1]

@@ -26,19 +26,19 @@ class ProcessState:
     """Folder, signals, streams, limits, arithmetic and loaded modules of this process, as they are now."""
 
     def __init__(self) -> None:
-        self._settings = _settings()
+        self._settings = _process_settings()
         self._files = _open_files()
-        self._names = {name: dict(vars(module)) for name, module in _guarded()}
+        self._names = {name: dict(vars(module)) for name, module in _guarded_modules()}
 
     def is_kept(self) -> bool:
         """Return whether a job may follow: everything is as it was, and not many files more are open than were."""
         now = _open_files()
         most = min(self._files + MANY_FILES, resource.getrlimit(resource.RLIMIT_NOFILE)[0] // FILES_SHARE)
-        return self._settings == _settings() and now <= max(most, self._files) and not self._renamed()
+        return self._settings == _process_settings() and now <= max(most, self._files) and not self._has_replaced_names()
 
-    def _renamed(self) -> bool:
+    def _has_replaced_names(self) -> bool:
         """Return whether a name of a guarded module stands for something else; new names come with what is first used."""
-        now: Mapping[str, ModuleType] = dict(_guarded())
+        now: Mapping[str, ModuleType] = dict(_guarded_modules())
         for name, before in self._names.items():
             values = vars(now[name]) if name in now else {}
             if any(values.get(key, self) is not value for key, value in before.items()):
@@ -46,53 +46,53 @@ class ProcessState:
         return False
 
 
-def _guarded() -> Iterator[tuple[str, ModuleType]]:
+def _guarded_modules() -> Iterator[tuple[str, ModuleType]]:
     for name, module in list(sys.modules.items()):
         if name.partition(".")[0] in GUARDED and isinstance(module, ModuleType):
             yield name, module
 
 
-def _settings() -> tuple[Any, ...]:
+def _process_settings() -> tuple[Any, ...]:
     """Return what is compared as a whole."""
     return (
-        _folder(),
+        _working_folder(),
         tuple(signal.getsignal(number) for number in sorted(signal.valid_signals())),
         signal.pthread_sigmask(signal.SIG_BLOCK, ()),
         signal.getitimer(signal.ITIMER_REAL)[0] > 0.0,
         [(id(stream), stream is None or stream.closed) for stream in (sys.stdout, sys.stderr)],
-        [_file(number) for number in range(3)],
+        [_file_identity(number) for number in range(3)],
         [resource.getrlimit(limit) for limit in LIMITS],
-        (_umask(), os.getpriority(os.PRIO_PROCESS, 0), _cores()),
+        (_read_umask(), os.getpriority(os.PRIO_PROCESS, 0), _cpu_affinity()),
         (locale.setlocale(locale.LC_ALL), min(sys.getrecursionlimit(), 1000), sys.gettrace(), sys.getprofile()),
         (np.geterr(), sum(kind == "error" for kind, *_ in warnings.filters)),
-        _arithmetic(),
+        _float_state(),
     )
 
 
-def _arithmetic() -> tuple[bool, bool, bool]:
+def _float_state() -> tuple[bool, bool, bool]:
     """Return how the processor rounds and whether it knows the smallest numbers; C code sets both."""
     tiny, small = np.array([5e-324, 1.0]), np.array([1e-17])
     return bool((tiny[:1] * tiny[1:])[0] > 0.0), bool(1.0 + small[0] == 1.0), bool(-1.0 - small[0] == -1.0)
 
 
-def _umask() -> int:
+def _read_umask() -> int:
     mask = os.umask(0o077)
     os.umask(mask)
     return mask
 
 
-def _cores() -> frozenset[int]:
+def _cpu_affinity() -> frozenset[int]:
     return frozenset(os.sched_getaffinity(0)) if sys.platform == "linux" else frozenset()
 
 
-def _folder() -> str:
+def _working_folder() -> str:
     try:
         return os.getcwd()
     except OSError:
         return ""
 
 
-def _file(number: int) -> tuple[int, int] | None:
+def _file_identity(number: int) -> tuple[int, int] | None:
     try:
         found = os.fstat(number)
     except OSError:

@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 
 from arena_core.config.plugins import enabled_entry_points
 from arena_core.runs.benchmark import Benchmark
-from arena_core.runs.rows import evaluate
+from arena_core.runs.rows import evaluate_record
 
 T = TypeVar("T")
 Place = tuple[str, int, str]  # file, line, function: as the profiler names it
@@ -63,21 +63,21 @@ class Profile:
     functions: Sequence[Called]
 
 
-def profile(benchmark: Benchmark, episodes: int, announce: Callable[[str], None] = lambda _: None) -> Profile:
+def profile_benchmark(benchmark: Benchmark, episodes: int, announce: Callable[[str], None] = lambda _: None) -> Profile:
     """Run the first episodes three times: to compile and fill caches, to time, and to look inside; each is announced."""
     with TemporaryDirectory() as folder:
         announce("1 of 3: compiling what is not compiled yet, and filling caches")
-        _run(benchmark, episodes, Path(folder), Clock())
+        _run_watched(benchmark, episodes, Path(folder), Clock())
         clock, looking = Clock(), Profilers()
         announce("2 of 3: timing")
-        steps, simulated = _run(benchmark, episodes, Path(folder), clock)
+        steps, simulated = _run_watched(benchmark, episodes, Path(folder), clock)
         announce("3 of 3: looking inside")
-        _run(benchmark, episodes, Path(folder), looking)
+        _run_watched(benchmark, episodes, Path(folder), looking)
     inside = {part: pstats.Stats(profiler).stats for part, profiler in looking.profilers.items()}  # type: ignore[attr-defined]
     compiled, own = compiled_places(), own_folders()
-    parts = {part: _spent(cpu, inside.get(part, {}), compiled, own) for part, cpu in clock.spent.items()}
+    parts = {part: _split_time(cpu, inside.get(part, {}), compiled, own) for part, cpu in clock.spent.items()}
     in_steps = [functions for part, functions in inside.items() if part not in (TASK, METRICS)]
-    return Profile(episodes, steps, simulated, parts, _functions(in_steps, compiled, own))
+    return Profile(episodes, steps, simulated, parts, _slowest_functions(in_steps, compiled, own))
 
 
 @dataclass(slots=True)
@@ -152,20 +152,20 @@ def own_folders() -> list[str]:
     return [str(Path(package.__file__).parent) for package in packages if package.__file__]
 
 
-def _run(benchmark: Benchmark, episodes: int, folder: Path, watch: Clock | Profilers) -> tuple[int, float]:
+def _run_watched(benchmark: Benchmark, episodes: int, folder: Path, watch: Clock | Profilers) -> tuple[int, float]:
     """Run and evaluate episodes, watched; return how many control steps there were, and how many seconds they are."""
     steps, simulated = 0, 0.0
-    with _watched(benchmark, watch), watch.part(REST):
+    with _watch_components(benchmark, watch), watch.part(REST):
         for episode in range(episodes):
             record = benchmark.run(episode, folder)
             with watch.part(METRICS):
-                evaluate(record, benchmark.metrics)
+                evaluate_record(record, benchmark.metrics)
             steps, simulated = steps + len(record["stamp"]) - 1, simulated + float(record["stamp"][-1])
     return steps, simulated
 
 
 @contextmanager
-def _watched(benchmark: Benchmark, watch: Clock | Profilers) -> Iterator[None]:
+def _watch_components(benchmark: Benchmark, watch: Clock | Profilers) -> Iterator[None]:
     """Watch the calls of every component's methods, each as a part of its own."""
     robot = benchmark.navigator
     methods = {
@@ -197,14 +197,14 @@ def _in_part(watch: Clock | Profilers, part: str, method: Callable[..., T]) -> C
     return watched
 
 
-def _spent(cpu: float, functions: Mapping[Place, Any], compiled: set[Place], own: Sequence[str]) -> Spent:
+def _split_time(cpu: float, functions: Mapping[Place, Any], compiled: set[Place], own: Sequence[str]) -> Spent:
     times = {place: own_time for place, (_, _, own_time, _, _) in functions.items()}
     within_compiled = sum(time for place, time in times.items() if place in compiled)
     within_libraries = sum(time for place, time in times.items() if place not in compiled and not _is_own(place, own))
     return Spent(cpu, within_compiled, within_libraries)
 
 
-def _functions(parts: Any, compiled: set[Place], own: Sequence[str]) -> list[Called]:
+def _slowest_functions(parts: Any, compiled: set[Place], own: Sequence[str]) -> list[Called]:
     """Return the functions of the suite and of plugins, those that took most first."""
     calls, times = Counter[Place](), Counter[Place]()
     for functions in parts:

@@ -34,13 +34,13 @@ class Progress:
 
     def __init__(self, runs: Sequence[OpenRun]) -> None:
         self._runs = runs
-        self._told = [len(_ended(run)) for run in runs]
+        self._told = [len(_ended_blocks(run)) for run in runs]
         self._kinds = {str(run.folder): Pace.kind(run.config) for run in runs}
         self._due: Counter[Hashable] = Counter()
         for run in runs:
             self._due[self._kinds[str(run.folder)]] += run.left()
         self._pace = Pace.of_run(runs[0].config if runs else {})
-        self._bar = _bar(self._left) if sys.stderr.isatty() else None
+        self._bar = _make_bar(self._time_left) if sys.stderr.isatty() else None
         done, left = sum(len(run.rows) for run in runs), sum(run.left() for run in runs)
         self._task = self._bar.add_task("episodes", total=done + left, completed=done, successes="-") if self._bar else None
         self._before, self._all = done, done + left
@@ -74,31 +74,31 @@ class Progress:
             self._bar.update(self._task, advance=1, successes=f"{self._successes}/{self._seen}")
         elif now > self._last_line + LINE_EVERY:
             self._last_line = now
-            print(f"arena: {self._standing()}", file=sys.stderr, flush=True)
+            print(f"arena: {self._status_text()}", file=sys.stderr, flush=True)
 
-    def _standing(self) -> str:
+    def _status_text(self) -> str:
         """Return how far the run is: ``12 of 50 episodes, 9 of 12 succeeded, about 48 s left``."""
-        left = self._left()
+        left = self._time_left()
         said = f"{self._before + self._seen} of {self._all} episodes, {self._successes} of {self._seen} succeeded"
         return f"{said}, {'time left not known yet' if left is None else f'about {left:.0f} s left'}"
 
-    def _left(self) -> float | None:
+    def _time_left(self) -> float | None:
         return self._pace.left(self._due, monotonic())
 
     def end(self) -> None:
         """End a round: say what became of the blocks that ended in it."""
         for i, run in enumerate(self._runs):
-            ended = _ended(run)
+            ended = _ended_blocks(run)
             for block in ended[self._told[i] :]:
-                print(f"{run.folder.name}: " * (len(self._runs) > 1) + _line(run, block))
+                print(f"{run.folder.name}: " * (len(self._runs) > 1) + _block_line(run, block))
             self._told[i] = len(ended)
 
 
-def _ended(run: OpenRun) -> list[Block]:
+def _ended_blocks(run: OpenRun) -> list[Block]:
     return [block for block in run.blocks() if block.ended]
 
 
-def _line(run: OpenRun, block: Block) -> str:
+def _block_line(run: OpenRun, block: Block) -> str:
     """Return what a block's end means: ``level 2, episodes 40 .. 59: 18 of 20 succeeded, on to level 3``."""
     succeeded = [run.successes[i] for i in block.episodes]
     said = f"level {block.stage}, episodes {block.episodes[0]} .. {block.episodes[-1]}: {sum(succeeded)} of {len(succeeded)} succeeded"
@@ -109,7 +109,7 @@ def _line(run: OpenRun, block: Block) -> str:
     return f"{said}, {move}"
 
 
-def _bar(left: Callable[[], float | None]) -> Any:
+def _make_bar(left: Callable[[], float | None]) -> Any:
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, ProgressColumn, TextColumn
     from rich.progress import Progress as RichProgress

@@ -25,7 +25,7 @@ NAME = "provenance.json"
 _CPU = Path("/proc/cpuinfo")  # of Linux
 
 
-def provenance(config: Mapping[str, Any], code: Code, notes: Sequence[str]) -> dict[str, Any]:
+def make_provenance(config: Mapping[str, Any], code: Code, notes: Sequence[str]) -> dict[str, Any]:
     """Return what a reader needs to repeat a run: versions, code, seed, commit, machine, and ``notes`` of what is untuned."""
     return {
         "config_hash": config_hash(config),
@@ -33,28 +33,28 @@ def provenance(config: Mapping[str, Any], code: Code, notes: Sequence[str]) -> d
         "episodes": config["episodes"],
         "config": {key: value for key, value in config.items() if key != "code"},
         "code": {"digest": code.digest, "parts": dict(code.parts)},
-        "versions": dict(versions()),
+        "versions": dict(installed_versions()),
         "python": platform.python_version(),
-        "commit": _commit(),
+        "commit": _git_commit(),
         "machine": {"system": platform.platform(), "processor": platform.machine(), "cpu": cpu_kind()},
         "untuned": list(notes),
     }
 
 
-def untuned(choices: Mapping[str, str], manager: PluginManager) -> list[str]:
+def missing_tunings(choices: Mapping[str, str], manager: PluginManager) -> list[str]:
     """Return a note for every optional tuning that a chosen component asks for and no file holds."""
     tunings = [(group.partition("@")[0], option) for group, option in choices.items() if "_tuning" in group]
     lacking = [(group, option) for group, option in tunings if option not in option_files(group, manager)]
     return [f"{group.rpartition('/')[2].removesuffix('_tuning')}: untuned for {option}" for group, option in lacking]
 
 
-def versions() -> Mapping[str, str]:
+def installed_versions() -> Mapping[str, str]:
     """Return the version of every installed distribution, sorted by name."""
-    return _versions(tuple(sys.path))
+    return _read_versions(tuple(sys.path))
 
 
 @lru_cache(maxsize=1)
-def _versions(path: tuple[str, ...]) -> Mapping[str, str]:
+def _read_versions(path: tuple[str, ...]) -> Mapping[str, str]:
     """Return the version of every installed distribution, sorted by name; looked up once in a process, as plugins are."""
     facts = [distribution.metadata for distribution in distributions(path=list(path))]
     found = {fact["Name"]: fact["Version"] for fact in reversed(facts) if fact["Name"]}  # of two of a name the first is imported
@@ -62,7 +62,7 @@ def _versions(path: tuple[str, ...]) -> Mapping[str, str]:
 
 
 @lru_cache(maxsize=1)
-def _commit() -> str:
+def _git_commit() -> str:
     """Return the commit of the checkout that the core runs from, with + when it has changes; empty outside a checkout."""
     here = Path(__file__).resolve().parents[2]
     if not (here / ".git").exists():

@@ -10,10 +10,10 @@ from typing import Any
 from arena_core.base.ctrl_c import interrupts
 from arena_core.config.registry import Registry
 from arena_core.contracts.running import Finished, Job, Lost
-from arena_core.runs.working import work
+from arena_core.runs.working import run_job
 
 
-def repeat(jobs: Sequence[Job], executor: Mapping[str, Any], registry: Registry) -> Iterator[Finished | Lost]:
+def repeat_episodes(jobs: Sequence[Job], executor: Mapping[str, Any], registry: Registry) -> Iterator[Finished | Lost]:
     """Run jobs by an executor's configuration and yield what came of each, in any order; records go to the folders of the jobs.
 
     A configuration that cannot be built is a row with its error. Raises RunFolderError where a record cannot be written.
@@ -21,6 +21,6 @@ def repeat(jobs: Sequence[Job], executor: Mapping[str, Any], registry: Registry)
     for folder in {job.folder for job in jobs}:
         Path(folder).mkdir(parents=True, exist_ok=True)
     with interrupts.heard(), interrupts.held(), closing(registry.build("executor", executor)) as runner:
-        for answer in runner.map(work, list(jobs)):
+        for answer in runner.map(run_job, list(jobs)):
             interrupts.check()
             yield answer

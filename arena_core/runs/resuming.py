@@ -21,7 +21,7 @@ from arena_core.runs.kept_rows import KeptRow
 from arena_core.runs.provenance import NAME, read_provenance
 from arena_core.runs.rows import COLUMNS, evaluate_file, write_episodes
 from arena_core.runs.schedule import OpenRun
-from arena_core.runs.working import failed, judged
+from arena_core.runs.working import evaluate_row, failed_row
 
 
 def take_over(run: OpenRun) -> None:
@@ -41,7 +41,7 @@ def take_over(run: OpenRun) -> None:
         raise ConfigurationError(_other_code(run, before))
 
 
-def complete(runs: Iterable[OpenRun]) -> None:
+def complete_tables(runs: Iterable[OpenRun]) -> None:
     """Complete the tables of runs that were cut short, by the records whose rows never came."""
     for run in runs:
         with suppress(RunFolderError):  # where there is no room for a table, the records are still there
@@ -52,7 +52,7 @@ def complete(runs: Iterable[OpenRun]) -> None:
             run.write()
 
 
-def audit(run: OpenRun) -> None:
+def check_counts(run: OpenRun) -> None:
     """Count a finished run's rows and records against each other, whoever carried its jobs; raise RunFolderError where they differ.
 
     A record without a row is taken. An episode that ended with an error need not have a record.
@@ -73,10 +73,10 @@ def audit(run: OpenRun) -> None:
 def row_of_lost(lost: Lost, run: OpenRun) -> Finished:
     """Return the row of a job that was lost: that of its record where it came so far, else one with the reason."""
     with suppress(InputFileError):
-        found = judged(lost.job, read_record(record_path(run.folder, lost.job.episode)), run.packs)
+        found = evaluate_row(lost.job, read_record(record_path(run.folder, lost.job.episode)), run.packs)
         if found.row.get("code") == run.code.digest:  # not what other code left there
             return found
-    return failed(lost.job, lost.reason)
+    return failed_row(lost.job, lost.reason)
 
 
 def _records_without_row(run: OpenRun) -> list[Path]:
@@ -86,7 +86,7 @@ def _records_without_row(run: OpenRun) -> list[Path]:
 def _take_record(run: OpenRun, path: Path) -> None:
     """Take the row of a finished episode; one of other code stands only until it is run anew."""
     episode = int(path.stem)
-    found = judged(Job(run.config, str(run.folder), episode), read_record(path), run.packs)
+    found = evaluate_row(Job(run.config, str(run.folder), episode), read_record(path), run.packs)
     if found.row.get("code") != run.code.digest:
         run.superseded[episode] = KeptRow(found.row)
     else:

@@ -36,14 +36,14 @@ def metric_column(pack: str, metric: Metric) -> str:
     return f"{pack}.{metric.name}" if pack else metric.name
 
 
-def evaluate(record: EpisodeRecord, packs: Mapping[str, Sequence[Metric]]) -> dict[str, Any]:
+def evaluate_record(record: EpisodeRecord, packs: Mapping[str, Sequence[Metric]]) -> dict[str, Any]:
     """Return the row of one episode; a metric is empty where it asks for an array that is not known (``meta["unknown"]``)."""
     if fault := fault_of_numbers(record.arrays):  # before any metric makes room for them
         raise InputFileError(f"the record holds numbers that are too far off: {fault}")
     if record.meta.get("unknown"):
         record = _Known(record.arrays, record.meta, record.timing)
     row = {**record.meta["columns"], "outcome": record.meta["outcome"], "error": one_line(record.meta["error"])}
-    return row | {metric_column(pack, metric): _value(metric, record) for pack, metrics in packs.items() for metric in metrics}
+    return row | {metric_column(pack, metric): _metric_value(metric, record) for pack, metrics in packs.items() for metric in metrics}
 
 
 class _Unknown(Exception):
@@ -61,7 +61,7 @@ class _Known(EpisodeRecord):
         return self.arrays[name]
 
 
-def _value(metric: Metric, record: EpisodeRecord) -> float | str:
+def _metric_value(metric: Metric, record: EpisodeRecord) -> float | str:
     try:
         found = metric.compute(record)
     except _Unknown:
@@ -80,7 +80,7 @@ def evaluate_file(path: Path, packs: Mapping[str, Sequence[Metric]]) -> dict[str
     """Return the row of a record's file; raise InputFileError, also where a metric can make nothing of what the record holds."""
     record = read_record(path)
     try:
-        return evaluate(record, packs)
+        return evaluate_record(record, packs)
     except Exception as error:  # whatever a metric, which may be a plugin's, stumbles over
         raise InputFileError(f"{path}: cannot be evaluated ({reason_of(error)}); allowed: a record that `arena run` wrote") from error
 

@@ -15,19 +15,19 @@ from typing import Any
 from arena_core.base.ctrl_c import interrupts
 from arena_core.base.errors import ConfigurationError, RunFolderError, RunStopped
 from arena_core.base.files import check_inside
-from arena_core.base.folders import KEPT, identity, locked
-from arena_core.base.notices import tell
+from arena_core.base.folders import KEPT, folder_identity, lock_folder
+from arena_core.base.notices import print_notice
 from arena_core.base.whole_files import write_text_whole
-from arena_core.config.configuration import plain
+from arena_core.config.configuration import to_plain
 from arena_core.config.registry import Registry
 from arena_core.contracts.running import Executor, Finished, Job, Lost
 from arena_core.loop.half_written import keep_room, remove_half_written
 from arena_core.runs.benchmark import build_metrics, check_complete
 from arena_core.runs.progress import Progress
-from arena_core.runs.provenance import NAME, provenance, untuned
-from arena_core.runs.resuming import audit, complete, row_of_lost, take_over
-from arena_core.runs.schedule import OpenRun, rounds
-from arena_core.runs.working import Checked, cannot_be_built, check, work
+from arena_core.runs.provenance import NAME, make_provenance, missing_tunings
+from arena_core.runs.resuming import check_counts, complete_tables, row_of_lost, take_over
+from arena_core.runs.schedule import OpenRun, job_rounds
+from arena_core.runs.working import Checked, cannot_be_built, check_job, run_job
 
 ROW, MOST_ROOM = 2000, 2**24  # bytes kept free for the table: so that it has a row for every record on a disk that is full, too
 WRITERS = 8  # folders written at a time: disks take several files together nearly as soon as one
@@ -53,15 +53,15 @@ def run_all(requests: Sequence[RunRequest], registry: Registry) -> list[OpenRun]
     early (a signal, a full disk), what was finished is kept.
     """
     with interrupts.heard(), interrupts.held(), ExitStack() as folders, ExitStack() as staff:
-        jobs = _jobs(requests)
+        jobs = _check_jobs(requests)
         for job in jobs:
-            folders.enter_context(locked(Path(job.folder)))
+            folders.enter_context(lock_folder(Path(job.folder)))
         executor = staff.enter_context(closing(registry.build("executor", jobs[0].config["executor"])))
-        runs = _prepare(jobs, registry, executor)
-        for note in (note for run in runs for note in _notes(run, registry)):
+        runs = _prepare_runs(jobs, registry, executor)
+        for note in (note for run in runs for note in _run_notes(run, registry)):
             print(note, file=sys.stderr)
-        side_by_side(lambda run, request: _open(run, request.files, registry), runs, requests)
-        _drive(runs, executor, staff)
+        side_by_side(lambda run, request: _open_run(run, request.files, registry), runs, requests)
+        _drive_runs(runs, executor, staff)
     for run in runs:
         for episode, row in sorted(run.rows.items()):
             if row["outcome"] == "error":
@@ -69,7 +69,7 @@ def run_all(requests: Sequence[RunRequest], registry: Registry) -> list[OpenRun]
     return runs
 
 
-def report(runs: Sequence[OpenRun], registry: Registry, above: Path | None = None) -> None:
+def write_reports(runs: Sequence[OpenRun], registry: Registry, above: Path | None = None) -> None:
     """Write a report over the runs where a plugin offers one and the configuration wants it; else say where the records are.
 
     That of several runs lies in the folder ``above`` them, or in the one that they share where some lie elsewhere.
@@ -79,41 +79,41 @@ def report(runs: Sequence[OpenRun], registry: Registry, above: Path | None = Non
         for run in runs:
             print(f"records: {run.folder}")
         return
-    folder = runs[0].folder if len(runs) == 1 else _shared([run.folder for run in runs], above)
+    folder = runs[0].folder if len(runs) == 1 else _common_folder([run.folder for run in runs], above)
     with interrupts.heard():
         registry.component("reporter", reporters[0]).resolve()().report([folder], folder / "report")
 
 
-def _shared(folders: Sequence[Path], above: Path | None) -> Path:
+def _common_folder(folders: Sequence[Path], above: Path | None) -> Path:
     """Return the folder in which all of several lie: ``above`` where it is one, else the deepest."""
     if above is not None and all(folder.is_relative_to(above.resolve()) for folder in folders):
         return above
     return Path(os.path.commonpath(folders))
 
 
-def _drive(runs: Sequence[OpenRun], executor: Executor, staff: ExitStack) -> None:
+def _drive_runs(runs: Sequence[OpenRun], executor: Executor, staff: ExitStack) -> None:
     """Run all episodes and take their rows; when that is cut short, close ``staff`` and take what is on disk."""
     try:
         with Progress(runs) as progress:
-            for jobs in rounds(runs):
+            for jobs in job_rounds(runs):
                 progress.begin(jobs)
-                for answer in executor.map(work, jobs):
+                for answer in executor.map(run_job, jobs):
                     interrupts.check()  # before the row is taken: it may be that of an episode that the interrupt broke
-                    progress.add(_take(answer, runs))
+                    progress.add(_store_answer(answer, runs))
                 progress.end()
-        side_by_side(_close, runs)
+        side_by_side(_close_run, runs)
         staff.close()
         for run in runs:
-            audit(run)
+            check_counts(run)
     except BaseException as error:
         staff.close()  # from here on nobody writes but this process
-        complete(runs)
+        complete_tables(runs)
         if not isinstance(error, RunFolderError):
             raise
         raise RunStopped(f"{error}; {KEPT}") from error
 
 
-def _take(answer: Finished | Lost, runs: Iterable[OpenRun]) -> Finished:
+def _store_answer(answer: Finished | Lost, runs: Iterable[OpenRun]) -> Finished:
     """Hand what came of a job to its run; return it."""
     run = next(run for run in runs if str(run.folder) == answer.job.folder)
     finished = row_of_lost(answer, run) if isinstance(answer, Lost) else answer
@@ -121,11 +121,11 @@ def _take(answer: Finished | Lost, runs: Iterable[OpenRun]) -> Finished:
     return finished
 
 
-def _jobs(requests: Sequence[RunRequest]) -> list[Job]:
+def _check_jobs(requests: Sequence[RunRequest]) -> list[Job]:
     """Return what stands for each request until its episodes are planned; raise ConfigurationError where two would share a folder."""
     jobs: dict[str, Job] = {}
     for request in requests:
-        config = plain(request.config)
+        config = to_plain(request.config)
         config["choices"] = {k: v for k, v in request.choices.items() if v is not None and not k.startswith("hydra/")}
         check_complete(config)
         folder = str(request.folder.resolve())
@@ -135,10 +135,10 @@ def _jobs(requests: Sequence[RunRequest]) -> list[Job]:
     return list(jobs.values())
 
 
-def _prepare(jobs: Sequence[Job], registry: Registry, executor: Executor) -> list[OpenRun]:
+def _prepare_runs(jobs: Sequence[Job], registry: Registry, executor: Executor) -> list[OpenRun]:
     """Check every configuration by having it built, and read what interrupted runs have left."""
     checked: dict[str, Checked] = {}
-    for answer in executor.prepare(check, jobs):
+    for answer in executor.prepare(check_job, jobs):
         if isinstance(answer, Lost):
             answer = Checked(answer.job, error=cannot_be_built(answer.job, answer.reason))
         checked[answer.job.folder] = answer
@@ -150,7 +150,7 @@ def _run_of(checked: Checked, job: Job, registry: Registry) -> OpenRun:
         raise checked.error
     assert checked.code is not None
     for line in checked.told:
-        tell(line)
+        print_notice(line)
     limit, asked = checked.count, job.config["episodes"]
     if limit is not None and asked > limit:
         raise ConfigurationError(f"episodes is {asked}; allowed: at most {limit} with this task")
@@ -160,25 +160,25 @@ def _run_of(checked: Checked, job: Job, registry: Registry) -> OpenRun:
     return run
 
 
-def _notes(run: OpenRun, registry: Registry) -> list[str]:
+def _run_notes(run: OpenRun, registry: Registry) -> list[str]:
     """Return what is to be told of a run ahead of it."""
-    return [*untuned(run.config.get("choices", {}), registry.manager), *run.untuned]
+    return [*missing_tunings(run.config.get("choices", {}), registry.manager), *run.untuned]
 
 
-def _open(run: OpenRun, files: Mapping[str, str], registry: Registry) -> None:
+def _open_run(run: OpenRun, files: Mapping[str, str], registry: Registry) -> None:
     """Write what a run's folder begins with, and remove what a killed run has left half-written."""
     remove_half_written(run.folder)
     for name, text in files.items():
         check_inside(run.folder, (run.folder / name).parent)
         write_text_whole(run.folder / name, text)
-    run.place = identity(run.folder)
-    told = provenance(run.config, run.code, _notes(run, registry))
+    run.place = folder_identity(run.folder)
+    told = make_provenance(run.config, run.code, _run_notes(run, registry))
     write_text_whole(run.folder / NAME, json.dumps(told, indent=2, sort_keys=True) + "\n")
     run.write()
     keep_room(run.folder, min(ROW * run.config["episodes"], MOST_ROOM))
 
 
-def _close(run: OpenRun) -> None:
+def _close_run(run: OpenRun) -> None:
     """Give back the room that was kept, and write the table where rows have come since."""
     remove_half_written(run.folder)
     if run.unwritten:

@@ -9,7 +9,7 @@ from time import monotonic
 from typing import Any
 
 from arena_core.base.errors import RunFolderError
-from arena_core.base.folders import identity
+from arena_core.base.folders import folder_identity
 from arena_core.contracts.running import Finished, Job, Metric
 from arena_core.runs.code_digest import Code
 from arena_core.runs.kept_rows import KeptRow
@@ -74,7 +74,7 @@ class OpenRun:
 
     def check_place(self) -> None:
         """Raise RunFolderError where another folder, or none, has the name that the run's folder had when it began."""
-        if self.place not in (None, identity(self.folder)):
+        if self.place not in (None, folder_identity(self.folder)):
             raise RunFolderError(f"{self.folder} was moved, removed or replaced while its run was under way; allowed: a folder that stays")
 
     def left(self) -> int:
@@ -86,7 +86,7 @@ class OpenRun:
         if self.staging is None:
             return [Job(self.config, str(self.folder), i) for i in range(self.config["episodes"]) if i not in self.rows]
         open_blocks = [block for block in self.blocks() if not block.ended]
-        return [Job(self.config, str(self.folder), i, b.stage) for b in open_blocks for i in b.episodes if not self._has(i, b.stage)]
+        return [Job(self.config, str(self.folder), i, b.stage) for b in open_blocks for i in b.episodes if not self._has_run(i, b.stage)]
 
     def blocks(self) -> Iterator[Block]:
         """Yield the blocks of a task that adapts as far as their levels are known; they follow from the finished episodes alone."""
@@ -95,18 +95,18 @@ class OpenRun:
         stage, episodes = self.staging.start, self.config["episodes"]
         for first in range(0, episodes, self.staging.block):
             block = range(first, min(first + self.staging.block, episodes))
-            ended = all(self._has(i, stage) for i in block)
+            ended = all(self._has_run(i, stage) for i in block)
             yield Block(stage, block, ended)
             if not ended:
                 return
             stage = self.staging.next(stage, [self.successes[i] for i in block])
 
-    def _has(self, episode: int, stage: int) -> bool:
+    def _has_run(self, episode: int, stage: int) -> bool:
         """Tell whether an episode was run on this level: one that was run on another does not count."""
         return episode in self.rows and self.rows[episode].get("stage") == stage
 
 
-def rounds(runs: Sequence[OpenRun]) -> Iterator[list[Job]]:
+def job_rounds(runs: Sequence[OpenRun]) -> Iterator[list[Job]]:
     """Yield all jobs that can be run now, again and again, until nothing new is left; each round ends before the next is asked for."""
     asked: set[tuple[str, int, int | None]] = set()  # a job whose row never comes is not asked for twice
     while jobs := [job for run in runs for job in run.due() if (job.folder, job.episode, job.stage) not in asked]:

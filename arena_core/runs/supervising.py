@@ -10,14 +10,14 @@ from multiprocessing.connection import wait
 from time import monotonic
 from typing import Any
 
-from arena_core.base.errors import described
-from arena_core.base.notices import tell
+from arena_core.base.errors import describe_error
+from arena_core.base.notices import print_notice
 from arena_core.contracts.running import Job, Lost
 from arena_core.runs.budgets import Budgets, Watch
 from arena_core.runs.compiling import MANY, NOTICE, Turns, Waiting
 from arena_core.runs.strays import end_strays
 from arena_core.runs.workers import Task, Work, Worker
-from arena_core.runs.working import rehearse
+from arena_core.runs.working import compile_job
 
 LOOK_EVERY = 0.1  # s between two looks at the workers
 ATTEMPTS = 2  # of a job whose worker died unexplained: it may have been somebody else's doing
@@ -49,7 +49,7 @@ class Supervisor:
     @property
     def unfinished(self) -> int:
         """Return how many jobs wait or are under way."""
-        return len(self._waiting) + len(self._awaited())
+        return len(self._waiting) + len(self._awaited_workers())
 
     def begin(self, jobs: Sequence[Job], driven: bool = True) -> None:
         """Take the first jobs on; where nothing of them is ``driven``, no worker waits for another to compile."""
@@ -64,57 +64,57 @@ class Supervisor:
 
     def look(self, work: Work) -> list[Done]:
         """Wait a moment for the workers, and return what is over; raise what ``work`` raised."""
-        self._employ(work)
-        self._rehearse()
-        wait([worker.connection for worker in self._busy()], LOOK_EVERY)
+        self._assign_jobs(work)
+        self._compile_ahead()
+        wait([worker.connection for worker in self._busy_workers()], LOOK_EVERY)
         now = monotonic()
-        done = [one for worker in self._busy() for one in self._look(worker, now - self._looked)]
+        done = [one for worker in self._busy_workers() for one in self._check_worker(worker, now - self._looked)]
         self._looked = now
-        self._employ(work)  # nobody is idle while the answers are taken
+        self._assign_jobs(work)  # nobody is idle while the answers are taken
         return done
 
     def drop(self) -> None:
         """Forget all jobs, and end the workers that are at one."""
         self._waiting.clear()
-        self._dismiss(*self._busy())
+        self._dismiss_workers(*self._busy_workers())
 
     def close(self) -> None:
         """End the workers, and with them what they are at."""
-        self._dismiss(*self._staff)
+        self._dismiss_workers(*self._staff)
 
-    def _busy(self) -> list[Worker]:
+    def _busy_workers(self) -> list[Worker]:
         return [worker for worker in self._staff if worker.task is not None]
 
-    def _awaited(self) -> list[Worker]:
-        return [worker for worker in self._busy() if not (worker.task and worker.task.rehearsal)]
+    def _awaited_workers(self) -> list[Worker]:
+        return [worker for worker in self._busy_workers() if not (worker.task and worker.task.rehearsal)]
 
-    def _rehearse(self) -> None:
+    def _compile_ahead(self) -> None:
         """Let whoever has nothing to do compile what will be needed, while the leader is at its kernels for longer than a moment."""
         leader = self._turns.leader
         if not isinstance(leader, Worker) or leader.compiled() < MANY:
             return
-        while (idle := self._idle()) or len(self._staff) < self.workers:
+        while (idle := self._idle_worker()) or len(self._staff) < self.workers:
             job = self._turns.rehearsal()
             if job is None:
                 return
             if idle is None:
                 idle = Worker()
                 self._staff.append(idle)
-            idle.begin(rehearse, Task(job, 1, Watch(self._budgets), rehearsal=True))
+            idle.begin(compile_job, Task(job, 1, Watch(self._budgets), rehearsal=True))
 
-    def _idle(self) -> Worker | None:
+    def _idle_worker(self) -> Worker | None:
         return next((worker for worker in self._staff if worker.task is None and not worker.death()), None)
 
-    def _employ(self, work: Work) -> None:
+    def _assign_jobs(self, work: Work) -> None:
         """Give every idle worker a job, and take on more where jobs are left."""
         for worker in [worker for worker in self._staff if worker.task is None]:
-            if self._waiting and not self._begin(worker, work):
-                self._dismiss(worker)  # it died while it had nothing to do
-        while len(self._staff) < min(self.workers, len(self._busy()) + len(self._waiting)):
+            if self._waiting and not self._begin_job(worker, work):
+                self._dismiss_workers(worker)  # it died while it had nothing to do
+        while len(self._staff) < min(self.workers, len(self._busy_workers()) + len(self._waiting)):
             self._staff.append(Worker())
-            self._begin(self._staff[-1], work)
+            self._begin_job(self._staff[-1], work)
 
-    def _begin(self, worker: Worker, work: Work) -> bool:
+    def _begin_job(self, worker: Worker, work: Work) -> bool:
         """Give a worker what is its turn to do, if anything is; tell whether it is alive."""
         if worker.death():
             return False
@@ -127,27 +127,27 @@ class Supervisor:
         self._waiting.appendleft(found)
         return False
 
-    def _look(self, worker: Worker, passed: float) -> Iterator[Done]:
+    def _check_worker(self, worker: Worker, passed: float) -> Iterator[Done]:
         """Yield what has become of a busy worker's job, if anything has; put it back where it deserves another attempt."""
         task, death = worker.task, worker.death()  # before the answer is looked for: one may answer and die
         assert task is not None
         if worker.has_commanded():
             self._turns.given(worker)
         if worker.compiled() >= MANY:
-            tell(NOTICE)
+            print_notice(NOTICE)
         answer = worker.answer()
         if answer is not None:
             worker.task = None
             self._turns.given(worker)
-            if not answer.unchanged or _swollen(worker, task):
-                self._dismiss(worker)
+            if not answer.unchanged or _uses_much_memory(worker, task):
+                self._dismiss_workers(worker)
             if task.rehearsal:
                 return
             if isinstance(answer.error, Exception):
                 raise answer.error
-            yield Done(task.job, answer.result if answer.error is None else Lost(task.job, described(answer.error)))
+            yield Done(task.job, answer.result if answer.error is None else Lost(task.job, describe_error(answer.error)))
         elif reason := death or worker.over_budget(passed):
-            self._dismiss(worker)
+            self._dismiss_workers(worker)
             if task.rehearsal:
                 return
             if death and task.attempt < ATTEMPTS:
@@ -155,7 +155,7 @@ class Supervisor:
             else:
                 yield Done(task.job, Lost(task.job, reason))
 
-    def _dismiss(self, *workers: Worker) -> None:
+    def _dismiss_workers(self, *workers: Worker) -> None:
         for worker in workers:
             self._staff.remove(worker)
             self._turns.given(worker)
@@ -163,6 +163,6 @@ class Supervisor:
         end_strays([worker.mark for worker in workers])
 
 
-def _swollen(worker: Worker, task: Task) -> bool:
+def _uses_much_memory(worker: Worker, task: Task) -> bool:
     """Tell whether a worker holds what compiling took, twice as much as driving does; its successor reads the kernels from disk."""
     return (task.leads or task.rehearsal) and worker.compiled() >= MANY

@@ -21,7 +21,7 @@ from arena_core.runs import strays
 from arena_core.runs.budgets import Watch
 from arena_core.runs.compiling import Parts, parts_of
 from arena_core.runs.messages import Inbox, new_mark
-from arena_core.runs.serving import LEFT_TO_THE_PARENT, serve
+from arena_core.runs.serving import LEFT_TO_THE_PARENT, serve_jobs
 
 Work = Callable[[Job], Any]
 PATIENCE = 2.0  # s that a killed process may take to go; one that the kernel holds is left behind
@@ -74,7 +74,7 @@ class Worker:
         self._compiled_before = 0
         self._beats, self._compiled = context.RawValue("q", 0), context.RawValue("q", 0)
         cells = (self._beats, self._compiled)
-        self._process = context.Process(target=serve, args=(theirs, mark, cells, os.getpid(), self.mark), name="arena worker")
+        self._process = context.Process(target=serve_jobs, args=(theirs, mark, cells, os.getpid(), self.mark), name="arena worker")
         before = signal.pthread_sigmask(signal.SIG_BLOCK, LEFT_TO_THE_PARENT)  # inherited, until the worker ignores them
         try:
             with _no_script():
@@ -105,7 +105,7 @@ class Worker:
             self._mute = True
             return None
         if answer is not None and self.task is not None and self.has_commanded():
-            self._driven.add(_components(self.task.job))
+            self._driven.add(_job_components(self.task.job))
         return answer
 
     def death(self) -> str | None:
@@ -127,11 +127,11 @@ class Worker:
 
     def over_budget(self, passed: float) -> str | None:
         """Return which budget of the task is at its end, ``passed`` seconds after the last look."""
-        return self.task.watch.look(self._beats.value, passed, self._memory(), self._warm(self.task.job)) if self.task else None
+        return self.task.watch.look(self._beats.value, passed, self._used_memory(), self._is_warm(self.task.job)) if self.task else None
 
-    def _warm(self, job: Job) -> bool:
+    def _is_warm(self, job: Job) -> bool:
         """Tell whether the process has given a first command with the same components, and has compiled nothing for this job."""
-        return _components(job) in self._driven and self.compiled() == self._compiled_before
+        return _job_components(job) in self._driven and self.compiled() == self._compiled_before
 
     def end(self) -> None:
         """End the process and all that it has started, at once, whatever they are at; ``end_strays`` finds what has left its parents."""
@@ -143,7 +143,7 @@ class Worker:
         self._process.join(PATIENCE)
         self.connection.close()
 
-    def _memory(self) -> int:
+    def _used_memory(self) -> int:
         """Return the bytes that the process occupies."""
         try:
             return int(psutil.Process(self._process.pid).memory_info().rss)
@@ -151,7 +151,7 @@ class Worker:
             return 0
 
 
-def _components(job: Job) -> Parts:
+def _job_components(job: Job) -> Parts:
     return parts_of(job, job.config)
 
 

@@ -5,8 +5,8 @@ tests need scipy: ``pip install arena-core[statistics]``, or arena-metrics, whic
 """
 
 from arena_core.statistics.aggregates import interquartile_mean, middle_half
-from arena_core.statistics.clusters import MOST_RESAMPLED, Clusters, clusters
-from arena_core.statistics.comparisons import ALPHA, WORTH, Comparison, after_holm, compare, difference
+from arena_core.statistics.clusters import MOST_RESAMPLED, Clusters, make_clusters
+from arena_core.statistics.comparisons import ALPHA, WORTH, Comparison, after_holm, compare, estimate_difference
 from arena_core.statistics.intervals import LEAST_PROBLEMS, TAIL, Estimate, FloatArray, Kind, Labels, Method, estimate
 from arena_core.statistics.seeds import over_seeds, wilson
 
@@ -24,11 +24,11 @@ __all__ = [
     "Labels",
     "Method",
     "after_holm",
-    "clusters",
     "compare",
-    "difference",
     "estimate",
+    "estimate_difference",
     "interquartile_mean",
+    "make_clusters",
     "middle_half",
     "over_seeds",
     "wilson",

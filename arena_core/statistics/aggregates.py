@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from arena_core.base.random_streams import generator
+from arena_core.base.random_streams import random_generator
 from arena_core.statistics.intervals import LEAST_PROBLEMS, TAIL, Estimate, FloatArray
 
 RESAMPLES = 2000  # Agarwal et al. 2021
@@ -30,13 +30,13 @@ def interquartile_mean(strata: Sequence[FloatArray]) -> Estimate:
     mean = float(middle_half(np.concatenate(known)))
     if n < LEAST_PROBLEMS:
         return Estimate(mean, math.nan, math.nan, n, "none", n)
-    low, high = np.quantile(_resampled(known, n), (TAIL, 1.0 - TAIL))
+    low, high = np.quantile(_resample_means(known, n), (TAIL, 1.0 - TAIL))
     return Estimate(mean, float(low), float(high), n, "stratified bootstrap", n)
 
 
-def _resampled(strata: Sequence[FloatArray], n: int) -> FloatArray:
+def _resample_means(strata: Sequence[FloatArray], n: int) -> FloatArray:
     """Return the interquartile mean of each resample, (RESAMPLES,); a stream of its own for the same numbers of problems."""
-    random = generator(n, "report", "interquartile mean " + " ".join(str(len(stratum)) for stratum in strata))
+    random = random_generator(n, "report", "interquartile mean " + " ".join(str(len(stratum)) for stratum in strata))
     found, rows = [], max(1, min(RESAMPLES, AT_ONCE // n))
     for first in range(0, RESAMPLES, rows):
         count = min(rows, RESAMPLES - first)

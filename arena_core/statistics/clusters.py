@@ -14,7 +14,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core.base.random_streams import generator
+from arena_core.base.random_streams import random_generator
 
 FloatArray = NDArray[np.float64]
 
@@ -60,13 +60,13 @@ class Clusters:
 
     def pivots(self) -> FloatArray:
         """Return how far each resample's mean lies from the sample's, in its own standard errors, (RESAMPLES,)."""
-        weights = draws(self.worlds)
+        weights = resample_counts(self.worlds)
         means, errors = _of_resamples(weights, self)
         found: FloatArray = (means - self.mean) / np.maximum(errors, LEAST_ERROR * self.error())
         return found
 
 
-def clusters(values: FloatArray, problems: Sequence[Hashable] | None, worlds: Sequence[Hashable] | None) -> Clusters:
+def make_clusters(values: FloatArray, problems: Sequence[Hashable] | None, worlds: Sequence[Hashable] | None) -> Clusters:
     """Sum values (N,) by problem; without ``problems`` each value is one of its own, without ``worlds`` all lie in one."""
     keys = list(range(len(values))) if problems is None else list(problems)
     within = [0] * len(values) if worlds is None else list(worlds)
@@ -88,7 +88,7 @@ def _of_resamples(weights: FloatArray, sample: Clusters) -> tuple[FloatArray, Fl
     """Return mean and standard error of each resample, (R,), for its numbers of draws of every problem, (R, P)."""
     s, m = sample.sums - sample.mean * sample.sizes, sample.sizes  # centred, so that squares do not lose digits
     products = np.stack((s, m, s * s, s * m, m * m), axis=1)
-    parts = [(part, weights[:, part] @ products[part]) for part in _parts(sample.worlds)]
+    parts = [(part, weights[:, part] @ products[part]) for part in _world_slices(sample.worlds)]
     total: FloatArray = np.sum([of for _, of in parts], axis=0)
     shift = total[:, 0] / total[:, 1]
     variance = np.zeros(len(weights))
@@ -99,7 +99,7 @@ def _of_resamples(weights: FloatArray, sample: Clusters) -> tuple[FloatArray, Fl
     return sample.mean + shift, np.sqrt(variance) / total[:, 1]
 
 
-def _parts(worlds: tuple[int, ...]) -> Iterator[slice]:
+def _world_slices(worlds: tuple[int, ...]) -> Iterator[slice]:
     first = 0
     for count in worlds:
         yield slice(first, first + count)
@@ -107,12 +107,12 @@ def _parts(worlds: tuple[int, ...]) -> Iterator[slice]:
 
 
 @lru_cache(maxsize=16)
-def draws(worlds: tuple[int, ...]) -> FloatArray:
+def resample_counts(worlds: tuple[int, ...]) -> FloatArray:
     """Return how often each resample draws every problem, (RESAMPLES, P); as many of each world as there are.
 
     A stream of its own for the same numbers of problems, so results do not depend on the order of calls.
     """
-    random = generator(sum(worlds), "report", "bootstrap " + " ".join(map(str, worlds)))
+    random = random_generator(sum(worlds), "report", "bootstrap " + " ".join(map(str, worlds)))
     drawn = np.hstack([random.multinomial(n, np.full(n, 1.0 / n), size=RESAMPLES) for n in worlds]).astype(np.float64)
     drawn.flags.writeable = False
     return drawn

@@ -16,11 +16,11 @@ from arena_core.statistics.intervals import (
     FloatArray,
     Kind,
     Labels,
-    defined,
-    excess,
-    figure,
+    bootstrap_interval,
+    defined_values,
+    design_effect,
     no_scatter,
-    quantile,
+    pivot_quantile,
 )
 
 ALPHA = 0.05  # false alarms among the comparisons of one family
@@ -57,7 +57,7 @@ def compare(
 ) -> Comparison:
     """Compare over the pairs in which both are defined; ``problems`` and ``worlds`` are the pairs' labels (``intervals.estimate``)."""
     pairs = np.asarray(values, dtype=np.float64) - np.asarray(baseline, dtype=np.float64)
-    kept, sample = defined(pairs, problems, worlds)
+    kept, sample = defined_values(pairs, problems, worlds)
     higher, lower = int((kept > 0.0).sum()), int((kept < 0.0).sum())
     unit = "problems" if sample.repeated else "episodes"
     if sample.problems < LEAST_PROBLEMS:
@@ -65,18 +65,18 @@ def compare(
         nothing = Estimate(mean, math.nan, math.nan, len(kept), "none", sample.problems)
         return Comparison(nothing, math.nan, math.nan, math.nan, higher, lower, math.nan, unit)
     if kind is True or kind == "proportion":
-        p = _sign_flips(sample) if sample.repeated else _mcnemar(higher, lower)
+        p = _sign_flips(sample) if sample.repeated else _mcnemar_p(higher, lower)
         found = _with_zero(_bonett_price(kept, sample), p)
         effect = higher / (higher + lower) - 0.5 if higher + lower else 0.0
-        return Comparison(found, p, p, effect, higher, lower, _more(kept, sample), unit)
+        return Comparison(found, p, p, effect, higher, lower, _more_needed(kept, sample), unit)
     error = sample.error() if kind != "count" else math.hypot(sample.error(), UNSEEN / sample.problems)
-    found, p = figure(sample, len(kept), error), _chance(sample, error)
+    found, p = bootstrap_interval(sample, len(kept), error), _p_value(sample, error)
     scatter = float(kept.std(ddof=1))
     effect = found.mean / scatter if scatter > 0.0 else math.nan
     return Comparison(found, p, p, effect, higher, lower, math.nan, unit)
 
 
-def difference(
+def estimate_difference(
     values: ArrayLike, baseline: ArrayLike, proportion: bool = False, problems: Labels | None = None, worlds: Labels | None = None
 ) -> Estimate:
     """Estimate the mean of ``values - baseline`` over the pairs in which both are defined."""
@@ -94,7 +94,7 @@ def after_holm(family: Sequence[Comparison]) -> list[Comparison]:
     return told
 
 
-def _mcnemar(higher: int, lower: int) -> float:
+def _mcnemar_p(higher: int, lower: int) -> float:
     """Return p of McNemar's exact test (1947): of the pairs that differ, either planner wins half."""
     from scipy.special import bdtr
 
@@ -118,8 +118,8 @@ def _bonett_price(pairs: FloatArray, sample: Clusters) -> Estimate:
 
     Unlike a bootstrap it is no point when all pairs are alike. Repeated problems count as in ``intervals``.
     """
-    share = 1.0 / excess(pairs, sample)
-    n, z = len(pairs) * share + 2.0, quantile(sample)
+    share = 1.0 / design_effect(pairs, sample)
+    n, z = len(pairs) * share + 2.0, pivot_quantile(sample)
     won, lost = ((share * (side > 0.0).sum() + 1.0) / n for side in (pairs, -pairs))
     half = z * math.sqrt((won + lost - (won - lost) ** 2) / n)
     low, high = max(-1.0, won - lost - half), min(1.0, won - lost + half)
@@ -131,7 +131,7 @@ def _with_zero(found: Estimate, p: float) -> Estimate:
     return replace(found, low=min(found.low, 0.0), high=max(found.high, 0.0)) if p > ALPHA else found
 
 
-def _chance(sample: Clusters, error: float) -> float:
+def _p_value(sample: Clusters, error: float) -> float:
     """Return p of a mean difference, by the same pivots as its interval: the greater of Student's and the studentised bootstrap's."""
     from scipy.special import stdtr
 
@@ -145,12 +145,12 @@ def _chance(sample: Clusters, error: float) -> float:
     return float(min(1.0, max(p, 2.0 * (beyond.sum() + 1) / (len(beyond) + 1))))
 
 
-def _more(pairs: FloatArray, sample: Clusters) -> float:
+def _more_needed(pairs: FloatArray, sample: Clusters) -> float:
     """Return how many more episodes, or problems where these were repeated, would show a difference of WORTH (Miettinen 1968)."""
     from scipy.special import ndtri
 
     n, differing = len(pairs), float((pairs != 0.0).sum())
     decided = max((differing + 1.0) / (n + 2.0), WORTH)  # Laplace's estimate: the share of pairs that differ is not sure to be 0
     z = -float(ndtri(ALPHA / 2.0)) * math.sqrt(decided) + float(ndtri(POWER)) * math.sqrt(decided - WORTH**2)
-    needed = excess(pairs, sample) * (z / WORTH) ** 2
+    needed = design_effect(pairs, sample) * (z / WORTH) ** 2
     return max(0.0, needed / n - 1.0) * sample.problems

@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from arena_core.statistics.clusters import MOST_RESAMPLED, Clusters, clusters
+from arena_core.statistics.clusters import MOST_RESAMPLED, Clusters, make_clusters
 
 FloatArray = NDArray[np.float64]
 Labels = Sequence[Hashable]
@@ -47,24 +47,24 @@ def estimate(values: ArrayLike, kind: Kind | bool = "figure", problems: Labels |
     ``kind`` may be True for a proportion. ``problems`` and ``worlds`` are labels of the values: without them each is a problem of its own,
     in one world.
     """
-    kept, sample = defined(values, problems, worlds)
+    kept, sample = defined_values(values, problems, worlds)
     n = len(kept)
     if n == 0 or sample.problems < LEAST_PROBLEMS:
         return Estimate(float(kept.mean()) if n else math.nan, math.nan, math.nan, n, "none", sample.problems)
     if kind is True or kind == "proportion":
         return _agresti_coull(kept, sample)
-    return _garwood(kept, sample) if kind == "count" else figure(sample, n, sample.error())
+    return _garwood_interval(kept, sample) if kind == "count" else bootstrap_interval(sample, n, sample.error())
 
 
-def defined(values: ArrayLike, problems: Labels | None, worlds: Labels | None) -> tuple[FloatArray, Clusters]:
+def defined_values(values: ArrayLike, problems: Labels | None, worlds: Labels | None) -> tuple[FloatArray, Clusters]:
     """Return the values that are numbers, and these by problem."""
     every = np.asarray(values, dtype=np.float64)
     there = np.flatnonzero(np.isfinite(every))
     labels = (None if of is None else [of[int(i)] for i in there] for of in (problems, worlds))
-    return every[there], clusters(every[there], *labels)
+    return every[there], make_clusters(every[there], *labels)
 
 
-def excess(values: FloatArray, sample: Clusters) -> float:
+def design_effect(values: FloatArray, sample: Clusters) -> float:
     """Return how many times the variance of a mean exceeds that of as many independent episodes: Kish's design effect, at least 1.
 
     Where all values are alike it cannot be known; then each problem counts once.
@@ -76,7 +76,7 @@ def excess(values: FloatArray, sample: Clusters) -> float:
     return max(1.0, sample.error() ** 2 / alone) if alone > 0.0 else n / sample.problems
 
 
-def quantile(sample: Clusters) -> float:
+def pivot_quantile(sample: Clusters) -> float:
     """Return the quantile of 0.975 of a pivot: normal for single episodes, of Student's t for problems that were repeated."""
     from scipy.special import ndtri, stdtrit
 
@@ -88,14 +88,14 @@ def _agresti_coull(values: FloatArray, sample: Clusters) -> Estimate:
 
     Repeated problems count as the number of independent episodes that would be as sure (Korn and Graubard 1998).
     """
-    n, z = len(values) / excess(values, sample), quantile(sample)
+    n, z = len(values) / design_effect(values, sample), pivot_quantile(sample)
     mean, wider = float(values.mean()), n + z**2
     centre = (mean * n + z**2 / 2.0) / wider
     half = z * math.sqrt(centre * (1.0 - centre) / wider)
     return Estimate(mean, max(0.0, centre - half), min(1.0, centre + half), len(values), "Agresti-Coull", sample.problems)
 
 
-def _garwood(values: FloatArray, sample: Clusters) -> Estimate:
+def _garwood_interval(values: FloatArray, sample: Clusters) -> Estimate:
     """Return the exact interval of a Poisson mean (Garwood 1936), for the number of events that would be as sure if they came singly.
 
     Events that come in bunches, in an episode or a problem, count as fewer: divided by their variance over their mean, where that is more
@@ -105,7 +105,7 @@ def _garwood(values: FloatArray, sample: Clusters) -> Estimate:
     from scipy.stats import chi2
 
     n, mean = len(values), float(values.mean())
-    bunched = max(1.0, float(values.var(ddof=1)) / mean if mean > 0.0 else 1.0) * excess(values, sample)
+    bunched = max(1.0, float(values.var(ddof=1)) / mean if mean > 0.0 else 1.0) * design_effect(values, sample)
     if bunched > 1.0:
         bunched *= (stdtrit(sample.freedom, TAIL) / ndtri(TAIL)) ** 2
     events, per_event = n * mean / bunched, bunched / n
@@ -114,7 +114,7 @@ def _garwood(values: FloatArray, sample: Clusters) -> Estimate:
     return Estimate(mean, per_event * low, per_event * high, n, "Garwood", sample.problems)
 
 
-def figure(sample: Clusters, n: int, error: float) -> Estimate:
+def bootstrap_interval(sample: Clusters, n: int, error: float) -> Estimate:
     """Return the studentised bootstrap interval of a mean (Hall 1988), on each side at least as wide as Student's t makes it.
 
     ``error`` is the sample's own, or a greater one that Student's t then goes by.

@@ -8,7 +8,7 @@ from statistics import NormalDist
 
 import numpy as np
 
-from arena_core.base.random_streams import generator
+from arena_core.base.random_streams import random_generator
 from arena_core.statistics.aggregates import middle_half
 
 CONFIDENCE = 0.95
@@ -34,7 +34,7 @@ def over_seeds(groups: Sequence[Sequence[float]]) -> tuple[float, float, float]:
     mean = float(middle_half(np.concatenate([np.asarray(group, np.float64) for group in groups])))
     if min(len(group) for group in groups) < 2:
         return mean, math.nan, math.nan
-    random = generator(sum(map(len, groups)), "trainings", "bootstrap")
+    random = random_generator(sum(map(len, groups)), "trainings", "bootstrap")
     parts = [np.asarray(group)[random.integers(len(group), size=(RESAMPLES, len(group)))] for group in groups]
     low, high = np.quantile(middle_half(np.concatenate(parts, axis=1)), (0.5 - CONFIDENCE / 2.0, 0.5 + CONFIDENCE / 2.0))
     return mean, float(low), float(high)

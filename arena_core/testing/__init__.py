@@ -15,7 +15,7 @@ from arena_core.testing.samples import (
     sensors,
     straight_path,
 )
-from arena_core.testing.steps import joined, transition
+from arena_core.testing.steps import join_batches, transition
 from arena_core.testing.views import boxes_costmap, tracked, view
 
 __all__ = [
@@ -25,7 +25,7 @@ __all__ = [
     "component",
     "free_costmap",
     "furniture",
-    "joined",
+    "join_batches",
     "observation",
     "planner",
     "record",

@@ -11,16 +11,16 @@ from typing import Any, get_args
 import numpy as np
 
 from arena_core.base.errors import ArenaError, ContractViolation, NoPath, NoValidCommand
-from arena_core.base.random_streams import generator
+from arena_core.base.random_streams import random_generator
 from arena_core.contracts.learning import ObservationBatch, ObservationEncoder, ObservationField, Reward, ScanMemory
 from arena_core.contracts.navigation import GlobalPlanner, Localizer, LocalMap, PathBatch, Planner, Tracker, WaypointGenerator
 from arena_core.contracts.running import Better, Executor, Job, Lost, Metric, MetricPack
 from arena_core.contracts.simulation import PedestrianModel, RobotBatch, Simulator, TaskMode, WorldSource
 from arena_core.loop.extras import kept_candidates
-from arena_core.loop.navigator import checked
+from arena_core.loop.navigator import check_command
 from arena_core.runs.rows import TEXT
 from arena_core.testing import samples
-from arena_core.testing.steps import joined, transition
+from arena_core.testing.steps import join_batches, transition
 from arena_core.values.episode import Scenario
 from arena_core.values.geometry import Footprint, Pose, Twist
 from arena_core.values.robot import Robot
@@ -44,20 +44,20 @@ def check(kind: str, component: Any, body: Robot) -> list[str]:
 
 def check_planner(planner: Planner, body: Robot) -> Facts:
     """Try a planner in the walled room."""
-    views = _views(body)
-    first = _drive(planner, body, views)
+    views = _sample_views(body)
+    first = _drive_planner(planner, body, views)
     yield "every command is a finite Twist, or NoValidCommand is raised", True
-    yield "the same observations after a reset give the same commands", _drive(planner, body, views) == first
-    _drive(planner, body, views[::-1])
-    yield "nothing of one episode survives into the next", _drive(planner, body, views) == first
+    yield "the same observations after a reset give the same commands", _drive_planner(planner, body, views) == first
+    _drive_planner(planner, body, views[::-1])
+    yield "nothing of one episode survives into the next", _drive_planner(planner, body, views) == first
     seen = [v.scan.ranges.copy() for v in views]
-    _drive(planner, body, views)
-    yield "telling what it considered changes no command", _drive(planner, body, views, tells=True) == first
+    _drive_planner(planner, body, views)
+    yield "telling what it considered changes no command", _drive_planner(planner, body, views, tells=True) == first
     yield "observations are left as they are", all((a == v.scan.ranges).all() for a, v in zip(seen, views, strict=True))
     planner.reset(samples.episode_start(body, known=False))
-    _ask(planner, samples.observation(body=body, known=False))
+    _ask_planner(planner, samples.observation(body=body, known=False))
     yield "it works without a map", True
-    yield "it approaches a waypoint on a free, straight path", _progress(planner, body) > 0.2
+    yield "it approaches a waypoint on a free, straight path", _measure_progress(planner, body) > 0.2
 
 
 def check_robot(robot: Robot, body: Robot) -> Facts:
@@ -97,7 +97,7 @@ def check_task(task: TaskMode, body: Robot) -> Facts:
 def check_localizer(localizer: Localizer, body: Robot) -> Facts:
     """Localise along a straight drive in the walled room."""
     truth = [Pose(-1.0 + 0.05 * k, 0.3, 0.1) for k in range(41)]
-    estimates = _localise(localizer, body, truth)
+    estimates = _run_localizer(localizer, body, truth)
     yield "poses are finite", all(np.isfinite(e.pose.array()).all() for e in estimates)
     covariances = np.array([e.covariance for e in estimates])
     yield (
@@ -105,7 +105,7 @@ def check_localizer(localizer: Localizer, body: Robot) -> Facts:
         bool(np.allclose(covariances, covariances.transpose(0, 2, 1)) and (np.linalg.eigvalsh(covariances) >= -1e-9).all()),
     )
     yield "the estimate stays within 0.2 m on clean sensors", estimates[-1].pose.distance(truth[-1]) < 0.2
-    again = _localise(localizer, body, truth)
+    again = _run_localizer(localizer, body, truth)
     yield "the same sensors after a reset give the same poses", [e.pose for e in again] == [e.pose for e in estimates]
 
 
@@ -176,7 +176,7 @@ def check_pedestrians(model: PedestrianModel, body: Robot) -> Facts:
     """Let three people walk in the room, or those whom the model puts there itself."""
     people = [samples.person(k, -2.0 + 2.0 * k, -2.0, (2.0 - k, 3.0), (-2.0, -2.0 - 0.5 * k)) for k in range(3)]
     problem = samples.scenario(people=people)
-    begun, alone = model.reset(SLOT, [problem], 1).world(0), _walk(model, [problem])[0]
+    begun, alone = model.reset(SLOT, [problem], 1).world(0), _walk_people(model, [problem])[0]
     yield (
         "people keep their numbers, and each has one",
         np.array_equal(alone.ids, begun.ids) and len(set(begun.ids.tolist())) == len(begun.ids),
@@ -189,9 +189,12 @@ def check_pedestrians(model: PedestrianModel, body: Robot) -> Facts:
         far = 1.8 * 0.5 * 4.0  # m: some models let people run, faster than they walk
         yield "somebody walks, and nobody faster than they may", bool((moved > 0.1).any() and (moved < far).all())
     else:
-        yield "people who are not the scenario's walk alike without those", _same_people(_walk(model, [samples.scenario()])[0], alone)
-    yield "the same start gives the same walk", _same_people(_walk(model, [problem])[0], alone)
-    among = _walk(model, [samples.scenario(people=people[:1], name="other"), problem])[1]
+        yield (
+            "people who are not the scenario's walk alike without those",
+            _same_people(_walk_people(model, [samples.scenario()])[0], alone),
+        )
+    yield "the same start gives the same walk", _same_people(_walk_people(model, [problem])[0], alone)
+    among = _walk_people(model, [samples.scenario(people=people[:1], name="other"), problem])[1]
     yield "a world among others gives what it gives alone", _same_people(among, alone)
 
 
@@ -229,11 +232,11 @@ def check_reward(reward: Reward, body: Robot) -> Facts:
 
 def check_observation_encoder(encoder: ObservationEncoder, body: Robot) -> Facts:
     """Encode what a planner sees, together and one by one."""
-    fields, views = encoder.layout(), _views(body)
+    fields, views = encoder.layout(), _sample_views(body)
     batches, rows, recalled = [], [], encoder.blank(1)
     for k, view in enumerate(views):
         command = Twist(0.1, 0.0, 0.05 * k)
-        batches.append(ObservationBatch.of(view, command, _remembered(encoder, views[:k], view), recalled, encoder.tracked))
+        batches.append(ObservationBatch.of(view, command, _make_memory(encoder, views[:k], view), recalled, encoder.tracked))
         rows.append(encoder.encode(batches[-1]))
         recalled = rows[-1] if encoder.recurrent else recalled
     size = sum(field.size for field in fields)
@@ -242,12 +245,12 @@ def check_observation_encoder(encoder: ObservationEncoder, body: Robot) -> Facts
     low = np.concatenate([np.full(field.size, field.low, np.float32) for field in fields])
     high = np.concatenate([np.full(field.size, field.high, np.float32) for field in fields])
     yield "every number is within its bounds", all(bool(((r >= low) & (r <= high)).all()) for r in rows)
-    together = encoder.encode(joined(batches))
+    together = encoder.encode(join_batches(batches))
     yield "an observation among others gives what it gives alone", bool((together == np.concatenate(rows)).all())
-    yield "the result is new each time", not np.shares_memory(together, encoder.encode(joined(batches)))
+    yield "the result is new each time", not np.shares_memory(together, encoder.encode(join_batches(batches)))
 
 
-def _remembered(encoder: ObservationEncoder, before: Sequence[Observation], view: Observation) -> ScanMemory:
+def _make_memory(encoder: ObservationEncoder, before: Sequence[Observation], view: Observation) -> ScanMemory:
     """Return the memory of a robot that saw some views before this one."""
     memory = ScanMemory(encoder.lookback, 1, len(view.scan.ranges))
     for step, seen in enumerate((*before, view)):
@@ -264,12 +267,12 @@ def check_metrics(pack: MetricPack, body: Robot) -> Facts:
     yield f"better is {', '.join(BETTER)}", all(m.better in BETTER for m in metrics)
     for sample in (samples.record(), samples.record(contact=True), samples.record(contact=True, leaves=True)):
         values = [m.compute(sample) for m in metrics]
-        yield "every value is a text in unit text, else a number", all(map(_suits, metrics, values))
+        yield "every value is a text in unit text, else a number", all(map(_fits_unit, metrics, values))
         again = [m.compute(sample) for m in metrics]
         yield "the same record gives the same values", [repr(v) for v in again] == [repr(v) for v in values]
 
 
-def _suits(metric: Metric, value: Any) -> bool:
+def _fits_unit(metric: Metric, value: Any) -> bool:
     """Tell whether a value is what the metric's unit says, and nothing infinite."""
     text = isinstance(value, str)
     return text == (metric.unit == TEXT) and (text or (isinstance(float(value), float) and not math.isinf(value)))
@@ -279,11 +282,11 @@ def check_executor(executor: Executor, body: Robot) -> Facts:
     """Run tiny jobs, in two rounds."""
     with closing(executor):
         for jobs in (range(3), range(3, 5)):
-            rows = list(executor.map(echo, [Job({}, "", k) for k in jobs]))
+            rows = list(executor.map(echo_job, [Job({}, "", k) for k in jobs]))
             yield "every job gives one row", sorted(row["episode"] for row in rows if not isinstance(row, Lost)) == list(jobs)
 
 
-def echo(job: Job) -> dict[str, Any]:
+def echo_job(job: Job) -> dict[str, Any]:
     """Return a job's number: the smallest work that there is."""
     return {"episode": job.episode}
 
@@ -307,7 +310,7 @@ CHECKS: dict[str, Callable[[Any, Robot], Facts]] = {
 }
 
 
-def _views(body: Robot) -> list[Observation]:
+def _sample_views(body: Robot) -> list[Observation]:
     here = Pose(0.0, 0.0, 0.0)
     walled = samples.walled_costmap(here, body.footprint.inscribed_radius)
     return [
@@ -325,15 +328,15 @@ def _well_described(fields: Sequence[ObservationField]) -> bool:
     return named and all(field.size > 0 and field.low < field.high and field.unit and field.meaning for field in fields)
 
 
-def _drive(planner: Planner, body: Robot, views: Sequence[Observation], tells: bool = False) -> list[Twist | None]:
+def _drive_planner(planner: Planner, body: Robot, views: Sequence[Observation], tells: bool = False) -> list[Twist | None]:
     planner.reset(samples.episode_start(body))
-    return [_ask(planner, view, tells) for view in views]
+    return [_ask_planner(planner, view, tells) for view in views]
 
 
-def _ask(planner: Planner, view: Observation, tells: bool = False) -> Twist | None:
+def _ask_planner(planner: Planner, view: Observation, tells: bool = False) -> Twist | None:
     try:
         try:
-            return checked(planner.compute_velocity(view), planner)
+            return check_command(planner.compute_velocity(view), planner)
         except NoValidCommand:
             return None
         finally:
@@ -343,26 +346,26 @@ def _ask(planner: Planner, view: Observation, tells: bool = False) -> Twist | No
         raise ContractViolation(str(error)) from error
 
 
-def _progress(planner: Planner, body: Robot) -> float:
+def _measure_progress(planner: Planner, body: Robot) -> float:
     """Return how far 3 s of obeyed commands bring a robot along a straight, free path, as a part of the possible."""
     planner.reset(samples.episode_start(body))
     pose, twist, goal = Pose(-2.5, 0.0, 0.0), Twist(0.0), Pose(2.5, 0.0, 0.0)
     steps = round(3.0 / body.control_period)
     for k in range(steps):
         view = samples.observation(pose, Pose(pose.x + 2.0, 0.0), goal, twist, body, stamp=k * body.control_period)
-        twist = _ask(planner, view) or Twist(0.0)
+        twist = _ask_planner(planner, view) or Twist(0.0)
         turned = Pose(pose.x, pose.y, pose.theta + 0.5 * twist.wz * body.control_period)
         moved = turned.compose(Pose(twist.vx * body.control_period, twist.vy * body.control_period))
         pose = Pose(moved.x, moved.y, pose.theta + twist.wz * body.control_period)
     return (pose.x + 2.5) / min(5.0, 3.0 * body.limits.vx_max)
 
 
-def _localise(localizer: Localizer, body: Robot, truth: Sequence[Pose]) -> list[Any]:
-    localizer.reset(samples.room(), truth[0], generator(0, "sample/0", "localizer"))
+def _run_localizer(localizer: Localizer, body: Robot, truth: Sequence[Pose]) -> list[Any]:
+    localizer.reset(samples.room(), truth[0], random_generator(0, "sample/0", "localizer"))
     return [localizer.update(samples.sensors(pose, body, 0.1 * k, Twist(0.5))) for k, pose in enumerate(truth)]
 
 
-def _walk(model: PedestrianModel, scenarios: Sequence[Scenario]) -> list[Pedestrians]:
+def _walk_people(model: PedestrianModel, scenarios: Sequence[Scenario]) -> list[Pedestrians]:
     """Return the people of each world after 4 s."""
     n = len(scenarios)
     crowd = model.reset(np.arange(n), scenarios, n)

@@ -12,17 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 from pluggy import PluginManager
 
-from arena_core.base.frozen import frozen
-from arena_core.base.random_streams import generator
-from arena_core.config.configuration import compose, own_folder, plain
+from arena_core.base.frozen import freeze_array
+from arena_core.base.random_streams import random_generator
+from arena_core.config.configuration import compose, own_folder, to_plain
 from arena_core.config.furniture import furniture_kind
 from arena_core.config.registry import Registry, load_registry
 from arena_core.contracts.navigation import Planner
 from arena_core.loop.execution import Timing
 from arena_core.loop.navigator import NO_TIME, Decision, Spent
+from arena_core.loop.observing import make_observation
 from arena_core.loop.recording import Recorder
-from arena_core.loop.rehearsal import walled_room
-from arena_core.loop.shown import shown
+from arena_core.loop.warm_up import walled_room
 from arena_core.values.episode import Contact, EpisodeRecord, EpisodeStart, Event, Scenario, WorldState
 from arena_core.values.geometry import FloatArray, Footprint, Pose, Twist
 from arena_core.values.robot import Kinematics, Lidar, OdometryModel, Robot, VelocityLimits
@@ -116,12 +116,12 @@ def observation(
     goal = goal or Pose(pose.x + 3.0 * math.cos(pose.theta), pose.y + 3.0 * math.sin(pose.theta), pose.theta)
     waypoint = waypoint or Pose(pose.x + 2.0 * math.cos(pose.theta), pose.y + 2.0 * math.sin(pose.theta), pose.theta)
     window = costmap or free_costmap(pose)
-    return shown(
+    return make_observation(
         Sensors(stamp, scan(pose, body, stamp=stamp), Odometry(stamp, pose, twist or Twist(0.0))),
         PoseEstimate(pose, np.zeros((3, 3))),
         goal,
         waypoint,
-        Path(frozen(straight_path(pose, goal).poses)),
+        Path(freeze_array(straight_path(pose, goal).poses)),
         room() if known else None,
         lambda: window,
         lambda: tracks,
@@ -153,7 +153,7 @@ def record(steps: int = 31, contact: bool = False, leaves: bool = False) -> Epis
     columns = {"planner": "sample", "n_pedestrians": 1, "episode": 0, "seed": 0, "scenario": problem.name}
     meta = {"columns": columns, "world": {}, "config": {}}
     recorder = Recorder(problem, body, meta, keep_scans=False)
-    states = [_state(k, contact and k == steps // 2, leaves and k > steps // 2) for k in range(steps)]
+    states = [_world_state(k, contact and k == steps // 2, leaves and k > steps // 2) for k in range(steps)]
     for k, state in enumerate(states[:-1]):
         estimate = PoseEstimate(state.pose, np.zeros((3, 3)))
         path = straight_path(problem.start, problem.goal) if k == 0 else None
@@ -169,22 +169,22 @@ def component(kind: str, preset: str, overrides: Sequence[str] = (), robot_prese
     """Build an installed component from its preset, alone; ``overrides`` are those of the command line."""
     chosen = [f"{kind}={preset}"] + ([f"robot={robot_preset}"] if robot_preset else [])
     registry = load_registry()
-    node = _composed((*chosen, *overrides), registry)[kind]
+    node = _compose_words((*chosen, *overrides), registry)[kind]
     node = node.get(preset, node) if kind == "metrics" else node
     return registry.build(kind, node, **context)
 
 
-def _composed(words: tuple[str, ...], registry: Registry) -> Any:
+def _compose_words(words: tuple[str, ...], registry: Registry) -> Any:
     """Return what these words compose, from what is kept unless there is a folder of one's own, whose files may change."""
     if own_folder() is not None:
-        return plain(compose(words, config_name="component"))
-    return deepcopy(_kept(words, registry.manager))
+        return to_plain(compose(words, config_name="component"))
+    return deepcopy(_compose_cached(words, registry.manager))
 
 
 @lru_cache(maxsize=256)
-def _kept(words: tuple[str, ...], _: PluginManager) -> Any:
+def _compose_cached(words: tuple[str, ...], _: PluginManager) -> Any:
     """Return what these words compose with the plugins of a manager: it takes longer than most of what a test does with it."""
-    return plain(compose(words, config_name="component"))
+    return to_plain(compose(words, config_name="component"))
 
 
 def planner(preset: str, body: Robot, *overrides: str, robot_preset: str | None = None) -> Planner:
@@ -196,10 +196,10 @@ def planner(preset: str, body: Robot, *overrides: str, robot_preset: str | None 
 
 def episode_start(body: Robot, known: bool = True) -> EpisodeStart:
     """Return what a planner is told before an episode in the walled room."""
-    return EpisodeStart(room() if known else None, Pose(3.0, 0.0), body.control_period, generator(0, "sample/0", "planner"))
+    return EpisodeStart(room() if known else None, Pose(3.0, 0.0), body.control_period, random_generator(0, "sample/0", "planner"))
 
 
-def _state(k: int, contact: bool, absent: bool) -> WorldState:
+def _world_state(k: int, contact: bool, absent: bool) -> WorldState:
     ids: NDArray[np.int32] = np.array((1,), np.int32)
     position: FloatArray = np.array(((np.nan, np.nan) if absent else (0.0, 1.0),))
     people = Pedestrians(ids, position, 0.0 * position, np.array((0.3,)), np.array((ABSENT if absent else 1,), np.int8))

@@ -14,7 +14,7 @@ ALL = slice(None)
 PERIOD = 0.1  # s
 
 
-def joined(batches: Sequence[ObservationBatch]) -> ObservationBatch:
+def join_batches(batches: Sequence[ObservationBatch]) -> ObservationBatch:
     """Return the observations of several batches of one as one batch."""
     names = ("stamps", "ranges", "poses", "twists", "goals", "waypoints", "last_commands", "recalled")
     arrays: dict[str, Any] = {name: np.concatenate([getattr(batch, name) for batch in batches]) for name in names}
@@ -31,13 +31,13 @@ def joined(batches: Sequence[ObservationBatch]) -> ObservationBatch:
 def transition(robots: int, chosen: slice = ALL, seed: int = 0) -> Transition:
     """Return a step that some robots took near obstacles and people, of those ``chosen``; the first arrived, the second collided."""
     random = np.random.default_rng(seed)
-    before, after = _situation(robots, random, chosen), _situation(robots, random, chosen)
+    before, after = _make_situation(robots, random, chosen), _make_situation(robots, random, chosen)
     commands, last_commands = random.uniform(-1.0, 1.0, (2, robots, 3))[:, chosen]
     arrived, collided, timed_out = (np.arange(robots)[chosen] == k for k in range(3))
     return Transition(before, after, commands, last_commands, arrived, collided, timed_out, PERIOD)
 
 
-def _situation(robots: int, random: np.random.Generator, chosen: slice) -> Situation:
+def _make_situation(robots: int, random: np.random.Generator, chosen: slice) -> Situation:
     poses, twists = random.uniform(-1.0, 1.0, (2, robots, 3))[:, chosen]
     lengths = random.uniform(0.0, 1.0, (7, robots))[:, chosen]
     return Situation(poses, twists, *lengths)

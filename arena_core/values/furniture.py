@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from arena_core.base.errors import ConfigurationError
 from arena_core.values.geometry import FloatArray, Pose
-from arena_core.values.obstacles import with_obstacles
+from arena_core.values.obstacles import add_obstacles
 from arena_core.values.scene import out_of_frame
 from arena_core.values.world import Furniture, Obstacle, OccupancyGrid, World
 
@@ -34,11 +34,11 @@ class FurnitureKind:
         """Return a piece of this kind, which is called ``kind``; raise ConfigurationError for a solid without an extent."""
         if not self.boxes and not self.cylinders:
             raise ConfigurationError(f"furniture {kind} has no solids; allowed: one or more of boxes {BOX} or cylinders {CYLINDER}")
-        boxes, cylinders = _rows(kind, "boxes", self.boxes, 6, BOX), _rows(kind, "cylinders", self.cylinders, 5, CYLINDER)
+        boxes, cylinders = _solid_rows(kind, "boxes", self.boxes, 6, BOX), _solid_rows(kind, "cylinders", self.cylinders, 5, CYLINDER)
         return Furniture(kind, pose, np.insert(boxes, 2, 0.0, axis=1), cylinders)
 
 
-def _rows(kind: str, shape: str, solids: Mapping[str, list[float]], width: int, allowed: str) -> FloatArray:
+def _solid_rows(kind: str, shape: str, solids: Mapping[str, list[float]], width: int, allowed: str) -> FloatArray:
     """Return solids as rows (N, width)."""
     for name, row in solids.items():
         if len(row) != width or min(row[2:-2]) <= 0.0 or not 0.0 <= row[-2] < row[-1]:
@@ -46,23 +46,23 @@ def _rows(kind: str, shape: str, solids: Mapping[str, list[float]], width: int, 
     return np.array(list(solids.values()), np.float64).reshape(-1, width)
 
 
-def outlines(pieces: Iterable[Furniture], low: float, high: float) -> tuple[Obstacle, ...]:
+def furniture_outlines(pieces: Iterable[Furniture], low: float, high: float) -> tuple[Obstacle, ...]:
     """Return what of furniture somebody meets who reaches from ``low`` to ``high`` m, in ``map``; a slice where both are equal."""
     found = []
     for piece in pieces:
-        for x, y, yaw, length, width, _, _ in piece.boxes[_within(piece.boxes, low, high)].tolist():
+        for x, y, yaw, length, width, _, _ in piece.boxes[_within_heights(piece.boxes, low, high)].tolist():
             found.append(Obstacle(out_of_frame(out_of_frame(CORNERS * (length, width), Pose(x, y, yaw)), piece.pose)))
-        for x, y, radius, _, _ in piece.cylinders[_within(piece.cylinders, low, high)].tolist():
+        for x, y, radius, _, _ in piece.cylinders[_within_heights(piece.cylinders, low, high)].tolist():
             found.append(Obstacle(out_of_frame(np.array([[x, y]]), piece.pose), radius))
     return tuple(found)
 
 
-def _within(rows: FloatArray, low: float, high: float) -> NDArray[np.bool_]:
+def _within_heights(rows: FloatArray, low: float, high: float) -> NDArray[np.bool_]:
     """Tell which solids reach between two heights; a level plane at the top of one passes over it."""
     return np.asarray((rows[:, -2] <= high) & (rows[:, -1] > low))
 
 
-def furnished(world: World) -> OccupancyGrid:
+def add_furniture(world: World) -> OccupancyGrid:
     """Return the map with all occupied that furniture covers below heads, where nobody can stand; without furniture the map itself."""
     return world.grid.derive(_Furnished(world.furniture)) if world.furniture else world.grid
 
@@ -74,7 +74,7 @@ class _Furnished:
     pieces: tuple[Furniture, ...]
 
     def __call__(self, grid: OccupancyGrid) -> OccupancyGrid:
-        return with_obstacles(grid, outlines(self.pieces, 0.0, OVERHEAD))
+        return add_obstacles(grid, furniture_outlines(self.pieces, 0.0, OVERHEAD))
 
 
 def furniture_meta(piece: Furniture) -> dict[str, Any]:
@@ -87,11 +87,11 @@ def furniture_meta(piece: Furniture) -> dict[str, Any]:
 def furniture_shapes(pieces: Iterable[Furniture]) -> list[dict[str, Any]]:
     """Return furniture as seen from above: obstacles as records have them, what hangs over (``overhang``) before what stands."""
     pieces = list(pieces)
-    tops = [{**_shape(outline), "overhang": True} for outline in outlines(pieces, 0.0, OVERHEAD)]
-    return tops + [_shape(outline) for outline in outlines(pieces, 0.0, 0.0)]
+    tops = [{**_shape_dict(outline), "overhang": True} for outline in furniture_outlines(pieces, 0.0, OVERHEAD)]
+    return tops + [_shape_dict(outline) for outline in furniture_outlines(pieces, 0.0, 0.0)]
 
 
-def _shape(outline: Obstacle) -> dict[str, Any]:
+def _shape_dict(outline: Obstacle) -> dict[str, Any]:
     return {"vertices_xy": outline.vertices_xy.tolist(), "radius": outline.radius}
 
 

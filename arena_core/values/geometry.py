@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from arena_core.base.errors import ConfigurationError
-from arena_core.base.frozen import frozen
+from arena_core.base.frozen import freeze_array
 
 FloatArray = NDArray[np.float64]
 
@@ -47,17 +47,17 @@ class Pose:
         return Pose(
             self.x + c * relative.x - s * relative.y,
             self.y + s * relative.x + c * relative.y,
-            _wrap(self.theta + relative.theta),
+            _wrap_scalar(self.theta + relative.theta),
         )
 
     def relative(self, other: Pose) -> Pose:
         """Return ``other``, given in this pose's parent frame, in this pose's own frame."""
         c, s = math.cos(self.theta), math.sin(self.theta)
         dx, dy = other.x - self.x, other.y - self.y
-        return Pose(c * dx + s * dy, -s * dx + c * dy, _wrap(other.theta - self.theta))
+        return Pose(c * dx + s * dy, -s * dx + c * dy, _wrap_scalar(other.theta - self.theta))
 
 
-def _wrap(angle: float) -> float:
+def _wrap_scalar(angle: float) -> float:
     return (angle + math.pi) % (2.0 * math.pi) - math.pi
 
 
@@ -92,7 +92,7 @@ class Footprint:
     vertices_xy: FloatArray
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "vertices_xy", frozen(self.vertices_xy))
+        object.__setattr__(self, "vertices_xy", freeze_array(self.vertices_xy))
 
     @staticmethod
     def circle(radius: float) -> Footprint:

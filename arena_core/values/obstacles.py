@@ -10,19 +10,19 @@ from numpy.typing import NDArray
 from arena_core.values.world import OCCUPIED, Obstacle, OccupancyGrid
 
 
-def with_obstacles(grid: OccupancyGrid, obstacles: Sequence[Obstacle]) -> OccupancyGrid:
+def add_obstacles(grid: OccupancyGrid, obstacles: Sequence[Obstacle]) -> OccupancyGrid:
     """Return the grid with every cell occupied that an obstacle covers or its outline runs through; without obstacles the grid itself."""
     if not obstacles:
         return grid
     data = np.array(grid.data)
     for obstacle in obstacles:
-        cells = np.concatenate((_covered(grid, obstacle), grid.cells(_outline(obstacle, 0.5 * grid.resolution))))
+        cells = np.concatenate((_covered_cells(grid, obstacle), grid.cells(_outline_points(obstacle, 0.5 * grid.resolution))))
         rows, columns = cells[grid.contains(cells)].T
         data[rows, columns] = OCCUPIED
     return OccupancyGrid(data, grid.resolution, grid.origin, grid.occupied_from)
 
 
-def _covered(grid: OccupancyGrid, obstacle: Obstacle) -> NDArray[np.int64]:
+def _covered_cells(grid: OccupancyGrid, obstacle: Obstacle) -> NDArray[np.int64]:
     """Return the cells (row, column) whose centres lie inside, among those of the obstacle's bounding box."""
     low, high = obstacle.vertices_xy.min(axis=0) - obstacle.radius, obstacle.vertices_xy.max(axis=0) + obstacle.radius
     corners = grid.cells([low, high, (low[0], high[1]), (high[0], low[1])])
@@ -46,7 +46,7 @@ def _in_polygon(points: NDArray[np.float64], vertices: NDArray[np.float64]) -> N
     return (straddles & (x < crossing)).sum(axis=1) % 2 == 1  # type: ignore[no-any-return]
 
 
-def _outline(obstacle: Obstacle, spacing: float) -> NDArray[np.float64]:
+def _outline_points(obstacle: Obstacle, spacing: float) -> NDArray[np.float64]:
     """Return points on a polygon's outline, no farther apart than ``spacing``, or a disc's centre: so no obstacle is lost between cells."""
     if obstacle.radius > 0.0:
         return obstacle.vertices_xy

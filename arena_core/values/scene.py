@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from arena_core.values.geometry import FloatArray, Pose
-from arena_core.values.rectangles import rectangles
+from arena_core.values.rectangles import cover_with_rectangles
 from arena_core.values.world import Furniture, Obstacle, OccupancyGrid
 
 
@@ -43,7 +43,7 @@ class Scene:
 
 def wall_boxes(grid: OccupancyGrid) -> FloatArray:
     """Return few boxes that fill a grid's occupied cells, each cell once: (N, 5) of x, y, yaw, length and width, in the grid's frame."""
-    first_row, first_column, end_row, end_column = rectangles(grid.occupied).T * grid.resolution
+    first_row, first_column, end_row, end_column = cover_with_rectangles(grid.occupied).T * grid.resolution
     middle = 0.5 * (first_column + end_column), 0.5 * (first_row + end_row)
     return np.stack((*middle, np.zeros(len(first_row)), end_column - first_column, end_row - first_row), axis=1)
 
@@ -58,8 +58,8 @@ def scene_of(grid: OccupancyGrid, obstacles: Sequence[Obstacle], height: float, 
     return Scene(
         grid.origin,
         (columns * grid.resolution, rows * grid.resolution),
-        np.vstack((raised(wall_boxes(grid), height), pieces.boxes)),
-        np.vstack((raised(np.column_stack((centres, [disc.radius for disc in discs])), height), pieces.cylinders)),
+        np.vstack((raise_footprints(wall_boxes(grid), height), pieces.boxes)),
+        np.vstack((raise_footprints(np.column_stack((centres, [disc.radius for disc in discs])), height), pieces.cylinders)),
         tuple(Prism(_in_frame(vertices, grid.origin), 0.0, height) for vertices in polygons),
     )
 
@@ -74,7 +74,7 @@ def furniture_scene(furniture: Sequence[Furniture], origin: Pose) -> Scene:
     return Scene(origin, None, np.vstack(boxes), np.vstack(cylinders))
 
 
-def raised(footprints: FloatArray, height: float) -> FloatArray:
+def raise_footprints(footprints: FloatArray, height: float) -> FloatArray:
     """Return rows (N, K) of footprints as rows (N, K + 2) of solids that stand on the ground, ``height`` m high."""
     return np.column_stack((footprints, np.zeros(len(footprints)), np.full(len(footprints), float(height))))
 

@@ -10,7 +10,7 @@ ARRIVAL_SLACK = 0.25  # m that the true position may be off beyond the goal radi
 COLLISIONS_ALLOWED = 1  # "fewer than two" (Kaestner et al. 2022, table I)
 
 
-def succeeded(record: EpisodeRecord, collisions_allowed: int = COLLISIONS_ALLOWED) -> bool:
+def is_success(record: EpisodeRecord, collisions_allowed: int = COLLISIONS_ALLOWED) -> bool:
     """Tell whether the true goal was reached, in time, with few enough collisions."""
     scenario = record.meta["scenario"]
     off = math.dist(record["pose"][-1, :2], scenario["goal"][:2])

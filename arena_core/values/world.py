@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from arena_core.base.frozen import sealed
+from arena_core.base.frozen import seal_array
 from arena_core.values.geometry import FloatArray, Pose
 from arena_core.values.parameters import Positive
 
@@ -37,7 +37,7 @@ class OccupancyGrid:
     _derived: dict[Any, Any] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "data", sealed(np.asarray(self.data, dtype=np.int8)))
+        object.__setattr__(self, "data", seal_array(np.asarray(self.data, dtype=np.int8)))
 
     def __reduce__(self) -> tuple[Any, ...]:
         return OccupancyGrid, (self.data, self.resolution, self.origin, self.occupied_from)
@@ -45,7 +45,7 @@ class OccupancyGrid:
     @property
     def occupied(self) -> NDArray[np.bool_]:
         """Return which cells are occupied, shape (H, W)."""
-        return self.derive(_occupied)
+        return self.derive(_occupied_cells)
 
     def derive(self, function: Callable[[OccupancyGrid], Derived]) -> Derived:
         """Return ``function(self)``, computed once for this grid (distance field, inflated cost, ...)."""
@@ -74,8 +74,8 @@ class OccupancyGrid:
         return np.asarray(inside.all(axis=-1))
 
 
-def _occupied(grid: OccupancyGrid) -> NDArray[np.bool_]:
-    return sealed(grid.data >= grid.occupied_from)
+def _occupied_cells(grid: OccupancyGrid) -> NDArray[np.bool_]:
+    return seal_array(grid.data >= grid.occupied_from)
 
 
 def free_area(grid: OccupancyGrid) -> float:

@@ -30,7 +30,7 @@ class ArenaLauncher(Launcher):
 
     def launch(self, job_overrides: Sequence[Sequence[str]], initial_job_idx: int) -> Sequence[JobReturn]:
         """Run the batch, or show it; each job's return value is its objective, else the exit status of the whole batch."""
-        from arena_core.cli.commands import Shown, request
+        from arena_core.cli.commands import Shown, make_request
         from arena_core.runs.progress import told
 
         setup_globals()
@@ -40,7 +40,9 @@ class ArenaLauncher(Launcher):
             raise Shown
         counted = enumerate(told("composing job", job_overrides), initial_job_idx)
         prepared = [self._prepare(list(overrides), number) for number, overrides in counted]
-        values = self.task.run([request(job.cfg, job.hydra_cfg) for job in prepared], Path(str(self.config.hydra.sweep.dir)).absolute())
+        values = self.task.run(
+            [make_request(job.cfg, job.hydra_cfg) for job in prepared], Path(str(self.config.hydra.sweep.dir)).absolute()
+        )
         if self.task.error is not None:
             raise self.task.error
         for i, (job, value) in enumerate(zip(prepared, values, strict=True)):

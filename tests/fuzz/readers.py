@@ -177,9 +177,9 @@ def run_files() -> dict[str, bytes]:
 @cache
 def metrics_config() -> dict[str, Any]:
     """Return the configuration of all packs of metrics."""
-    from arena_core.hosting import compose, plain
+    from arena_core.hosting import compose, to_plain
 
-    return dict(plain(compose(["metrics=[si,paper_legacy,barn]"], "component"))["metrics"])
+    return dict(to_plain(compose(["metrics=[si,paper_legacy,barn]"], "component"))["metrics"])
 
 
 @cache
@@ -269,19 +269,19 @@ def build_configuration(path: Path) -> object:
 @cache
 def configuration(*words: str) -> bytes:
     """Return a whole configuration as JSON."""
-    from arena_core.hosting import compose, plain
+    from arena_core.hosting import compose, to_plain
 
-    return json.dumps({**plain(compose(["world=empty", *words])), "choices": {}}).encode()
+    return json.dumps({**to_plain(compose(["world=empty", *words])), "choices": {}}).encode()
 
 
 def compose_own(path: Path) -> object:
     """Compose with a preset of one's own."""
     import contextlib
 
-    from arena_core.hosting import compose, plain
+    from arena_core.hosting import compose, to_plain
 
     with contextlib.chdir(path.parent.parent.parent):
-        return plain(compose(["planner=mine"]))
+        return to_plain(compose(["planner=mine"]))
 
 
 def lazily(module: str, name: str, *arguments: Any) -> Callable[[Path], object]:

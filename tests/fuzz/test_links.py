@@ -54,7 +54,7 @@ def patience(what: str) -> Iterator[None]:
 @pytest.fixture(autouse=True)
 def quiet(monkeypatch: pytest.MonkeyPatch) -> None:
     for module in TELLING:
-        monkeypatch.setattr(f"{module}.tell", lambda line: None)
+        monkeypatch.setattr(f"{module}.print_notice", lambda line: None)
 
 
 @pytest.mark.parametrize("name", READERS)

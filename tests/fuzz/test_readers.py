@@ -73,7 +73,7 @@ def quiet(monkeypatch: pytest.MonkeyPatch, recwarn: pytest.WarningsRecorder) -> 
     gc.collect()
     gc.freeze()  # what other readers left behind is not searched again in this one's time
     for module in TELLING:
-        monkeypatch.setattr(f"{module}.tell", lambda line: None)
+        monkeypatch.setattr(f"{module}.print_notice", lambda line: None)
 
 
 @pytest.mark.parametrize("name", READERS)

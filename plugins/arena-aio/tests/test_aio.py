@@ -16,7 +16,7 @@ from onnx import TensorProto, helper, numpy_helper
 from arena_aio.planner import Aio
 from arena_core import ConfigurationError, Planner, Twist, testing
 from arena_core.cli.main import main
-from arena_core.hosting import NAVIGATOR_KEYS, build_benchmark, compose, load_registry, plain
+from arena_core.hosting import NAVIGATOR_KEYS, build_benchmark, compose, load_registry, to_plain
 from arena_core.records import record_digest
 from arena_gym.building import compose_environment
 from arena_policies.actions import ActionRange, ActionScale
@@ -24,8 +24,8 @@ from arena_policies.card import PolicyCard, sha256, write_card
 from arena_policies.members import Members, build_members, describe_members
 
 ROBOTS = "turtlebot3", "jackal", "robotino"
-ENCODER = plain(compose(["observation_encoder=aio"], "component"))["observation_encoder"]
-MEMBERS = {name: plain(compose([f"planner={name}", "robot=jackal"]))["planner"] for name in ("pure_pursuit", "dwa")}
+ENCODER = to_plain(compose(["observation_encoder=aio"], "component"))["observation_encoder"]
+MEMBERS = {name: to_plain(compose([f"planner={name}", "robot=jackal"]))["planner"] for name in ("pure_pursuit", "dwa")}
 
 
 def choosing_model(size, members, weights):
@@ -117,7 +117,7 @@ def test_what_the_member_that_drives_considered_is_told(here):
 def test_record_names_the_member_that_drives_and_its_digest_does_not_depend_on_that(here, tmp_path):
     write_policy(here, testing.component("robot", "jackal"), {GOAL_AHEAD: 1.0})
     words = ["planner=mine", "robot=jackal", "world=empty", "pedestrians=none", "task.time_limit=2", "episodes=1"]
-    benchmark = build_benchmark(plain(compose(words)), load_registry())
+    benchmark = build_benchmark(to_plain(compose(words)), load_registry())
     record = benchmark.run(0, tmp_path)
     drivers = [event for event in record.meta["events"] if event["kind"] == "driver"]
     assert drivers == [{"stamp": 0.0, "kind": "driver", "detail": "dwa"}]
@@ -167,7 +167,7 @@ def test_template_of_the_readme_composes_without_a_member_that_is_not_installed(
     readme = (Path(__file__).parents[1] / "README.md").read_text()
     (template,) = re.findall(rf"```yaml\n(# conf/{group}/mine\.yaml\n.*?)```", readme, re.DOTALL)
     (here / "conf" / group / "mine.yaml").write_text(template.replace("members.mppi: mppi", "members.elsewhere: elsewhere"))
-    config = plain(compose([f"{group}=mine", "robot=jackal"], "component" if group == "planner" else "environment"))
+    config = to_plain(compose([f"{group}=mine", "robot=jackal"], "component" if group == "planner" else "environment"))
     assert list(config[group]["members"]) == ["dwa"]
 
 

@@ -11,9 +11,9 @@ import pytest
 
 from arena_core import ConfigurationError
 from arena_core import run as run_benchmark
-from arena_core.hosting import Job, Lost, RunStopped, compose, load_registry, plain
+from arena_core.hosting import Job, Lost, RunStopped, compose, load_registry, to_plain
 from arena_core.testing import check, robot
-from arena_core.testing.checks import echo
+from arena_core.testing.checks import echo_job
 
 pytestmark = [
     pytest.mark.slow,
@@ -26,7 +26,7 @@ ROOM = ("planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=7", 
 
 
 def executor(**values):
-    config = plain(compose(["executor=ray"]))["executor"]
+    config = to_plain(compose(["executor=ray"]))["executor"]
     return load_registry().build("executor", {**config, **values})
 
 
@@ -88,7 +88,7 @@ def test_a_machine_that_is_killed_in_the_middle_costs_nothing_but_time(by_proces
 def test_a_machine_with_other_code_is_left_out_and_nothing_runs_without_any(tmp_path, capfd):
     jobs = [Job({"code": "00000000", "planner": {"name": "pure_pursuit"}}, str(tmp_path), 0)]
     with closing(executor(workers=1)) as ray, pytest.raises(RunStopped, match=r"no machine of Ray is left .*has other code"):
-        list(ray.map(echo, jobs))
+        list(ray.map(echo_job, jobs))
     assert "is left out: " in capfd.readouterr().err
 
 
@@ -115,4 +115,4 @@ def third_party_work(tmp_path, monkeypatch):
 
 def test_an_address_where_no_ray_is_is_one_line(tmp_path):
     with closing(executor(address="127.0.0.1:1")) as ray, pytest.raises(ConfigurationError, match=r"executor\.address is 127\.0\.0\.1:1"):
-        list(ray.map(echo, [Job({}, "", 0)]))
+        list(ray.map(echo_job, [Job({}, "", 0)]))

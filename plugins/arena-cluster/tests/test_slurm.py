@@ -18,9 +18,9 @@ import pytest
 from arena_core import ConfigurationError, InputFileError
 from arena_core import run as run_benchmark
 from arena_core.files import write_text_whole
-from arena_core.hosting import Budgets, Job, Lost, RunFolderError, compose, load_registry, plain
+from arena_core.hosting import Budgets, Job, Lost, RunFolderError, compose, load_registry, to_plain
 from arena_core.testing import check, robot
-from arena_core.testing.checks import echo
+from arena_core.testing.checks import echo_job
 from arena_slurm.share import Share, _bound, new_answers, starts_of
 
 ROOM = ("planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=7", "world.height=7", "task.pedestrians=2", "report=false")
@@ -41,7 +41,7 @@ def full(job):
 
 
 def executor(**values):
-    config = plain(compose(["executor=slurm", "executor.cluster=local", "executor.workers=1", "executor.jobs=2"]))["executor"]
+    config = to_plain(compose(["executor=slurm", "executor.cluster=local", "executor.workers=1", "executor.jobs=2"]))["executor"]
     return load_registry().build("executor", {**config, **values})
 
 
@@ -122,7 +122,7 @@ def test_what_the_work_raises_is_raised_here(slurm_work, tmp_path):
 def test_a_job_with_other_code_says_so(tmp_path):
     jobs = [Job({"code": "00000000", "planner": {"name": "pure_pursuit"}}, str(tmp_path), 0)]
     with closing(executor(attempts=1)) as slurm:
-        (lost,) = slurm.map(echo, jobs)
+        (lost,) = slurm.map(echo_job, jobs)
     assert "has other code, " in lost.reason
     assert "in place of 00000000" in lost.reason
 
@@ -133,7 +133,7 @@ def test_where_no_slurm_is_the_request_is_refused(tmp_path, monkeypatch):
         closing(executor(cluster="slurm")) as slurm,
         pytest.raises(ConfigurationError, match=r"executor\.cluster is slurm, and it"),
     ):
-        list(slurm.map(echo, [Job({}, str(tmp_path / "run"), 0)]))
+        list(slurm.map(echo_job, [Job({}, str(tmp_path / "run"), 0)]))
 
 
 @pytest.mark.parametrize(
@@ -176,7 +176,7 @@ def test_a_run_whose_parent_was_killed_is_resumed_without_the_answers_of_its_fir
 
 def test_answers_of_another_start_run_or_job_are_refused(tmp_path):
     own, other = Job({"code": "a"}, str(tmp_path), 0), Job({"code": "a"}, str(tmp_path), 1)
-    share = Share(echo, [own], 1, Budgets(None, None, None, None), str(tmp_path / "answers"), {})
+    share = Share(echo_job, [own], 1, Budgets(None, None, None, None), str(tmp_path / "answers"), {})
     for name, sender, job in (
         ("job", share, other),
         ("start", replace(share, answers="before"), own),
@@ -193,7 +193,7 @@ def test_answers_of_another_start_run_or_job_are_refused(tmp_path):
 def test_a_share_ends_without_a_word_once_another_start_has_taken_the_run_over(tmp_path):
     (tmp_path / "answers").mkdir()
     share = Share(
-        echo, [Job({}, str(tmp_path), 0)], 1, Budgets(None, None, None, None), str(tmp_path / "answers"), starts_of([str(tmp_path)])
+        echo_job, [Job({}, str(tmp_path), 0)], 1, Budgets(None, None, None, None), str(tmp_path / "answers"), starts_of([str(tmp_path)])
     )
     write_text_whole(tmp_path / "provenance.json", "{}")
     share()

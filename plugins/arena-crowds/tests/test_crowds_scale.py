@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arena_core import InputFileError
-from arena_core.commands import tell
+from arena_core.commands import print_notice
 from arena_core.testing import component
 from arena_crowds.replay.recordings import read_recording
 
@@ -36,7 +36,7 @@ def written(folder: Path, content: str, name: str = "walks.txt") -> Path:
 
 @pytest.fixture(autouse=True)
 def _told_anew() -> None:
-    tell.cache_clear()
+    print_notice.cache_clear()
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from omegaconf import OmegaConf
 
 from arena_core import Costmap, EpisodeStart, Footprint, Observation, Pose, Robot, VelocityLimits
-from arena_core.hosting import compose, load_registry, plain
+from arena_core.hosting import compose, load_registry, to_plain
 from arena_core.testing import component, view
 from arena_dwa.planner import DwaPlanner
 from arena_kernels.distance import distance_field
@@ -36,7 +36,7 @@ def build() -> Callable[..., DwaPlanner]:
     """Give a function that builds and resets a planner: robot's name, preset, changed values of each group of parameters."""
 
     def _build(robot: str = "turtlebot3", name: str = "dwa", **changes: Any) -> DwaPlanner:
-        node = plain(OmegaConf.merge(preset(name, robot), changes))
+        node = to_plain(OmegaConf.merge(preset(name, robot), changes))
         planner: DwaPlanner = load_registry().build("planner", node, robot=ROBOTS[robot])
         planner.reset(EpisodeStart(None, Pose(0.0, 0.0), 0.1, np.random.default_rng(0)))
         return planner

@@ -58,9 +58,9 @@ def policy(folder, preset, robot):
 
 
 def settings_of(preset):
-    from arena_core.hosting import compose, plain
+    from arena_core.hosting import compose, to_plain
 
-    return plain(compose([f"observation_encoder={preset}"], "component"))["observation_encoder"]
+    return to_plain(compose([f"observation_encoder={preset}"], "component"))["observation_encoder"]
 
 
 def driving(folder, preset, robot, *overrides, robot_preset=None):

@@ -161,12 +161,12 @@ def test_full_disk_ends_a_training_in_one_line_and_spares_what_was_kept(here, mo
 
 
 def test_folder_of_other_code_is_refused_unless_forced(here, capsys):
-    from arena_core.hosting import code_of, load_registry
+    from arena_core.hosting import digest_code, load_registry
     from arena_gym.training.folder import open_folder
     from arena_gym.training.session import NO_PART
 
     config = composed(*RANDOM)
-    code = code_of(config, load_registry(), apart=NO_PART, besides=("gym",))
+    code = digest_code(config, load_registry(), apart=NO_PART, besides=("gym",))
     assert {"arena-core", "arena-gym", "arena-sim2d"} <= set(code.parts)
     open_folder(here / "mine", config, resume=False, code=code)
     open_folder(here / "mine", config, resume=True, code=code)

@@ -14,7 +14,7 @@ import pytest
 from numpy.typing import ArrayLike
 
 from arena_core import EpisodeRecord, Metric
-from arena_core.hosting import compose, plain
+from arena_core.hosting import compose, to_plain
 from arena_core.records import EPISODE_COLUMNS
 from arena_metrics.packs.paper_legacy import PaperLegacyMetrics
 from arena_metrics.packs.si import SiMetrics
@@ -24,7 +24,7 @@ RecordMaker = Callable[..., EpisodeRecord]
 
 @cache
 def preset(name: str) -> Mapping[str, Any]:
-    values: dict[str, Any] = plain(compose([f"metrics=[{name}]"])["metrics"][name])
+    values: dict[str, Any] = to_plain(compose([f"metrics=[{name}]"])["metrics"][name])
     return {key: value for key, value in values.items() if key != "name"}
 
 

@@ -8,7 +8,7 @@ from statsmodels.stats.contingency_tables import mcnemar
 from statsmodels.stats.multitest import multipletests
 
 from arena_core import InputFileError
-from arena_core.statistics import after_holm, compare, difference, estimate
+from arena_core.statistics import after_holm, compare, estimate, estimate_difference
 from arena_metrics.pages.report import ReportCommand
 from arena_metrics.pooling.cells import cells_of
 from arena_metrics.pooling.runs import metric_columns, pooled, read_runs
@@ -28,13 +28,13 @@ def test_pairs_find_a_difference_that_is_smaller_than_the_scatter():
     random = np.random.default_rng(0)
     luck = random.normal(0.0, 10.0, 30)
     ours, theirs = luck + 1.0 + random.normal(0.0, 0.5, 30), luck
-    paired, first, second = difference(ours, theirs), estimate(ours), estimate(theirs)
+    paired, first, second = estimate_difference(ours, theirs), estimate(ours), estimate(theirs)
     assert paired.low > 0.0
     assert first.low < second.high
 
 
 def test_pair_counts_only_where_both_are_defined():
-    assert difference([1.0, np.nan, 3.0, 5.0], [0.0, 1.0, np.nan, 2.0]).n == 2
+    assert estimate_difference([1.0, np.nan, 3.0, 5.0], [0.0, 1.0, np.nan, 2.0]).n == 2
 
 
 def wins(won, lost, alike):
@@ -43,7 +43,7 @@ def wins(won, lost, alike):
 
 
 def test_interval_of_paired_proportions_is_that_of_bonett_and_price():
-    found = difference(*wins(12, 2, 16), proportion=True)
+    found = estimate_difference(*wins(12, 2, 16), proportion=True)
     won, lost, n = 13 / 32, 3 / 32, 32
     half = 1.959964 * math.sqrt((won + lost - (won - lost) ** 2) / n)
     assert found.mean == pytest.approx(1 / 3)
@@ -51,7 +51,7 @@ def test_interval_of_paired_proportions_is_that_of_bonett_and_price():
 
 
 def test_equal_proportions_are_not_certain_to_be_equal():
-    found = difference(np.ones(30), np.ones(30), proportion=True)
+    found = estimate_difference(np.ones(30), np.ones(30), proportion=True)
     assert found.mean == 0.0
     assert found.low < 0.0 < found.high
 
@@ -140,7 +140,7 @@ def test_p_is_written_short(p, text):
 
 def test_difference_from_itself_has_the_opposite_sign_of_its_mirror():
     ours, theirs = np.random.default_rng(1).normal(size=(2, 20))
-    one, other = difference(ours, theirs), difference(theirs, ours)
+    one, other = estimate_difference(ours, theirs), estimate_difference(theirs, ours)
     assert (one.mean, one.low) == pytest.approx((-other.mean, -other.high), abs=0.02)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from arena_core import Costmap, EpisodeStart, Observation, Pose, Robot, Tracks
-from arena_core.hosting import NAVIGATOR_KEYS, compose, plain
+from arena_core.hosting import NAVIGATOR_KEYS, compose, to_plain
 from arena_core.testing import boxes_costmap, component, tracked, view
 from arena_mpc.parameters import Grid, Limits, Obstacles, SolverSettings, Weights
 from arena_mpc.planner import MpcPlanner
@@ -22,7 +22,7 @@ GROUPS = {"limits": Limits, "grid": Grid, "weights": Weights, "obstacles": Obsta
 @cache
 def preset_node(preset: str, robot: str) -> dict[str, Any]:
     """Return a preset with its tuning for a robot, as ``arena run`` composes it."""
-    return plain(compose([f"planner={preset}", f"robot={robot}"], "component")["planner"])
+    return to_plain(compose([f"planner={preset}", f"robot={robot}"], "component")["planner"])
 
 
 def preset_values(preset: str, robot: str) -> dict[str, Any]:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from arena_core import Obstacle, PedestrianSpec, Pose, Robot, Scenario, Simulator, World
-from arena_core.hosting import compose, load_registry, plain
+from arena_core.hosting import compose, load_registry, to_plain
 from arena_core.testing import component, room
 
 ROOM = room()
@@ -53,6 +53,6 @@ def known() -> Callable[[str], Robot]:
     registry = load_registry()
 
     def named(name: str) -> Robot:
-        return registry.build("robot", plain(compose([f"robot={name}"]))["robot"])
+        return registry.build("robot", to_plain(compose([f"robot={name}"]))["robot"])
 
     return named

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from arena_core import ConfigurationError, ImpossibleScenario, Obstacle, OccupancyGrid, Pose, World
-from arena_core.hosting import build_benchmark, compose, load_registry, plain
+from arena_core.hosting import build_benchmark, compose, load_registry, to_plain
 from arena_core.testing import robot, scenario
 
 QUICK = ["planner=pure_pursuit", "robot=turtlebot3", "world=empty", "task.time_limit=2", "simulator=mujoco", "localizer=ground_truth"]
@@ -76,7 +76,7 @@ def test_robot_that_tips_over_in_a_bend_says_so(simulate):
 
 
 def test_episode_whose_physics_explodes_is_an_error_row(tmp_path):
-    run = build_benchmark({**plain(compose(QUICK)), "choices": {}}, load_registry())
+    run = build_benchmark({**to_plain(compose(QUICK)), "choices": {}}, load_registry())
     compute = run.navigator.planner.compute_velocity
 
     def explode(observation):
@@ -128,7 +128,7 @@ def test_impossible_number_is_one_line(simulate, override, said):
 )
 def test_robot_without_a_lidar_is_refused_before_anything_runs(override, said):
     with pytest.raises(ConfigurationError, match=said):
-        build_benchmark({**plain(compose([*QUICK, override])), "choices": {}}, load_registry())
+        build_benchmark({**to_plain(compose([*QUICK, override])), "choices": {}}, load_registry())
 
 
 def test_robot_whose_file_names_no_lidar_has_it_on_top(simulate):

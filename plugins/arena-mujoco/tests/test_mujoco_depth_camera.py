@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from arena_core import ConfigurationError, DepthImage, ObservationBatch, Pose, Twist
-from arena_core.hosting import build_benchmark, compose, load_registry, plain
+from arena_core.hosting import build_benchmark, compose, load_registry, to_plain
 from arena_core.testing import furniture, observation, robot, scenario
 from arena_core.testing.samples import person
 
@@ -125,7 +125,7 @@ def test_camera_that_cannot_be_is_refused(simulate, override, said):
 def test_planner_of_a_run_sees_images_and_one_without_a_camera_none(tmp_path):
     quick = ["planner=pure_pursuit", "robot=turtlebot3", "world=empty", "task.time_limit=1", "simulator=mujoco", "localizer=ground_truth"]
     for enabled in (True, False):
-        config = plain(compose([*quick, f"simulator.depth_camera.enabled={str(enabled).lower()}"]))
+        config = to_plain(compose([*quick, f"simulator.depth_camera.enabled={str(enabled).lower()}"]))
         run = build_benchmark({**config, "choices": {}}, load_registry())
         planner, seen = run.navigator.planner, []
         compute = planner.compute_velocity

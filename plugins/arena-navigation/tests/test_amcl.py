@@ -19,9 +19,9 @@ from arena_core import (
     Sensors,
     Twist,
     VelocityLimits,
-    generator,
+    random_generator,
 )
-from arena_core.config.configuration import compose, plain
+from arena_core.config.configuration import compose, to_plain
 from arena_core.config.registry import load_registry
 from arena_kernels.grids import stack_grids
 from arena_kernels.raycast import make_beams, scan_grids
@@ -60,7 +60,7 @@ def corridor(origin):
 def localizer(preset="amcl", robot=ROBOT, changed=()):
     """Return a localiser with changed values, by their place in its YAML."""
     words = [f"localizer.{key}={json.dumps(value)}" for key, value in dict(changed).items()]
-    node = plain(compose([f"localizer={preset}", *words]))["localizer"]
+    node = to_plain(compose([f"localizer={preset}", *words]))["localizer"]
     return load_registry().build("localizer", node, robot=robot)
 
 
@@ -91,7 +91,7 @@ def round_trip(grid, steps=120, drift=1.0, seed=0, start=LEFT, begin=0):
 
 
 def run(chosen, grid, start, measured, seed=0):
-    chosen.reset(grid, start, generator(seed, "room", "localizer"))
+    chosen.reset(grid, start, random_generator(seed, "room", "localizer"))
     return [chosen.update(each) for each in measured]
 
 
@@ -160,7 +160,7 @@ def test_a_wrong_start_is_corrected(wrong):
 
 def test_an_unknown_world_is_refused():
     with pytest.raises(ConfigurationError, match=r"localizer=ground_truth or world\.known=true"):
-        localizer().reset(None, ANYWHERE, generator(0, "room", "localizer"))
+        localizer().reset(None, ANYWHERE, random_generator(0, "room", "localizer"))
 
 
 def test_more_particles_at_least_than_at_most_are_refused():
@@ -251,7 +251,7 @@ def test_nothing_depends_on_where_the_map_frame_lies(origin):
 
 def test_the_start_is_as_uncertain_as_configured_along_the_map_axes():
     chosen = localizer(changed={"initial.cov_xx": 0.09, "initial.cov_yy": 0.01, "initial.cov_aa": 0.04})
-    chosen.reset(room(), Pose(1.0, 6.0, 0.4), generator(0, "room", "localizer"))
+    chosen.reset(room(), Pose(1.0, 6.0, 0.4), random_generator(0, "room", "localizer"))
     particles = chosen.particles
     assert particles.shape == (5000, 3)
     np.testing.assert_allclose(particles.mean(axis=0), (1.0, 6.0, 0.4), atol=0.02)

@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from arena_core import Odometry, Pose, Sensors, Twist, generator
+from arena_core import Odometry, Pose, Sensors, Twist, random_generator
 from arena_core.testing import robot, scan
 from arena_navigation.gauss_markov import GaussMarkovLocalizer
 
@@ -72,7 +72,7 @@ def test_robot_among_many_is_where_it_would_be_alone():
 
 def test_episode_depends_on_its_stream_alone():
     def drive(localizer, name):
-        localizer.reset(None, Pose(0.0, 0.0), generator(0, name, "localizer"))
+        localizer.reset(None, Pose(0.0, 0.0), random_generator(0, name, "localizer"))
         poses = [Pose(0.1 * k, 0.0, 0.02 * k) for k in range(10)]
         seen = scan(Pose(0.0, 0.0), robot())
         return [localizer.update(Sensors(0.1 * k, seen, Odometry(0.1 * k, Pose(0, 0), Twist(0.0)), pose)) for k, pose in enumerate(poses)]

@@ -16,7 +16,7 @@ from arena_core import (
     Sensors,
     Twist,
     VelocityLimits,
-    generator,
+    random_generator,
 )
 from arena_navigation.localizers import GroundTruthLocalizer, OdometryLocalizer
 
@@ -38,7 +38,7 @@ def sensors(stamp, pose, reference=None):
 
 
 def begun(localizer, start=START):
-    localizer.reset(None, start, generator(0, "test", "localizer"))
+    localizer.reset(None, start, random_generator(0, "test", "localizer"))
     return localizer
 
 

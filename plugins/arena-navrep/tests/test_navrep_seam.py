@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from arena_core import ConfigurationError, ObservationBatch, Pose, Twist, testing
-from arena_core.hosting import compose, load_registry, plain
+from arena_core.hosting import compose, load_registry, to_plain
 from arena_core.loop.execution import mission_of
 from arena_core.runs.benchmark import build_benchmark
 from arena_gym.environment import NavigationEnv
@@ -99,7 +99,7 @@ def test_controller_recalls_on_the_robot_what_it_recalled_in_training(made):
     problem = env.batch.episodes[0].problem
 
     words = ["robot=jackal", "world=indoor", "planner=navrep", f"planner.policy={made.policy}", *common, *BRAIN]
-    benchmark = build_benchmark(plain(compose(words)), load_registry())
+    benchmark = build_benchmark(to_plain(compose(words)), load_registry())
     navigator, simulator, policy = benchmark.navigator, benchmark.simulator, benchmark.navigator.planner._policy
     for _ in range(2):  # the second time with another episode in its past
         snapshot, recalled = simulator.reset([problem.scenario]), []

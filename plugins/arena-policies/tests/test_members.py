@@ -9,7 +9,7 @@ import pytest
 from onnx import TensorProto, helper, numpy_helper
 
 from arena_core import Planner, Pose, Twist, testing
-from arena_core.hosting import compose, load_registry, plain
+from arena_core.hosting import compose, load_registry, to_plain
 from arena_policies.actions import ActionRange, ActionScale
 from arena_policies.card import PolicyCard, sha256, write_card
 from arena_policies.members import Members, build_members, member_hash
@@ -24,7 +24,7 @@ def learned(tmp_path):
     """Return a function that makes a planner whose policy sees an earlier scan and its last command; changes are of its card."""
     robot = testing.robot()
     encoder = testing.component("observation_encoder", "rosnav_sectors", [LOOKS_BACK], robot=robot)
-    node = plain(compose(["observation_encoder=rosnav_sectors", LOOKS_BACK], "component"))["observation_encoder"]
+    node = to_plain(compose(["observation_encoder=rosnav_sectors", LOOKS_BACK], "component"))["observation_encoder"]
     size = sum(field.size for field in encoder.layout())
     weights = numpy_helper.from_array(np.random.default_rng(0).normal(0.0, 0.05, (size, 2)).astype(np.float32), "weights")
     graph = helper.make_graph(
@@ -118,7 +118,7 @@ def test_what_a_member_says_of_a_navigator_names_no_other_member():
 
 def test_members_are_built_without_what_they_say_of_a_navigator():
     robot, registry = testing.robot(), load_registry()
-    node = plain(compose(["planner=pure_pursuit"]))["planner"]
+    node = to_plain(compose(["planner=pure_pursuit"]))["planner"]
     navigator = {"replan": {"period": 1.0}, "recoveries": {"behaviours": ["wait"]}}
     (built,) = build_members({"pure_pursuit": {**node, **navigator}}, ["pure_pursuit"], robot, registry, "planner.members").values()
     alone = testing.planner("pure_pursuit", robot)

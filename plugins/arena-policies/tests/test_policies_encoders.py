@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arena_core import ConfigurationError, ObservationBatch, Pose, ScanMemory, Tracks, Twist
-from arena_core.testing import check, component, joined, observation, robot
+from arena_core.testing import check, component, join_batches, observation, robot
 from arena_policies.encoding import nearest_in_sectors
 from arena_policies.looking_ahead import bodies_of, nearest_then, sectors_of
 from arena_policies.looking_back import beams_of, nearest_now
@@ -266,7 +266,7 @@ def test_batch_of_many_equals_each_alone_bit_for_bit(preset):
         x, y, theta, v, w = random.uniform(-1, 1, 5).tolist()
         view = observation(Pose(x, y, 3.0 * theta), Pose(y, -x), Pose(3.0, y), Twist(v, 0.0, w))
         batches.append(batch_of(encoder, view, Twist(w, 0.0, v)))
-    together = encoder.encode(joined(batches))
+    together = encoder.encode(join_batches(batches))
     assert all((together[k] == encoder.encode(batch)[0]).all() for k, batch in enumerate(batches))
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from arena_core import ArenaError
 from arena_core.cli.main import main
-from arena_core.commands import tell
+from arena_core.commands import print_notice
 from arena_core.records import read_record
 from arena_ros.bags.opening import open_bags
 from arena_ros.bags.scenarios import simplified
@@ -80,7 +80,7 @@ def test_another_reader_opens_an_export(finished_run: Path, tmp_path: Path, endi
 def test_a_foreign_recording_gives_what_was_driven(
     write_recording: Recording, tmp_path: Path, ending: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    tell.cache_clear()
+    print_notice.cache_clear()
     bag = write_recording(tmp_path / f"lab.{ending}", [(1.0, 2.0, 0.0), (5.0, 4.0, 0.0)])
     assert imported(bag, "--out", tmp_path / "out", "robot=turtlebot3", "planner=move_base") == 0
     first, second = (read_record(tmp_path / "out" / "records" / f"{k:04d}.npz") for k in range(2))

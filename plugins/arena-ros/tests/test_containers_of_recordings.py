@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 from arena_core.cli.main import main
-from arena_core.commands import tell
+from arena_core.commands import print_notice
 from arena_ros.bags import mcap, stream
 from arena_ros.bags.opening import open_bags
 from arena_ros.bags.packing import zstd
@@ -271,6 +271,6 @@ def test_drive_by_another_clock_takes_as_long(tmp_path: Path, name: str) -> None
 def test_people_and_goals_of_strangers(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (found,) = imported(STRANGERS / "people_odom.mcap", tmp_path / "people")
     assert found["clearance_people"].min() == pytest.approx(0.59, abs=0.01)
-    tell.cache_clear()
+    print_notice.cache_clear()
     imported(STRANGERS / "goal_nan.mcap", tmp_path / "goal")
     assert "a goal that is no number; left out" in capsys.readouterr().err

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from arena_core.cli.main import main
-from arena_core.commands import tell
+from arena_core.commands import print_notice
 from arena_core.records import read_record
 
 HEADER = "episode,time,laser_scan,robot_lin_vel_x,robot_lin_vel_y,robot_ang_vel,robot_orientation,robot_pos_x,robot_pos_y,action,model"
@@ -34,7 +34,7 @@ def imported(*words: object) -> int:
 
 
 def test_rows_are_kept_as_they_are(recorded: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    tell.cache_clear()
+    print_notice.cache_clear()
     assert imported(recorded, "--out", tmp_path / "out", "robot=turtlebot3", "planner=teb", "goal=5.48,1") == 0
     first, second = (read_record(tmp_path / "out" / "records" / f"{k:04d}.npz") for k in range(2))
     np.testing.assert_allclose(np.diff(first["stamp"])[:-1], 0.401, atol=1e-9)
@@ -58,7 +58,7 @@ def test_figures_are_those_of_the_release(recorded: Path, tmp_path: Path) -> Non
 
 
 def test_rows_that_cannot_be_read_are_left_out_and_counted(recorded: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    tell.cache_clear()
+    print_notice.cache_clear()
     lines = recorded.read_text().splitlines()
     lines[5] = lines[5].replace("[2.0]", "None")
     lines.insert(10, lines[3])  # a time that was before
@@ -81,7 +81,7 @@ def test_rows_that_cannot_be_read_are_left_out_and_counted(recorded: Path, tmp_p
 def test_what_is_no_such_file_is_one_line(
     tmp_path: Path, content: str, words: list[str], said: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    tell.cache_clear()
+    print_notice.cache_clear()
     (tmp_path / "a.csv").write_text(content)
     assert imported(tmp_path / "a.csv", "--out", tmp_path / "out", "robot=jackal", *words) == 2
     assert said in capsys.readouterr().err.splitlines()[-1]

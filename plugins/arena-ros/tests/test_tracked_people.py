@@ -9,7 +9,7 @@ import pytest
 
 from arena_core import LaserScan, Pose, Twist
 from arena_core.cli.main import main
-from arena_core.commands import tell
+from arena_core.commands import print_notice
 from arena_core.records import read_grid, read_record
 from arena_ros import conversions as to
 from arena_ros.bags.exporting import writer
@@ -39,7 +39,7 @@ def foreign(finished_run: Path, tmp_path_factory: pytest.TempPathFactory) -> Pat
 
 
 def test_people_are_seen_where_they_were(foreign: Path, finished_run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    tell.cache_clear()
+    print_notice.cache_clear()
     assert main(["ros", "import", str(foreign), f"--out={tmp_path / 'out'}", "robot=jackal", "people=tracker"]) == 0
     before, after = (read_record(folder / "records" / "0000.npz") for folder in (finished_run, tmp_path / "out"))
     truth, seen = before["pedestrian_positions"][: len(after["stamp"])], after["pedestrian_positions"]
@@ -60,7 +60,7 @@ def test_without_scans_nobody_can_be_seen(foreign: Path, tmp_path: Path, capsys:
 
 
 def test_an_export_keeps_its_own_people(finished_run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    tell.cache_clear()
+    print_notice.cache_clear()
     assert main(["ros", "export", str(finished_run), "--to", str(tmp_path / "run.bag")]) == 0
     assert main(["ros", "import", str(tmp_path / "run.bag"), f"--out={tmp_path / 'out'}", "people=/people"]) == 0
     assert main(["ros", "import", str(tmp_path / "run.bag"), f"--out={tmp_path / 'again'}", "people=tracker"]) == 0

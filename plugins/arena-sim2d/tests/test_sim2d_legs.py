@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from arena_core import OccupancyGrid, PedestrianSpec, Pose, Scenario, Simulator, Snapshot, World
-from arena_core.config.configuration import compose, plain
+from arena_core.config.configuration import compose, to_plain
 from arena_core.config.registry import load_registry
 
 HALL = np.zeros((160, 160), np.int8)
@@ -16,7 +16,9 @@ STEP = 0.1
 
 
 def simulator(body: str, preset: str = "social_force") -> Simulator:
-    config = plain(compose(["planner=dwa", "robot=jackal", "robot.lidar.noise_std=0", f"pedestrians={preset}", f"pedestrians.body={body}"]))
+    config = to_plain(
+        compose(["planner=dwa", "robot=jackal", "robot.lidar.noise_std=0", f"pedestrians={preset}", f"pedestrians.body={body}"])
+    )
     registry = load_registry()
     robot = registry.build("robot", config["robot"])
     crowd = registry.build("pedestrians", config["pedestrians"])

@@ -8,7 +8,7 @@ import pytest
 
 from arena_core import ImpossibleScenario
 from arena_core.cli.main import main
-from arena_core.commands import tell
+from arena_core.commands import print_notice
 from arena_core.testing import component, robot
 from arena_tasks.scenario_files.scenario_task import ScenarioTask
 
@@ -31,7 +31,7 @@ def file(tmp_path: Path):
 
 @pytest.fixture(autouse=True)
 def _told_anew() -> None:
-    tell.cache_clear()
+    print_notice.cache_clear()
 
 
 def task(path: str) -> ScenarioTask:

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from omegaconf import OmegaConf
 
 from arena_core import ConfigurationError, Footprint, ImpossibleScenario, OccupancyGrid, Pose, Robot, World, WorldSource, testing
-from arena_core.hosting import Registry, compose, load_registry, plain
-from arena_core.scenes import with_obstacles
+from arena_core.hosting import Registry, compose, load_registry, to_plain
+from arena_core.scenes import add_obstacles
 from arena_tasks.random.free_space import FreeSpace
 from arena_tasks.random.random_task import RandomTask
 
@@ -49,7 +49,9 @@ def usual() -> tuple[Registry, Any]:
 
 def make(grid: OccupancyGrid = CORRIDORS, robot: Robot | None = None, **changes: object) -> RandomTask:
     registry, figures = usual()
-    task: RandomTask = registry.build("task", plain(OmegaConf.merge(figures, changes)), robot=robot or testing.robot(), world=Fixed(grid))
+    task: RandomTask = registry.build(
+        "task", to_plain(OmegaConf.merge(figures, changes)), robot=robot or testing.robot(), world=Fixed(grid)
+    )
     return task
 
 
@@ -65,7 +67,7 @@ def test_every_promise_is_kept(seed: int, index: int, placement: str, radius: fl
         assert obstacle.radius == 0.0 or 0.1 <= obstacle.radius <= 0.3
         off = np.hypot(*(obstacle.vertices_xy[:, None] - ends).transpose(2, 0, 1)) - obstacle.radius
         assert off.min() >= 4 * radius
-    among = with_obstacles(CORRIDORS, scenario.obstacles).derive(FreeSpace)
+    among = add_obstacles(CORRIDORS, scenario.obstacles).derive(FreeSpace)
     labels = among.regions(radius + 0.05)[tuple(CORRIDORS.cells(ends).T)]
     assert labels[0] == labels[1] > 0
     for person in scenario.pedestrians:

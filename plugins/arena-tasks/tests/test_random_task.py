@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from omegaconf import OmegaConf
 
 from arena_core import ConfigurationError, Footprint, ImpossibleScenario, OccupancyGrid, Pose, Robot, Scenario, World, WorldSource, testing
-from arena_core.hosting import Registry, compose, load_registry, plain
+from arena_core.hosting import Registry, compose, load_registry, to_plain
 from arena_core.testing import check
 from arena_kernels.ways import Ways
 from arena_tasks import config_package, register_task_modes
@@ -52,7 +52,9 @@ def usual() -> tuple[Registry, Any]:
 
 def make(grid: OccupancyGrid = HALL, robot: Robot | None = None, **changes: object) -> RandomTask:
     registry, figures = usual()
-    task: RandomTask = registry.build("task", plain(OmegaConf.merge(figures, changes)), robot=robot or testing.robot(), world=Fixed(grid))
+    task: RandomTask = registry.build(
+        "task", to_plain(OmegaConf.merge(figures, changes)), robot=robot or testing.robot(), world=Fixed(grid)
+    )
     return task
 
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from omegaconf import OmegaConf
 
 from arena_core import OccupancyGrid, PedestrianSpec, Pose, Scenario, World, WorldSource, testing
-from arena_core.hosting import Registry, compose, load_registry, plain
+from arena_core.hosting import Registry, compose, load_registry, to_plain
 from arena_kernels.ways import Ways
 from arena_tasks.random.rounds import SNAP
 
@@ -45,7 +45,7 @@ def usual() -> tuple[Registry, Any]:
 
 def draw(index: int = 0, seed: int = 0, grid: OccupancyGrid = HOUSE, **changes: object) -> Scenario:
     registry, figures = usual()
-    node = plain(OmegaConf.merge(figures, changes))
+    node = to_plain(OmegaConf.merge(figures, changes))
     scenario: Scenario = registry.build("task", node, robot=testing.robot(), world=Fixed(grid)).scenario(seed, index)
     return scenario
 

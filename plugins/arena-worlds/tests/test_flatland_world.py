@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from arena_core import InputFileError, OccupancyGrid, Pose
-from arena_core.commands import tell
+from arena_core.commands import print_notice
 from arena_worlds.formats.merged import merged
 from arena_worlds.formats.ros_map import load_map
 from arena_worlds.formats.site_file import read_site
@@ -60,7 +60,7 @@ def test_a_wrapped_world_and_a_wrapped_map_are_read(two: Path) -> None:
 
 
 def test_models_of_a_world_are_told_to_be_left_out(two: Path, capsys) -> None:
-    tell.cache_clear()
+    print_notice.cache_clear()
     (two / "hall.yaml").write_text(WORLD + "models: [{name: robot, model: robot.model.yaml}]\n")
     load_map(two / "hall.yaml")
     assert "hall.yaml: models are not read, only layers" in capsys.readouterr().err

@@ -7,7 +7,7 @@ import pytest
 from scipy import ndimage
 
 from arena_core import ConfigurationError, ImpossibleScenario, World
-from arena_core.scenes import furnished
+from arena_core.scenes import add_furniture
 from arena_core.testing import component, furniture, robot, room
 from arena_worlds.commands.generate import GenerateCommand
 from arena_worlds.formats.site_file import write_world
@@ -39,7 +39,7 @@ def test_furniture_changes_as_often_as_asked():
 def test_furniture_stands_on_free_ground_and_parts_nothing(room):
     world = source(f"world@world.room={room}").world(1, 0)
     grid = world.grid
-    free, left = ~grid.occupied, ~furnished(world).occupied
+    free, left = ~grid.occupied, ~add_furniture(world).occupied
     assert left.sum() < free.sum()
     before, _ = ndimage.label(places(free, grid.resolution, 0.35))
     after, _ = ndimage.label(places(left, grid.resolution, 0.35))
@@ -48,7 +48,7 @@ def test_furniture_stands_on_free_ground_and_parts_nothing(room):
 
 def test_pieces_do_not_stand_in_each_other():
     world = source("world@world.room=lab", "world.furniture=8").world(0, 0)
-    alone = [(furnished(type(world)("", world.grid, furniture=(piece,))).occupied & ~world.grid.occupied) for piece in world.furniture]
+    alone = [(add_furniture(type(world)("", world.grid, furniture=(piece,))).occupied & ~world.grid.occupied) for piece in world.furniture]
     assert np.sum(alone, axis=0).max() == 1
 
 
@@ -100,6 +100,6 @@ def test_furniture_in_the_way_of_a_random_trip_is_gone_round():
     task = component("task", "random", ["task.pedestrians=2"], robot=robot(), world=source("world@world.room=lab", "world.furniture=6"))
     for index in range(3):
         drive = task.scenario(0, index)
-        standing = furnished(drive.world)
+        standing = add_furniture(drive.world)
         ends = [(drive.start.x, drive.start.y), (drive.goal.x, drive.goal.y), *(one.position_xy for one in drive.pedestrians)]
         assert not standing.occupied[tuple(standing.cells(ends).T)].any()

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 from arena_core import FREE, OCCUPIED, InputFileError, OccupancyGrid, Pose, wrap_angle
-from arena_core.scenes import rectangles
+from arena_core.scenes import cover_with_rectangles
 from arena_worlds.formats.mjcf import read_mjcf
 from arena_worlds.formats.mjcf_writer import mjcf_text
 from arena_worlds.formats.sdf import read_sdf
@@ -61,7 +61,7 @@ def assert_same(found: OccupancyGrid, given: OccupancyGrid) -> None:
 @given(mask=masks)
 def test_rectangles_hold_each_occupied_cell_once(mask: np.ndarray) -> None:
     count = np.zeros(mask.shape, int)
-    for first_row, first_column, end_row, end_column in rectangles(mask):
+    for first_row, first_column, end_row, end_column in cover_with_rectangles(mask):
         count[first_row:end_row, first_column:end_column] += 1
     assert np.array_equal(count, mask.astype(int))
 
@@ -69,11 +69,11 @@ def test_rectangles_hold_each_occupied_cell_once(mask: np.ndarray) -> None:
 def test_a_wall_is_one_rectangle_and_a_frame_is_four() -> None:
     wall = np.zeros((20, 30), bool)
     wall[3:17, 5:7] = True
-    assert rectangles(wall).tolist() == [[3, 5, 17, 7]]
+    assert cover_with_rectangles(wall).tolist() == [[3, 5, 17, 7]]
     frame = np.ones((20, 30), bool)
     frame[2:-2, 2:-2] = False
-    assert len(rectangles(frame)) == 4
-    assert rectangles(np.zeros((3, 4), bool)).shape == (0, 4)
+    assert len(cover_with_rectangles(frame)) == 4
+    assert cover_with_rectangles(np.zeros((3, 4), bool)).shape == (0, 4)
 
 
 @given(mask=masks, origin=origins, resolution=resolutions)

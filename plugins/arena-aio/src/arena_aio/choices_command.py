@@ -12,8 +12,8 @@ from typing import ClassVar
 from arena_aio.planner import Aio
 from arena_core import ConfigurationError, EpisodeRecord
 from arena_core.commands import Command, complete_overrides
-from arena_core.hosting import Benchmark, build_benchmark, compose, load_registry, plain
-from arena_core.records import succeeded
+from arena_core.hosting import Benchmark, build_benchmark, compose, load_registry, to_plain
+from arena_core.records import is_success
 
 USAGE = "usage: arena choices planner=aio robot=NAME [episodes=15] [seed=0] [KEY=VALUE ...]"
 
@@ -28,7 +28,7 @@ class ChoicesCommand(Command):
         if any(word in ("-h", "--help") for word in arguments):
             print(USAGE)
             return 0
-        benchmark = build_benchmark(plain(compose(arguments)), load_registry())
+        benchmark = build_benchmark(to_plain(compose(arguments)), load_registry())
         planner = benchmark.navigator.planner
         if not isinstance(planner, Aio):
             raise ConfigurationError(f"planner is {benchmark.config['planner']['name']}; allowed: a switch, such as planner=aio")
@@ -41,7 +41,7 @@ class ChoicesCommand(Command):
                 continue
             chosen.update(planner.chosen)
             collisions.append(len(record["contact_stamp"]))
-            successes.append(succeeded(record))
+            successes.append(is_success(record))
         print("\n".join(_lines(chosen, successes, collisions)))
         return failed
 

@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from arena_core import Candidate, ConfigurationError, EpisodeStart, Observation, Planner, Robot, Twist, generator
+from arena_core import Candidate, ConfigurationError, EpisodeStart, Observation, Planner, Robot, Twist, random_generator
 from arena_core.hosting import load_registry
 from arena_core.parameters import PositiveInt
 from arena_policies.body import trained_otherwise
@@ -45,7 +45,7 @@ class Aio(Planner):
         body = trained_otherwise(recipe, self._switch.card.training, robot)
         self.untuned = body + self._members.untuned + changed_members(self._switch, members, self._members)
         self._every, self._at_random = every, choice == "random"
-        self._random = generator(0, "aio", "switch")
+        self._random = random_generator(0, "aio", "switch")
         self._rehearsed = False
         self._begin()
 

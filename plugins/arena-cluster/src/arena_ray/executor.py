@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from time import monotonic
 from typing import Any, TypeVar
 
-from arena_core.commands import interrupts, tell
+from arena_core.commands import interrupts, print_notice
 from arena_core.hosting import (
     Budgets,
     Delivery,
@@ -22,7 +22,7 @@ from arena_core.hosting import (
     RunFolderError,
     RunStopped,
     require_extra,
-    take_in,
+    store_delivery,
 )
 from arena_core.parameters import Positive, PositiveInt, Workers
 from arena_ray.cluster import Cluster, LostMachine, Place
@@ -127,7 +127,7 @@ class RayExecutor(Executor):
             member.since = monotonic()
             self._feed(member, work, waiting)
             for delivery in deliveries:
-                yield take_in(delivery)
+                yield store_delivery(delivery)
         for member in [one for one in self._members.values() if one.greeted and monotonic() - one.since > self._silence]:
             silent = LostMachine(f"it has said nothing for {self._silence:g} s")
             yield from self._leave(cluster, member, silent, waiting)
@@ -153,7 +153,7 @@ class RayExecutor(Executor):
         """Go on without a machine: its jobs are done again, or lost where that was tried often enough."""
         self._why = str(error)
         left = "is lost" if isinstance(error, LostMachine) else "is left out"
-        tell(f"machine {member.place.name or member.place.id[:8]} ({member.place.id[:8]}) {left}: {error}")
+        print_notice(f"machine {member.place.name or member.place.id[:8]} ({member.place.id[:8]}) {left}: {error}")
         self._give_up(cluster, member)
         self._left_out.add(member.place.id)
         counts = isinstance(error, LostMachine)

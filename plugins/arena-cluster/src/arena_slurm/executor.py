@@ -13,7 +13,7 @@ from time import monotonic, sleep
 from typing import Any, Literal, TypeVar
 
 from arena_core import ConfigurationError
-from arena_core.commands import described, interrupts, tell
+from arena_core.commands import describe_error, interrupts, print_notice
 from arena_core.files import check_inside
 from arena_core.hosting import Budgets, Executor, Job, Lost, OtherCode, ProcessExecutor, RunStopped, require_extra
 from arena_core.parameters import PositiveInt, Workers
@@ -118,7 +118,7 @@ class SlurmExecutor(Executor):
         try:
             handle = submitter.submit(share)
         except Exception as error:  # FailedJobError where sbatch refuses, and whatever submitit makes of strange options
-            raise RunStopped(f"Slurm takes no job: {described(error)}; finished episodes are kept, resume=true continues") from error
+            raise RunStopped(f"Slurm takes no job: {describe_error(error)}; finished episodes are kept, resume=true continues") from error
         self._sent.append(Sent(share, handle, [attempt for _, attempt in taken]))
 
     def _look(self, sent: Sent, waiting: Waiting) -> Iterator[Any]:
@@ -140,7 +140,7 @@ class SlurmExecutor(Executor):
         if fault is not None and not isinstance(fault, OtherCode):
             raise fault
         reason = str(fault) if fault is not None else f"job {sent.handle.job_id} ended early ({sent.handle.state})"
-        tell(f"Slurm: {reason}; its episodes are begun again")
+        print_notice(f"Slurm: {reason}; its episodes are begun again")
         for job, attempt in reversed(sent.left()):
             if attempt >= self._attempts:
                 yield Lost(job, f"{reason}, {attempt} times; {sent.handle.paths.stderr} says more")
@@ -155,7 +155,8 @@ class SlurmExecutor(Executor):
             executor.update_parameters(name="arena", cpus_per_task=self._workers, **self._words)
         except Exception as error:  # submitit raises whatever strange options lead it to
             raise ConfigurationError(
-                f"executor.cluster is {self._cluster}, and it cannot be used: {described(error)}; allowed: slurm where sbatch is, local"
+                f"executor.cluster is {self._cluster}, and it cannot be used: {describe_error(error)}; "
+                "allowed: slurm where sbatch is, local"
             ) from None
         return executor
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from arena_core import InputFileError
-from arena_core.commands import described
+from arena_core.commands import describe_error
 from arena_core.files import read_json, write_text_whole
 from arena_core.hosting import Budgets, Finished, Job, Lost, Node, OtherCode, RunFolderError, RunStopped
 
@@ -48,7 +48,7 @@ class Share:
                             write_text_whole(folder / f"{numbers[_key(one.job)]:06d}.json", text)
         except Exception as error:
             if self._is_awaited():
-                write_text_whole(folder / FAULT, json.dumps({"kind": type(error).__name__, "text": described(error)}))
+                write_text_whole(folder / FAULT, json.dumps({"kind": type(error).__name__, "text": describe_error(error)}))
 
     def _is_awaited(self) -> bool:
         """Return whether no later start has taken the runs' folders over: whoever sent this share may have been killed."""
@@ -115,4 +115,4 @@ def _read(path: Path, share: Share, job: Job) -> Any:
             return Finished(job, told["row"], bool(told["succeeded"]))
         return Lost(job, str(told["lost"])) if "lost" in told else told["value"]
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise InputFileError(f"{path}: cannot be read ({described(error)}); allowed: {ALLOWED}") from None
+        raise InputFileError(f"{path}: cannot be read ({describe_error(error)}); allowed: {ALLOWED}") from None

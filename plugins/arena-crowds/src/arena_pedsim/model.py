@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from arena_core import Crowd, Gait, PedestrianModel, RobotBatch, Scenario
 from arena_core.parameters import Positive, Step
-from arena_core.scenes import furnished, with_obstacles
+from arena_core.scenes import add_furniture, add_obstacles
 from arena_kernels.compiled import Entered
 from arena_kernels.crowds import Crowds, Robots
 from arena_kernels.terrain import Terrain
@@ -91,7 +91,7 @@ class SocialForceModel(PedestrianModel):
             self._population = Population(total)
             self._society = Society(total, self._behaviour)
             self._terrain = Terrain(self._cell)
-        grids = [with_obstacles(furnished(scenario.world), scenario.obstacles) for scenario in scenarios]
+        grids = [add_obstacles(add_furniture(scenario.world), scenario.obstacles) for scenario in scenarios]
         self._terrain.replace(slots, grids, total)
         for slot, scenario, grid in zip(slots, scenarios, grids, strict=True):
             for spec in scenario.pedestrians:

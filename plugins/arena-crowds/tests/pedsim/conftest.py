@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, settings
 from numpy.typing import ArrayLike, NDArray
 
 from arena_core import Crowd, Obstacle, OccupancyGrid, PedestrianSpec, Pose, RobotBatch, Scenario, World
-from arena_core.config.configuration import compose, plain
+from arena_core.config.configuration import compose, to_plain
 from arena_core.hosting import load_registry
 from arena_kernels.distance import grid_distance
 from arena_pedsim.model import SocialForceModel
@@ -111,7 +111,7 @@ def make_model() -> Callable[..., SocialForceModel]:
     """Return a function that builds a shipped preset; keywords replace keys, mappings replace keys of a group."""
 
     def make(preset: str = "social_force", **changes: Any) -> SocialForceModel:
-        node: dict[str, Any] = plain(compose([], f"pedestrians/{preset}").pedestrians)
+        node: dict[str, Any] = to_plain(compose([], f"pedestrians/{preset}").pedestrians)
         for key, value in changes.items():
             node[key] = {**node[key], **value} if isinstance(value, dict) else value
         model: SocialForceModel = load_registry().build("pedestrians", node)

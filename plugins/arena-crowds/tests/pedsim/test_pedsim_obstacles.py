@@ -5,18 +5,18 @@ from hypothesis import strategies as st
 from shapely import Point, Polygon
 
 from arena_core import ImpossibleScenario, Obstacle, OccupancyGrid, Pose
-from arena_core.scenes import with_obstacles
+from arena_core.scenes import add_obstacles
 
 
 def test_without_obstacles_it_is_the_same_grid(stage):
     hall = stage.hall(4, 4)
-    assert with_obstacles(hall, ()) is hall
+    assert add_obstacles(hall, ()) is hall
 
 
 @given(st.floats(0.5, 3.5), st.floats(0.5, 3.5), st.floats(0.06, 1.0))
 def test_a_disc_covers_the_cells_whose_centres_it_holds(x, y, radius):
     grid = OccupancyGrid(np.zeros((80, 80), np.int8), 0.05, Pose(0.3, -0.2, 0.4))
-    marked = with_obstacles(grid, [Obstacle(np.array([(x, y)]), radius)]).occupied
+    marked = add_obstacles(grid, [Obstacle(np.array([(x, y)]), radius)]).occupied
     centres = grid.positions(np.argwhere(np.ones((80, 80), bool))).reshape(80, 80, 2)
     expected = np.hypot(*(centres - (x, y)).transpose(2, 0, 1)) <= radius
     assert (marked & ~expected).sum() <= 1  # the centre's own cell
@@ -26,7 +26,7 @@ def test_a_disc_covers_the_cells_whose_centres_it_holds(x, y, radius):
 def test_a_polygon_covers_its_inside_and_its_outline(stage):
     hall = stage.hall(6, 6)
     corners = np.array([(1.0, 1.0), (4.0, 1.5), (2.0, 2.0), (3.0, 4.5)])  # not convex
-    marked = with_obstacles(hall, [Obstacle(corners)]).occupied & ~hall.occupied
+    marked = add_obstacles(hall, [Obstacle(corners)]).occupied & ~hall.occupied
     shape = Polygon(corners)
     for row, column in np.ndindex(hall.data.shape):
         centre = Point((column + 0.5) * 0.05, (row + 0.5) * 0.05)
@@ -38,12 +38,12 @@ def test_a_polygon_covers_its_inside_and_its_outline(stage):
 
 def test_an_obstacle_thinner_than_a_cell_is_not_lost(stage):
     thin = np.array([(1.01, 1.01), (3.01, 1.01), (3.01, 1.02), (1.01, 1.02)])
-    marked = with_obstacles(stage.hall(4, 4), [Obstacle(thin)]).occupied
+    marked = add_obstacles(stage.hall(4, 4), [Obstacle(thin)]).occupied
     assert marked[20, 20:61].all()
 
 
 def test_an_obstacle_partly_off_the_map_is_cut(stage):
-    assert with_obstacles(stage.hall(4, 4), [Obstacle(np.array([(4.0, 2.0)]), 1.0)]).occupied[40, 62:].all()
+    assert add_obstacles(stage.hall(4, 4), [Obstacle(np.array([(4.0, 2.0)]), 1.0)]).occupied[40, 62:].all()
 
 
 def test_people_walk_round_obstacles(stage, make_model):

@@ -8,7 +8,7 @@ from typing import Any
 
 from arena_core import ConfigurationError, ObservationEncoder, Reward, Robot, Simulator, WaypointGenerator
 from arena_core.commands import key_value
-from arena_core.hosting import Guide, Registry, build_guide, check_sections, compose, load_registry, plain
+from arena_core.hosting import Guide, Registry, build_guide, check_sections, compose, load_registry, to_plain
 from arena_core.parameters import read_settings
 from arena_gym.driver import Driver
 from arena_gym.pool import PooledWorlds, ProblemPool
@@ -72,7 +72,7 @@ class Parts:
 def compose_environment(overrides: Sequence[str] = (), primary: str = "environment", **choices: str | None) -> dict[str, Any]:
     """Return the configuration ``primary`` with these components and overrides; raise ConfigurationError in one line."""
     chosen = [f"{kind}={name}" for kind, name in choices.items() if name is not None]
-    return plain(compose([*chosen, *overrides], primary))
+    return to_plain(compose([*chosen, *overrides], primary))
 
 
 def compose_training(recipe: str | None, overrides: Sequence[str], primary: str = "train") -> dict[str, Any]:

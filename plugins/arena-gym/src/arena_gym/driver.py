@@ -21,7 +21,7 @@ from arena_core import (
     Tracker,
     Tracks,
     Twist,
-    generator,
+    random_generator,
 )
 from arena_gym.pool import Problem
 from arena_policies.members import Members
@@ -48,7 +48,7 @@ class Driver:
         self._local_map.reset(grid)
         if self._tracker is not None:
             self._tracker.reset(grid)
-        random = generator(scenario.seed, scenario.name, "planner")
+        random = random_generator(scenario.seed, scenario.name, "planner")
         self._members.reset(EpisodeStart(grid, scenario.goal, self._period, random))
 
     def drive(self, chosen: int, seen: ObservationBatch, row: int) -> NDArray[np.float64]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from arena_core import PedestrianSpec, Scenario, generator, stream_key
+from arena_core import PedestrianSpec, Scenario, random_generator, stream_key
 from arena_gym.pool import Problem, ProblemPool
 from arena_gym.seeds import training_seed
 from arena_gym.settings import CrowdKind, Randomization, Span
@@ -35,7 +35,7 @@ class Episode:
 def draw_episode(pool: ProblemPool, randomization: Randomization, seed: int, number: int) -> Episode:
     """Return episode ``number`` of a seed: a pure function of pool, seed and number."""
     name = f"episode/{number}"
-    random = generator(training_seed(seed), name, "environment")
+    random = random_generator(training_seed(seed), name, "environment")
     problem = pool.problem(int(random.integers(pool.size)))
     scenario = _varied(problem.scenario, randomization, f"{problem.scenario.name}/{seed}.{number}", random)
     noise = _drawn(randomization.lidar_noise, random)
@@ -46,7 +46,7 @@ def draw_episode(pool: ProblemPool, randomization: Randomization, seed: int, num
 def draw_stage(weights: Sequence[float], seed: int, number: int) -> int:
     """Return the level of episode ``number`` of a seed, drawn with these ``weights`` of levels: a pure function."""
     bounds = np.cumsum(weights)
-    at = generator(training_seed(seed), f"episode/{number}", "level").uniform(0.0, bounds[-1])
+    at = random_generator(training_seed(seed), f"episode/{number}", "level").uniform(0.0, bounds[-1])
     return min(int(np.searchsorted(bounds, at, side="right")), len(bounds) - 1)
 
 

@@ -9,7 +9,19 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import LaserScan, NoPath, PathBatch, Pose, ReferenceLocalizer, Snapshot, Tracks, Twist, WaypointGenerator, Window, generator
+from arena_core import (
+    LaserScan,
+    NoPath,
+    PathBatch,
+    Pose,
+    ReferenceLocalizer,
+    Snapshot,
+    Tracks,
+    Twist,
+    WaypointGenerator,
+    Window,
+    random_generator,
+)
 from arena_core.hosting import REPLAN_REASONS, WAYPOINT_FOUND, Guide, mission_of, pose_at_scan
 from arena_gym.guidance import Floats, Guidance, Guided, Ranges, Slots
 from arena_gym.pool import Problem
@@ -49,7 +61,9 @@ class SharedGuidance(Guidance):
             self._guides[slot].begin(mission)
             self._guides[slot].tracker.reset(mission.map)
             self._goals[slot], self._radii[slot] = (scenario.goal.x, scenario.goal.y), scenario.goal_radius
-        keys = [generator(p.scenario.seed, p.scenario.name, "localizer").integers(2**64, size=1, dtype=np.uint64)[0] for p in problems]
+        keys = [
+            random_generator(p.scenario.seed, p.scenario.name, "localizer").integers(2**64, size=1, dtype=np.uint64)[0] for p in problems
+        ]
         self._localizer.begin(np.array(keys), slots, len(self._guides))
         self._waypoints.reset(slots, len(self._guides))
         poses = self._localizer.estimates(snapshot.poses[slots], slots)

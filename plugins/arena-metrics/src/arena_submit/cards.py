@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from arena_core.commands import aligned
+from arena_core.commands import align_columns
 from arena_core.statistics import Estimate, estimate
 from arena_metrics.pooling.cells import Cell, Cells, cells_of
 from arena_metrics.pooling.problems import labels
@@ -88,7 +88,7 @@ def read_cards(packs: Sequence[Pack]) -> Sequence[Card]:
 
 def card_text(card: Card) -> str:
     """Return a card for the terminal."""
-    return "\n".join(aligned([[card.planner, *HEAD[1:]], *card.rows()]))
+    return "\n".join(align_columns([[card.planner, *HEAD[1:]], *card.rows()]))
 
 
 def _card(pack: Pack, folder: Path, cells: Cells) -> Card:

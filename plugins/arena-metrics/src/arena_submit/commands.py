@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, ClassVar
 from arena_core import ConfigurationError
 from arena_core.commands import Command, complete_overrides, read_words
 from arena_core.files import write_text_whole
-from arena_core.hosting import compose, load_registry, plain
+from arena_core.hosting import compose, load_registry, to_plain
 from arena_core.parameters import NonNegativeInt, PositiveInt
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ class VerifyCommand(Command):
         words = read_words(VERIFY, arguments, names=1, keys=("sample", "seed"), overrides=("executor",))
         sample = words.value("sample", PositiveInt, SAMPLE)
         seed = words.value("seed", NonNegativeInt, secrets.randbits(31))  # nobody who packs knows what will be drawn
-        executor = plain(compose(words.overrides))["executor"]
+        executor = to_plain(compose(words.overrides))["executor"]
         with read_pack(Path(words.names[0])) as pack:
             print(f"digest {pack.digest}")
             found = verify(pack, sample, seed, executor, load_registry())

@@ -12,7 +12,7 @@ from typing import Any
 from arena_core import InputFileError
 from arena_core.commands import one_line
 from arena_core.files import option_files, read_yaml
-from arena_core.hosting import Registry, compose, plain
+from arena_core.hosting import Registry, compose, to_plain
 from arena_core.parameters import read_settings
 from arena_submit.packing import Pack, PackedRun
 
@@ -111,7 +111,7 @@ def _difference(key: str, own: Mapping[str, str], expected: Mapping[str, str]) -
 def _rules(experiment: str, robot: str) -> Mapping[str, str]:
     """Return all that the benchmark fixes but the paths of its scenarios, as JSON by dotted key."""
     first = next(iter(standing(experiment).scenarios))
-    config = plain(compose([f"experiment={experiment}", f"robot={robot}", f"scenario={first}"]))
+    config = to_plain(compose([f"experiment={experiment}", f"robot={robot}", f"scenario={first}"]))
     return {key: value for key, value in _flat({k: v for k, v in config.items() if k not in FREE}) if key not in OF_THE_SCENARIO}
 
 

@@ -10,10 +10,20 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from arena_core import ArenaError, EpisodeRecord, InputFileError, generator
+from arena_core import ArenaError, EpisodeRecord, InputFileError, random_generator
 from arena_core.commands import one_line
-from arena_core.hosting import Finished, Job, Lost, Registry, code_of
-from arena_core.records import build_metrics, cpu_kind, evaluate, read_record, record_digest, record_path, repeat, succeeded, versions
+from arena_core.hosting import Finished, Job, Lost, Registry, digest_code
+from arena_core.records import (
+    build_metrics,
+    cpu_kind,
+    evaluate_record,
+    installed_versions,
+    is_success,
+    read_record,
+    record_digest,
+    record_path,
+    repeat_episodes,
+)
 from arena_submit.packing import Pack, PackedRun
 
 CLOSE = 1e-9  # relative difference of a figure that another version of a library may make
@@ -94,7 +104,7 @@ def draw(pack: Pack, sample: int, seed: int) -> list[Drawn]:
     """Return so many of the episodes that left a record, in the pack's order; all of them where there are not more."""
     files = set(pack.archive.names)
     known = [one for run in pack.runs for one in (Drawn(run, row) for row in run.rows) if one.record in files]
-    chosen = generator(seed, pack.digest, "verify").choice(len(known), size=min(sample, len(known)), replace=False)
+    chosen = random_generator(seed, pack.digest, "verify").choice(len(known), size=min(sample, len(known)), replace=False)
     return [known[i] for i in sorted(int(i) for i in chosen)]
 
 
@@ -107,7 +117,7 @@ def _wrong_rows(pack: Pack, run: PackedRun, registry: Registry) -> Iterator[str]
             if row.get("outcome") != "error":
                 yield f"{one.name} has no record"
             continue
-        wrong = _differing(row, evaluate(_record(pack, one), packs))
+        wrong = _differing(row, evaluate_record(_record(pack, one), packs))
         if wrong:
             yield f"{one.name}: {wrong} is not that of the record"
 
@@ -145,7 +155,7 @@ def _repeated(pack: Pack, drawn: Sequence[Drawn], executor: Mapping[str, Any], r
     with TemporaryDirectory(prefix="arena-verify-") as folder:
         asked = {(str(Path(folder, one.run.name)), int(one.row["episode"])): one for one in drawn}
         jobs = [Job(one.run.config, place, episode, _stage(one.row)) for (place, episode), one in asked.items()]
-        for answer in repeat(jobs, executor, registry):
+        for answer in repeat_episodes(jobs, executor, registry):
             one = asked[answer.job.folder, answer.job.episode]
             path = record_path(Path(answer.job.folder), answer.job.episode)
             yield _compared(one, _record(pack, one), answer, path)
@@ -158,12 +168,12 @@ def _compared(one: Drawn, then: EpisodeRecord, answer: Finished | Lost, path: Pa
         reason = answer.reason if isinstance(answer, Lost) else str(answer.row.get("error", ""))
         return Repeated(one, False, False, f"{_word(then)} then, cannot be driven here: {one_line(reason, 200)}")
     same = record_digest(then) == record_digest(now)
-    return Repeated(one, same, same or succeeded(then) == succeeded(now), f"{_word(then)} then, {_word(now)} now")
+    return Repeated(one, same, same or is_success(then) == is_success(now), f"{_word(then)} then, {_word(now)} now")
 
 
 def _word(record: EpisodeRecord) -> str:
     outcome = str(record.meta["outcome"])
-    return "success" if succeeded(record) else "too many collisions" if outcome == "goal_reached" else outcome
+    return "success" if is_success(record) else "too many collisions" if outcome == "goal_reached" else outcome
 
 
 def _stage(row: Mapping[str, str]) -> int | None:
@@ -173,7 +183,7 @@ def _stage(row: Mapping[str, str]) -> int | None:
 def _elsewhere(run: PackedRun, registry: Registry) -> Iterator[str]:
     """Yield what of code, libraries, Python and processor is not as it was."""
     try:
-        changed = code_of(run.config, registry).changed(run.provenance["code"].get("parts") or {})
+        changed = digest_code(run.config, registry).changed(run.provenance["code"].get("parts") or {})
     except ArenaError as error:
         changed = [str(error)]
     if changed:
@@ -195,8 +205,8 @@ def driven_elsewhere(facts: Mapping[str, Any]) -> Iterator[str]:
 
 
 def here_and_now() -> dict[str, Any]:
-    """Return what records depend on beside the code: ``versions`` of libraries, ``python``, and the kind of ``cpu``."""
-    found = versions()
+    """Return what records depend on beside the code: ``installed_versions`` of libraries, ``python``, and the kind of ``cpu``."""
+    found = installed_versions()
     return {
         "versions": {name: found[name] for name in DRIVES_WITH if name in found},
         "python": platform.python_version(),

@@ -27,10 +27,10 @@ def test_the_first_version_has_every_scenario_of_the_pack_on_two_robots():
 
 @pytest.mark.parametrize("scenario", ["arena/queue_high", "arena/outdoor_20"])
 def test_the_hashes_are_those_of_the_scenarios_that_are_driven(scenario):
-    from arena_core.hosting import compose, plain
+    from arena_core.hosting import compose, to_plain
 
     registry = load_registry()
-    config = plain(compose(["experiment=arena_v1", "robot=jackal", f"scenario={scenario}"]))
+    config = to_plain(compose(["experiment=arena_v1", "robot=jackal", f"scenario={scenario}"]))
     robot = registry.build("robot", config["robot"])
     task = registry.build("task", config["task"], robot=robot, world=registry.build("world", config["world"]))
     assert task.scenario(0, 0).content_hash == standing("arena_v1").scenarios[scenario]

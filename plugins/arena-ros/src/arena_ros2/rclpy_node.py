@@ -10,7 +10,7 @@ from importlib import import_module
 from typing import Any, ClassVar
 
 from arena_core import ArenaError
-from arena_core.commands import one_line, tell
+from arena_core.commands import one_line, print_notice
 from arena_ros.codec import Ros
 from arena_ros.transport import Heard, Publish, Transport
 from arena_ros2.quality import DEPTH, SENSORS
@@ -50,7 +50,7 @@ class Rclpy(Transport):
         try:
             publisher = self._node.create_publisher(_class(type), topic, _quality(True, latched))
         except ArenaError as error:
-            tell(f"{error}; {topic} is not published")
+            print_notice(f"{error}; {topic} is not published")
             return lambda content: None
 
         def publish(content: bytes) -> None:

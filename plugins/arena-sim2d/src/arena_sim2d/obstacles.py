@@ -10,7 +10,7 @@ from shapely.geometry import Polygon
 from shapely.validation import explain_validity
 
 from arena_core import ImpossibleScenario, Obstacle, Scenario
-from arena_core.scenes import outlines
+from arena_core.scenes import furniture_outlines
 from arena_sim2d.bodies import BEAMS, OBSTACLE, PEOPLE, ROBOTS, Floats, Rows
 
 TALL = 2.0  # m; people meet all of furniture that is lower
@@ -45,7 +45,7 @@ def _things(scenario: Scenario, reach: Reach) -> Iterator[tuple[Obstacle, int]]:
         yield obstacle, BEAMS | ROBOTS | PEOPLE
     pieces = scenario.world.furniture
     for met, low, high in ((BEAMS, reach.lidar, reach.lidar), (ROBOTS, reach.bottom, reach.top), (PEOPLE, 0.0, TALL)):
-        for outline in outlines(pieces, low, high):
+        for outline in furniture_outlines(pieces, low, high):
             yield outline, met
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import Gait as GaitOfPeople
-from arena_core import Scenario, generator
+from arena_core import Scenario, random_generator
 from arena_kernels.compiled import borrowing, inner
 from arena_kernels.legs import STANDING, Gait, Legs, legs_of, settle, step_length
 from arena_sim2d.bodies import Row, Rows, Worlds
@@ -30,7 +30,7 @@ def begin_walking(people: Rows, walks: NDArray[np.bool_], scenarios: Sequence[Sc
     """
     for slot, scenario in zip(slots.tolist(), scenarios, strict=True):
         rows = people[slot]
-        drawn = generator(scenario.seed, scenario.name, "gait").uniform((0.0, -math.pi), (2.0, math.pi), (len(rows), 2))
+        drawn = random_generator(scenario.seed, scenario.name, "gait").uniform((0.0, -math.pi), (2.0, math.pi), (len(rows), 2))
         rows["walks"], rows["steps"] = walks[slot], drawn[:, 0]
         rows["leg_vx"] = np.nan_to_num(rows["vx"]) + STANDING * np.cos(drawn[:, 1])
         rows["leg_vy"] = np.nan_to_num(rows["vy"]) + STANDING * np.sin(drawn[:, 1])

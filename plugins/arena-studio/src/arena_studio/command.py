@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import ClassVar
 
 from arena_core import ConfigurationError
-from arena_core.commands import Command, read_words, tell
+from arena_core.commands import Command, print_notice, read_words
 from arena_core.parameters import NonNegativeInt
 
 USAGE = "arena studio [FOLDER] [port=0] [open=true] [host=127.0.0.1] [expose=false]"
@@ -72,7 +72,7 @@ class StudioCommand(Command):
         beside(project.root).runs.start()  # which the first page asks at once
         server = ready(make_app(project, token, None if request.exposed else LOOPBACK))
         address = f"http://{_written(request.host)}:{listening.getsockname()[1]}/?token={token}"
-        tell(f"{address} (Ctrl-C ends it)")
+        print_notice(f"{address} (Ctrl-C ends it)")
         if request.opens:
             webbrowser.open(address)
         serve(server, listening)

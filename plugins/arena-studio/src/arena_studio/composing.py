@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from arena_core import ConfigurationError
-from arena_core.hosting import check_settings, compose, load_registry, plain
+from arena_core.hosting import check_settings, compose, load_registry, to_plain
 from arena_studio.words import KEY, allowed, check_key
 
 MOST_JOBS = 1000  # of one sweep
@@ -129,7 +129,7 @@ def _tried(alternatives: Sequence[Alternatives]) -> Iterator[list[str]]:
 
 
 def _checked(words: Sequence[str]) -> dict[str, Any]:
-    config = plain(compose(list(words)))
+    config = to_plain(compose(list(words)))
     check_settings(config, load_registry())
     return config
 

@@ -10,7 +10,7 @@ import yaml
 
 from arena_core import ArenaError, ConfigurationError, OccupancyGrid, TaskMode
 from arena_core.files import option_files
-from arena_core.hosting import compose, load_registry, plain
+from arena_core.hosting import compose, load_registry, to_plain
 from arena_studio.scene_work import cells_of, quoted, world_of
 from arena_studio.words import allowed
 from arena_tasks.scenario_files.scenario_file import content_of
@@ -31,7 +31,7 @@ def draws(
     place += [] if difficulty is None else [f"world.difficulty={difficulty}"]
     overrides = [f"task.{key}={_written(value)}" for key, value in rules.items()]
     words = allowed([*place, f"robot={robot}", "task=random", *overrides], Path.cwd())
-    node = plain(compose(words, "component"))
+    node = to_plain(compose(words, "component"))
     source = registry.build("world", node["world"])
     body = registry.build("robot", node["robot"])
     task = registry.build("task", node["task"], robot=body, world=source)

@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from arena_core.files import reading_within
-from arena_core.hosting import build_benchmark, compose, load_registry, plain
+from arena_core.hosting import build_benchmark, compose, load_registry, to_plain
 from arena_core.records import read_grid
 from arena_studio.scene_work import one_scene, quoted, text, world_of
 from arena_studio.words import allowed
@@ -54,4 +54,4 @@ def _chosen(robot: str, planner: str, pedestrians: str, map_file: str, seed: int
 
 def _have_bodies(pedestrians: str) -> bool:
     """Tell whether a model of people says what lidars see of them."""
-    return "body" in plain(compose([f"pedestrians={pedestrians}"], "component"))["pedestrians"]
+    return "body" in to_plain(compose([f"pedestrians={pedestrians}"], "component"))["pedestrians"]

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from arena_core import ArenaError
-from arena_core.commands import described
+from arena_core.commands import describe_error
 from arena_core.files import reading_within
 
 WORK: Mapping[str, str] = {  # what can be asked for, and which function of this package does it
@@ -51,7 +51,7 @@ def answer(line: bytes) -> dict[str, Any]:
     except ArenaError as error:
         return {"error": str(error)}
     except (Exception, MemoryError) as error:  # a planner of anybody's may raise anything
-        return {"error": f"{request['what']} failed: {described(error)}"}
+        return {"error": f"{request['what']} failed: {describe_error(error)}"}
 
 
 def main() -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from arena_core import generator
+from arena_core import random_generator
 from arena_core.files import write_text_whole
 from arena_core.hosting import load_registry
 from arena_scenarios import plans
@@ -48,7 +48,7 @@ def _write_situations(pack: Path) -> None:
         for density, number in DENSITIES.items():
             name = f"{situation}_{density}"
             title = f"{(draw.__doc__ or '').rstrip('.')} ({density} density)"
-            problems = [draw_spaced(draw, number, generator(variation, name, "pack")) for variation in range(VARIATIONS)]
+            problems = [draw_spaced(draw, number, random_generator(variation, name, "pack")) for variation in range(VARIATIONS)]
             write_problems(pack / "scenarios" / f"{name}.json", title, f"../maps/{plan}.yaml", problems)
 
 
@@ -57,7 +57,7 @@ def _write_halls(pack: Path) -> None:
         for people in CROWDS:
             name = f"{hall_name}_{people:02d}"
             title = f"{people} people walk about the robot's way ({hall_name})"
-            problems = [hall(draw(), route, people, generator(variation, name, "pack")) for variation, route in enumerate(routes)]
+            problems = [hall(draw(), route, people, random_generator(variation, name, "pack")) for variation, route in enumerate(routes)]
             write_problems(pack / "scenarios" / f"{name}.json", title, f"../maps/{hall_name}.yaml", problems)
 
 

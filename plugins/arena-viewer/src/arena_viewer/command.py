@@ -11,7 +11,7 @@ from typing import ClassVar
 import numpy as np
 
 from arena_core import ConfigurationError
-from arena_core.commands import Command, read_words, tell
+from arena_core.commands import Command, print_notice, read_words
 from arena_core.files import write_bytes_whole, write_text_whole
 from arena_core.parameters import NonNegative, NonNegativeInt, Positive, PositiveInt, read_settings
 from arena_core.records import find_runs
@@ -99,7 +99,7 @@ class ReplayCommand(Command):
             _serve(page(f"{title} - arena replay", None), document(shown), request)
         else:
             _write(request.target, shown, f"{title} - arena replay", request)
-            tell(f"{request.target}")
+            print_notice(f"{request.target}")
         return 0
 
 
@@ -124,7 +124,7 @@ def _serve(text: str, content: bytes, request: Request) -> None:
 
 
 def _open(server: PageServer, request: Request) -> None:
-    tell(f"{server.address} (Ctrl-C ends it)")
+    print_notice(f"{server.address} (Ctrl-C ends it)")
     if request.opens:
         webbrowser.open(server.address)
     server.serve()

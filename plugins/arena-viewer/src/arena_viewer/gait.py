@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import EpisodeRecord, generator
+from arena_core import EpisodeRecord, random_generator
 
 GAIT = ("leg_radius", "stance_width", "step_width", "step_width_from", "walk_ratio", "apart", "settling")
 
@@ -29,7 +29,7 @@ def gait_begin(record: EpisodeRecord) -> NDArray[np.float64]:
     The simulators draw it from the scenario's stream ``gait``: the same figures are drawn here.
     """
     scenario, people = record.meta["scenario"], len(record["pedestrian_ids"])
-    random = generator(int(scenario["seed"]), str(scenario["name"]), "gait")
+    random = random_generator(int(scenario["seed"]), str(scenario["name"]), "gait")
     drawn: NDArray[np.float64] = random.uniform((0.0, -math.pi), (2.0, math.pi), (people, 2))
     drawn[[not _walks(record.meta, number) for number in record["pedestrian_ids"].tolist()]] = np.nan
     return drawn

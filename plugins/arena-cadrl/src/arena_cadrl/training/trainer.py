@@ -19,9 +19,9 @@ from arena_cadrl.training.learner import Learner, State
 from arena_cadrl.training.rounds import Explorer, chosen_commands, drive_round, valued
 from arena_cadrl.training.settings import Learning, ValueSettings
 from arena_cadrl.training.worlds import Worlds
-from arena_core import Trainer, generator
+from arena_core import Trainer, random_generator
 from arena_core.files import write_bytes_whole, write_text_whole
-from arena_core.hosting import Registry, compose, load_registry, plain
+from arena_core.hosting import Registry, compose, load_registry, to_plain
 from arena_core.parameters import NonNegativeInt, PositiveInt, read_settings
 from arena_gym.batch import NavigationBatch
 from arena_gym.building import Parts, build_parts
@@ -88,7 +88,7 @@ class ValueTrainer(Trainer):
         asked = read_settings({key: config[key] for key in ("planner", "seed", "total_steps", "device")}, Request, "")
         registry, device = load_registry(), choose_device(asked.device)
         parts, chosen = build_parts(config), self._evaluation
-        teacher = plain(compose([f"planner={self._teacher}", f"robot={parts.robot.name}"]))["planner"]
+        teacher = to_plain(compose([f"planner={self._teacher}", f"robot={parts.robot.name}"]))["planner"]
         unseen = unseen_worlds(config, chosen.episodes, chosen.seed, "trainer.evaluation.seed").batch
         settings = StateSettings(config["planner"], self._looking, self._choosing, self._safety, self._worth)
         eyes = Eyes(parts.robot, read_settings(config["action"], ActionRange, "action"), settings, 0.0)  # contacts are learned from
@@ -173,7 +173,7 @@ class Session:
         total, learning = self._config["total_steps"], self._trainer.learning
         seed = self._config["seed"]
         first = seed * 64 * EPISODES_APART + self.steps
-        random = generator(training_seed(seed), f"exploration/{self.steps}", "exploration")
+        random = random_generator(training_seed(seed), f"exploration/{self.steps}", "exploration")
         explorer = Explorer(learning.environments, learning.held, random)
         if self.steps < total:
             self._worlds.begin([first + k * EPISODES_APART for k in range(learning.environments)])

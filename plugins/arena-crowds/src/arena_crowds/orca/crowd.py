@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from arena_core import Crowd, Gait, PedestrianModel, RobotBatch, Scenario
 from arena_core.parameters import NonNegative, Positive, PositiveInt
-from arena_core.scenes import furnished, with_obstacles
+from arena_core.scenes import add_furniture, add_obstacles
 from arena_crowds.orca.orca_step import step_crowds
 from arena_crowds.orca.parameters import RobotRules, Rules, Wayfinding, WayRules
 from arena_crowds.orca.walkers import Walkers
@@ -62,7 +62,7 @@ class OrcaCrowd(PedestrianModel):
         """
         if total != len(self._walkers):
             self._walkers, self._terrain = Walkers(total), Terrain(self._cell)
-        grids = [with_obstacles(furnished(scenario.world), scenario.obstacles) for scenario in scenarios]
+        grids = [add_obstacles(add_furniture(scenario.world), scenario.obstacles) for scenario in scenarios]
         self._terrain.replace(slots, grids, total)
         self._walkers.settle(dict(zip(slots.tolist(), scenarios, strict=True)), grids)
         self._grant()

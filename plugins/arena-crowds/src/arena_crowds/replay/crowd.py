@@ -19,9 +19,9 @@ from arena_core import (
     RobotBatch,
     Scenario,
     World,
-    generator,
+    random_generator,
 )
-from arena_core.commands import tell
+from arena_core.commands import print_notice
 from arena_core.files import local_path
 from arena_core.parameters import NonNegative, Positive
 from arena_crowds.replay.recordings import Format, read_recording
@@ -100,7 +100,7 @@ class ReplayedCrowd(PedestrianModel):
         for walk in walks.tolist() if self._unaware_of_walls else ():
             cells = grid.cells(self._recording.positions[bounds[walk] : bounds[walk + 1]])
             if grid.occupied[tuple(cells[grid.contains(cells)].T)].any():
-                tell(f"{self._path}: person {self._recording.ids[walk]}, and maybe others, walk through walls of {world.name}")
+                print_notice(f"{self._path}: person {self._recording.ids[walk]}, and maybe others, walk through walls of {world.name}")
                 self._unaware_of_walls = False
                 return
 
@@ -131,7 +131,7 @@ class ReplayedCrowd(PedestrianModel):
         """Return the time of the recording at which an episode begins: the given one, or one that the scenario draws."""
         if self._start_time is not None:
             return float(self._start_time)
-        random = generator(scenario.seed, scenario.name, "replay")
+        random = random_generator(scenario.seed, scenario.name, "replay")
         latest = max(self._recording.duration - self._speed * scenario.time_limit, 0.0)
         for _ in range(DRAWS):
             begin = float(random.uniform(0.0, latest))

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import InputFileError
-from arena_core.commands import one_line, tell
+from arena_core.commands import one_line, print_notice
 from arena_core.files import LIMITS, read_text
 from arena_crowds.replay.scale import Unit, measured_rate, scale_of
 from arena_kernels.compiled import compiled
@@ -152,7 +152,7 @@ def _check_speed(path: Path, recording: Recording) -> None:
     speed = recording.median_speed()
     if speed is not None and not WALKING[0] <= speed <= WALKING[1]:
         low, high = WALKING
-        tell(f"{path}: people walk at {speed:.2g} m/s (median), usual is {low:g} to {high:g}; is it the right unit and frame_rate?")
+        print_notice(f"{path}: people walk at {speed:.2g} m/s (median), usual is {low:g} to {high:g}; is it the right unit and frame_rate?")
 
 
 def _content(path: Path, layout: Format) -> tuple[list[str], Floats]:

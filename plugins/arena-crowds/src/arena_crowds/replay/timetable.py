@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import ABSENT, Crowd, PedestrianModel, Pedestrians, PedestrianSpec, RobotBatch, Scenario, generator
+from arena_core import ABSENT, Crowd, PedestrianModel, Pedestrians, PedestrianSpec, RobotBatch, Scenario, random_generator
 from arena_core.parameters import NonNegative
 from arena_crowds.replay.gliding import Timetables, glide, ground_under, hide, packed
 from arena_crowds.slots import no_crowd, with_worlds
@@ -69,7 +69,7 @@ class TimetableCrowd(PedestrianModel):
     def _start_of(self, scenario: Scenario) -> float:
         if self._start_time is not None:
             return float(self._start_time)
-        return float(generator(scenario.seed, scenario.name, "timetable").uniform(0.0, self._latest))
+        return float(random_generator(scenario.seed, scenario.name, "timetable").uniform(0.0, self._latest))
 
 
 def _people(

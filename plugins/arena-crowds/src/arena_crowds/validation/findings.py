@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from arena_core.commands import aligned
+from arena_core.commands import align_columns
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -21,4 +21,4 @@ class Findings:
 def lines(rows: Sequence[Mapping[str, Any]]) -> str:
     """Return rows as a table of text, numbers with four digits."""
     cells = [[value if isinstance(value, str) else f"{value:.4g}" for value in row.values()] for row in rows]
-    return "\n".join(aligned([list(rows[0]), *cells]))
+    return "\n".join(align_columns([list(rows[0]), *cells]))

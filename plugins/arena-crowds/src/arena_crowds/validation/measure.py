@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import generator
+from arena_core import random_generator
 from arena_core.commands import key_value, read_words
 from arena_core.files import csv_text, write_text_whole
 from arena_core.parameters import Positive, PositiveInt
@@ -147,7 +147,7 @@ def _rate(counts: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _resampled(walked: Sequence[Walked], stream: str) -> NDArray[np.float64]:
     counts = _counts(walked)
-    chosen = generator(0, "crowd measure", stream).integers(len(counts), size=(RESAMPLES, len(counts)))
+    chosen = random_generator(0, "crowd measure", stream).integers(len(counts), size=(RESAMPLES, len(counts)))
     return _rate(counts[chosen])
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from arena_core import ABSENT, EpisodeRecord, Scenario
 from arena_core.files import write_bytes_whole
-from arena_core.hosting import Benchmark, build_benchmark, compose, load_registry, plain
+from arena_core.hosting import Benchmark, build_benchmark, compose, load_registry, to_plain
 from arena_core.records import record_path
 from arena_crowds.validation.phases import Phased
 from arena_crowds.validation.walked import Walked
@@ -31,7 +31,7 @@ class Extent:
 
 def benchmark_of(overrides: Sequence[str], phased: bool) -> Benchmark:
     """Build a run from its overrides; ``phased`` lets people start elsewhere on their rounds in each episode."""
-    benchmark = build_benchmark(plain(compose(list(overrides))), load_registry())
+    benchmark = build_benchmark(to_plain(compose(list(overrides))), load_registry())
     return replace(benchmark, task=Phased(benchmark.task)) if phased else benchmark
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from arena_core import OccupancyGrid, PedestrianSpec, Scenario, TaskMode, generator
+from arena_core import OccupancyGrid, PedestrianSpec, Scenario, TaskMode, random_generator
 from arena_kernels.ways import Ways, place_on_round
 
 TRIES = 20
@@ -25,7 +25,7 @@ class Phased(TaskMode):
     def scenario(self, seed: int, index: int) -> Scenario:
         """Return problem ``index`` with its people elsewhere."""
         drawn = self._task.scenario(seed, index)
-        random = generator(seed, f"{drawn.name}/{index}", "phases")
+        random = random_generator(seed, f"{drawn.name}/{index}", "phases")
         people: list[PedestrianSpec] = []
         for spec in drawn.pedestrians:
             people.append(_elsewhere(spec, people, drawn.world.grid, random))

@@ -12,9 +12,9 @@ from typing import Any
 from stable_baselines3 import PPO
 
 from arena_core import ConfigurationError, ObservationEncoder
-from arena_core.commands import interrupts, tell_of_compiling
+from arena_core.commands import announce_compiling, interrupts
 from arena_core.files import local_path, read_json, write_bytes_whole, write_text_whole
-from arena_core.hosting import code_of, load_registry
+from arena_core.hosting import digest_code, load_registry
 from arena_core.parameters import read_settings
 from arena_core.statistics import wilson
 from arena_gym.building import Parts, build_parts
@@ -57,7 +57,7 @@ def _run_training(config: Mapping[str, Any], folder: Path, resume: bool, force: 
     registry = load_registry()
     parts, chosen = build_parts(config, registry), settings.validation
     interrupts.check()
-    tell_of_compiling()
+    announce_compiling()
     if parts.switch is not None:
         _check_switch(settings.network)
     levels = make_levels(settings.levels, parts.pool.staging, settings.mixture)
@@ -72,7 +72,7 @@ def _run_training(config: Mapping[str, Any], folder: Path, resume: bool, force: 
     classroom = None if teacher is None else Classroom(env.batch, teacher, robot or parts.robot.name, registry)
     learner, worlds = prepare(settings, env, folder)
     besides = ("gym",) if classroom is None else ("gym", classroom.plugin)
-    code = code_of(config, registry, apart=NO_PART, besides=besides)
+    code = digest_code(config, registry, apart=NO_PART, besides=besides)
     compared = config if classroom is None else {**config, "teacher": {**config["teacher"], "nodes": classroom.nodes}}
     before = open_folder(folder, compared, resume, code, force)  # once all is built: a request that is refused leaves nothing behind
     told: dict[str, Any] = {"code": code.digest, **({"code_before": before} if before else {})}

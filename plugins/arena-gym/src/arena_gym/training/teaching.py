@@ -19,11 +19,11 @@ import torch
 from numpy.typing import NDArray
 from stable_baselines3 import PPO
 
-from arena_core import ConfigurationError, generator
+from arena_core import ConfigurationError, random_generator
 from arena_core.commands import interrupts
 from arena_core.files import write_bytes_whole
-from arena_core.hosting import Registry, compose, plain
-from arena_core.records import untuned
+from arena_core.hosting import Registry, compose, to_plain
+from arena_core.records import missing_tunings
 from arena_gym.batch import NavigationBatch
 from arena_gym.driver import Driver
 from arena_gym.reports import outcome
@@ -65,7 +65,7 @@ class Classroom:
     """Worlds in step with a teacher beside each robot, with the tuning for ``robot``, by the name of its file, if there is one.
 
     It decides as often as the policy does. ``nodes`` are its configuration and that of what it sees by, ``node`` is its own, ``plugin`` the
-    entry point that it comes from; ``untuned`` says which of its tunings the robot has not.
+    entry point that it comes from; ``missing_tunings`` says which of its tunings the robot has not.
     """
 
     def __init__(self, batch: NavigationBatch, teacher: str, robot: str, registry: Registry) -> None:
@@ -76,8 +76,8 @@ class Classroom:
             raise ConfigurationError(f"training.optimization.environments is {batch.worlds}; allowed: {_FIRST_SEED} at most with a teacher")
         self.batch = batch
         composed = compose([f"planner={teacher}", f"robot={robot}"], hydra=True)
-        self.untuned = untuned(composed.hydra.runtime.choices, registry.manager)
-        nodes = self.nodes = {kind: plain(composed[kind]) for kind in ("planner", "local_map", "tracker")}
+        self.untuned = missing_tunings(composed.hydra.runtime.choices, registry.manager)
+        nodes = self.nodes = {kind: to_plain(composed[kind]) for kind in ("planner", "local_map", "tracker")}
         self.node: dict[str, Any] = nodes["planner"]
         self.plugin = registry.component("planner", self.node["name"]).plugin
         period = parts.robot.control_period * parts.settings.every
@@ -142,7 +142,7 @@ def teach(learner: PPO, classroom: Classroom, settings: Teacher, seed: int, fold
         _write_lesson(_lesson_file(folder, number), lesson)
         lessons.append((lesson.seen, lesson.shown))
         left = 1.0 - number / settings.rounds
-        loss = imitate(actor, optimizer, lessons, settings, left, generator(training_seed(seed), f"lesson/{number}", "minibatches"))
+        loss = imitate(actor, optimizer, lessons, settings, left, random_generator(training_seed(seed), f"lesson/{number}", "minibatches"))
         if not all_finite(learner):
             rate = f"teacher.learning_rate is {settings.learning_rate:g}"
             raise ConfigurationError(f"{rate}, and the loss of lesson {number + 1} is no number; allowed: a smaller one, with out=DIR")

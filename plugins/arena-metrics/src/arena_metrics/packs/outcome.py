@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from arena_core import EpisodeRecord
-from arena_core.records import succeeded
+from arena_core.records import is_success
 from arena_metrics.packs.motion import polyline_length
 
 PERSON = 2  # contact_kind of a contact with a person
@@ -67,17 +67,17 @@ def time_to_goal(record: EpisodeRecord) -> float:
 
 def success(record: EpisodeRecord) -> float:
     """Return 1 for an arrival near the true goal, in time, with fewer than two collisions, else 0: the core's word."""
-    return float(succeeded(record))
+    return float(is_success(record))
 
 
 def strict_success(record: EpisodeRecord) -> float:
     """Return 1 for a success without any collision, else 0."""
-    return float(succeeded(record, collisions_allowed=0))
+    return float(is_success(record, collisions_allowed=0))
 
 
 def spl(record: EpisodeRecord) -> float:
     """Return success weighted by path length (Anderson et al. 2018, section 3.1), the first global path being the shortest one."""
-    if not succeeded(record):
+    if not is_success(record):
         return 0.0
     shortest = _first_path_length(record)
     longest = max(polyline_length(record["pose"][:, :2]), shortest)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from arena_core import ArenaError, EpisodeRecord
-from arena_core.commands import Command, aligned
+from arena_core.commands import Command, align_columns
 from arena_core.files import csv_text, write_text_whole
 from arena_core.records import read_record
 from arena_core.statistics import Comparison, after_holm, compare
@@ -85,7 +85,7 @@ class CompareRealCommand(Command):
         pairs = pairs_of(drives(simulated), drives(real))
         tables = {"problems": problem_rows(pairs), "differences": difference_rows(pairs)}
         for rows in tables.values():
-            print("\n".join([*aligned(rows), ""]))
+            print("\n".join([*align_columns(rows), ""]))
         if given.claims:
             judged = judged_claims(pairs, metric_columns([*simulated, *real]), given.claims)
             tables["claims"] = [list(judged.head), *map(list, judged.rows)]

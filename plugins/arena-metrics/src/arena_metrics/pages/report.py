@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from arena_core import InputFileError
-from arena_core.commands import Command, aligned
+from arena_core.commands import Command, align_columns
 from arena_core.files import check_inside, write_bytes_whole, write_text_whole
 from arena_core.records import Reporter
 from arena_metrics.one_thread import on_one_thread
@@ -263,7 +263,7 @@ def _print_headline(summary: Summary, baseline: str | None) -> None:
     from arena_metrics.tables.tables import headline
 
     table = headline(summary)
-    print("\n".join(aligned([table.head, *table.rows[:PRINTED]])))
+    print("\n".join(align_columns([table.head, *table.rows[:PRINTED]])))
     if len(table.rows) > PRINTED:
         print(f"... {len(table.rows) - PRINTED} more")
     print("\n".join(answers(summary, baseline)))

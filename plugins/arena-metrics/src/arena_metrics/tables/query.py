@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from arena_core import ConfigurationError, InputFileError
-from arena_core.commands import Command, aligned, one_line, read_words
+from arena_core.commands import Command, align_columns, one_line, read_words
 from arena_core.files import csv_text, write_text_whole
 from arena_core.records import EPISODE_COLUMNS, find_runs
 
@@ -106,7 +106,7 @@ def _tell(database: DuckDBPyConnection, question: str, out: Path | None) -> None
         write_text_whole(out, csv_text([head, *rows]))
         print(f"{len(rows)} rows: {out}")
         return
-    print("\n".join(aligned([head, *([_text(value) for value in row] for row in rows[:PRINTED])])))
+    print("\n".join(align_columns([head, *([_text(value) for value in row] for row in rows[:PRINTED])])))
     if len(rows) > PRINTED:
         print(f"... {len(rows) - PRINTED} more; out=FILE.csv writes all")
 

@@ -13,7 +13,7 @@ import yaml
 from numpy.typing import NDArray
 
 from arena_core import ConfigurationError, EpisodeRecord, Robot
-from arena_core.commands import Command, read_words, tell
+from arena_core.commands import Command, print_notice, read_words
 from arena_core.files import local_path
 from arena_core.hosting import load_registry
 from arena_core.parameters import NonNegative, NonNegativeInt, Positive, read_settings
@@ -95,7 +95,7 @@ class RenderCommand(Command):
                 write_picture(request.target, paint(0.5 * drama.end if request.at is None else min(request.at, drama.end)))
             else:
                 write_film(request.target, map(paint, stamps), request.size, request.rate)
-        tell(f"{request.target}")
+        print_notice(f"{request.target}")
         return 0
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import EpisodeRecord
-from arena_core.hosting import compose, plain
+from arena_core.hosting import compose, to_plain
 from arena_kernels.compiled import borrowing
 from arena_kernels.legs import STANDING, Gait, legs_of, settle, step_length
 
@@ -103,7 +103,7 @@ def _calmed(stamp: Floats, heading: Floats, calm: float) -> Floats:
 
 def _gait(meta: Mapping[str, Any]) -> Gait:
     """Return how people walk: as the record says, or as adults do."""
-    said = (meta["config"].get("pedestrians") or {}).get("gait") or plain(compose(["+gait=adult"]))["gait"]
+    said = (meta["config"].get("pedestrians") or {}).get("gait") or to_plain(compose(["+gait=adult"]))["gait"]
     return Gait(**{name: float(said[name]) for name in Gait._fields})
 
 

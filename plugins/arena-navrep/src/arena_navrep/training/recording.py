@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from arena_core import ConfigurationError, generator
+from arena_core import ConfigurationError, random_generator
 from arena_gym.building import Parts, build_parts
 from arena_gym.seeds import check_unseen_seed, training_seed
 from arena_gym.vector_environment import NavigationVectorEnv
@@ -54,7 +54,7 @@ def _check_scan(parts: Parts) -> None:
 def _recorded(env: NavigationVectorEnv, settings: Recording, seed: int, kind: str, index: int) -> Rollouts:
     """Return roll-outs ``index``."""
     layout, first = env.batch.parts.encoder.layout(), seed * WORLDS_APART * 64 + index * WORLDS_APART
-    random = generator(training_seed(seed), f"rollouts/{kind}/{index}", "wanderer")
+    random = random_generator(training_seed(seed), f"rollouts/{kind}/{index}", "wanderer")
     wanderer = Wanderer(layout, env.batch.parts.scale, settings.worlds, settings.wander, random)
     rows, begins = [env.reset(seed=first)[0].copy()], [np.ones(settings.worlds, np.bool_)]
     for _ in range(settings.steps - 1):

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from arena_core import ConfigurationError, EpisodeRecord, InputFileError, OccupancyGrid, Pose, Robot
-from arena_core.commands import one_line, tell
-from arena_core.hosting import Code, OutsideRun, Registry, compose, load_registry, plain
+from arena_core.commands import one_line, print_notice
+from arena_core.hosting import Code, OutsideRun, Registry, compose, load_registry, to_plain
 from arena_core.scenes import free_area
 from arena_ros.bags.clocks import Clocks, clocks
 from arena_ros.bags.gathered import Gathered
@@ -77,14 +77,14 @@ def _import(bags: Sequence[Bag], paths: Sequence[Path], folder: Path, request: R
     exported = config is not None
     if config is None:
         for line in found.guesses:
-            tell(line)
+            print_notice(line)
         config = _config(request)
     robot = registry.build("robot", config["robot"])
     grid = _site(registry, config, request)
     watcher = _watcher(registry, config, robot, grid, found) if tracked else None
     times = Clocks(None, ("", ""), {}, [True] * len(bags)) if exported else clocks(bags, found)
     for line in times.lines:
-        tell(line)
+        print_notice(line)
     gatherer = Gatherer(found, times, robot.footprint, robot.lidar.mount, request.scans, watcher, request.map_frame)
     with OutsideRun(folder, config, registry, Code("", {}), _notes(paths, found)) as run:
         for record in _records(gatherer, bags, request, robot, config, run, grid):
@@ -122,9 +122,9 @@ def _measured(
     columns = _columns(config) | ({"pedestrian_model": "tracked"} if request.tracker else {})
     record = measured(part, robot, request.reading, number, columns, world)
     if part.goal is None:
-        tell("no goal was recorded: where the robot was at the end counts as its goal")
+        print_notice("no goal was recorded: where the robot was at the end counts as its goal")
     if part.truth != "reference":
-        tell(f"no reference pose was recorded: what counts as true is {_TRUTH[part.truth]}")
+        print_notice(f"no reference pose was recorded: what counts as true is {_TRUTH[part.truth]}")
     _tell_unknown(record)
     return EpisodeRecord(record.arrays, {**record.meta, "config": dict(config)})
 
@@ -146,7 +146,7 @@ def _site(registry: Registry, config: Mapping[str, Any], request: Request) -> Oc
 def _is_export(found: Cast) -> bool:
     """Tell, and say, that a recording in which people are to be looked for is an export of ours."""
     if "episode" in found.by_role:
-        tell("people=tracker is left out: an export of ours has its people itself")
+        print_notice("people=tracker is left out: an export of ours has its people itself")
     return "episode" in found.by_role
 
 
@@ -154,7 +154,7 @@ def _watcher(registry: Registry, config: Mapping[str, Any], robot: Any, grid: Oc
     """Return what sees people in scans; raise ConfigurationError where there are none to look at."""
     if "scan" not in found.by_role:
         raise ConfigurationError("people is tracker, but no scan was recorded; allowed: a topic, or none")
-    tell("people are those whom our tracker saw in the scans: who stands long, or is hidden, is not among them")
+    print_notice("people are those whom our tracker saw in the scans: who stands long, or is hidden, is not among them")
     return Watcher(registry.build("tracker", config["tracker"], robot=robot), grid)
 
 
@@ -166,7 +166,7 @@ def _import_legacy(paths: Sequence[Path], folder: Path, request: Request) -> Seq
     robot, grid = registry.build("robot", config["robot"]), _site(registry, config, request)
     files = [LegacyFile(path) for path in paths]
     if request.goal is None:
-        tell("no goal was recorded: where the robot was at the end counts as its goal (goal=X,Y says it)")
+        print_notice("no goal was recorded: where the robot was at the end counts as its goal (goal=X,Y says it)")
     with OutsideRun(folder, config, registry, Code("", {}), [f"imported from {', '.join(path.name for path in paths)}"]) as run:
         world = _world(config, run, grid)
         for episode in (each for file in files for each in file.episodes()):
@@ -176,7 +176,7 @@ def _import_legacy(paths: Sequence[Path], folder: Path, request: Request) -> Seq
             run.add(EpisodeRecord(record.arrays, {**record.meta, "config": dict(config)}))
     for file in files:
         if file.left_out:
-            tell(f"{file.path}: {file.left_out} rows are no numbers or do not go on in time; left out")
+            print_notice(f"{file.path}: {file.left_out} rows are no numbers or do not go on in time; left out")
     if not run.rows:
         raise InputFileError(f"{paths[0]}: holds no episode; allowed: a file with two rows of one at least")
     return run.rows
@@ -190,7 +190,7 @@ def _world(config: Mapping[str, Any], run: OutsideRun, grid: OccupancyGrid | Non
 def _tell_unknown(record: EpisodeRecord) -> None:
     for reason in sorted(set(record.meta["unknown"].values())):
         arrays = [name for name, why in record.meta["unknown"].items() if why == reason]
-        tell(f"metrics of {', '.join(arrays)} stay empty: {reason}")
+        print_notice(f"metrics of {', '.join(arrays)} stay empty: {reason}")
 
 
 _TRUTH = {"estimated": "the robot's own estimate", "odometry": "its odometry, which drifts"}
@@ -216,7 +216,7 @@ def _config_of_export(bags: Sequence[Bag], found: Cast) -> dict[str, Any] | None
                 own = json.loads(codec(channel.ros).decode(content, channel.type).data)["meta"]["config"]
             except (BadMessage, ValueError, KeyError, TypeError):
                 return None
-            usual = plain(compose(()))
+            usual = to_plain(compose(()))
             return {**usual, **own} if isinstance(own, dict) and "robot" in own else None
     return None
 
@@ -225,9 +225,9 @@ def _config(request: Request) -> dict[str, Any]:
     """Return the configuration of the run: the robot's, the map's, and names for the rest."""
     name = request.robot or ROBOT
     if request.robot is None:
-        tell(f"no robot is said: footprint and limits are those of {ROBOT} (robot=NAME says another)")
+        print_notice(f"no robot is said: footprint and limits are those of {ROBOT} (robot=NAME says another)")
     world = ["world=ros_map", f"world.path={request.map}"] if request.map is not None else []
-    config = plain(compose([f"robot={name}", *world]))
+    config = to_plain(compose([f"robot={name}", *world]))
     config["planner"], config["simulator"] = {"name": request.planner}, {"name": "real"}
     config["localizer"], config["pedestrians"], config["task"] = ({"name": "recorded"} for _ in range(3))
     if request.map is None:
@@ -251,9 +251,9 @@ def _notes(paths: Sequence[Path], found: Cast) -> list[str]:
 def _tell(gatherer: Gatherer, bags: Sequence[Bag]) -> None:
     for bag in bags:
         if bag.cut:
-            tell(f"{bag.name}: {bag.cut}; what came before is kept")
+            print_notice(f"{bag.name}: {bag.cut}; what came before is kept")
     for line, count in gatherer.notes.items():
-        tell(line + (f" ({count} times)" if count > 1 else ""))
+        print_notice(line + (f" ({count} times)" if count > 1 else ""))
 
 
 def reading_of(period: float, goal_radius: float, time_limit: float, person_radius: float, without: str) -> Reading:

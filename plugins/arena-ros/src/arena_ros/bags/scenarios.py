@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import ConfigurationError, EpisodeRecord
-from arena_core.commands import tell
+from arena_core.commands import print_notice
 from arena_core.files import write_text_whole
 from arena_core.records import read_record, record_paths
 from arena_ros.bags.importing import Request, import_bags
@@ -36,7 +36,7 @@ def scenario_from(paths: Sequence[Path], target: Path, request: Request) -> int:
     target.parent.mkdir(parents=True, exist_ok=True)
     write_text_whole(target, json.dumps({**content, "scenarios": problems}, indent=2) + "\n")
     if all(record.meta.get("truth") == "odometry" for record in records):
-        tell("start and goal are in the frame of the odometry, which has no map: no pose in map was recorded")
+        print_notice("start and goal are in the frame of the odometry, which has no map: no pose in map was recorded")
     return len(problems)
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from arena_core import ConfigurationError
 from arena_core.commands import read_words
-from arena_core.hosting import OutsideRun, build_benchmark, compose, load_registry, plain
+from arena_core.hosting import OutsideRun, build_benchmark, compose, load_registry, to_plain
 from arena_core.parameters import Count, Positive
 from arena_ros.live.settings import Settings, settings
 from arena_ros.places import pose_of
@@ -43,7 +43,7 @@ def drive(usage: str, arguments: Sequence[str]) -> int:
     benchmark = build_benchmark(config, registry)
     if benchmark.recording.live:
         raise ConfigurationError("recording.live is true; allowed with arena ros drive: false, topics show a drive as it goes")
-    world = registry.build("world", plain(config)["world"]).world(0, 0)
+    world = registry.build("world", to_plain(config)["world"]).world(0, 0)
     folder = Path(words.value("out", str, f"outputs/{datetime.now():%Y-%m-%d/%H-%M-%S-%f}"))
     topics = Topics(words.value("scan", str, "/scan"), words.value("odometry", str, "/odom"), pose)
     target = words.value("cmd_vel", str, "/cmd_vel")

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from arena_core import Candidate, Observation, Pedestrians, Planner, Pose, Scenario, Sensors, Twist, World
-from arena_core.commands import described, tell
+from arena_core.commands import describe_error, print_notice
 from arena_core.hosting import Benchmark, Decision, Mission, NavigatorSpent, OutsideRun
 from arena_core.records import Event, Recorder, WorldState
 from arena_core.scenes import free_area
@@ -138,7 +138,9 @@ class Driver:
             return start
         if self._estimate is not None:
             return self._estimate
-        tell("where the robot stands is not known: waiting for /initialpose (start=X,Y,THETA says it, pose=/tf takes it from elsewhere)")
+        print_notice(
+            "where the robot stands is not known: waiting for /initialpose (start=X,Y,THETA says it, pose=/tf takes it from elsewhere)"
+        )
         while not is_over():
             if (message := self._starts.newest()) is not None:
                 return to.pose_of(message.pose.pose)
@@ -186,7 +188,7 @@ class Driver:
                 considered = self._navigator.considered(decision) if recorder.keeps_considered else None
             except (Exception, KeyboardInterrupt) as broken:  # whatever a planner raises, or a second Ctrl-C: the robot stands first
                 self._publish(self._governor.stop())
-                error = described(broken)
+                error = describe_error(broken)
                 break
             decision = self._act(decision, time.monotonic() - begin - stamp, stamp)
             state = self._state(sensors, decision)
@@ -224,7 +226,7 @@ class Driver:
             sent = self._governor.stop()
             event = Event(stamp, "safety_stop", f"a control step took {took:.2f} s")
             decision = replace(decision, events=(*decision.events, event))
-            tell("control steps take longer than they may: the robot stops for each of them")
+            print_notice("control steps take longer than they may: the robot stops for each of them")
         else:
             sent = self._governor.limited(decision.command)
         if not decision.arrived:
@@ -249,7 +251,7 @@ class Driver:
         newly = not any(event.kind == "safety_stop" for event in decision.events)
         events = (Event(stamp, "safety_stop", fault),) if newly else (Event(stamp, "safety_stop", "still"),)
         if newly:
-            tell(f"stopped: {fault}")
+            print_notice(f"stopped: {fault}")
         decision = replace(decision, command=STAND, planned=None, events=events, spent=NavigatorSpent(0.0, 0.0, 0.0))
         recorder.sense(state, sensors)
         recorder.add(decision)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from arena_core import ConfigurationError, Pose
-from arena_core.commands import tell
+from arena_core.commands import print_notice
 from arena_ros import conversions as to
 from arena_ros.codec import codec
 from arena_ros.live.actions import ActionServer, State
@@ -41,7 +41,7 @@ class Goals:
             return None
         goal, fault = _place(message)
         if fault:
-            tell(fault)
+            print_notice(fault)
         elif self._server is not None:
             self._server.accept(None)
         return goal
@@ -83,7 +83,7 @@ def served_action(transport: Transport, said: str | None) -> str | None:
         return None
     name = action_name(transport, said or MOVE_BASE)
     if others := transport.rivals(f"{name}/status"):
-        tell(f"{others[0]} serves {name} already: goals come from {GOAL_TOPICS[1]} alone")
+        print_notice(f"{others[0]} serves {name} already: goals come from {GOAL_TOPICS[1]} alone")
         return None
     return name
 

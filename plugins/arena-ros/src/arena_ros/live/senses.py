@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from arena_core import ArenaError, Odometry, Pose, Robot, Sensors
-from arena_core.commands import tell
+from arena_core.commands import print_notice
 from arena_ros import conversions as of
 from arena_ros.codec import BadMessage, codec, stamp_of
 from arena_ros.frames import BASES, Mount, mounted
@@ -112,7 +112,7 @@ class Senses:
                 return
             correction = found[-1]
         elif (frame := message.header.frame_id.lstrip("/")) not in ("map", ""):  # type: ignore[attr-defined]
-            tell(f"{self._topics.pose} is in the frame {frame} and does not count; allowed: map")
+            print_notice(f"{self._topics.pose} is in the frame {frame} and does not count; allowed: map")
             return
         else:
             inner = message.pose  # type: ignore[attr-defined]
@@ -135,7 +135,7 @@ class Senses:
             self._mounts[frame] = found
             if found.flipped or np.abs(found.pose.array() - own.pose.array()).max() > MOVED:
                 where = "{:.3f}, {:.3f}, {:.3f}".format(*found.pose.array()) + (", upside down" if found.flipped else "")
-                tell(f"/tf_static has {frame} at {where}: this counts, not lidar.mount of the robot")
+                print_notice(f"/tf_static has {frame} at {where}: this counts, not lidar.mount of the robot")
         return self._mounts[frame]
 
     @property

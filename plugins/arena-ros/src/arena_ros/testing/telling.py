@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from arena_core import EpisodeRecord, Pose, Twist
-from arena_core.commands import tell
+from arena_core.commands import print_notice
 from arena_core.records import read_record, record_paths
 from arena_ros import conversions as to
 from arena_ros.bags.exporting import writer
@@ -130,7 +130,7 @@ def written(
 
 def imported(bag: Path, out: Path, *words: str) -> list[EpisodeRecord]:
     """Return the episodes of a recording."""
-    tell.cache_clear()
+    print_notice.cache_clear()
     assert RosCommand().run(["import", str(bag), f"--out={out}", "robot=turtlebot3", *words]) == 0
     return [read_record(path) for path in sorted(record_paths(out))]
 

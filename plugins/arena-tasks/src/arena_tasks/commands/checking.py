@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import ClassVar
 
-from arena_core.commands import Command, aligned, read_words
+from arena_core.commands import Command, align_columns, read_words
 from arena_tasks.scenario_files.problem import PersonDefaults, noted
 from arena_tasks.scenario_files.scenario_file import read_scenario_file
 from arena_tasks.scenario_files.site import KINDS, Site, composed
@@ -33,7 +33,7 @@ class CheckCommand(Command):
         site = Site(path, node)
         findings = [(problem.name, site.reason_against(problem)) for problem in file.problems]
         impossible = [reason for _, reason in findings if reason]
-        print("\n".join(aligned([(name, "impossible" if reason else "possible", reason) for name, reason in findings])))
+        print("\n".join(align_columns([(name, "impossible" if reason else "possible", reason) for name, reason in findings])))
         if notes := noted(file.problems):
             print(f"read otherwise: {notes}")
         print(f"{path}: {len(findings) - len(impossible)} of {len(findings)} problems possible in {site.world.name} for {site.robot.name}")

@@ -11,7 +11,7 @@ from typing import Any
 import yaml
 
 from arena_core import ArenaError, InputFileError
-from arena_core.commands import aligned
+from arena_core.commands import align_columns
 from arena_core.files import local_path
 from arena_core.hosting import Registry
 from arena_tasks.commands.packing import ANYBODY
@@ -25,7 +25,7 @@ HEAD = ("scenario", "problems", "distance", "people", "world", "hash", "what it 
 def table(options: Mapping[str, Traversable], registry: Registry) -> list[str]:
     """Return aligned lines, a head first."""
     reader = _Reader(registry)
-    return aligned([HEAD, *(reader.row(name, option) for name, option in options.items())])
+    return align_columns([HEAD, *(reader.row(name, option) for name, option in options.items())])
 
 
 class _Reader:

@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from arena_core import ConfigurationError, PedestrianSpec
-from arena_core.commands import Command, aligned
+from arena_core.commands import Command, align_columns
 from arena_tasks.commands.packing import ANYBODY
 from arena_tasks.scenario_files.problem import Problem, noted
 from arena_tasks.scenario_files.scenario_file import ScenarioFile, read_scenario_file
@@ -42,7 +42,7 @@ def described(path: Path, file: ScenarioFile) -> list[str]:
     people = [(problem.name, *_person(person)) for problem in file.problems for person in problem.pedestrians]
     tables = [[PROBLEMS, *map(_problem, file.problems)], *([[PEOPLE, *people]] if people else [])]
     notes = noted(file.problems)
-    return head + [line for table in tables for line in ("", *aligned(table))] + (["", f"read otherwise: {notes}"] if notes else [])
+    return head + [line for table in tables for line in ("", *align_columns(table))] + (["", f"read otherwise: {notes}"] if notes else [])
 
 
 def _problem(problem: Problem) -> tuple[str, ...]:

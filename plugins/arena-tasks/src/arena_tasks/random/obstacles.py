@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import ImpossibleScenario, Obstacle
-from arena_core.scenes import with_obstacles
+from arena_core.scenes import add_obstacles
 from arena_tasks.random.free_space import FreeSpace
 from arena_tasks.random.trip import Placement, Trip
 from arena_tasks.random_parameters import ObstacleParameters
@@ -90,4 +90,4 @@ def _led_round(
     """Return the trip among obstacles, of which the last one is new in ``circle``; None where it leaves no way."""
     if (np.hypot(*(trip.route_xy - circle[:2]).T) - circle[2] >= rules.passage + space.grid.resolution).all():
         return trip
-    return trip.rerouted(with_obstacles(space.grid, obstacles), rules.passage)
+    return trip.rerouted(add_obstacles(space.grid, obstacles), rules.passage)

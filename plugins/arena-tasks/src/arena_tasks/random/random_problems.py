@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from arena_core import ImpossibleScenario, Obstacle, PedestrianSpec, Scenario, World, WorldSource, generator
-from arena_core.scenes import furnished, with_obstacles
+from arena_core import ImpossibleScenario, Obstacle, PedestrianSpec, Scenario, World, WorldSource, random_generator
+from arena_core.scenes import add_furniture, add_obstacles
 from arena_tasks.random.free_space import FreeSpace
 from arena_tasks.random.manners import with_manners
 from arena_tasks.random.obstacles import ObstacleRules, draw_obstacles
@@ -32,16 +32,16 @@ class RandomProblems:
         return Scenario(name, seed, world, trip.start, trip.goal, people, obstacles, self.goal_radius, self.time_limit)
 
     def _draw(self, name: str, seed: int, world: World) -> tuple[Trip, tuple[Obstacle, ...], tuple[PedestrianSpec, ...]]:
-        random, aside = generator(seed, name, "task"), generator(seed, name, "obstacles")  # obstacles shift nobody's numbers
-        standing = furnished(world)
+        random, aside = random_generator(seed, name, "task"), random_generator(seed, name, "obstacles")  # obstacles shift nobody's numbers
+        standing = add_furniture(world)
         space = standing.derive(FreeSpace)
         for left in reversed(range(self.tries)):
             try:
                 trip = draw_trip(space, self.trip, random, self.tries)
                 obstacles, onward = draw_obstacles(space, trip, self.obstacles, aside)
-                among = with_obstacles(standing, obstacles).derive(FreeSpace)
+                among = add_obstacles(standing, obstacles).derive(FreeSpace)
                 people = draw_walkers(among, onward, self.walkers, random)
-                return trip, obstacles, with_manners(people, self.walkers.people, generator(seed, name, "manners"))
+                return trip, obstacles, with_manners(people, self.walkers.people, random_generator(seed, name, "manners"))
             except ImpossibleScenario as error:
                 if left == 0:
                     raise ImpossibleScenario(f"{name} in world {world.name}: {error}") from None

@@ -7,10 +7,10 @@ from itertools import accumulate
 from pathlib import Path
 
 from arena_core import ConfigurationError, ImpossibleScenario, Robot, Scenario, TaskMode, World, WorldSource
-from arena_core.commands import tell
+from arena_core.commands import print_notice
 from arena_core.files import local_path
 from arena_core.parameters import Positive
-from arena_core.scenes import furnished
+from arena_core.scenes import add_furniture
 from arena_tasks.scenario_files.content import content_hash
 from arena_tasks.scenario_files.feasibility import Feasibility
 from arena_tasks.scenario_files.pack import checked_pack, hash_of
@@ -59,7 +59,7 @@ class ScenarioTask(TaskMode):
         number, repetition = self._place(index)
         problem, world = self._checks[number].problem, self._world.world(seed, index)
         world = problem.placed_in(world)
-        furnished(world).derive(self._checks[number])
+        add_furniture(world).derive(self._checks[number])
         return Scenario(
             name=f"{problem.name}/{repetition:04d}",
             seed=seed,
@@ -85,7 +85,7 @@ def _read(file: Path, defaults: PersonDefaults) -> tuple[Problem, ...]:
     """Read the problems of a file and tell what of it was not taken as written."""
     problems = read_scenarios(file, defaults)
     if notes := noted(problems):
-        tell(f"{file}: {notes}")
+        print_notice(f"{file}: {notes}")
     return problems
 
 
@@ -97,14 +97,14 @@ def possible_ones(checks: list[Feasibility], world: World) -> list[Feasibility]:
         raise next(reason for reason in reasons if reason is not None)
     for check, reason in zip(checks, reasons, strict=True):
         if reason is not None:
-            tell(f"{check.problem.name} is skipped, for it is impossible: {reason}")
+            print_notice(f"{check.problem.name} is skipped, for it is impossible: {reason}")
     return possible
 
 
 def reason_against(check: Feasibility, world: World) -> ImpossibleScenario | None:
     """Return why a problem is impossible in a world, None where it is not."""
     try:
-        furnished(check.problem.placed_in(world)).derive(check)
+        add_furniture(check.problem.placed_in(world)).derive(check)
     except ImpossibleScenario as error:
         return error
     return None

@@ -11,8 +11,8 @@ import numpy as np
 
 from arena_core import ArenaError, ConfigurationError, PedestrianModel, PedestrianSpec, Robot, Scenario, World
 from arena_core.files import option_files
-from arena_core.hosting import compose, load_registry, plain
-from arena_core.scenes import furnished
+from arena_core.hosting import compose, load_registry, to_plain
+from arena_core.scenes import add_furniture
 from arena_tasks.scenario_files.feasibility import Feasibility, Finding
 from arena_tasks.scenario_files.problem import Problem
 
@@ -39,7 +39,7 @@ class Site:
         """Yield all that keeps a problem from being run here: first what lies wrong, then what the model of people refuses."""
         check = Feasibility(self._path, problem, self.robot, problem.goal_radius or self.goal_radius)
         misplaced = set[str]()
-        for finding in check.findings(furnished(problem.placed_in(self.world))):
+        for finding in check.findings(add_furniture(problem.placed_in(self.world))):
             misplaced.add(finding.key)
             yield finding
         people = [pair for pair in zip(problem.keys.people, problem.pedestrians, strict=True) if pair[0] not in misplaced]
@@ -75,7 +75,7 @@ def composed(path: Path, overrides: Sequence[str]) -> dict[str, Any]:
     """Return the components of a run of the file, in the map that it names unless a world is given; raise ConfigurationError."""
     quoted = "'" + str(path).replace("\\", "\\\\").replace("'", "\\'") + "'"
     usual = [f"{kind}={name}" for kind, name in USUAL.items() if not any(word.startswith(f"{kind}=") for word in overrides)]
-    node = plain(compose([*usual, "task=scenario", f"task.path={quoted}", *overrides], "component"))
+    node = to_plain(compose([*usual, "task=scenario", f"task.path={quoted}", *overrides], "component"))
     if "robot" not in node:  # which is optional in a configuration of single components
         allowed = ", ".join(option_files("robot", load_registry().manager))
         raise ConfigurationError(f"{next(word for word in overrides if word.startswith('robot='))}; allowed: {allowed}")

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import ClassVar
 
-from arena_core.commands import Command, aligned, read_words
+from arena_core.commands import Command, align_columns, read_words
 from arena_core.parameters import Positive
 from arena_worlds.commands.convert import DEFAULTS
 from arena_worlds.commands.measures import Measures, measures_of
@@ -33,4 +33,4 @@ class MeasureCommand(Command):
 def table(measures: Measures) -> str:
     """Return the measures as aligned text."""
     rows = [(name, f"{value:.3g}" if value < 100 else f"{value:.0f}", unit, text) for name, value, unit, text in measures.rows()]
-    return "\n".join(aligned(rows, right=[1]))
+    return "\n".join(align_columns(rows, right=[1]))

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from arena_core import InputFileError
-from arena_core.commands import tell
+from arena_core.commands import print_notice
 from arena_worlds.formats.map_yaml import quoted, read_mapping
 
 ENDING = ".world.yaml"
@@ -25,7 +25,7 @@ def map_yamls_of(path: Path) -> list[Path]:
         return [path]
     keys = read_mapping(path, ALLOWED)
     if keys.get("models"):
-        tell(f"{path}: models are not read, only layers; models belong into the scenario, as obstacles")
+        print_notice(f"{path}: models are not read, only layers; models belong into the scenario, as obstacles")
     return [path.parent / name for name in dict.fromkeys(_maps(path, keys.get("layers")))]
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from arena_core import FREE, OCCUPIED, ConfigurationError, OccupancyGrid, Pose
 from arena_core.files import LIMITS
-from arena_core.scenes import Scene, raised, wall_boxes
+from arena_core.scenes import Scene, raise_footprints, wall_boxes
 
 UPRIGHT = 0.01  # rad of roll or pitch, as solvers leave them; the top of a wall 2 m high is 2 cm off then, less than half a cell
 EDGE = 1e-6  # cells; a box's side that lies this close to a cell's centre counts as beyond it
@@ -32,7 +32,7 @@ class Solids:
 
     def raised(self, height: float) -> Scene:
         """Return the solids as they stand, all ``height`` m high."""
-        return Scene(self.origin, self.size, raised(self.boxes, height), raised(self.cylinders, height))
+        return Scene(self.origin, self.size, raise_footprints(self.boxes, height), raise_footprints(self.cylinders, height))
 
 
 @dataclass(frozen=True, slots=True)

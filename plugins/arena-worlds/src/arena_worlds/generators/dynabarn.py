@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from arena_core import ConfigurationError, InputFileError, PedestrianSpec, Pose, World, WorldSource, generator
+from arena_core import ConfigurationError, InputFileError, PedestrianSpec, Pose, World, WorldSource, random_generator
 from arena_core.files import LIMITS, is_file, read_bytes
 from arena_core.parameters import NonNegative, NonNegativeInt, Positive, PositiveInt
 from arena_worlds.formats.animation import Animation, read_animation
@@ -143,7 +143,7 @@ def _check_levels(levels: list[tuple[str, Level]]) -> None:
 @lru_cache(maxsize=256)
 def _drawn(draw: int, number: int, name: str, level: Level, radius: float, square: Square) -> MovingField:
     """Return world ``number`` of a set, which depends on nothing but its level's parameters, the set and the number."""
-    random = generator(draw, f"dynabarn/world_{number}", "world")
+    random = random_generator(draw, f"dynabarn/world_{number}", "world")
     count = int(random.integers(level.obstacles_min, level.obstacles_max + 1))
     movers = tuple(Mover(f"{name}obs_{number}_{k}", radius, draw_animation(random, level, square)) for k in range(count))
     x, y, length, width = np.array(WALLS).T

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from arena_core import ConfigurationError, Furniture, ImpossibleScenario, OccupancyGrid, Pose, World, WorldSource, generator
+from arena_core import ConfigurationError, Furniture, ImpossibleScenario, OccupancyGrid, Pose, World, WorldSource, random_generator
 from arena_core.parameters import NonNegative, NonNegativeInt, Samples
-from arena_core.scenes import FurnitureKind, outlines, with_obstacles
+from arena_core.scenes import FurnitureKind, add_obstacles, furniture_outlines
 from arena_worlds.generators.generated import Count
 from arena_worlds.reachable import places
 
@@ -68,7 +68,7 @@ class _Drawn:
     name: str
 
     def __call__(self, grid: OccupancyGrid) -> tuple[Furniture, ...]:
-        random = generator(self.seed, f"world/{self.number}", "furniture")
+        random = random_generator(self.seed, f"world/{self.number}", "furniture")
         shares = np.array([share for _, _, share in self.pieces])
         chosen = random.choice(len(shares), self.count, p=shares / shares.sum()).tolist()
         standing: tuple[Furniture, ...] = ()
@@ -87,8 +87,8 @@ class _Drawn:
         for _ in range(self.tries if len(cells) else 0):
             x, y = grid.positions(cells[random.integers(len(cells))]).tolist()
             placed = replace(piece, pose=Pose(x, y, grid.origin.theta + 0.5 * np.pi * int(random.integers(QUARTERS))))
-            shapes = outlines((placed,), 0.0, OVERHEAD)
-            covered = with_obstacles(bare, shapes).occupied
+            shapes = furniture_outlines((placed,), 0.0, OVERHEAD)
+            covered = add_obstacles(bare, shapes).occupied
             inside = all(grid.contains(grid.cells(shape.vertices_xy)).all() for shape in shapes)
             if inside and not (covered & ~free).any() and not _parted(parts, self._parts(free & ~covered, grid)):
                 return placed, covered

@@ -9,7 +9,7 @@ from typing import Annotated, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_core import FREE, OCCUPIED, ConfigurationError, OccupancyGrid, World, WorldSource, generator
+from arena_core import FREE, OCCUPIED, ConfigurationError, OccupancyGrid, World, WorldSource, random_generator
 from arena_core.parameters import Bounds, Fraction, NonNegative, NonNegativeInt, Positive, PositiveInt
 from arena_worlds.generators.canvas import Canvas
 from arena_worlds.generators.likeness import Likeness
@@ -96,7 +96,7 @@ class Generated(WorldSource):
 
 @lru_cache(maxsize=32)
 def _drawn(source: Generated, seed: int, number: int) -> OccupancyGrid:
-    random = generator(seed, f"world/{number}", "world")
+    random = random_generator(seed, f"world/{number}", "world")
     for _ in range(source.draws - 1):
         try:
             return _grid(source, random)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from arena_core import ConfigurationError, World, WorldSource, generator
+from arena_core import ConfigurationError, World, WorldSource, random_generator
 from arena_core.parameters import NonNegativeInt
 
 
@@ -21,7 +21,7 @@ class MixedWorlds(WorldSource):
     def world(self, seed: int, index: int) -> World:
         """Return the world of this seed and scenario, under its member's name."""
         number = index // self._regenerate if self._regenerate else 0
-        chosen = int(generator(seed, f"world/{number}", "mixed").integers(len(self._members)))
+        chosen = int(random_generator(seed, f"world/{number}", "mixed").integers(len(self._members)))
         return replace(self._members[chosen].world(seed, number), known=self._known)
 
     def at(self, difficulty: float) -> WorldSource:

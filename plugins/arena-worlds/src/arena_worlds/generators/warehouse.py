@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from arena_core import ConfigurationError, OccupancyGrid, World, WorldSource, generator
+from arena_core import ConfigurationError, OccupancyGrid, World, WorldSource, random_generator
 from arena_core.parameters import NonNegative, NonNegativeInt, Positive
 from arena_worlds.generators.canvas import Canvas
 
@@ -85,7 +85,7 @@ def _hall(plan: Plan) -> OccupancyGrid:
         for x in _places(plan.width, plan.rack_depth, plan.aisle_width)
         for y in _places(plan.height, plan.rack_length, plan.aisle_width)
     ]
-    random = generator(0, "warehouse", "layout")  # one layout for all seeds: results stay comparable
+    random = random_generator(0, "warehouse", "layout")  # one layout for all seeds: results stay comparable
     left_out = set(random.permutation(len(corners))[: plan.open_places].tolist())
     for k, (x, y) in enumerate(corners):
         if k not in left_out:

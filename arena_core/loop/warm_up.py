@@ -17,7 +17,7 @@ STRIDE = 0.3  # m from step to step: a filter that waits for the robot to move u
 STEPS = 3
 
 
-def rehearse(navigator: Navigator, known: bool) -> None:
+def warm_up(navigator: Navigator, known: bool) -> None:
     """Let a navigator go a few steps across an empty room; a planner that does not compile is not asked.
 
     Raises what its parts raise. The next ``reset`` forgets all but compiled code, as it does after an episode.
@@ -25,7 +25,7 @@ def rehearse(navigator: Navigator, known: bool) -> None:
     mission = Mission(walled_room() if known else None, Pose(-2.0, 0.0), Pose(2.0, 0.0), 0.3, 0, "rehearsal")
     navigator.reset(mission)
     for step in range(STEPS):
-        sensors = _sensors(navigator, step)
+        sensors = _sample_sensors(navigator, step)
         if navigator.planner.compiles:
             navigator.decide(sensors)
         else:
@@ -40,7 +40,7 @@ def walled_room(side: float = SIDE, resolution: float = RESOLUTION) -> Occupancy
     return OccupancyGrid(data, resolution, Pose(-side / 2, -side / 2, 0.0))
 
 
-def _sensors(navigator: Navigator, step: int) -> Sensors:
+def _sample_sensors(navigator: Navigator, step: int) -> Sensors:
     """Return what the sensors would show of the room, but for a wall of the same distance all round."""
     lidar, stamp = navigator.robot.lidar, step * navigator.control_period
     away = min(0.5 * lidar.range_max, 0.4 * SIDE)

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from arena_core import NO_TRACKS, DepthImage, OccupancyGrid, Pose, PoseEstimate
-from arena_core.base.frozen import frozen, is_sealed
-from arena_core.hosting import build_benchmark, compose, load_registry, plain
-from arena_core.loop.shown import shown, shown_map
+from arena_core.base.frozen import freeze_array, is_sealed
+from arena_core.hosting import build_benchmark, compose, load_registry, to_plain
+from arena_core.loop.observing import make_observation, shown_map
 from arena_core.records import read_record
 from arena_core.testing import boxes_costmap, robot, sensors, straight_path
 
@@ -54,7 +54,7 @@ def tamper(observation):
 
 
 def record_of(folder, meddle):
-    config = plain(compose(QUICK))
+    config = to_plain(compose(QUICK))
     run = build_benchmark({**config, "choices": {}}, load_registry())
     planner, seen = run.navigator.planner, []
     compute = planner.compute_velocity
@@ -81,7 +81,7 @@ def test_a_planner_that_writes_to_all_it_sees_changes_neither_the_drive_nor_its_
 
 
 def test_a_planner_has_a_robot_and_a_map_of_its_own(tmp_path):
-    run = build_benchmark({**plain(compose(QUICK)), "choices": {}}, load_registry())
+    run = build_benchmark({**to_plain(compose(QUICK)), "choices": {}}, load_registry())
     starts = []
     run.navigator.planner.reset = starts.append
     run.run(0, tmp_path)
@@ -96,11 +96,11 @@ def test_a_planner_has_a_robot_and_a_map_of_its_own(tmp_path):
 
 @pytest.mark.parametrize("array", [np.arange(6.0).reshape(2, 3), np.zeros((0, 3)), np.arange(4, dtype=np.int32)[::2], np.array(True)])
 def test_a_frozen_array_has_the_same_values_and_nothing_leads_to_memory_that_can_be_written(array):
-    copy = frozen(array)
+    copy = freeze_array(array)
     assert np.array_equal(copy, array)
     assert (copy.dtype, copy.shape) == (array.dtype, array.shape)
     assert isinstance(copy.base, bytes)
-    assert frozen(copy) is copy
+    assert freeze_array(copy) is copy
     with pytest.raises(ValueError, match="cannot set WRITEABLE flag"):
         copy.flags.writeable = True
 
@@ -142,13 +142,13 @@ def test_planner_is_shown_a_depth_image_of_its_own():
     taken = DepthImage(0.0, np.ones((2, 3), np.float32), 3.0, Pose(0.1, 0.0), 0.2, 0.0, 0.3, 3.0)
     nothing = PoseEstimate(Pose(0.0, 0.0), np.zeros((3, 3))), Pose(1.0, 0.0), Pose(1.0, 0.0), straight_path(Pose(0.0, 0.0), Pose(1.0, 0.0))
     without, with_image = sensors(Pose(0.0, 0.0), robot()), dataclasses.replace(sensors(Pose(0.0, 0.0), robot()), depth=taken)
-    seen = shown(with_image, *nothing, None, boxes_costmap, lambda: NO_TRACKS).depth
+    seen = make_observation(with_image, *nothing, None, boxes_costmap, lambda: NO_TRACKS).depth
     assert seen is not taken
     assert seen.mount is not taken.mount
     assert seen.depths.tolist() == taken.depths.tolist()
     with pytest.raises(ValueError, match="read-only"):
         seen.depths[0, 0] = 0.0
-    assert shown(without, *nothing, None, boxes_costmap, lambda: NO_TRACKS).depth is None
+    assert make_observation(without, *nothing, None, boxes_costmap, lambda: NO_TRACKS).depth is None
 
 
 WRITE = """

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from arena_core.base.frozen import frozen
+from arena_core.base.frozen import freeze_array
 from arena_core.base.once import Once
 from arena_core.values.geometry import Pose, Twist
 from arena_core.values.sensing import DepthImage, LaserScan, Observation, PoseEstimate, Sensors, Tracks
 from arena_core.values.world import Costmap, OccupancyGrid, Path
 
 
-def shown(
+def make_observation(
     sensors: Sensors,
     estimate: PoseEstimate,
     goal: Pose,
@@ -27,16 +27,16 @@ def shown(
     return Observation(
         sensors.stamp,
         shown_pose(estimate.pose),
-        frozen(estimate.covariance),
+        freeze_array(estimate.covariance),
         Twist(twist.vx, twist.vy, twist.wz),
-        _scan(sensors.scan),
+        _freeze_scan(sensors.scan),
         shown_pose(goal),
         shown_pose(waypoint),
         path,
         grid,
-        Once(lambda: _costmap(local_map())),
-        Once(lambda: _tracks(tracks())),
-        None if sensors.depth is None else _depth(sensors.depth),
+        Once(lambda: _freeze_costmap(local_map())),
+        Once(lambda: _freeze_tracks(tracks())),
+        None if sensors.depth is None else _freeze_depth(sensors.depth),
     )
 
 
@@ -50,19 +50,19 @@ def shown_map(grid: OccupancyGrid) -> OccupancyGrid:
     return OccupancyGrid(grid.data, grid.resolution, shown_pose(grid.origin), grid.occupied_from)
 
 
-def _scan(scan: LaserScan) -> LaserScan:
+def _freeze_scan(scan: LaserScan) -> LaserScan:
     header = scan.stamp, scan.angle_min, scan.angle_increment, scan.range_min, scan.range_max
-    return LaserScan(*header, frozen(scan.ranges), shown_pose(scan.mount))
+    return LaserScan(*header, freeze_array(scan.ranges), shown_pose(scan.mount))
 
 
-def _depth(image: DepthImage) -> DepthImage:
-    return replace(image, depths=frozen(image.depths), mount=shown_pose(image.mount))
+def _freeze_depth(image: DepthImage) -> DepthImage:
+    return replace(image, depths=freeze_array(image.depths), mount=shown_pose(image.mount))
 
 
-def _costmap(window: Costmap) -> Costmap:
-    return Costmap(frozen(window.costs), frozen(window.distance), window.resolution, frozen(window.origin_xy))
+def _freeze_costmap(window: Costmap) -> Costmap:
+    return Costmap(freeze_array(window.costs), freeze_array(window.distance), window.resolution, freeze_array(window.origin_xy))
 
 
-def _tracks(tracks: Tracks) -> Tracks:
-    places = frozen(tracks.positions), frozen(tracks.velocities), frozen(tracks.radii)
-    return Tracks(frozen(tracks.ids), *places, frozen(tracks.covariances))
+def _freeze_tracks(tracks: Tracks) -> Tracks:
+    places = freeze_array(tracks.positions), freeze_array(tracks.velocities), freeze_array(tracks.radii)
+    return Tracks(freeze_array(tracks.ids), *places, freeze_array(tracks.covariances))
