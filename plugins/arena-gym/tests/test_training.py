@@ -303,7 +303,7 @@ def test_policy_begins_with_a_teacher_or_with_weights(here, capsys):
 
 def test_missing_torch_is_said_with_what_to_install(here, capsys, monkeypatch):
     found = util.find_spec
-    monkeypatch.setattr("arena_gym.train_command.find_spec", lambda name: None if name == "torch" else found(name))
+    monkeypatch.setattr("arena_core.base.optional.find_spec", lambda name: None if name == "torch" else found(name))
     assert "arena-gym[train]" in refused(WORDS, capsys)
 
 

@@ -133,7 +133,7 @@ def test_impossible_request_is_one_line(words, said, tmp_path, monkeypatch, caps
 
 
 def test_missing_torch_is_said_with_what_to_install(monkeypatch, capsys):
-    monkeypatch.setattr("arena_navrep.navrep_command.find_spec", lambda name: None)
+    monkeypatch.setattr("arena_core.base.optional.find_spec", lambda name: None)
     assert main(["navrep", "record"]) == 2
     assert "arena-navrep[train]" in capsys.readouterr().err
 
