@@ -1,4 +1,5 @@
 import os
+import signal
 import subprocess
 import sys
 
@@ -132,6 +133,15 @@ def test_a_component_that_ends_the_process_at_its_import_is_one_line(third_party
     assert (answer.status, answer.line) == (2, "arena: plugin going: command go cannot be imported (SystemExit: 5)")
 
 
+@pytest.fixture
+def ctrl_c():
+    """Let Ctrl-C be heard, though a shell that runs the tests in the background has it ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("ctrl_c")
 def test_ctrl_c_while_plugins_are_imported_is_one_line(third_party, arena):
     third_party.package("slow", "import os\nimport signal\nimport time\nos.kill(os.getpid(), signal.SIGINT)\ntime.sleep(0.2)\n")
     answer = arena("list")
