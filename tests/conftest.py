@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import os
 import re
+import signal
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -174,3 +175,11 @@ def misbehaving(third_party: ThirdParty, arena: Callable[..., Answer], monkeypat
         x, y, _ = read_record(Path(f"reference/records/{FAULTY:04d}.npz")).meta["scenario"]["goal"]
         _whole.append((Kept.of("reference"), f"{x:.6f} {y:.6f}"))
     return Misbehaving(arena, monkeypatch, *_whole[0])
+
+
+@pytest.fixture
+def ctrl_c() -> Iterator[None]:
+    """Let Ctrl-C be heard, though a shell that runs the tests in the background has it ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)

@@ -1,5 +1,4 @@
 import os
-import signal
 import subprocess
 import sys
 
@@ -131,14 +130,6 @@ def test_a_component_that_ends_the_process_at_its_import_is_one_line(third_party
     third_party.write("going/far.py", "import sys\nsys.exit(5)\n")
     answer = arena("go")
     assert (answer.status, answer.line) == (2, "arena: plugin going: command go cannot be imported (SystemExit: 5)")
-
-
-@pytest.fixture
-def ctrl_c():
-    """Let Ctrl-C be heard, though a shell that runs the tests in the background has it ignored."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
 
 
 @pytest.mark.usefixtures("ctrl_c")

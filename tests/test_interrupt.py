@@ -7,12 +7,7 @@ import pytest
 from arena_core.base.ctrl_c import interrupts
 from arena_core.cli import main
 
-
-@pytest.fixture(autouse=True)
-def as_in_a_terminal():
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
+pytestmark = pytest.mark.usefixtures("ctrl_c")
 
 
 def test_interrupt_is_raised_at_once_where_no_episode_runs():

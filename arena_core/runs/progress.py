@@ -19,8 +19,8 @@ COUNT_EVERY = 2.0  # s between two lines of a count
 Item = TypeVar("Item")
 
 
-def told(what: str, items: Sequence[Item]) -> Iterator[Item]:
-    """Yield the items; say on standard error which of several is at hand, ``composing job 17 of 36``: the first, then now and then."""
+def print_progress(what: str, items: Sequence[Item]) -> Iterator[Item]:
+    """Yield the items; print on standard error which of several is at hand, ``composing job 17 of 36``: the first, then every 2 s."""
     last = -COUNT_EVERY
     for number, item in enumerate(items, 1):
         if len(items) > 1 and monotonic() >= last + COUNT_EVERY:

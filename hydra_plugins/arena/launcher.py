@@ -31,14 +31,14 @@ class ArenaLauncher(Launcher):
     def launch(self, job_overrides: Sequence[Sequence[str]], initial_job_idx: int) -> Sequence[JobReturn]:
         """Run the batch, or show it; each job's return value is its objective, else the exit status of the whole batch."""
         from arena_core.cli.commands import Shown, make_request
-        from arena_core.runs.progress import told
+        from arena_core.runs.progress import print_progress
 
         setup_globals()
         if self.task.show:
             for i, overrides in enumerate(job_overrides):
                 self.task.show.show(initial_job_idx + i, overrides, self._composed(list(overrides), initial_job_idx + i))
             raise Shown
-        counted = enumerate(told("composing job", job_overrides), initial_job_idx)
+        counted = enumerate(print_progress("composing job", job_overrides), initial_job_idx)
         prepared = [self._prepare(list(overrides), number) for number, overrides in counted]
         values = self.task.run(
             [make_request(job.cfg, job.hydra_cfg) for job in prepared], Path(str(self.config.hydra.sweep.dir)).absolute()

@@ -41,10 +41,10 @@ class ArenaSweeper(Sweeper):
         return [self._launch(jobs[first : first + (size or len(jobs))], first) for first in range(0, len(jobs), size or len(jobs))]
 
     def _launch(self, batch: Sequence[Sequence[str]], first: int) -> Sequence[JobReturn]:
-        from arena_core.runs.progress import told
+        from arena_core.runs.progress import print_progress
 
         if not getattr(self.launcher, "composes_first", False):
-            for overrides in told("composing job", batch):
+            for overrides in print_progress("composing job", batch):
                 self.validate_batch_is_legal([overrides])
         answers: Sequence[JobReturn] = self.launcher.launch(batch, initial_job_idx=first)
         for answer in answers:
