@@ -10,7 +10,7 @@ from arena_core.hosting import Finished, Job
 from arena_core.runs import progress
 from arena_core.runs.code_digest import Code
 from arena_core.runs.pace import Pace
-from arena_core.runs.progress import COUNT_EVERY, LINE_EVERY, Progress, told
+from arena_core.runs.progress import COUNT_EVERY, LINE_EVERY, Progress, print_progress
 from arena_core.runs.schedule import OpenRun
 
 
@@ -42,10 +42,10 @@ def test_a_line_says_how_far_it_is_every_now_and_then(clock, capsys):
 
 
 def test_a_count_is_said_at_once_then_now_and_then_and_not_for_one(clock, capsys):
-    for item in told("composing job", "abcd"):
+    for item in print_progress("composing job", "abcd"):
         clock.append(clock[-1] + (COUNT_EVERY if item == "b" else 0.1))
     assert capsys.readouterr().err.splitlines() == ["arena: composing job 1 of 4", "arena: composing job 3 of 4"]
-    assert list(told("composing job", ["a"])) == ["a"]
+    assert list(print_progress("composing job", ["a"])) == ["a"]
     assert capsys.readouterr().err == ""
 
 
