@@ -26,7 +26,7 @@ def main(names: list[str]) -> int:
     for name in chosen:
         print(f"measuring {name} ...", file=sys.stderr)
         rows += importlib.import_module(f"bench_{name}").measure()
-    print(table(rows))
+    print(format_table(rows))
     target = HERE / "results" / "latest.json"
     target.parent.mkdir(exist_ok=True)
     target.write_text(json.dumps({"python": platform.python_version(), "machine": platform.machine(), "rows": rows}, indent=2) + "\n")
@@ -34,7 +34,7 @@ def main(names: list[str]) -> int:
     return 0
 
 
-def table(rows: list[dict[str, Any]]) -> str:
+def format_table(rows: list[dict[str, Any]]) -> str:
     """Return the rows as aligned text: what, our time, the peer's, the ratio, the goal."""
     cells = [("what", "ours", "peer", "peer's", "ratio", "goal")]
     for row in rows:

@@ -66,7 +66,7 @@ class Checkout:
             text=True,
         )
 
-    def do(self, unit: dict[str, Any]) -> dict[str, float]:
+    def run_unit(self, unit: dict[str, Any]) -> dict[str, float]:
         """Have a unit of work done and return what it took."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
@@ -84,21 +84,21 @@ class Checkout:
 
 
 @contextmanager
-def built(commit: str) -> Iterator[tuple[Path, str]]:
+def build_checkout(commit: str) -> Iterator[tuple[Path, str]]:
     """Check out a commit beside and set it up; a folder that holds such a checkout already is used as it is."""
     if Path(commit, ".venv").is_dir():
-        yield Path(commit).resolve(), _git(Path(commit), "rev-parse", "--short", "HEAD")
+        yield Path(commit).resolve(), _run_git(Path(commit), "rev-parse", "--short", "HEAD")
         return
     with tempfile.TemporaryDirectory() as parent:
         folder = Path(parent) / "before"
         subprocess.run(["git", "clone", "--quiet", HERE, folder], check=True)
-        _git(folder, "checkout", "--quiet", _git(HERE, "rev-parse", commit))
+        _run_git(folder, "checkout", "--quiet", _run_git(HERE, "rev-parse", commit))
         print(f"building {commit} ...", file=sys.stderr)
         subprocess.run(["make", "setup"], cwd=folder, check=True, stdout=subprocess.DEVNULL)
-        yield folder, _git(folder, "rev-parse", "--short", "HEAD")
+        yield folder, _run_git(folder, "rev-parse", "--short", "HEAD")
 
 
-def compare(name: str, before: Checkout, after: Checkout, rounds: int) -> dict[str, Any]:
+def compare_unit(name: str, before: Checkout, after: Checkout, rounds: int) -> dict[str, Any]:
     """Do the unit of this name in both checkouts in turn; return seconds a control step or command, and the ratio with its interval."""
     units: list[dict[str, Any]]
     if name in EPISODES:
@@ -106,20 +106,20 @@ def compare(name: str, before: Checkout, after: Checkout, rounds: int) -> dict[s
     else:
         units = [{"work": "command", "words": COMMANDS[name]} for _ in range(rounds)]
     for checkout in (before, after):  # compiles
-        checkout.do(units[0])
+        checkout.run_unit(units[0])
     took: dict[str, list[dict[str, float]]] = {"before": [], "after": []}
     for k, unit in enumerate(units):
         both = [("before", before), ("after", after)]
         for which, checkout in both if k % 2 else both[::-1]:
-            took[which].append(checkout.do(unit))
+            took[which].append(checkout.run_unit(unit))
     return {
         "name": name,
-        **_summary(took["before"], took["after"], "seconds"),
-        "planner": _summary(took["before"], took["after"], "planner"),
+        **_summarise_unit(took["before"], took["after"], "seconds"),
+        "planner": _summarise_unit(took["before"], took["after"], "planner"),
     }
 
 
-def _summary(before: Sequence[dict[str, float]], after: Sequence[dict[str, float]], what: str) -> dict[str, Any]:
+def _summarise_unit(before: Sequence[dict[str, float]], after: Sequence[dict[str, float]], what: str) -> dict[str, Any]:
     b, a = (np.array([(one[what], one["count"]) for one in side]) for side in (before, after))
     if b[:, 0].sum() == 0.0:
         return {}
@@ -138,7 +138,7 @@ def _summary(before: Sequence[dict[str, float]], after: Sequence[dict[str, float
     }
 
 
-def line(row: dict[str, Any]) -> str:
+def format_line(row: dict[str, Any]) -> str:
     """Return the line of one unit."""
     planner = row["planner"]
     own = f"   planner {planner['before_ms']:6.2f} {planner['after_ms']:6.2f} {planner['ratio']:5.2f}" if planner else ""
@@ -147,7 +147,7 @@ def line(row: dict[str, Any]) -> str:
     return f"{row['name']:22}{row['before_ms']:9.2f}{row['after_ms']:9.2f}{row['ratio']:7.2f} {interval:14} {verdict:6}{own}"
 
 
-def machine() -> dict[str, Any]:
+def machine_facts() -> dict[str, Any]:
     """Return what the figures were measured on."""
     cpuinfo = Path("/proc/cpuinfo")
     names = (
@@ -167,26 +167,26 @@ def main(words: Sequence[str]) -> int:
     parser.add_argument("--keep", action="store_true", help=f"write the figures to {HISTORY.relative_to(HERE)}")
     given = parser.parse_args(list(words))
     rows = []
-    with built(given.against) as (folder, commit):
+    with build_checkout(given.against) as (folder, commit):
         before, after = Checkout(folder), Checkout(HERE)
         print(f"{'CPU time in ms':22}{commit:>9}{'here':>9}{'ratio':>7}")
         for name in given.only:
             try:
-                rows.append(compare(name, before, after, given.rounds))
+                rows.append(compare_unit(name, before, after, given.rounds))
             except WorkerEnded as error:
                 print(f"{name:22}{error}", flush=True)
                 before, after = Checkout(folder), Checkout(HERE)
             else:
-                print(line(rows[-1]), flush=True)
+                print(format_line(rows[-1]), flush=True)
         before.end()
         after.end()
     if given.keep:
-        now = _git(HERE, "rev-parse", "--short", "HEAD")
+        now = _run_git(HERE, "rev-parse", "--short", "HEAD")
         HISTORY.mkdir(exist_ok=True)
-        content = {"before": commit, "after": now, "machine": machine(), "rounds": given.rounds, "rows": rows}
+        content = {"before": commit, "after": now, "machine": machine_facts(), "rounds": given.rounds, "rows": rows}
         (HISTORY / f"{commit}_{now}.json").write_text(json.dumps(content, indent=2) + "\n")
     return 0
 
 
-def _git(folder: Path, *words: str) -> str:
+def _run_git(folder: Path, *words: str) -> str:
     return subprocess.run(["git", "-C", folder, *words], check=True, capture_output=True, text=True).stdout.strip()

@@ -27,11 +27,11 @@ def benchmark_of(overrides: tuple[str, ...]) -> Any:
 
     built = build_benchmark(to_plain(compose([*overrides, "executor=serial"])), load_registry())
     for episode in (1000, 1001):
-        drive(built, episode)
+        drive_episode(built, episode)
     return built
 
 
-def drive(benchmark: Any, episode: int) -> dict[str, float]:
+def drive_episode(benchmark: Any, episode: int) -> dict[str, float]:
     """Run, write and evaluate an episode; return CPU seconds of all, and of the planner alone, and how many control steps it had."""
     from arena_core.loop.record_files import write_record
     from arena_core.runs.rows import evaluate_record
@@ -45,7 +45,7 @@ def drive(benchmark: Any, episode: int) -> dict[str, float]:
     return {"seconds": took, "planner": float(record.timing["planner_cpu_seconds"].sum()), "count": len(record["stamp"]) - 1}
 
 
-def command(words: list[str]) -> dict[str, float]:
+def run_command(words: list[str]) -> dict[str, float]:
     """Run a command of this checkout in a folder of its own; return the CPU seconds of it and of its children."""
     with tempfile.TemporaryDirectory() as folder:
         began = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -67,7 +67,7 @@ def main() -> None:
         for line in sys.stdin:
             unit = json.loads(line)
             episode = unit["work"] == "episode"
-            found = drive(benchmark_of(tuple(unit["overrides"])), unit["episode"]) if episode else command(unit["words"])
+            found = drive_episode(benchmark_of(tuple(unit["overrides"])), unit["episode"]) if episode else run_command(unit["words"])
             print(json.dumps(found), file=answers, flush=True)
 
 

@@ -14,18 +14,18 @@ from arena_core import OccupancyGrid, Pose
 from arena_kernels.distance import grid_distance
 from arena_kernels.grids import stack_grids
 from arena_kernels.raycast import make_beams, scan_grids
-from arena_navigation.amcl.filter import Recovery, Resampling, begin, cloud, filter_update
+from arena_navigation.amcl.filter import Recovery, Resampling, draw_particles, filter_update, make_cloud
 from arena_navigation.amcl.laser import KEEP_ALL
 from arena_navigation.amcl.localizer import free_space
-from arena_navigation.amcl.motion import Alphas, Motion, motion
-from arena_navigation.amcl.resampling import Limits
+from arena_navigation.amcl.motion import Alphas, OdometryMotion, odometry_motion
+from arena_navigation.amcl.resampling import ParticleLimits
 from arena_navigation.amcl.sensor import Distances, LikelihoodField
 
 PARTICLES, BEAMS, CALLS, REPEATS = 500, 60, 200, 9
 Floats = NDArray[np.float64]
 
 
-def hall() -> OccupancyGrid:
+def make_hall() -> OccupancyGrid:
     """Return a 20 x 20 m hall of 400 x 400 cells with four walls and twelve boxes, none in the middle."""
     data = np.zeros((400, 400), np.int8)
     data[[0, -1]] = data[:, [0, -1]] = 100
@@ -37,7 +37,7 @@ def hall() -> OccupancyGrid:
     return OccupancyGrid(data, 0.05, Pose(0.0, 0.0))
 
 
-def round_trip(grid: OccupancyGrid) -> tuple[Floats, Motion, list[NDArray[np.float32]]]:
+def round_trip(grid: OccupancyGrid) -> tuple[Floats, OdometryMotion, list[NDArray[np.float32]]]:
     """Return the start of a drive on a circle of 2 m in the middle of the hall, its step, and the beams' ends seen after each step."""
     angles = 0.1 * np.arange(CALLS + 1)
     poses = np.stack((10.0 + 2.0 * np.sin(angles), 10.0 - 2.0 * np.cos(angles), angles), axis=1)
@@ -48,25 +48,25 @@ def round_trip(grid: OccupancyGrid) -> tuple[Floats, Motion, list[NDArray[np.flo
     ranges += 0.01 * np.random.default_rng(3).standard_normal(ranges.shape)
     ends = (ranges[:, None] * np.stack((rays.cosines, rays.sines))).astype(np.float32)
     step = Pose.of(poses[0]).relative(Pose.of(poses[1]))
-    return poses[0], motion(step, "diff-corrected", Alphas(0.05, 0.05, 0.05, 0.05, 0.05)), list(ends[1:])
+    return poses[0], odometry_motion(step, "diff-corrected", Alphas(0.05, 0.05, 0.05, 0.05, 0.05)), list(ends[1:])
 
 
-def ours(grid: OccupancyGrid, start: Floats, step: Motion, scans: list[NDArray[np.float32]]) -> Callable[[], None]:
+def our_filter(grid: OccupancyGrid, start: Floats, step: OdometryMotion, scans: list[NDArray[np.float32]]) -> Callable[[], None]:
     """Return CALLS filter updates as arena-navigation makes them: motion, weights, clusters, KLD bound, resampling."""
-    particles = cloud(PARTICLES, BEAMS)
+    particles = make_cloud(PARTICLES, BEAMS)
     key = np.uint64(5)
     field, free = grid.derive(LikelihoodField(True, 0.8, 0.2, 0.05, 2.0, Distances(True, True), 0.3, 30.0)), free_space(grid)
-    resampling = Resampling(True, False, Limits(PARTICLES, PARTICLES, 0.05, 0.99, False), free, Recovery(0.0, 0.0))
+    resampling = Resampling(True, False, ParticleLimits(PARTICLES, PARTICLES, 0.05, 0.99, False), free, Recovery(0.0, 0.0))
 
     def run() -> None:
-        begin(particles, start, 0.2 * np.eye(3), key)
+        draw_particles(particles, start, 0.2 * np.eye(3), key)
         for tick, beams in enumerate(scans, 1):
             filter_update(particles, step, beams, 1.0, field, KEEP_ALL, resampling, key, tick)
 
     return run
 
 
-def numpy_filter(grid: OccupancyGrid, start: Floats, step: Motion, scans: list[NDArray[np.float32]]) -> Callable[[], None]:
+def numpy_filter(grid: OccupancyGrid, start: Floats, step: OdometryMotion, scans: list[NDArray[np.float32]]) -> Callable[[], None]:
     """Return CALLS updates in vectorised numpy: motion, weights, mean, systematic resampling; neither clusters nor KLD bound."""
     distance = np.minimum(grid.derive(grid_distance), 2.0)
     field = ((0.95 * np.exp(-0.5 * (distance / 0.2) ** 2) + 0.05 / 30.0) ** 3).astype(np.float32)
@@ -81,9 +81,9 @@ def numpy_filter(grid: OccupancyGrid, start: Floats, step: Motion, scans: list[N
             travel = step.travel + step.travel_std * travel
             x, y = x + travel * np.cos(theta), y + travel * np.sin(theta)
             theta = theta + step.turn_again + step.turn_again_std * again
-            weights = 1.0 + _score(field, outside, grid.resolution, x, y, theta, beams).sum(axis=1)
+            weights = 1.0 + _field_scores(field, outside, grid.resolution, x, y, theta, beams).sum(axis=1)
             weights /= weights.sum()
-            _mean(x, y, theta, weights)
+            _mean_pose(x, y, theta, weights)
             points = (np.arange(PARTICLES) + random.random()) / PARTICLES
             chosen = np.minimum(np.searchsorted(np.cumsum(weights), points), PARTICLES - 1)
             x, y, theta = x[chosen], y[chosen], theta[chosen]
@@ -91,7 +91,7 @@ def numpy_filter(grid: OccupancyGrid, start: Floats, step: Motion, scans: list[N
     return run
 
 
-def _score(
+def _field_scores(
     field: NDArray[np.float32],
     outside: np.float32,
     resolution: float,
@@ -109,16 +109,16 @@ def _score(
     return values
 
 
-def _mean(x: Floats, y: Floats, theta: Floats, weights: Floats) -> tuple[float, float, float]:
+def _mean_pose(x: Floats, y: Floats, theta: Floats, weights: Floats) -> tuple[float, float, float]:
     heading = np.arctan2(weights @ np.sin(theta), weights @ np.cos(theta))
     return float(weights @ x), float(weights @ y), float(heading)
 
 
 def measure() -> list[dict[str, Any]]:
     """Return our time, numpy's and their ratio; the median of the repeats."""
-    grid = hall()
+    grid = make_hall()
     drive = grid, *round_trip(grid)
-    times = interleave({"ours": ours(*drive), "numpy": numpy_filter(*drive)}, REPEATS)
+    times = interleave({"ours": our_filter(*drive), "numpy": numpy_filter(*drive)}, REPEATS)
     ours_ms, peer_ms = (1e3 * median(times[name]) / CALLS for name in ("ours", "numpy"))
     return [
         {

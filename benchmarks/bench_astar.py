@@ -22,7 +22,7 @@ START, GOALS = (10, 10), ((389, 389), (389, 388))  # two goals in turn: no query
 BODY = robot()
 
 
-def rooms() -> OccupancyGrid:
+def make_rooms() -> OccupancyGrid:
     """Return 20 x 20 m of 400 x 400 cells: 2 x 2 rooms joined by doors of 1.5 m, and twelve boxes of 0.6 m."""
     data = np.zeros((400, 400), np.int8)
     data[:2] = data[-2:] = data[:, :2] = data[:, -2:] = 100
@@ -42,7 +42,7 @@ def pose_of(grid: OccupancyGrid, cell: tuple[int, int]) -> Pose:
     return Pose(float(x), float(y))
 
 
-def ours(grid: OccupancyGrid) -> Callable[[], None]:
+def our_queries(grid: OccupancyGrid) -> Callable[[], None]:
     """Return QUERIES whole queries: search, straight lines, smoothing, poses."""
     planner = component("global_planner", "astar", robot=BODY)
     start, goals = pose_of(grid, START), [pose_of(grid, cell) for cell in GOALS]
@@ -54,7 +54,7 @@ def ours(grid: OccupancyGrid) -> Callable[[], None]:
     return run
 
 
-def again(grid: OccupancyGrid) -> Callable[[], None]:
+def repeated_queries(grid: OccupancyGrid) -> Callable[[], None]:
     """Return QUERIES queries to one goal from places along the path."""
     planner = component("global_planner", "astar", robot=BODY)
     goal = pose_of(grid, GOALS[0])
@@ -101,7 +101,7 @@ def window_updates(grid: OccupancyGrid, size: float) -> Callable[[], None]:
     return run
 
 
-def waypoints(grid: OccupancyGrid) -> Callable[[], None]:
+def waypoint_updates(grid: OccupancyGrid) -> Callable[[], None]:
     """Return UPDATES waypoints of one robot along the whole path."""
     path = component("global_planner", "astar", robot=BODY).plan(grid, pose_of(grid, START), pose_of(grid, GOALS[0]))
     generator = component("waypoints", "spatial_horizon")
@@ -117,23 +117,23 @@ def waypoints(grid: OccupancyGrid) -> Callable[[], None]:
 
 def measure() -> list[dict[str, Any]]:
     """Return the median times; A* as a ratio to pyastar2d where that is installed."""
-    grid = rooms()
+    grid = make_rooms()
     peer = pyastar2d_queries(grid)
-    functions = {"ours": ours(grid)} | ({"pyastar2d": peer} if peer else {})
+    functions = {"ours": our_queries(grid)} | ({"pyastar2d": peer} if peer else {})
     times = {name: 1e3 * median(seconds) / QUERIES for name, seconds in interleave(functions, REPEATS).items()}
-    rows = [_row("A* query across 400 x 400 cells, smoothed path", times["ours"], times.get("pyastar2d"))]
+    rows = [_make_row("A* query across 400 x 400 cells, smoothed path", times["ours"], times.get("pyastar2d"))]
     alone = {
-        "A* query again for the same goal": (again(grid), QUERIES),
+        "A* query again for the same goal": (repeated_queries(grid), QUERIES),
         "rolling map update, 4 m at 0.05 m, 360 beams": (window_updates(grid, 4.0), UPDATES),
         "rolling map update, 6 m at 0.05 m, 360 beams": (window_updates(grid, 6.0), UPDATES),
-        "waypoint of the spatial horizon": (waypoints(grid), UPDATES),
+        "waypoint of the spatial horizon": (waypoint_updates(grid), UPDATES),
     }
     for what, (function, calls) in alone.items():
-        rows.append(_row(what, 1e3 * median(interleave({what: function}, REPEATS)[what]) / calls, None))
+        rows.append(_make_row(what, 1e3 * median(interleave({what: function}, REPEATS)[what]) / calls, None))
     return rows
 
 
-def _row(what: str, ours_ms: float, peer_ms: float | None) -> dict[str, Any]:
+def _make_row(what: str, ours_ms: float, peer_ms: float | None) -> dict[str, Any]:
     ratio = None if peer_ms is None else ours_ms / peer_ms
     peer = None if peer_ms is None else "pyastar2d"
     goal = 1.5 if what.startswith("A* query across") else None

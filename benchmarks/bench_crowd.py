@@ -40,10 +40,10 @@ def crossing(people: int) -> tuple[float, Floats, Floats, Floats]:
     starts, goals = lattice * (side - 2.0) / rows + 1.0, random.uniform(2.0, side - 2.0, (people, 2))
     for places in (starts, goals):  # off the walls in the middle
         places[np.abs(places - side / 2) < 0.6] += 1.2
-    return side, _walls(side), starts, goals
+    return side, _make_walls(side), starts, goals
 
 
-def _walls(side: float) -> Floats:
+def _make_walls(side: float) -> Floats:
     """Return the border and two walls with two doors of 1.5 m each, (10, 4)."""
     border = [(0, 0, side, 0), (0, side, side, side), (0, 0, 0, side), (side, 0, side, side)]
     stretches = [(0.0, side / 4 - 0.75), (side / 4 + 0.75, 3 * side / 4 - 0.75), (3 * side / 4 + 0.75, side)]
@@ -62,7 +62,7 @@ def hall(people: int) -> Scenario:
     return Scenario("crowd", 0, World("hall", OccupancyGrid(data, 0.1, Pose(0.0, 0.0))), here, here, tuple(specs), (), 0.3, 180.0)
 
 
-def ours(people: int, worlds: int = 1, preset: str = "social_force") -> Callable[[], None]:
+def our_steps(people: int, worlds: int = 1, preset: str = "social_force") -> Callable[[], None]:
     """Return steps of the social-force crowd in so many worlds, each with random numbers of its own."""
     scenario = hall(people)
     scenarios = [replace(scenario, seed=seed) for seed in range(worlds)]
@@ -80,7 +80,7 @@ def ours(people: int, worlds: int = 1, preset: str = "social_force") -> Callable
     return run
 
 
-def pysocialforce(people: int) -> Callable[[], None]:
+def pysocialforce_steps(people: int) -> Callable[[], None]:
     """Return steps of pysocialforce without groups."""
     import pysocialforce as psf
 
@@ -98,7 +98,7 @@ def pysocialforce(people: int) -> Callable[[], None]:
     return run
 
 
-def navground(people: int) -> Callable[[], None]:
+def navground_steps(people: int) -> Callable[[], None]:
     """Return steps of navground's ORCA; people see as far as ours do."""
     from navground import core, sim
 
@@ -123,7 +123,7 @@ def navground(people: int) -> Callable[[], None]:
     return run
 
 
-PEERS = {"pysocialforce": ("pysocialforce", pysocialforce), "navground ORCA": ("navground", navground)}
+PEERS = {"pysocialforce": ("pysocialforce", pysocialforce_steps), "navground ORCA": ("navground", navground_steps)}
 
 
 def measure() -> list[dict[str, Any]]:
@@ -131,11 +131,13 @@ def measure() -> list[dict[str, Any]]:
     installed = {name: make for name, (module, make) in PEERS.items() if find_spec(module)}
     rows = []
     for people in PEOPLE:
-        runs = {"ours": ours(people), **{name: make(people) for name, make in installed.items()}}
+        runs = {"ours": our_steps(people), **{name: make(people) for name, make in installed.items()}}
         times = interleave(runs, REPEATS)
         ms = {name: 1e3 * median(times[name]) / CALLS[name][people] for name in runs}
         what = f"crowd step, {people} people"
-        rows += [_row(what, ms["ours"], peer, ms[peer], GOALS.get(peer, {}).get(people)) for peer in installed] or [_row(what, ms["ours"])]
+        rows += [_make_row(what, ms["ours"], peer, ms[peer], GOALS.get(peer, {}).get(people)) for peer in installed] or [
+            _make_row(what, ms["ours"])
+        ]
     rows += _preset_rows(installed, 10, BATCH, f"crowd step, 10 people, a world of a batch of {BATCH}", BATCH_GOAL)
     return rows + _preset_rows(installed, 1000, 1, "crowd step, 1000 people", GOALS["pysocialforce"][1000])[1:]
 
@@ -145,15 +147,17 @@ def _preset_rows(
 ) -> list[dict[str, Any]]:
     """Return the rows of people whose states never change, and of lively ones, in worlds that are stepped in one call."""
     peer = "pysocialforce" if "pysocialforce" in installed else None
-    runs = {preset: ours(people, worlds, preset) for preset in ("social_force", "social_force_lively")}
+    runs = {preset: our_steps(people, worlds, preset) for preset in ("social_force", "social_force_lively")}
     times = interleave({**runs, **({peer: installed[peer](people)} if peer else {})}, REPEATS)
     peer_ms = 1e3 * median(times[peer]) / CALLS[peer][people] if peer else None
     ms = {preset: 1e3 * median(times[preset]) / (CALLS["ours"][people] // worlds * worlds) for preset in runs}
     lively = f"{what}, social states"
-    return [_row(text, ms[preset], peer, peer_ms, goal) for text, preset in zip((what, lively), runs, strict=True)]
+    return [_make_row(text, ms[preset], peer, peer_ms, goal) for text, preset in zip((what, lively), runs, strict=True)]
 
 
-def _row(what: str, ours_ms: float, peer: str | None = None, peer_ms: float | None = None, goal: float | None = None) -> dict[str, Any]:
+def _make_row(
+    what: str, ours_ms: float, peer: str | None = None, peer_ms: float | None = None, goal: float | None = None
+) -> dict[str, Any]:
     ratio = None if peer_ms is None else ours_ms / peer_ms
     return {"what": what, "ours_ms": ours_ms, "peer": peer, "peer_ms": peer_ms, "ratio": ratio, "goal": goal, "unit": "x peer"}
 

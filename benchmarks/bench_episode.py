@@ -32,9 +32,9 @@ def measure() -> list[dict[str, Any]]:
     rows = [_episode_row(robot) for robot in ("turtlebot3", "jackal", "robotino")]
     here = str(Path(__file__).parent)
     memory = float(subprocess.run([sys.executable, "-c", MEMORY, here], capture_output=True, text=True, check=True).stdout)
-    rows.append(_row("memory of a worker", memory, "MB", 400.0))
+    rows.append(_make_row("memory of a worker", memory, "MB", 400.0))
     arena = str(Path(sys.executable).parent / "arena")
-    rows.append(_row("arena list", statistics.median(_wall([arena, "list"]) for _ in range(5)), "s", 1.0))
+    rows.append(_make_row("arena list", statistics.median(_wall_time([arena, "list"]) for _ in range(5)), "s", 1.0))
     return rows
 
 
@@ -42,13 +42,13 @@ def drive(robot: str, episodes: int) -> tuple[float, float]:
     """Run, record and evaluate episodes after a warm-up; return (CPU seconds, simulated seconds)."""
     benchmark = build_benchmark(to_plain(compose([f"robot={robot}", "executor=serial", "task.pedestrians=5"])), load_registry())
     with tempfile.TemporaryDirectory() as folder:
-        _run(benchmark, 100, Path(folder))
+        _run_episode(benchmark, 100, Path(folder))
         began = time.process_time()
-        simulated = sum(_run(benchmark, episode, Path(folder)) for episode in range(episodes))
+        simulated = sum(_run_episode(benchmark, episode, Path(folder)) for episode in range(episodes))
         return time.process_time() - began, simulated
 
 
-def _run(benchmark: Benchmark, episode: int, folder: Path) -> float:
+def _run_episode(benchmark: Benchmark, episode: int, folder: Path) -> float:
     record = benchmark.run(episode, folder)
     write_record(folder, episode, record)
     evaluate_record(record, benchmark.metrics)
@@ -57,17 +57,17 @@ def _run(benchmark: Benchmark, episode: int, folder: Path) -> float:
 
 def _episode_row(robot: str) -> dict[str, Any]:
     seconds, simulated = drive(robot, EPISODES)
-    return _row(f"DWA episode, {robot}, per simulated s", 1e3 * seconds / simulated, "ms", 100.0, simulated / seconds)
+    return _make_row(f"DWA episode, {robot}, per simulated s", 1e3 * seconds / simulated, "ms", 100.0, simulated / seconds)
 
 
-def _row(what: str, ours: float, unit: str, goal: float, real_time: float | None = None) -> dict[str, Any]:
+def _make_row(what: str, ours: float, unit: str, goal: float, real_time: float | None = None) -> dict[str, Any]:
     """Return a row without a named peer; ``real_time`` is how many times faster than real time it ran."""
     peer = None if real_time is None else "real time"
     peer_ms = None if real_time is None else 1e3
     return {"what": what, "ours_ms": ours, "ours_unit": unit, "peer": peer, "peer_ms": peer_ms, "ratio": real_time, "goal": goal}
 
 
-def _wall(command: list[str]) -> float:
+def _wall_time(command: list[str]) -> float:
     began = time.perf_counter()
     subprocess.run(command, stdout=subprocess.DEVNULL, check=True)
     return time.perf_counter() - began

@@ -25,7 +25,7 @@ LIKE_THE_PEERS = [  # a round robot, 360 beams of 10 m, no noise, people stepped
 EPISODES = [f"environment.worlds={WORLDS}", "environment.problems_per_world=2", "task.time_limit=10.0"]
 
 
-def ours(observation: str, reward: str) -> tuple[Callable[[], None], dict[str, int]]:
+def our_steps(observation: str, reward: str) -> tuple[Callable[[], None], dict[str, int]]:
     """Return steps of a TurtleBot3 at random in 64 worlds, and a count of episodes that ended; they end in turn, not all at once."""
     envs = NavigationVectorEnv(WORLDS, robot="turtlebot3", observation=observation, reward=reward, overrides=[*LIKE_THE_PEERS, *EPISODES])
     envs.batch.parts.pool.fill()
@@ -47,7 +47,7 @@ def ours(observation: str, reward: str) -> tuple[Callable[[], None], dict[str, i
 
 def measure() -> list[dict[str, Any]]:
     """Return a row for each peer that is installed, and one for each other observation."""
-    (sectors, ended), (beams, _) = ours("rosnav_sectors", "progress"), ours("rosnav", "rule_05")
+    (sectors, ended), (beams, _) = our_steps("rosnav_sectors", "progress"), our_steps("rosnav", "rule_05")
     runs = {"sectors": sectors, "beams": beams}
     for name, (module, make) in PEERS.items():
         if find_spec(module):
@@ -59,11 +59,11 @@ def measure() -> list[dict[str, Any]]:
     ms = {name: 1e3 * median(times[name]) / calls[name] for name in runs}
     length = STEPS * WORLDS * (REPEATS + 1) / max(ended["episodes"], 1)
     what = f"step of one of {WORLDS} environments, 360 beams, 10 people, a reset every {length:.0f} steps"
-    rows = [_row(f"{what}, rosnav_sectors, progress", ms["sectors"], name, ms[name]) for name in PEERS if name in ms]
-    return [*rows, _row(f"{what}, rosnav, rule_05", ms["beams"])]
+    rows = [_make_row(f"{what}, rosnav_sectors, progress", ms["sectors"], name, ms[name]) for name in PEERS if name in ms]
+    return [*rows, _make_row(f"{what}, rosnav, rule_05", ms["beams"])]
 
 
-def _row(what: str, ours_ms: float, peer: str | None = None, peer_ms: float | None = None) -> dict[str, Any]:
+def _make_row(what: str, ours_ms: float, peer: str | None = None, peer_ms: float | None = None) -> dict[str, Any]:
     ratio = None if peer_ms is None else ours_ms / peer_ms
     goal = None if peer is None else GOALS[peer]
     return {"what": what, "ours_ms": ours_ms, "peer": peer, "peer_ms": peer_ms, "ratio": ratio, "goal": goal, "unit": "x peer"}

@@ -44,14 +44,14 @@ def free_poses(grid: OccupancyGrid, count: int, clearance: float, seed: int) -> 
 
 
 @compiled
-def scan_plainly(stack: GridStack, poses: Floats, beams: Beams, ranges: Ranges) -> None:
+def scan_dda(stack: GridStack, poses: Floats, beams: Beams, ranges: Ranges) -> None:
     """Scan from every pose by plain DDA."""
     for k in range(len(poses)):
         plain_dda(stack, 0, poses[k, 0], poses[k, 1], poses[k, 2], beams, ranges[k])
 
 
 @compiled
-def see_discs(poses: Floats, discs: Floats, beams: Beams, ranges: Ranges) -> None:
+def add_discs(poses: Floats, discs: Floats, beams: Beams, ranges: Ranges) -> None:
     """Add ten discs to every scan."""
     for k in range(len(poses)):
         for i in range(len(discs)):
@@ -67,19 +67,21 @@ def measure() -> list[dict[str, Any]]:
     ours, plain, crowded = (np.empty((POSES, BEAMS), np.float32) for _ in range(3))
     runs: dict[str, Callable[[], None]] = {
         "ours": lambda: scan_grids(stack, worlds, poses, beams, ours),
-        "plain": lambda: scan_plainly(stack, poses, beams, plain),
-        "discs": lambda: see_discs(poses, discs, beams, crowded),
+        "plain": lambda: scan_dda(stack, poses, beams, plain),
+        "discs": lambda: add_discs(poses, discs, beams, crowded),
     }
     times = {name: 1e3 * median(values) / POSES for name, values in interleave(runs, REPEATS).items()}
     off = int((np.abs(np.nan_to_num(ours, posinf=99.0) - np.nan_to_num(plain, posinf=99.0)) > 1e-3).sum())
     what = f"lidar scan, {BEAMS} beams, 400 x 400 cells ({off} of {ours.size} beams off by more than 1 mm)"
     return [
-        _row(what, times["ours"], "plain DDA", times["plain"], GOAL),
-        _row("ten people on top of a scan", times["discs"]),
+        _make_row(what, times["ours"], "plain DDA", times["plain"], GOAL),
+        _make_row("ten people on top of a scan", times["discs"]),
     ]
 
 
-def _row(what: str, ours_ms: float, peer: str | None = None, peer_ms: float | None = None, goal: float | None = None) -> dict[str, Any]:
+def _make_row(
+    what: str, ours_ms: float, peer: str | None = None, peer_ms: float | None = None, goal: float | None = None
+) -> dict[str, Any]:
     ratio = None if peer_ms is None else ours_ms / peer_ms
     return {"what": what, "ours_ms": ours_ms, "peer": peer, "peer_ms": peer_ms, "ratio": ratio, "goal": goal, "unit": "x peer"}
 

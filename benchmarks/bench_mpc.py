@@ -11,7 +11,7 @@ import numpy as np
 
 from arena_mpc.arrays import FloatArray
 from arena_mpc.corridor import FREE
-from arena_mpc.guess import drive_along, shifted
+from arena_mpc.guess import drive_along, shift_plan
 from arena_mpc.moving import FAR
 from arena_mpc.parameters import SolverSettings
 from arena_mpc.plan import Plan, Room
@@ -52,42 +52,42 @@ def closed_loop(shape: Shape, steps: int, seed: int = 0) -> Drive:
     for k in range(steps):
         if abs(target - state[0]) < 0.3:
             target, plan = -target, None
-        path = _path(state, target)
-        guess = _shifted(plan, path[-1], state) if plan is not None else _along(path, state, shape.stages)
-        terms = _terms(shape, path, people)
-        plan = _timed(ours, terms, state, guess, drive.shooting)
+        path = _straight_path(state, target)
+        guess = _shift_plan(plan, path[-1], state) if plan is not None else _plan_along(path, state, shape.stages)
+        terms = _make_terms(shape, path, people)
+        plan = _timed_solution(ours, terms, state, guess, drive.shooting)
         if k % EVERY == 0:
-            _timed(peer, terms, state, guess, drive.ipopt)
+            _timed_solution(peer, terms, state, guess, drive.ipopt)
         drive.failures += plan is None
-        state = state if plan is None else _moved(state, plan)
+        state = state if plan is None else _advance_state(state, plan)
         people[:, :2] += PERIOD * people[:, 2:]
         people[:, 2:] *= np.where(np.abs(people[:, :2]) > HALF, -np.sign(people[:, :2] * people[:, 2:]), 1.0)
     return drive
 
 
-def _path(state: FloatArray, target: float) -> FloatArray:
+def _straight_path(state: FloatArray, target: float) -> FloatArray:
     """Return the way along the x axis towards ``target``, at most AHEAD m of it."""
     end = state[0] + min(max(target - state[0], -AHEAD), AHEAD)
     xs = np.linspace(state[0], end, 26)
     return np.column_stack((xs, np.zeros(26), np.full(26, 0.0 if end > state[0] else math.pi)))
 
 
-def _along(path: FloatArray, state: FloatArray, stages: int) -> Plan:
+def _plan_along(path: FloatArray, state: FloatArray, stages: int) -> Plan:
     rolled = drive_along(path, state[:3].copy(), SPEED, TURN, False, 0.0, stages, STEP)
     states = rolled[:, (0, 1, 2, 3, 5)]
     states[0] = state
     return Plan(states, STEP, np.zeros(stages + 1))
 
 
-def _shifted(plan: Plan, goal: FloatArray, state: FloatArray) -> Plan:
+def _shift_plan(plan: Plan, goal: FloatArray, state: FloatArray) -> Plan:
     end, stages = plan.states[-1].copy(), len(plan.states) - 1
     end[:2] = goal[:2]
-    states = shifted(plan.states, plan.step, PERIOD, end, stages, plan.step)
+    states = shift_plan(plan.states, plan.step, PERIOD, end, stages, plan.step)
     states[0] = state
     return Plan(states, plan.step, plan.slack)
 
 
-def _terms(shape: Shape, path: FloatArray, people: FloatArray) -> Terms:
+def _make_terms(shape: Shape, path: FloatArray, people: FloatArray) -> Terms:
     """Return the numbers of a problem between two walls, 3 m to the left and right."""
     movers = np.column_stack((people, np.full(len(people), GAP))) if len(people) else np.full((shape.movers, 5), FAR)
     row = np.zeros(shape.stage_row)
@@ -97,14 +97,14 @@ def _terms(shape: Shape, path: FloatArray, people: FloatArray) -> Terms:
     return Terms(0, True, 1.0, STEP, 0.02, 0.0, 1.0, path[-1].copy(), WEIGHED, np.zeros((1, 2)), movers, rows)
 
 
-def _timed(solver: Solver, terms: Terms, state: FloatArray, guess: Plan, seconds: list[float]) -> Plan | None:
+def _timed_solution(solver: Solver, terms: Terms, state: FloatArray, guess: Plan, seconds: list[float]) -> Plan | None:
     began = process_time()
     found = solver.solve(terms, state, guess, ROOM, SHOOTING.max_iterations)
     seconds.append(process_time() - began)
     return None if found is None else found.plan
 
 
-def _moved(state: FloatArray, plan: Plan) -> FloatArray:
+def _advance_state(state: FloatArray, plan: Plan) -> FloatArray:
     """Return the state after a control period at the plan's first velocities."""
     v, omega = plan.states[1, 3:]
     middle = state[2] + 0.5 * PERIOD * omega

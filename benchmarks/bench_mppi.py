@@ -15,7 +15,7 @@ from arena_core.testing import samples
 from arena_kernels.distance import distance_field
 from arena_mppi.optimizer import PATH_STRIDE
 from arena_mppi.planner import MppiPlanner
-from arena_mppi.scene import Scene, scene_of, standing_window
+from arena_mppi.scene import Scene, scene_of, static_window
 
 CALLS = 4  # a timing
 PEOPLE = 10
@@ -23,7 +23,7 @@ STATE = (0.2, 0.8, 0.0, 0.1)  # heading, vx, vy, wz
 COLLISION_COST = 1e6
 
 
-def view(body: Any) -> Observation:
+def make_observation(body: Any) -> Observation:
     """Return what a robot sees in a 6 m window with posts, ten people and a path straight through."""
     generator = np.random.default_rng(1)
     lethal = np.zeros((120, 120), np.bool_)
@@ -46,20 +46,20 @@ class NumpyStep:
 
     def __init__(self, planner: MppiPlanner, observation: Observation) -> None:
         self.sampling, self.chassis, self.body = planner._sampling, planner._chassis, planner._body  # noqa: SLF001 - the very parts of the planner that is measured
-        self.critics = planner._critics(observation)  # noqa: SLF001 - the very parts of the planner that is measured
+        self.critics = planner._weighted_critics(observation)  # noqa: SLF001 - the very parts of the planner that is measured
         self.planner, self.observation = planner, observation
         self.generator = np.random.default_rng(0)
         self.mean = np.tile(np.array((0.8, 0.0, 0.1), np.float32), (self.sampling.time_steps, 1))
 
     def __call__(self) -> np.ndarray:
         """Return the new mean; the scene is the planner's own, its preparation counts for both."""
-        scene = self.planner._scene(self.observation)  # noqa: SLF001 - the very parts of the planner that is measured
-        velocities, poses = self.driven()
-        costs = self.judged(scene, velocities, poses)
+        scene = self.planner._build_scene(self.observation)  # noqa: SLF001 - the very parts of the planner that is measured
+        velocities, poses = self.sample_rollouts()
+        costs = self.rollout_costs(scene, velocities, poses)
         weights = np.exp(-(costs - costs.min()) / float(self.sampling.temperature))
         return np.tensordot(weights / weights.sum(), velocities, axes=(0, 1))
 
-    def driven(self) -> tuple[np.ndarray, np.ndarray]:
+    def sample_rollouts(self) -> tuple[np.ndarray, np.ndarray]:
         """Sample and drive: velocities and poses, (T, K, 3) each."""
         s, c = self.sampling, self.chassis
         shape = (s.time_steps, s.batch_size, 3)
@@ -82,14 +82,14 @@ class NumpyStep:
             velocities[t], poses[t] = velocity, pose
         return velocities, poses
 
-    def judged(self, scene: Scene, velocities: np.ndarray, poses: np.ndarray) -> np.ndarray:
+    def rollout_costs(self, scene: Scene, velocities: np.ndarray, poses: np.ndarray) -> np.ndarray:
         """Return the cost of each roll-out, (K,)."""
         k, dt = self.critics, float(self.sampling.dt)
         cosine, sine = np.cos(poses[..., 2]), np.sin(poses[..., 2])
         gap, costs = np.full(cosine.shape, np.inf, np.float32), np.zeros(cosine.shape[1], np.float32)
         for x, y, radius in self.body.discs:
             at_x, at_y = poses[..., 0] + cosine * x - sine * y, poses[..., 1] + sine * x + cosine * y
-            gap = np.minimum(gap, interpolated(scene.gaps, at_x, at_y, scene.gaps_x, scene.gaps_y, scene.gaps_resolution) - radius)
+            gap = np.minimum(gap, interpolate_field(scene.gaps, at_x, at_y, scene.gaps_x, scene.gaps_y, scene.gaps_resolution) - radius)
             for n in range(scene.moving.shape[1]):
                 other = scene.moving[:, n, :, None]
                 lack = np.maximum(0.0, 1.0 - (np.hypot(at_x - other[:, 0], at_y - other[:, 1]) - radius - other[:, 2]) / k.margin)
@@ -102,14 +102,14 @@ class NumpyStep:
         control = self.sampling.gamma * self.mean[:, None] * (velocities - self.mean[:, None])
         costs += (control[..., 0] / self.sampling.vx_std**2 + control[..., 2] / self.sampling.wz_std**2).sum(axis=0)
         x, y = poses[PATH_STRIDE - 1 :: PATH_STRIDE, :, 0], poses[PATH_STRIDE - 1 :: PATH_STRIDE, :, 1]
-        left = interpolated(scene.left, x, y, scene.left_x, scene.left_y, scene.left_resolution)
+        left = interpolate_field(scene.left, x, y, scene.left_x, scene.left_y, scene.left_resolution)
         costs += k.progress * ((1.0 - k.end_share) * left.mean(axis=0) + k.end_share * left[-1])
         travelled = np.cumsum(np.hypot(velocities[..., 0], velocities[..., 1]) * dt, axis=0)[PATH_STRIDE - 1 :: PATH_STRIDE]
         points = scene.path[np.minimum((travelled / 0.05).astype(np.int64), len(scene.path) - 1)]
         costs += k.align * dt * PATH_STRIDE * np.hypot(x - points[..., 0], y - points[..., 1]).sum(axis=0)
-        return costs + self.bearings(scene, poses[-1])
+        return costs + self.bearing_costs(scene, poses[-1])
 
-    def bearings(self, scene: Scene, ends: np.ndarray) -> np.ndarray:
+    def bearing_costs(self, scene: Scene, ends: np.ndarray) -> np.ndarray:
         """Return what the bearing of a path point ahead costs each end, (K,)."""
         distances = np.hypot(ends[:, None, 0] - scene.path[:, 0], ends[:, None, 1] - scene.path[:, 1])
         ahead = scene.path[min(int(distances.argmin(axis=1).max()) + 10, len(scene.path) - 1)]
@@ -119,7 +119,7 @@ class NumpyStep:
         return self.critics.angle * np.abs((off + math.pi) % (2.0 * math.pi) - math.pi)
 
 
-def interpolated(field: np.ndarray, x: np.ndarray, y: np.ndarray, left: float, low: float, side: float) -> np.ndarray:
+def interpolate_field(field: np.ndarray, x: np.ndarray, y: np.ndarray, left: float, low: float, side: float) -> np.ndarray:
     """Return a field's values between the centres of the four cells around each place."""
     u = np.clip((x - left) / side - 0.5, 0.0, field.shape[1] - 1.001)
     v = np.clip((y - low) / side - 0.5, 0.0, field.shape[0] - 1.001)
@@ -135,29 +135,29 @@ def measure() -> list[dict[str, Any]]:
     functions: dict[str, Callable[[], Any]] = {}
     for name in ("turtlebot3", "jackal"):
         body = samples.component("robot", name)
-        planner, seen = samples.planner("mppi", body, robot_preset=name), view(body)
+        planner, seen = samples.planner("mppi", body, robot_preset=name), make_observation(body)
         functions[name] = partial(planner.compute_velocity, seen)
         functions[f"numpy {name}"] = NumpyStep(planner, seen)
-    window = standing_window(seen, 0.1)
+    window = static_window(seen, 0.1)
     reach = 5.0
     scene = partial(scene_of, seen, window, planner._body, planner._moving, planner._progress, 0.05, 56, reach)  # noqa: SLF001 - the very parts of the planner that is measured
     functions["scene"] = scene
-    times = interleave({name: partial(_repeat, function) for name, function in functions.items()}, repeats=7)
+    times = interleave({name: partial(_repeat_calls, function) for name, function in functions.items()}, repeats=7)
     ms = {name: float(np.median(seconds)) / CALLS * 1e3 for name, seconds in times.items()}
     rows = []
     for name in ("turtlebot3", "jackal"):
         what = f"MPPI control step, 2000 x 56, {PEOPLE} moving obstacles, {name}"
         ours, theirs = ms[name], ms[f"numpy {name}"]
         peer = {"peer": "vectorised numpy", "peer_ms": theirs, "ratio": ours / theirs, "goal": 0.2, "unit": "x peer"}
-        rows += [{"what": what, "ours_ms": ours, **peer}, _alone(what + ", at most", ours, 10.0)]
-    return [*rows, _alone("  of which walls, way left and predictions", ms["scene"], 1.0)]
+        rows += [{"what": what, "ours_ms": ours, **peer}, _single_row(what + ", at most", ours, 10.0)]
+    return [*rows, _single_row("  of which walls, way left and predictions", ms["scene"], 1.0)]
 
 
-def _alone(what: str, ours: float, goal: float) -> dict[str, Any]:
+def _single_row(what: str, ours: float, goal: float) -> dict[str, Any]:
     return {"what": what, "ours_ms": ours, "peer": None, "peer_ms": None, "ratio": None, "goal": goal, "unit": "ms"}
 
 
-def _repeat(function: Callable[[], Any]) -> None:
+def _repeat_calls(function: Callable[[], Any]) -> None:
     for _ in range(CALLS):
         function()
 

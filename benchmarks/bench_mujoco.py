@@ -20,7 +20,7 @@ CALLS = {"planar": 300, "wheels": 150, "pybullet": 20}
 REAL_TIME = {"planar": 250, "wheels": 100}  # times, at least
 
 
-def cluttered() -> OccupancyGrid:
+def cluttered_rooms() -> OccupancyGrid:
     """Return the rooms of the lidar's benchmark with posts of 0.1 m, about 400 walls in all."""
     data, random = rooms().data.copy(), np.random.default_rng(1)
     for row, column in random.integers(4, 394, (WALLS - 40, 2)):
@@ -28,7 +28,7 @@ def cluttered() -> OccupancyGrid:
     return OccupancyGrid(data, 0.05, Pose(0.0, 0.0))
 
 
-def build(drive: str) -> Simulator:
+def build_simulator(drive: str) -> Simulator:
     """Return the simulator with the social-force crowd on legs, as configured by default."""
     registry = load_registry()
     crowd = registry.build("pedestrians", to_plain(compose([], "pedestrians/social_force")["pedestrians"]) | {"body": "legs"})
@@ -37,10 +37,10 @@ def build(drive: str) -> Simulator:
     return simulator
 
 
-def ours(drive: str) -> Callable[[], None]:
+def our_steps(drive: str) -> Callable[[], None]:
     """Return steps of one world."""
-    simulator = build(drive)
-    simulator.reset([scenario(0, World("cluttered", cluttered()))])
+    simulator = build_simulator(drive)
+    simulator.reset([scenario(0, World("cluttered", cluttered_rooms()))])
     commands, ticks = np.array([[0.3, 0.0, 0.3]]), round(STEP / simulator.inner_step)
 
     def run() -> None:
@@ -50,7 +50,7 @@ def ours(drive: str) -> Callable[[], None]:
     return run
 
 
-def pybullet() -> Callable[[], None]:
+def pybullet_steps() -> Callable[[], None]:
     """Return steps of PyBullet: the same boxes, ten capsules that are led, a disc that is pushed, and a scan by its batch of rays."""
     import pybullet as bullet
 
@@ -58,7 +58,7 @@ def pybullet() -> Callable[[], None]:
 
     client = bullet.connect(bullet.DIRECT)
     bullet.setTimeStep(0.005, physicsClientId=client)
-    for x, y, _, length, width in wall_boxes(cluttered()).tolist():
+    for x, y, _, length, width in wall_boxes(cluttered_rooms()).tolist():
         shape = bullet.createCollisionShape(bullet.GEOM_BOX, halfExtents=[length / 2, width / 2, 1.0], physicsClientId=client)
         bullet.createMultiBody(0, shape, basePosition=[x, y, 1.0], physicsClientId=client)
     capsule = bullet.createCollisionShape(bullet.GEOM_CAPSULE, radius=0.3, height=1.2, physicsClientId=client)
@@ -84,17 +84,17 @@ def pybullet() -> Callable[[], None]:
 
 def measure() -> list[dict[str, Any]]:
     """Return a row for each drive, with PyBullet as the peer where it is installed."""
-    runs = {drive: ours(drive) for drive in REAL_TIME}
+    runs = {drive: our_steps(drive) for drive in REAL_TIME}
     if find_spec("pybullet"):
-        runs["pybullet"] = pybullet()
+        runs["pybullet"] = pybullet_steps()
     else:
         print("pybullet is not installed: MuJoCo not compared with it")
     times = interleave(runs, REPEATS)
     ms = {name: 1e3 * median(times[name]) / CALLS[name] for name in runs}
-    return [_row(drive, ms) for drive in REAL_TIME]
+    return [_make_row(drive, ms) for drive in REAL_TIME]
 
 
-def _row(drive: str, ms: dict[str, float]) -> dict[str, Any]:
+def _make_row(drive: str, ms: dict[str, float]) -> dict[str, Any]:
     peer = ms.get("pybullet")
     what = f"mujoco, drive={drive}, {WALLS} walls, 360 beams, {PEOPLE} people: {1e3 * STEP / ms[drive]:.0f} x real time"
     told = {"peer": None, "peer_ms": None, "ratio": None, "goal": None}

@@ -23,7 +23,7 @@ GRIDS, QUERIES = 8, 2  # random grids, and queries on each map
 Query = tuple[OccupancyGrid, Pose, Pose]
 
 
-def cluttered(seed: int) -> OccupancyGrid:
+def cluttered_grid(seed: int) -> OccupancyGrid:
     """Return 20 x 20 m of 400 x 400 cells with thirty boxes of 1.25 m."""
     data = np.zeros((400, 400), np.int8)
     data[[0, -1]] = data[:, [0, -1]] = 100
@@ -32,19 +32,19 @@ def cluttered(seed: int) -> OccupancyGrid:
     return OccupancyGrid(data, 0.05, Pose(-10.0, -10.0))
 
 
-def recorded() -> list[OccupancyGrid]:
+def recorded_maps() -> list[OccupancyGrid]:
     """Return the recorded maps that are there."""
     found = [MAPS / name for name in RECORDED if (MAPS / name).is_file()]
     return [component("world", "ros_map", [f"world.path={path}"]).world(0, 0).grid for path in found]
 
 
-def queries(grids: list[OccupancyGrid], reference: GlobalPlanner) -> list[tuple[Query, float]]:
+def make_queries(grids: list[OccupancyGrid], reference: GlobalPlanner) -> list[tuple[Query, float]]:
     """Return queries of 6 m or more that A* can answer, and how long its paths are."""
     chosen = []
     for number, grid in enumerate(grids):
         free = np.argwhere((grid.derive(grid_distance) > 0.4) & (grid.data == 0))
         random = np.random.default_rng(number)
-        wanted = [_pair(grid, free, random) for _ in range(50)]
+        wanted = [_random_pair(grid, free, random) for _ in range(50)]
         for start, goal in [pair for pair in wanted if pair[0].distance(pair[1]) > 6.0][:QUERIES]:
             try:
                 chosen.append(((grid, start, goal), reference.plan(grid, start, goal).length))
@@ -53,12 +53,12 @@ def queries(grids: list[OccupancyGrid], reference: GlobalPlanner) -> list[tuple[
     return chosen
 
 
-def _pair(grid: OccupancyGrid, free: NDArray[np.int64], random: np.random.Generator) -> tuple[Pose, Pose]:
+def _random_pair(grid: OccupancyGrid, free: NDArray[np.int64], random: np.random.Generator) -> tuple[Pose, Pose]:
     a, b = (Pose(*grid.positions(free[random.integers(len(free))]).tolist()) for _ in range(2))
     return a, b
 
 
-def row(algorithm: str, chosen: list[tuple[Query, float]], where: str) -> dict[str, Any]:
+def query_row(algorithm: str, chosen: list[tuple[Query, float]], where: str) -> dict[str, Any]:
     """Return the median time of a query and the mean ratio of its length to that of A*."""
     planner = component("global_planner", "ompl", [f"global_planner.algorithm={algorithm}"], robot=BODY)
     planner.plan(*chosen[0][0])
@@ -79,9 +79,9 @@ def row(algorithm: str, chosen: list[tuple[Query, float]], where: str) -> dict[s
 def measure(algorithms: tuple[str, ...] = ("rrtstar", "rrtconnect")) -> list[dict[str, Any]]:
     """Return a row for each algorithm and kind of map."""
     reference = component("global_planner", "astar", robot=BODY)
-    kinds = {"400 x 400 cells": [cluttered(seed) for seed in range(GRIDS)], "recorded maps": recorded()}
-    chosen = {where: queries(grids, reference) for where, grids in kinds.items()}
-    return [row(algorithm, pairs, where) for algorithm in algorithms for where, pairs in chosen.items() if pairs]
+    kinds = {"400 x 400 cells": [cluttered_grid(seed) for seed in range(GRIDS)], "recorded maps": recorded_maps()}
+    chosen = {where: make_queries(grids, reference) for where, grids in kinds.items()}
+    return [query_row(algorithm, pairs, where) for algorithm in algorithms for where, pairs in chosen.items() if pairs]
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ from arena_core.testing import component
 from arena_kernels.compiled import compiled
 from arena_kernels.distance import distance_field
 from arena_kernels.half_planes import put_person
-from arena_kernels.programme import nearest_allowed, safest
+from arena_kernels.linear_program import nearest_allowed, safest_velocity
 
 AGENTS, RADIUS, HORIZON, PERIOD, SPEED = 11, 0.3, 3.0, 0.1, 1.5
 STEPS = 120  # of a walk: the crowd then has just crossed
@@ -41,12 +41,12 @@ def next_velocities(positions: np.ndarray, velocities: np.ndarray, wishes: np.nd
                 row += 1
         kept, x, y = nearest_allowed(lines, others, SPEED, (wishes[i, 0], wishes[i, 1]), False)
         if kept < others:
-            x, y = safest(lines, 0, others, kept, SPEED, (x, y), scratch)
+            x, y = safest_velocity(lines, 0, others, kept, SPEED, (x, y), scratch)
         out[i, 0], out[i, 1] = x, y
 
 
 @compiled
-def walk(positions: np.ndarray, wishes: np.ndarray, steps: int) -> np.ndarray:
+def walk_agents(positions: np.ndarray, wishes: np.ndarray, steps: int) -> np.ndarray:
     """Return where the agents are after ``steps``, from rest."""
     positions, velocities, out = positions.copy(), np.zeros_like(positions), np.zeros_like(positions)
     for _ in range(steps):
@@ -56,22 +56,22 @@ def walk(positions: np.ndarray, wishes: np.ndarray, steps: int) -> np.ndarray:
     return positions
 
 
-def crowd() -> tuple[np.ndarray, np.ndarray]:
+def make_crowd() -> tuple[np.ndarray, np.ndarray]:
     """Return eleven agents on a circle of 6 m, and the velocities at which each would cross it."""
     angles = 2.0 * math.pi * np.arange(AGENTS) / AGENTS + 0.01 * np.arange(AGENTS)
     places = 6.0 * np.column_stack((np.cos(angles), np.sin(angles)))
     return places, -places / 6.0
 
 
-def ours(steps: int) -> np.ndarray:
+def our_walk(steps: int) -> np.ndarray:
     """Let the crowd walk in our kernel."""
-    return walk(*crowd(), steps)
+    return walk_agents(*make_crowd(), steps)
 
 
-def theirs(steps: int) -> np.ndarray:
+def pyrvo_walk(steps: int) -> np.ndarray:
     """Let the crowd walk in pyrvo."""
     simulator = pyrvo.RVOSimulator(PERIOD, 100.0, AGENTS, HORIZON, HORIZON, RADIUS, SPEED)
-    for place, wish in zip(*crowd(), strict=True):
+    for place, wish in zip(*make_crowd(), strict=True):
         agent = simulator.add_agent(tuple(place.tolist()))
         simulator.set_agent_pref_velocity(agent, tuple(wish.tolist()))
     for _ in range(steps):
@@ -79,7 +79,7 @@ def theirs(steps: int) -> np.ndarray:
     return np.array([simulator.get_agent_position(agent).to_tuple() for agent in range(AGENTS)])
 
 
-def scene() -> Observation:
+def make_observation() -> Observation:
     """Return what a Jackal sees among ten people between boxes."""
     generator, lethal = np.random.default_rng(1), np.zeros((120, 120), np.bool_)
     for row, column in generator.integers(0, 112, (12, 2)):
@@ -99,9 +99,16 @@ def scene() -> Observation:
 
 def measure() -> list[dict[str, Any]]:
     """Return the median user CPU time of eleven agents' velocities, and of a Jackal's whole control step."""
-    np.testing.assert_allclose(ours(20), theirs(20), atol=1e-4)
-    planner, view = component("planner", "orca", ["planner.driving.patience=null"], "jackal", robot=component("robot", "jackal")), scene()
-    functions = {"ours": partial(_walks, ours), "pyrvo": partial(_walks, theirs), "step": partial(_repeat, planner, view)}
+    np.testing.assert_allclose(our_walk(20), pyrvo_walk(20), atol=1e-4)
+    planner, view = (
+        component("planner", "orca", ["planner.driving.patience=null"], "jackal", robot=component("robot", "jackal")),
+        make_observation(),
+    )
+    functions = {
+        "ours": partial(_repeat_walks, our_walk),
+        "pyrvo": partial(_repeat_walks, pyrvo_walk),
+        "step": partial(_repeat_calls, planner, view),
+    }
     times = interleave(functions, repeats=11)
     ms = {name: float(np.median(seconds)) * 1e3 for name, seconds in times.items()}
     velocities = {
@@ -117,12 +124,12 @@ def measure() -> list[dict[str, Any]]:
     ]
 
 
-def _walks(walk_on: Callable[[int], np.ndarray]) -> None:
+def _repeat_walks(walk_on: Callable[[int], np.ndarray]) -> None:
     for _ in range(WALKS):
         walk_on(STEPS)
 
 
-def _repeat(planner: Any, view: Observation) -> None:
+def _repeat_calls(planner: Any, view: Observation) -> None:
     for _ in range(CALLS):
         try:
             planner.compute_velocity(view)

@@ -21,7 +21,7 @@ REPEATS = 7
 CALLS = {10: 2000, 100: 200, 1000: 20}  # a repeat lasts some hundredths of a second at least
 
 
-def ours(people: int, worlds: int = 1) -> Callable[[], None]:
+def our_steps(people: int, worlds: int = 1) -> Callable[[], None]:
     """Return steps of arena-crowds' ORCA agents in so many equal worlds."""
     scenario = hall(people)
     model = component("pedestrians", "orca")
@@ -36,7 +36,7 @@ def ours(people: int, worlds: int = 1) -> Callable[[], None]:
     return run
 
 
-def theirs(people: int) -> Callable[[], None]:
+def pyrvo_steps(people: int) -> Callable[[], None]:
     """Return steps of pyrvo, walls included."""
     import pyrvo
 
@@ -60,7 +60,7 @@ def measure() -> list[dict[str, Any]]:
     """Return a row for each number of people."""
     rows = []
     for people in PEOPLE:
-        times = interleave({"ours": ours(people), "pyrvo": theirs(people)}, REPEATS)
+        times = interleave({"ours": our_steps(people), "pyrvo": pyrvo_steps(people)}, REPEATS)
         ms = {name: 1e3 * median(seconds) / CALLS[people] for name, seconds in times.items()}
         what = {"what": f"ORCA crowd step, {people} people", "ours_ms": ms["ours"], "peer": "pyrvo", "peer_ms": ms["pyrvo"]}
         rows.append({**what, "ratio": ms["ours"] / ms["pyrvo"], "goal": None, "unit": "x peer"})

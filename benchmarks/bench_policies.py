@@ -20,7 +20,7 @@ PLANNERS = ("rosnav", "gring", "navrep")
 PEOPLE = testing.tracked(*((1.0 + 0.2 * k, 0.4 * k - 1.8, 0.0, 0.3) for k in range(10)))
 
 
-def calls(planner: str, robot: str) -> Callable[[], None]:
+def policy_calls(planner: str, robot: str) -> Callable[[], None]:
     """Return calls of a planner's policy for a robot."""
     body = testing.component("robot", robot)
     policy = load_policy(str(resources.files(f"arena_{planner}") / "policies" / f"{robot}.onnx"), planner, body)
@@ -64,7 +64,7 @@ PEERS: Mapping[str, Mapping[str, Any]] = {
 }
 
 
-def networks(planner: str) -> Callable[[], None]:
+def network_calls(planner: str) -> Callable[[], None]:
     """Return calls of a planner's bare networks in PyTorch, without encoding and scaling."""
     torch.set_num_threads(1)
     peer = Peer(**PEERS[planner])
@@ -80,8 +80,8 @@ def networks(planner: str) -> Callable[[], None]:
 
 def measure() -> list[dict[str, Any]]:
     """Return a row for each planner and robot; the goal is in ms."""
-    runs = {f"{planner}, {robot}": calls(planner, robot) for planner in PLANNERS for robot in ROBOTS}
-    times = interleave({**runs, **{planner: networks(planner) for planner in PLANNERS}}, REPEATS)
+    runs = {f"{planner}, {robot}": policy_calls(planner, robot) for planner in PLANNERS for robot in ROBOTS}
+    times = interleave({**runs, **{planner: network_calls(planner) for planner in PLANNERS}}, REPEATS)
     ms = {name: 1e3 * median(seconds) / CALLS for name, seconds in times.items()}
     return [
         {

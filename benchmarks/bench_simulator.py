@@ -44,7 +44,7 @@ def scenario(seed: int, world: World) -> Scenario:
     return Scenario(f"rooms/{seed}", seed, world, Pose(*start), Pose(1.0, 1.0), people, (), 0.3, 180.0)
 
 
-def build(noise: float, **crowd_settings: float) -> Simulator:
+def build_simulator(noise: float, **crowd_settings: float) -> Simulator:
     """Return the simulator with the social-force crowd, both as configured by default but for the settings given."""
     registry, body = load_registry(), robot(noise)
 
@@ -56,7 +56,7 @@ def build(noise: float, **crowd_settings: float) -> Simulator:
     return simulator
 
 
-def ours(simulator: Simulator, worlds: int, calls: int) -> Callable[[], None]:
+def our_steps(simulator: Simulator, worlds: int, calls: int) -> Callable[[], None]:
     """Return steps of so many worlds, each with its own people."""
     world = World("rooms", rooms())
     simulator.reset([scenario(seed, world) for seed in range(worlds)])
@@ -69,7 +69,7 @@ def ours(simulator: Simulator, worlds: int, calls: int) -> Callable[[], None]:
     return run
 
 
-def navground() -> Callable[[], None]:
+def navground_steps() -> Callable[[], None]:
     """Return steps of navground: ten ORCA agents, an idle robot and its lidar, which must be asked for by hand to be computed."""
     from navground import core, sim
 
@@ -103,7 +103,7 @@ def navground() -> Callable[[], None]:
     return run
 
 
-def irsim() -> Callable[[], None]:
+def irsim_steps() -> Callable[[], None]:
     """Return steps of ir-sim: ten social-force obstacles, a robot that drives a circle, and its lidar."""
     logging.disable(logging.INFO)
     import irsim
@@ -142,7 +142,7 @@ def irsim() -> Callable[[], None]:
     return run
 
 
-PEERS = {"navground ORCA + lidar": ("navground", navground), "ir-sim social force": ("irsim", irsim)}
+PEERS = {"navground ORCA + lidar": ("navground", navground_steps), "ir-sim social force": ("irsim", irsim_steps)}
 
 
 def measure() -> list[dict[str, Any]]:
@@ -152,9 +152,9 @@ def measure() -> list[dict[str, Any]]:
     apart and measures clearances.
     """
     runs = {
-        "batch": ours(build(0.0, longest_step=STEP), BATCH, CALLS["batch"]),
-        "default": ours(build(1.0), BATCH, CALLS["batch"]),
-        "single": ours(build(1.0), 1, CALLS["single"]),
+        "batch": our_steps(build_simulator(0.0, longest_step=STEP), BATCH, CALLS["batch"]),
+        "default": our_steps(build_simulator(1.0), BATCH, CALLS["batch"]),
+        "single": our_steps(build_simulator(1.0), 1, CALLS["single"]),
     }
     for name, (module, make) in PEERS.items():
         if find_spec(module):
@@ -165,12 +165,12 @@ def measure() -> list[dict[str, Any]]:
     ms = {name: 1e3 * median(times[name]) / CALLS[name] for name in runs}
     what = f"control step, 360 beams, {PEOPLE} people"
     batch = ms["batch"] / BATCH
-    rows = [_row(f"{what}, of a batch of {BATCH}", batch, name, ms[name]) for name in PEERS if name in ms] or [_row(what, batch)]
-    with_noise = _row(f"{what}, of a batch of {BATCH}, noise, two crowd steps", ms["default"] / BATCH)
-    return [*rows, with_noise, _row(f"{what}, single, noise, two crowd steps", ms["single"])]
+    rows = [_make_row(f"{what}, of a batch of {BATCH}", batch, name, ms[name]) for name in PEERS if name in ms] or [_make_row(what, batch)]
+    with_noise = _make_row(f"{what}, of a batch of {BATCH}, noise, two crowd steps", ms["default"] / BATCH)
+    return [*rows, with_noise, _make_row(f"{what}, single, noise, two crowd steps", ms["single"])]
 
 
-def _row(what: str, ours_ms: float, peer: str | None = None, peer_ms: float | None = None) -> dict[str, Any]:
+def _make_row(what: str, ours_ms: float, peer: str | None = None, peer_ms: float | None = None) -> dict[str, Any]:
     ratio = None if peer_ms is None else ours_ms / peer_ms
     goal = None if peer is None else GOALS[peer]
     return {"what": what, "ours_ms": ours_ms, "peer": peer, "peer_ms": peer_ms, "ratio": ratio, "goal": goal, "unit": "x peer"}

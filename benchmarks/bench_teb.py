@@ -11,16 +11,16 @@ from scipy.optimize import least_squares
 from scipy.sparse import csr_matrix
 from timing import interleave
 
+from arena_kernels.costmap_window import CostmapWindow
 from arena_kernels.distance import distance_field
-from arena_kernels.window import Window
 from arena_teb.association import Reach
-from arena_teb.optimisation import Effort, Model, optimised
+from arena_teb.optimisation import Effort, Model, optimise_band
 from arena_teb.polygons import NO_HULLS
 from arena_teb.problem import REACH, Ends, Penalties, Shape, Surroundings
-from arena_teb.resize import Sampling, resized
-from arena_teb.solver import solve
-from arena_teb.surroundings import Scene, Vicinity, surroundings
-from arena_teb.terms import evaluate, make_rows
+from arena_teb.resize import Sampling, resize_band
+from arena_teb.solver import solve_band
+from arena_teb.surroundings import Scene, Vicinity, find_surroundings
+from arena_teb.terms import evaluate_terms, make_rows
 
 EFFORT = Effort(12, 4, 0.002, 2.0)  # the preset's
 ENOUGH = 100, 1e-4  # iterations and tolerance of the single solution
@@ -55,11 +55,11 @@ PENALTIES = Penalties(
 MODEL = Model(PENALTIES, SHAPE, Sampling(0.3, 0.1, 3, 80, math.inf), Vicinity(Reach(0.6, 0.0), 1.0, 0.2, 0.5), EFFORT)
 
 
-def scene() -> tuple[np.ndarray, Scene]:
+def make_scene() -> tuple[np.ndarray, Scene]:
     """Return a band of 40 poses on a straight line, and walls and people about it."""
     lethal = np.zeros((120, 120), np.bool_)
     lethal[45:50, 50:60] = lethal[66:72, 80:90] = lethal[40:46, 100:110] = True
-    window = Window(np.where(lethal, 254, 0).astype(np.uint8), distance_field(lethal, 0.05), 0.05, -2.0, -3.0)
+    window = CostmapWindow(np.where(lethal, 254, 0).astype(np.uint8), distance_field(lethal, 0.05), 0.05, -2.0, -3.0)
     random = np.random.default_rng(2)
     positions, velocities = random.uniform((0.5, -1.5), (3.5, 1.5), (10, 2)), random.uniform(-0.3, 0.3, (10, 2))
     band = np.zeros((40, 4))
@@ -67,21 +67,21 @@ def scene() -> tuple[np.ndarray, Scene]:
     return band, Scene(window, NO_HULLS, positions, velocities, np.full(10, 0.25), math.inf, np.empty((0, 2)))
 
 
-def whole(band: np.ndarray, around: Scene) -> None:
+def optimise_whole_band(band: np.ndarray, around: Scene) -> None:
     """Optimise as the planner does, resizing and pairing included."""
     for _ in range(CALLS):
-        optimised(band, around, MODEL, ENDS)
+        optimise_band(band, around, MODEL, ENDS)
 
 
-def ours(band: np.ndarray, around: Surroundings) -> float:
+def our_solution(band: np.ndarray, around: Surroundings) -> float:
     """Solve one problem by the banded Levenberg-Marquardt."""
     for _ in range(CALLS):
         solved = band.copy()
-        cost, _ = solve(solved, PENALTIES, SHAPE, ENDS, around, *ENOUGH)
+        cost, _ = solve_band(solved, PENALTIES, SHAPE, ENDS, around, *ENOUGH)
     return cost
 
 
-def scipys(band: np.ndarray, around: Surroundings, cost: float) -> float:
+def scipy_solution(band: np.ndarray, around: Surroundings, cost: float) -> float:
     """Solve it by scipy's trust region with the same sparse Jacobian, up to the same cost; return the cost."""
     rows = make_rows(around)
     free = np.ones(band.shape, np.bool_)
@@ -91,7 +91,7 @@ def scipys(band: np.ndarray, around: Surroundings, cost: float) -> float:
     def at(values: np.ndarray) -> None:
         placed = band.copy()
         placed[free] = values
-        evaluate(placed, PENALTIES, SHAPE, ENDS, around, rows)
+        evaluate_terms(placed, PENALTIES, SHAPE, ENDS, around, rows)
 
     def residuals(values: np.ndarray) -> np.ndarray:
         at(values)
@@ -116,15 +116,15 @@ def scipys(band: np.ndarray, around: Surroundings, cost: float) -> float:
 
 def measure() -> list[dict[str, Any]]:
     """Return the median user CPU time of a whole optimisation, and of one solution with its peer at equal cost."""
-    band, here = scene()
-    sampled = resized(band, MODEL.sampling)
-    around = surroundings(sampled, here, MODEL.vicinity)
-    cost = ours(sampled, around)
-    theirs = scipys(sampled, around, cost)
+    band, here = make_scene()
+    sampled = resize_band(band, MODEL.sampling)
+    around = find_surroundings(sampled, here, MODEL.vicinity)
+    cost = our_solution(sampled, around)
+    theirs = scipy_solution(sampled, around, cost)
     functions = {
-        "whole": partial(whole, band, here),
-        "ours": partial(ours, sampled, around),
-        "scipy": partial(scipys, sampled, around, cost),
+        "whole": partial(optimise_whole_band, band, here),
+        "ours": partial(our_solution, sampled, around),
+        "scipy": partial(scipy_solution, sampled, around, cost),
     }
     times = interleave(functions, repeats=9)
     ms = {name: float(np.median(seconds)) * 1e3 / (1 if name == "scipy" else CALLS) for name, seconds in times.items()}

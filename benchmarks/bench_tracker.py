@@ -14,7 +14,7 @@ from timing import interleave
 from arena_core import LaserScan, OccupancyGrid, Pose, Tracker
 from arena_core.testing import component
 from arena_kernels.distance import grid_distance
-from arena_navigation.tracking.filter import POSITION, correct, predict
+from arena_navigation.tracking.filter import POSITION, correct_tracks, predict_tracks
 
 PEOPLE = 10
 STEPS = 40  # a timing
@@ -23,7 +23,7 @@ DENSITY = 0.5  # m^2/s^3
 NOISE = 1e-4  # m^2
 
 
-def hall(known: bool) -> OccupancyGrid | None:
+def make_hall(known: bool) -> OccupancyGrid | None:
     """Return a hall of 16 x 16 m with walls, or no map."""
     data = np.zeros((320, 320), np.int8)
     data[[0, -1], :] = data[:, [0, -1]] = 100
@@ -32,7 +32,7 @@ def hall(known: bool) -> OccupancyGrid | None:
     return grid if known else None
 
 
-def scans() -> list[LaserScan]:
+def make_scans() -> list[LaserScan]:
     """Return what a lidar of 720 beams all round, in the middle of the hall, sees of ten people on circles of 3 to 6 m about it."""
     increment = 2.0 * math.pi / 720
     angles = -math.pi + increment * np.arange(720)
@@ -52,7 +52,7 @@ def scans() -> list[LaserScan]:
     return found
 
 
-def track(tracker: Tracker, grid: OccupancyGrid | None, seen: list[LaserScan]) -> int:
+def track_people(tracker: Tracker, grid: OccupancyGrid | None, seen: list[LaserScan]) -> int:
     """Follow people through all scans and return how many are told of at the end."""
     tracker.reset(grid)
     for scan in seen:
@@ -65,8 +65,8 @@ def batched_filters(positions: np.ndarray) -> np.ndarray:
     states, covariances = np.zeros((PEOPLE, 4)), np.tile(np.eye(4), (PEOPLE, 1, 1))
     noises, matches = np.tile(NOISE * np.eye(2), (PEOPLE, 1, 1)), np.arange(PEOPLE)
     for measured in positions:
-        predict(states, covariances, PERIOD, DENSITY)
-        correct(states, covariances, matches, measured, noises, POSITION)
+        predict_tracks(states, covariances, PERIOD, DENSITY)
+        correct_tracks(states, covariances, matches, measured, noises, POSITION)
     return states
 
 
@@ -88,20 +88,20 @@ def filterpy_filters(positions: np.ndarray) -> np.ndarray:
 
 def measure() -> list[dict[str, Any]]:
     """Return the median user CPU time of a step with and without a map, and of its filters beside filterpy's."""
-    seen, tracker = scans(), component("tracker", "kalman", robot_preset="jackal", robot=_robot())
+    seen, tracker = make_scans(), component("tracker", "kalman", robot_preset="jackal", robot=_jackal_robot())
     positions = np.random.default_rng(1).normal(size=(STEPS, PEOPLE, 2))
     np.testing.assert_allclose(batched_filters(positions), filterpy_filters(positions), atol=1e-9)
-    assert track(tracker, hall(known=True), seen) == PEOPLE
+    assert track_people(tracker, make_hall(known=True), seen) == PEOPLE
     functions = {
-        "known": partial(_five, partial(track, tracker, hall(known=True), seen)),
-        "unknown": partial(_five, partial(track, tracker, None, seen)),
-        "ours": partial(_five, partial(batched_filters, positions)),
-        "filterpy": partial(_five, partial(filterpy_filters, positions)),
+        "known": partial(_repeat_calls, partial(track_people, tracker, make_hall(known=True), seen)),
+        "unknown": partial(_repeat_calls, partial(track_people, tracker, None, seen)),
+        "ours": partial(_repeat_calls, partial(batched_filters, positions)),
+        "filterpy": partial(_repeat_calls, partial(filterpy_filters, positions)),
     }
     ms = {name: float(np.median(seconds)) / (5 * STEPS) * 1e3 for name, seconds in interleave(functions, repeats=11).items()}
     return [
-        _row("tracker step, 10 tracks, 720 beams, with a map, at most", ms["known"]),
-        _row("tracker step, 10 tracks, 720 beams, without a map, at most", ms["unknown"]),
+        _make_row("tracker step, 10 tracks, 720 beams, with a map, at most", ms["known"]),
+        _make_row("tracker step, 10 tracks, 720 beams, without a map, at most", ms["unknown"]),
         {
             "what": "Kalman filters of 10 tracks, one step",
             "ours_ms": ms["ours"],
@@ -114,15 +114,15 @@ def measure() -> list[dict[str, Any]]:
     ]
 
 
-def _robot() -> Any:
+def _jackal_robot() -> Any:
     return component("robot", "jackal")
 
 
-def _row(what: str, ms: float) -> dict[str, Any]:
+def _make_row(what: str, ms: float) -> dict[str, Any]:
     return {"what": what, "ours_ms": ms, "peer": None, "peer_ms": None, "ratio": None, "goal": 0.3, "unit": "ms"}
 
 
-def _five(work: Any) -> None:
+def _repeat_calls(work: Any) -> None:
     for _ in range(5):
         work()
 

@@ -22,12 +22,12 @@ KINDS, GOAL_MS, REPEATS = ("indoor", "outdoor", "rooms", "cellular"), 150.0, 15
 SIZE = ("world.width=25", "world.height=25", "world.resolution=0.05")
 
 
-def ours(source: Generated, seeds: Iterator[int]) -> Callable[[], None]:
+def our_worlds(source: Generated, seeds: Iterator[int]) -> Callable[[], None]:
     """Return the generation of one new world."""
     return lambda: source.world(next(seeds), 0) and None
 
 
-def plain(source: Generated, seeds: Iterator[int]) -> Callable[[], None]:
+def plain_worlds(source: Generated, seeds: Iterator[int]) -> Callable[[], None]:
     """Return the same with distances by scipy, and places filled one after the other until one is left."""
 
     def run() -> None:
@@ -40,15 +40,15 @@ def plain(source: Generated, seeds: Iterator[int]) -> Callable[[], None]:
 
 def _keep_largest(canvas: Canvas, radius: float, resolution: float) -> None:
     while True:
-        labels, places = ndimage.label(_distance(canvas.inside == FREE, resolution) >= radius + 0.5 * resolution)
+        labels, places = ndimage.label(_distance_field(canvas.inside == FREE, resolution) >= radius + 0.5 * resolution)
         if places <= 1:
             return
         sizes = [int((labels == k).sum()) for k in range(1, places + 1)]
         smallest = labels == 1 + int(np.argmin(sizes))
-        canvas.inside[_distance(~smallest, resolution) < radius] = OCCUPIED
+        canvas.inside[_distance_field(~smallest, resolution) < radius] = OCCUPIED
 
 
-def _distance(free: NDArray[np.bool_], resolution: float) -> NDArray[np.float64]:
+def _distance_field(free: NDArray[np.bool_], resolution: float) -> NDArray[np.float64]:
     return np.asarray(ndimage.distance_transform_edt(np.pad(free, 1))[1:-1, 1:-1] * resolution)
 
 
@@ -58,17 +58,17 @@ def measure() -> list[dict[str, Any]]:
     for kind in KINDS:
         for difficulty in (0.5, 1.0):
             source = component("world", kind, [*SIZE, f"world.difficulty={difficulty}"])
-            times = interleave({"ours": ours(source, count()), "plain": plain(source, count())}, REPEATS)
+            times = interleave({"ours": our_worlds(source, count()), "plain": plain_worlds(source, count())}, REPEATS)
             rows.append(
-                _row(f"world of 25 x 25 m, {kind}, difficulty {difficulty:g}", *(1e3 * median(times[k]) for k in ("ours", "plain")))
+                _make_row(f"world of 25 x 25 m, {kind}, difficulty {difficulty:g}", *(1e3 * median(times[k]) for k in ("ours", "plain")))
             )
     grid: OccupancyGrid = component("world", "rooms", list(SIZE)).world(0, 0).grid
     seconds = interleave({"measures": lambda: measures_of(grid, 0.35) and None}, REPEATS)["measures"]
-    rows.append({**_row("measures of 25 x 25 m, rooms", 1e3 * median(seconds), None), "goal": None})
+    rows.append({**_make_row("measures of 25 x 25 m, rooms", 1e3 * median(seconds), None), "goal": None})
     return rows
 
 
-def _row(what: str, ours_ms: float, peer_ms: float | None) -> dict[str, Any]:
+def _make_row(what: str, ours_ms: float, peer_ms: float | None) -> dict[str, Any]:
     ratio = None if peer_ms is None else ours_ms / peer_ms
     peer = None if peer_ms is None else "scipy alone"
     return {"what": what, "ours_ms": ours_ms, "peer": peer, "peer_ms": peer_ms, "ratio": ratio, "goal": GOAL_MS, "unit": "ms"}

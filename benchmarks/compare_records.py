@@ -105,7 +105,7 @@ def main(words: Sequence[str]) -> int:
     parser.add_argument("--keep", type=Path, help="a folder for the runs, where earlier ones of the same name count as run")
     given = parser.parse_args(words)
     for checkout in (given.before, given.after):
-        if not _python(checkout).exists():
+        if not _python_path(checkout).exists():
             parser.error(f"{checkout} has no .venv; allowed: a checkout after make setup")
     if unknown := [name for name in given.only if name not in RUNS and name not in TRAININGS]:
         parser.error(f"there is no run {', '.join(unknown)}; allowed: {', '.join([*RUNS, *TRAININGS])}")
@@ -113,8 +113,8 @@ def main(words: Sequence[str]) -> int:
         root = (given.keep or Path(temporary)).resolve()
         folders = [root / "before", root / "after"]
         for checkout, folder in zip((given.before, given.after), folders, strict=True):
-            _run(checkout.resolve(), folder, given.only)
-        return _show({name: compare_runs(*(folder / name for folder in folders), given.ignored) for name in given.only})
+            _run_checkout(checkout.resolve(), folder, given.only)
+        return _print_table({name: compare_runs(*(folder / name for folder in folders), given.ignored) for name in given.only})
 
 
 def compare_runs(before: Path, after: Path, ignored: Iterable[str] = ()) -> tuple[int, str]:
@@ -124,11 +124,11 @@ def compare_runs(before: Path, after: Path, ignored: Iterable[str] = ()) -> tupl
     """
     names = [sorted(path.relative_to(folder).as_posix() for path in folder.glob("records/**/*.npz")) for folder in (before, after)]
     if names[0] != names[1]:
-        return 0, f"records: {_shown(names[0])}, then {_shown(names[1])}"
+        return 0, f"records: {_short_repr(names[0])}, then {_short_repr(names[1])}"
     if not names[0]:
         return 0, "neither has a record"
     for name in names[0]:
-        if difference := compare_records(_read(before / name), _read(after / name), ignored):
+        if difference := compare_records(_read_arrays(before / name), _read_arrays(after / name), ignored):
             return len(names[0]), f"{name}: {difference}"
     return len(names[0]), ""
 
@@ -174,15 +174,15 @@ def _first_of_meta(before: Any, after: Any, ignored: set[str], key: str = "") ->
             if difference := _first_of_meta(before.get(name), after.get(name), ignored, inside):
                 return difference
         return ""
-    return "" if repr(before) == repr(after) else f"meta.{key}: {_shown(before)}, then {_shown(after)}"
+    return "" if repr(before) == repr(after) else f"meta.{key}: {_short_repr(before)}, then {_short_repr(after)}"
 
 
-def _shown(value: Any) -> str:
+def _short_repr(value: Any) -> str:
     text = repr(value)
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
-def _read(path: Path) -> dict[str, Any]:
+def _read_arrays(path: Path) -> dict[str, Any]:
     with np.load(path, allow_pickle=False) as file:
         content: dict[str, Any] = dict(file)
     if "meta" in content:
@@ -190,7 +190,7 @@ def _read(path: Path) -> dict[str, Any]:
     return content
 
 
-def _show(found: Mapping[str, tuple[int, str]]) -> int:
+def _print_table(found: Mapping[str, tuple[int, str]]) -> int:
     """Print the table; return the exit status."""
     width = max(map(len, found))
     print(f"{'run'.ljust(width)}  episodes  records")
@@ -201,36 +201,36 @@ def _show(found: Mapping[str, tuple[int, str]]) -> int:
     return int(different > 0)
 
 
-def _run(checkout: Path, folder: Path, names: Sequence[str]) -> None:
+def _run_checkout(checkout: Path, folder: Path, names: Sequence[str]) -> None:
     """Have a checkout's own interpreter make the runs below a folder; what is there already is kept."""
     missing = [name for name in names if not (folder / name / "records").is_dir()]
     barn = folder / BARN_WORLD
     barn.parent.mkdir(parents=True, exist_ok=True)
     posts = "".join(POST.format(k=k, x=-3.5 + 0.15 * k, y=8.0) for k in range(20))
     barn.write_text(f"<sdf version='1.6'><world name='default'>{posts}</world></sdf>")
-    command = [str(_python(checkout)), "-P", str(Path(__file__).resolve()), "--record", *missing]
+    command = [str(_python_path(checkout)), "-P", str(Path(__file__).resolve()), "--record", *missing]
     status = subprocess.run(command, cwd=folder).returncode
     if status:
         print(f"{checkout}: ended with status {status}", file=sys.stderr)
 
 
-def _python(checkout: Path) -> Path:
+def _python_path(checkout: Path) -> Path:
     return checkout / ".venv" / "bin" / "python"
 
 
-def record(names: Sequence[str]) -> None:
+def make_runs(names: Sequence[str]) -> None:
     """Make the runs in the working directory with the packages of this interpreter."""
     (command,) = entry_points(group="console_scripts", name="arena")  # wherever this checkout keeps it
     arena = command.load()
     for name in names:
         print(f"{name} ...", file=sys.stderr)
         if name in TRAININGS:
-            _train(name)
+            _record_training(name)
         else:
-            arena(["run", *_understood(RUNS[name].split()), *ALWAYS, f"hydra.run.dir={name}"])  # one that is refused leaves no record
+            arena(["run", *_known_overrides(RUNS[name].split()), *ALWAYS, f"hydra.run.dir={name}"])  # one that is refused leaves no record
 
 
-def _understood(words: Sequence[str]) -> list[str]:
+def _known_overrides(words: Sequence[str]) -> list[str]:
     """Return the overrides with those alternatives that this checkout has."""
     from arena_core import ConfigurationError
 
@@ -249,7 +249,7 @@ def _understood(words: Sequence[str]) -> list[str]:
     return chosen
 
 
-def _train(name: str) -> None:
+def _record_training(name: str) -> None:
     """Step an environment by fixed actions; write its observations and rewards as a record."""
     import gymnasium
 
@@ -259,17 +259,17 @@ def _train(name: str) -> None:
     envs: Any = gymnasium.make_vec("arena/Navigation-v0", num_envs=worlds, vectorization_mode="vector_entry_point", **settings)
     first, _ = envs.reset(seed=0)
     envs.action_space.seed(0)
-    steps_taken = [envs.step(_ahead(envs.action_space.sample())) for _ in range(steps)]
+    steps_taken = [envs.step(_forward_actions(envs.action_space.sample())) for _ in range(steps)]
     observations, rewards, terminated, truncated, _ = zip(*steps_taken, strict=True)
     arrays = {"first": first, "observations": observations, "rewards": rewards, "terminated": terminated, "truncated": truncated}
     (folder := Path(name, "records")).mkdir(parents=True)
     np.savez(folder / "0000.npz", **{key: np.array(value) for key, value in arrays.items()})
 
 
-def _ahead(actions: Any) -> Any:
+def _forward_actions(actions: Any) -> Any:
     """Return velocities that lead ahead, or nothing would be met; choices of a planner as they are."""
     return np.concatenate((np.abs(actions[:, :1]), actions[:, 1:]), axis=1) if actions.ndim > 1 else actions
 
 
 if __name__ == "__main__":
-    sys.exit(record(sys.argv[2:]) if sys.argv[1:2] == ["--record"] else main(sys.argv[1:]))
+    sys.exit(make_runs(sys.argv[2:]) if sys.argv[1:2] == ["--record"] else main(sys.argv[1:]))

@@ -32,7 +32,7 @@ REPEATS, WORLD_STEPS = 5, 64  # a repeat steps so many worlds in all, in as many
 Curve = dict[float, float]
 
 
-def simulator(beams: int, crowd: str) -> Simulator:
+def make_simulator(beams: int, crowd: str) -> Simulator:
     """Return the simulator with a lidar of so many beams, as configured by default but without noise."""
     body = robot(0.0)
     body = replace(body, lidar=replace(body.lidar, beams=beams, angle_increment=2.0 * np.pi / beams))
@@ -43,9 +43,9 @@ def simulator(beams: int, crowd: str) -> Simulator:
     return built
 
 
-def steps(scenarios: Sequence[Scenario], beams: int = 360, crowd: str = "social_force") -> Callable[[], float]:
+def timed_steps(scenarios: Sequence[Scenario], beams: int = 360, crowd: str = "social_force") -> Callable[[], float]:
     """Return what steps these worlds and tells the CPU time of a control step of one of them, us."""
-    built = simulator(beams, crowd)
+    built = make_simulator(beams, crowd)
     built.reset(scenarios)
     commands, ticks = np.tile((0.3, 0.0, 0.3), (len(scenarios), 1)), round(STEP / built.inner_step)
     calls = max(WORLD_STEPS // len(scenarios), 2)
@@ -59,7 +59,7 @@ def steps(scenarios: Sequence[Scenario], beams: int = 360, crowd: str = "social_
     return run
 
 
-def in_turn(runs: Mapping[float, Callable[[], float]]) -> Curve:
+def measure_in_turn(runs: Mapping[float, Callable[[], float]]) -> Curve:
     """Return the median of each size; all are run once to warm up, then in turn."""
     for run in runs.values():
         run()
@@ -70,51 +70,56 @@ def in_turn(runs: Mapping[float, Callable[[], float]]) -> Curve:
     return {size: median(taken) for size, taken in times.items()}
 
 
-def some_rooms(worlds: int) -> list[Scenario]:
+def room_scenarios(worlds: int) -> list[Scenario]:
     """Return so many scenarios with ten people each in four rooms."""
     world = World("rooms", rooms())
     return [scenario(seed % 64, world) for seed in range(worlds)]
 
 
-def people_at_one_density(people: int) -> Scenario:
+def density_scenario(people: int) -> Scenario:
     """Return four rooms with so many people at 40 m2 each, on a map of 20 m at least."""
     whole = hall(max(people, 10))
     return replace(whole, pedestrians=whole.pedestrians[:people])
 
 
-def ten_people_on(side: float) -> Scenario:
+def ten_people_scenario(side: float) -> Scenario:
     """Return four rooms of this side (m) in all, with ten people in them."""
     whole = hall(round(10 * (side / 20.0) ** 2))
     return replace(whole, pedestrians=whole.pedestrians[:10])
 
 
-def beams() -> dict[str, Curve]:
+def measure_beams() -> dict[str, Curve]:
     """Measure steps by the number of beams."""
-    return {"beams": in_turn({count: steps(some_rooms(16), count) for count in BEAMS})}
+    return {"beams": measure_in_turn({count: timed_steps(room_scenarios(16), count) for count in BEAMS})}
 
 
-def people() -> dict[str, Curve]:
+def measure_people() -> dict[str, Curve]:
     """Measure steps by the number of people, of each crowd model."""
     models = ("social_force", "orca")
-    return {f"people, {model}": in_turn({n: steps([people_at_one_density(n)], crowd=model) for n in PEOPLE}) for model in models}
+    return {f"people, {model}": measure_in_turn({n: timed_steps([density_scenario(n)], crowd=model) for n in PEOPLE}) for model in models}
 
 
-def maps() -> dict[str, Curve]:
+def measure_maps() -> dict[str, Curve]:
     """Measure steps by the side of the map, and its first reset, which makes the tables of the map (ms)."""
     first: Curve = {}
     for side in SIDES:
         began = time.process_time()
-        simulator(360, "social_force").reset([ten_people_on(side)])
+        make_simulator(360, "social_force").reset([ten_people_scenario(side)])
         first[side] = 1e3 * (time.process_time() - began)
-    return {"map": in_turn({side: steps([ten_people_on(side)]) for side in SIDES}), "map, first reset": first}
+    return {"map": measure_in_turn({side: timed_steps([ten_people_scenario(side)]) for side in SIDES}), "map, first reset": first}
 
 
-def worlds() -> dict[str, Curve]:
+def measure_worlds() -> dict[str, Curve]:
     """Measure steps by the number of worlds in a batch."""
-    return {"worlds": in_turn({count: steps(some_rooms(count)) for count in WORLDS})}
+    return {"worlds": measure_in_turn({count: timed_steps(room_scenarios(count)) for count in WORLDS})}
 
 
-PARTS: Mapping[str, Callable[[], dict[str, Curve]]] = {"beams": beams, "people": people, "map": maps, "worlds": worlds}
+PARTS: Mapping[str, Callable[[], dict[str, Curve]]] = {
+    "beams": measure_beams,
+    "people": measure_people,
+    "map": measure_maps,
+    "worlds": measure_worlds,
+}
 PANELS = {  # title: axis below, axis beside, curves
     "Beams": ("beams of the lidar", "µs a control step", ["beams"]),
     "People": ("people, 40 m² each", "µs a control step", ["people, social_force", "people, orca"]),
@@ -124,13 +129,13 @@ PANELS = {  # title: axis below, axis beside, curves
 }
 
 
-def growth(curve: Curve) -> float:
+def growth_exponent(curve: Curve) -> float:
     """Return the exponent of growth between the last two sizes: 1 is linear."""
     (size, cost), (larger, more) = list(curve.items())[-2:]
     return float(np.log(more / cost) / np.log(larger / size))
 
 
-def draw(curves: Mapping[str, Curve], target: Path) -> None:
+def draw_curves(curves: Mapping[str, Curve], target: Path) -> None:
     """Draw all curves that were measured, on logarithmic axes."""
     import matplotlib as mpl
 
@@ -159,12 +164,12 @@ def draw(curves: Mapping[str, Curve], target: Path) -> None:
     figure.savefig(target, dpi=110)
 
 
-def table(curves: Mapping[str, Curve]) -> str:
+def curve_table(curves: Mapping[str, Curve]) -> str:
     """Return the curves as a Markdown table."""
     lines = ["| what | cost by size | growth |", "| --- | --- | --- |"]
     for name, curve in curves.items():
         costs = ", ".join(f"{size:g}: {cost:.3g}" for size, cost in curve.items())
-        lines.append(f"| {name} | {costs} | {growth(curve):.2f} |")
+        lines.append(f"| {name} | {costs} | {growth_exponent(curve):.2f} |")
     return "\n".join(lines)
 
 
@@ -181,8 +186,8 @@ def main(arguments: Sequence[str]) -> int:
         curves |= PARTS[part]()
     kept.parent.mkdir(exist_ok=True)
     kept.write_text(json.dumps(curves, indent=1) + "\n")
-    draw(curves, given.to)
-    print(table(curves))
+    draw_curves(curves, given.to)
+    print(curve_table(curves))
     return 0
 
 

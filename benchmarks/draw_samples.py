@@ -42,7 +42,7 @@ class Block:
         return self.parts.setdefault(name, Block(name, package))
 
 
-def read(path: Path) -> Block:
+def read_samples(path: Path) -> Block:
     """Return the blocks of a file of samples, from the loop of an episode on."""
     root = Block("control step", "arena_core")
     for line in path.read_text(encoding="utf-8").splitlines():
@@ -53,13 +53,13 @@ def read(path: Path) -> Block:
             continue
         block = root
         block.samples += int(count)
-        for name, package in shown(frames[places[-1] + 1 :]):
+        for name, package in shown_frames(frames[places[-1] + 1 :]):
             block = block.within(name, package)
             block.samples += int(count)
     return root
 
 
-def shown(frames: Iterable[str]) -> Iterator[tuple[str, str]]:
+def shown_frames(frames: Iterable[str]) -> Iterator[tuple[str, str]]:
     """Return name and package of the frames that say something."""
     for frame in frames:
         name, _, place = frame.partition(" (")
@@ -70,7 +70,7 @@ def shown(frames: Iterable[str]) -> Iterator[tuple[str, str]]:
             yield name, package if package in COLOURS else "planner and others" if package.startswith("arena_") else "library"
 
 
-def draw(graphs: list[tuple[str, Block, float]], target: Path) -> None:
+def draw_graphs(graphs: list[tuple[str, Block, float]], target: Path) -> None:
     """Draw the graphs, each as wide as its control step takes."""
     from matplotlib.figure import Figure
     from matplotlib.patches import Patch
@@ -79,7 +79,7 @@ def draw(graphs: list[tuple[str, Block, float]], target: Path) -> None:
     widest = max(ms for *_, ms in graphs)
     figure = Figure(figsize=(13.0, 3.3 * len(graphs) + 0.5), layout="constrained")
     for axes, (name, root, ms) in zip(figure.subplots(len(graphs), 1, sharex=True, squeeze=False)[:, 0], graphs, strict=True):
-        _draw(axes, root, 0.0, 0, ms / max(root.samples, 1), widest)
+        _draw_block(axes, root, 0.0, 0, ms / max(root.samples, 1), widest)
         axes.set(xlim=(0.0, widest), title=f"{name}: {ms:.2f} ms, {root.samples} samples", yticks=[])
         axes.spines[["top", "left", "right"]].set_visible(False)
     axes.set_xlabel("ms a control step")
@@ -91,7 +91,7 @@ def draw(graphs: list[tuple[str, Block, float]], target: Path) -> None:
     small.save(target, optimize=True)
 
 
-def _draw(axes: Any, block: Block, left: float, depth: int, scale: float, widest: float) -> None:
+def _draw_block(axes: Any, block: Block, left: float, depth: int, scale: float, widest: float) -> None:
     width = scale * block.samples
     if width < LEAST * widest:
         return
@@ -102,7 +102,7 @@ def _draw(axes: Any, block: Block, left: float, depth: int, scale: float, widest
         text = fits[0] if fits else f"{block.name[: room - 1]}…"
         axes.text(left + 0.003 * widest, depth, text, va="center", fontsize=7.5, clip_on=True)
     for part in sorted(block.parts.values(), key=lambda part: part.name):
-        _draw(axes, part, left, depth + 1, scale, widest)
+        _draw_block(axes, part, left, depth + 1, scale, widest)
         left += scale * part.samples
 
 
@@ -115,8 +115,8 @@ def main(words: list[str]) -> None:
         if not found or not Path(found[2]).is_file():
             print(f"draw_samples: {word}; allowed: NAME=SAMPLES:MILLISECONDS, SAMPLES a file", file=sys.stderr)
             sys.exit(2)
-        graphs.append((found[1], read(Path(found[2])), float(found[3])))
-    draw(graphs, Path(target))
+        graphs.append((found[1], read_samples(Path(found[2])), float(found[3])))
+    draw_graphs(graphs, Path(target))
     print(target)
 
 

@@ -56,36 +56,36 @@ def main(words: Sequence[str]) -> int:
         if not (top / "arena_core").is_dir():
             parser.error(f"{top} is no checkout; allowed: a folder with arena_core")
     rows = [(what, *(measure(top) for top in tops)) for what, measure in MEASURES.items()]
-    print(table([("what", *(top.name for top in tops)), *rows, *times(tops, given.times)]))
+    print(format_table([("what", *(top.name for top in tops)), *rows, *command_times(tops, given.times)]))
     return 0
 
 
-def sources(top: Path, *endings: str) -> Iterator[Path]:
+def source_files(top: Path, *endings: str) -> Iterator[Path]:
     """Yield the files of a checkout, in order, without what was installed or built there."""
     for folder, inside, names in os.walk(top):
         inside[:] = sorted(name for name in inside if name not in LEFT_OUT)
         yield from (Path(folder, name) for name in sorted(names) if name.endswith(endings))
 
 
-def packages(top: Path) -> Iterator[Path]:
+def package_modules(top: Path) -> Iterator[Path]:
     """Yield the modules of the packages."""
     for folder in (top / "arena_core", top / "hydra_plugins", *sorted(top.glob("plugins/*/src"))):
-        yield from sources(folder, ".py")
+        yield from source_files(folder, ".py")
 
 
-def functions(top: Path) -> Iterator[Function]:
+def package_functions(top: Path) -> Iterator[Function]:
     """Yield all functions of the packages."""
-    for path in packages(top):
+    for path in package_modules(top):
         yield from (node for node in ast.walk(ast.parse(path.read_bytes())) if isinstance(node, Function))
 
 
 def one_word_names(top: Path) -> str:
     """Return the share of functions whose name is a single word; Python's own, ``__init__``, do not count."""
-    names = [function.name.strip("_") for function in functions(top) if not function.name.startswith("__")]
+    names = [function.name.strip("_") for function in package_functions(top) if not function.name.startswith("__")]
     return f"{100 * sum('_' not in name for name in names) / len(names):.1f} %"
 
 
-def arguments(function: Function) -> int:
+def argument_count(function: Function) -> int:
     """Return how many arguments a function takes, keyword-only ones too, without ``self``."""
     return len(_by_position(function)) + len(function.args.kwonlyargs)
 
@@ -96,12 +96,12 @@ def _by_position(function: Function) -> list[ast.arg]:
 
 def many_arguments(top: Path) -> int:
     """Return how many functions and constructors take more than ``MOST`` arguments."""
-    return sum(arguments(function) > MOST for function in functions(top))
+    return sum(argument_count(function) > MOST for function in package_functions(top))
 
 
 def many_arguments_of_python(top: Path) -> int:
     """Return the same without kernels, which take tables as arguments."""
-    return sum(arguments(function) > MOST and not _is_kernel(function) for function in functions(top))
+    return sum(argument_count(function) > MOST and not _is_kernel(function) for function in package_functions(top))
 
 
 def _is_kernel(function: Function) -> bool:
@@ -110,7 +110,7 @@ def _is_kernel(function: Function) -> bool:
 
 def positional_booleans(top: Path) -> int:
     """Return how many functions take a boolean by position."""
-    return sum(any(one.annotation and ast.unparse(one.annotation) == "bool" for one in _by_position(f)) for f in functions(top))
+    return sum(any(one.annotation and ast.unparse(one.annotation) == "bool" for one in _by_position(f)) for f in package_functions(top))
 
 
 def public_names(top: Path) -> int:
@@ -126,7 +126,7 @@ def foreign_privates(top: Path) -> list[str]:
     Private are modules and names with a leading underscore, ``_internal`` among them; a member counts as another's where nothing in the
     checkout defines one of its name.
     """
-    texts = {path: path.read_text(encoding="utf-8") for path in sources(top, ".py")}
+    texts = {path: path.read_text(encoding="utf-8") for path in source_files(top, ".py")}
     own = {name for text in texts.values() for name in DEFINED.findall(text)} | DOCUMENTED
     found = []
     for path, text in texts.items():
@@ -136,7 +136,7 @@ def foreign_privates(top: Path) -> list[str]:
         for node in ast.walk(ast.parse(text)):
             found += [
                 f"{path.relative_to(top)}:{node.lineno}: {name}"  # type: ignore[attr-defined]
-                for name in (*_imported(node), *_reached(node, own))
+                for name in (*_imported_names(node), *_reached_names(node, own))
                 if not REASON.search(lines[node.lineno - 1])  # type: ignore[attr-defined]
             ]
     return found
@@ -145,12 +145,12 @@ def foreign_privates(top: Path) -> list[str]:
 def foreign_patches(top: Path) -> list[str]:
     """Return where Python of a checkout replaces what an import from another distribution offers, as PLACE: NAME."""
     found = []
-    for path in sources(top, ".py"):
+    for path in source_files(top, ".py"):
         if not CHANGED.search(text := path.read_text(encoding="utf-8")):
             continue
         nodes = list(ast.walk(ast.parse(text)))
         foreign = {name for node in nodes for name in _foreign_names(node)}
-        changed = [(node, place) for node in nodes for place in _changed(node) if _root(place) in foreign]
+        changed = [(node, place) for node in nodes for place in _set_targets(node) if _root_name(place) in foreign]
         found += [f"{path.relative_to(top)}:{node.lineno}: {ast.unparse(place)}" for node, place in changed]  # type: ignore[attr-defined]
     return found
 
@@ -164,24 +164,24 @@ def _foreign_names(node: ast.AST) -> Iterator[str]:
                 yield alias.asname or alias.name.partition(".")[0]
 
 
-def _root(place: ast.AST) -> str:
+def _root_name(place: ast.AST) -> str:
     """Return the name that a place begins with."""
     while isinstance(place, ast.Attribute | ast.Subscript | ast.Call):
         place = place.func if isinstance(place, ast.Call) else place.value
     return place.id if isinstance(place, ast.Name) else ""
 
 
-def _changed(node: ast.AST) -> Iterator[ast.expr]:
+def _set_targets(node: ast.AST) -> Iterator[ast.expr]:
     """Yield what has an attribute set: ``x.y = 1``, ``setattr(x, "y", 1)``, ``vars(x)["y"] = 1``."""
     if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store | ast.Del):
         yield node
     elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "setattr":
         yield node.args[0]
-    elif isinstance(node, ast.Subscript) and isinstance(node.ctx, ast.Store) and _root(node.value) == "vars":
+    elif isinstance(node, ast.Subscript) and isinstance(node.ctx, ast.Store) and _root_name(node.value) == "vars":
         yield from node.value.args[:1]  # type: ignore[attr-defined]
 
 
-def _imported(node: ast.AST) -> Iterator[str]:
+def _imported_names(node: ast.AST) -> Iterator[str]:
     names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
     if isinstance(node, ast.ImportFrom) and not node.level and node.module != "__future__":
         names = [f"{node.module}.{alias.name}" for alias in node.names]
@@ -191,7 +191,7 @@ def _imported(node: ast.AST) -> Iterator[str]:
             yield name
 
 
-def _reached(node: ast.AST, own: set[str]) -> Iterator[str]:
+def _reached_names(node: ast.AST, own: set[str]) -> Iterator[str]:
     if isinstance(node, ast.Attribute) and _is_private(node.attr) and node.attr not in own:
         if not _is_own(node.value):
             yield ast.unparse(node)
@@ -215,16 +215,16 @@ def _is_private(name: str) -> bool:
 
 def long_lines(top: Path) -> int:
     """Return how many lines of Python and JavaScript are longer than ``LONGEST`` columns."""
-    texts = (path.read_text(encoding="utf-8") for path in sources(top, ".py", ".js"))
+    texts = (path.read_text(encoding="utf-8") for path in source_files(top, ".py", ".js"))
     return sum(len(line) > LONGEST for text in texts for line in text.splitlines())
 
 
 def code_tokens(top: Path) -> int:
     """Return how many tokens the packages have, without comments, docstrings and layout."""
-    return sum(_tokens(path.read_text(encoding="utf-8")) for path in packages(top))
+    return sum(_count_tokens(path.read_text(encoding="utf-8")) for path in package_modules(top))
 
 
-def _tokens(text: str) -> int:
+def _count_tokens(text: str) -> int:
     """Return the tokens of a module; a text that is a statement of its own is a docstring."""
     count, begins = 0, True
     for token in tokenize.generate_tokens(io.StringIO(text).readline):
@@ -236,7 +236,7 @@ def _tokens(text: str) -> int:
     return count
 
 
-def distributions(top: Path) -> int:
+def distribution_count(top: Path) -> int:
     """Return how many packages can be installed by name."""
     return len(list(top.glob("plugins/*/pyproject.toml"))) + 1
 
@@ -250,21 +250,21 @@ MEASURES: dict[str, Callable[[Path], object]] = {
     "private interfaces of others": lambda top: len(foreign_privates(top)),
     f"lines over {LONGEST} columns": long_lines,
     "code tokens": code_tokens,
-    "distributions": distributions,
+    "distributions": distribution_count,
 }
 
 
-def times(tops: Sequence[Path], repeats: int) -> Iterator[tuple[object, ...]]:
+def command_times(tops: Sequence[Path], repeats: int) -> Iterator[tuple[object, ...]]:
     """Yield the median processor time of each command in each checkout, in turn, and the ratio of the first to the second."""
     for what, words in STARTS.items() if repeats else ():
-        taken = [[start(top, words) for top in tops] for _ in range(repeats + 1)][1:]  # the first compiles
+        taken = [[run_command(top, words) for top in tops] for _ in range(repeats + 1)][1:]  # the first compiles
         medians = [statistics.median(seconds) for seconds in zip(*taken, strict=True)]
         yield f"{what}, s of processor time", *(f"{seconds:.2f}" for seconds in medians)
         if len(tops) == 2:
             yield f"{what}, ratio", f"{medians[0] / medians[1]:.2f}", ""
 
 
-def start(top: Path, words: Sequence[str]) -> float:
+def run_command(top: Path, words: Sequence[str]) -> float:
     """Run the command line of a checkout in an empty folder; return its processor time, s."""
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
@@ -276,7 +276,7 @@ def start(top: Path, words: Sequence[str]) -> float:
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
-def table(rows: Sequence[Sequence[object]]) -> str:
+def format_table(rows: Sequence[Sequence[object]]) -> str:
     """Return rows as aligned text."""
     cells = [[str(cell) for cell in row] for row in rows]
     widths = [max(len(row[column]) for row in cells) for column in range(len(cells[0]))]

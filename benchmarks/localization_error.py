@@ -30,7 +30,7 @@ class Drive:
 
 
 @dataclass(slots=True, eq=False)
-class Watched(Localizer):
+class TruthLocalizer(Localizer):
     """Believes the truth, and lets ``watching`` localisers watch; each of them believes to start ``wrong_by`` (in base_link) off."""
 
     watching: dict[str, Localizer]
@@ -67,11 +67,11 @@ class Watched(Localizer):
         return Drive(sum(a.distance(b) for a, b in steps), errors, turns)
 
 
-def drives(overrides: Sequence[str], localizers: Sequence[str], episodes: int, wrong_by: Pose = EXACT) -> list[Drive]:
+def run_drives(overrides: Sequence[str], localizers: Sequence[str], episodes: int, wrong_by: Pose = EXACT) -> list[Drive]:
     """Run episodes of ``arena run OVERRIDES`` on the truth and return how the localisers (names of presets) did meanwhile."""
     registry = load_registry()
     benchmark = build_benchmark(to_plain(compose(["localizer=ground_truth", *overrides])), registry)
-    watched = Watched({name: build(name, benchmark.robot, registry) for name in localizers}, wrong_by)
+    watched = TruthLocalizer({name: build_localizer(name, benchmark.robot, registry) for name in localizers}, wrong_by)
     benchmark.navigator.localizer = watched
     found = []
     with tempfile.TemporaryDirectory() as folder:
@@ -81,7 +81,7 @@ def drives(overrides: Sequence[str], localizers: Sequence[str], episodes: int, w
     return found
 
 
-def build(preset: str, robot: Robot, registry: Registry) -> Localizer:
+def build_localizer(preset: str, robot: Robot, registry: Registry) -> Localizer:
     """Build a localiser from its preset, with overrides after blanks; ROS's own values get the motion model that a ROS user would set."""
     name, *changes = preset.split()
     node = dict(to_plain(compose([f"localizer={name}", *(f"localizer.{change}" for change in changes)]))["localizer"])
@@ -91,7 +91,7 @@ def build(preset: str, robot: Robot, registry: Registry) -> Localizer:
     return localizer
 
 
-def cell(found: Sequence[Drive], name: str) -> str:
+def format_cell(found: Sequence[Drive], name: str) -> str:
     """Return one localiser's columns: mean and worst of the drives' mean errors, 95th percentile of all steps; then headings."""
     means = [float(drive.errors[name].mean()) for drive in found]
     steps, turns = (np.concatenate([errors[name] for errors in kind]) for kind in ([d.errors for d in found], [d.turns for d in found]))
@@ -115,8 +115,8 @@ def main() -> None:
     for world in given.world or ["world=warehouse"]:
         for robot in given.robot or ["turtlebot3", "jackal", "robotino"]:
             overrides = [*world.split(), f"robot={robot}", f"task.pedestrians={given.people}"]
-            found = drives(overrides, localizers, given.episodes, Pose(*given.wrong))
-            cells = (cell(found, name) for name in localizers)
+            found = run_drives(overrides, localizers, given.episodes, Pose(*given.wrong))
+            cells = (format_cell(found, name) for name in localizers)
             print(f"| {world.removeprefix('world=')} | {robot} | {len(found)} | {sum(drive.travelled for drive in found):.0f} |", *cells)
 
 

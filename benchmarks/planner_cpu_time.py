@@ -23,7 +23,7 @@ RUN = ("world=warehouse", "task.pedestrians=10", "localizer=ground_truth", "exec
 WARM = 1.0  # s of an episode that do not count
 
 
-def calls(planner: str, robot: str, episodes: int, more: list[str]) -> tuple[np.ndarray, float]:
+def call_times(planner: str, robot: str, episodes: int, more: list[str]) -> tuple[np.ndarray, float]:
     """Return the CPU seconds of each call over so many episodes, and the control period, s."""
     benchmark = build_benchmark(to_plain(compose([f"planner={planner}", f"robot={robot}", *RUN, *more])), load_registry())
     seconds: list[float] = []
@@ -52,7 +52,7 @@ def main(planners: list[str], episodes: int, more: list[str]) -> None:
     print("| --- | --- | --- | --- | --- | --- | --- | --- |")
     for planner in planners:
         for robot in ROBOTS:
-            seconds, period = calls(planner, robot, episodes, more)
+            seconds, period = call_times(planner, robot, episodes, more)
             numbers = [f"{1e3 * number:.2f}" for number in (*np.percentile(seconds, (50, 95, 99)), seconds.max())]
             print(f"| `{planner}` | {robot} | {len(seconds)} | {' | '.join(numbers)} | {1e3 * period:.0f} |", flush=True)
 

@@ -53,11 +53,15 @@ def _write_run(folder: Path, cell: list[dict[str, str]], episodes: int, metrics:
         for episode in range(episodes):
             row = cell[episode % len(cell)]
             writer.writerow(
-                {**{key: _drawn(key, value, random) for key, value in row.items()}, "episode": episode, "scenario": f"random/{episode:06d}"}
+                {
+                    **{key: _vary_value(key, value, random) for key, value in row.items()},
+                    "episode": episode,
+                    "scenario": f"random/{episode:06d}",
+                }
             )
 
 
-def _drawn(key: str, value: str, random: np.random.Generator) -> str:
+def _vary_value(key: str, value: str, random: np.random.Generator) -> str:
     if key in EPISODE_COLUMNS or not value or float(value).is_integer():
         return value
     return repr(float(value) * (1.0 + SPREAD * random.standard_normal()))

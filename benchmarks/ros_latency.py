@@ -17,8 +17,8 @@ import numpy as np
 
 from arena_core import LaserScan, Pose
 from arena_ros import conversions as to
-from arena_ros.codec import codec
-from arena_ros.testing import ARENA, running
+from arena_ros.codec import get_codec
+from arena_ros.testing import ARENA, run_process
 from arena_ros2.dds import Dds
 
 ROBOT = "jackal"
@@ -36,15 +36,15 @@ time.sleep(1e6)
 """
 
 
-def wire() -> tuple[float, float]:
+def wire_latency() -> tuple[float, float]:
     """Return median and p99 of one way of a scan of 360 beams, s."""
-    own, node = codec(2), Dds("wire")
+    own, node = get_codec(2), Dds("wire")
     came: list[float] = []
     scan = LaserScan(0.0, 0.0, 0.0175, 0.1, 30.0, np.full(360, 5.0, np.float32), Pose(0.0, 0.0))
-    content = own.encode(to.scan(own, scan, 0, "laser", 0.1), to.SCAN)
+    content = own.encode(to.scan_msg(own, scan, 0, "laser", 0.1), to.SCAN)
     send = node.publisher("/echo/there", to.SCAN)
     node.subscribe("/echo/back", to.SCAN, lambda content: came.append(time.perf_counter()))
-    with tempfile.TemporaryDirectory() as folder, running(sys.executable, "-c", ECHO, log=Path(folder) / "echo.txt"):
+    with tempfile.TemporaryDirectory() as folder, run_process(sys.executable, "-c", ECHO, log=Path(folder) / "echo.txt"):
         while not came:
             send(content)
             time.sleep(0.1)
@@ -62,7 +62,7 @@ def wire() -> tuple[float, float]:
     return float(np.median(ways)), float(np.percentile(ways, 99))
 
 
-def site(folder: Path) -> None:
+def write_hall(folder: Path) -> None:
     """Write a hall of 14 m by 6 m with three pillars, and a problem in it."""
     cells = np.full((120, 280), 254, np.uint8)
     cells[[0, -1]] = cells[:, [0, -1]] = 0
@@ -75,9 +75,9 @@ def site(folder: Path) -> None:
     (folder / "hall.json").write_text(json.dumps({"format": "arena-scenario", "version": 2, "scenarios": [problem]}))
 
 
-def drive(seconds: float, planner: str, folder: Path) -> str:
+def drive_goals(seconds: float, planner: str, folder: Path) -> str:
     """Drive to and fro in the hall; return what the driver said at the end."""
-    site(folder)
+    write_hall(folder)
     world = ["world=ros_map", f"world.path={folder}/map.yaml", "task=scenario", f"task.path={folder}/hall.json"]
     robot = [ARENA, "ros", "simulate", "transport=ros2-dds", f"robot={ROBOT}", *world]
     words = [
@@ -89,16 +89,16 @@ def drive(seconds: float, planner: str, folder: Path) -> str:
         "patience=120",
         f"out={folder}/run",
     ]
-    own, node = codec(2), Dds("goals")
+    own, node = get_codec(2), Dds("goals")
     send = node.publisher("/goal_pose", to.POSE_STAMPED)
     said: list[str] = []
     node.subscribe("/arena/status", to.TEXT, lambda content: said.append(json.loads(own.decode(content, to.TEXT).data)["status"]))
     words = [ARENA, "ros", "drive", "transport=ros2-dds", *words]
-    with running(*robot, log=folder / "robot.txt"), running(*words, log=folder / "drive.txt") as driver:
+    with run_process(*robot, log=folder / "robot.txt"), run_process(*words, log=folder / "drive.txt") as driver:
         end, count = time.monotonic() + seconds, 0
         while time.monotonic() < end and driver.poll() is None:
             if said and said[-1] == "waits for a goal":
-                send(own.encode(to.pose_stamped(own, GOALS[count % 2], time.time_ns(), "map"), to.POSE_STAMPED))
+                send(own.encode(to.pose_stamped_msg(own, GOALS[count % 2], time.time_ns(), "map"), to.POSE_STAMPED))
                 said.clear()
                 count += 1
             time.sleep(0.2)
@@ -113,10 +113,10 @@ def main() -> None:
     parser.add_argument("--planner", default="teb")
     chosen = parser.parse_args()
     os.environ |= {"ROS_DOMAIN_ID": str(100 + os.getpid() % 100), "ROS_LOCALHOST_ONLY": "1"}
-    median, slowest = wire()
+    median, slowest = wire_latency()
     print(f"one way of a scan: {1e3 * median:.2f} ms, p99 {1e3 * slowest:.2f} ms; load {os.getloadavg()[0]:.1f}", flush=True)
     with tempfile.TemporaryDirectory() as folder:
-        said = drive(60.0 * chosen.minutes, chosen.planner, Path(folder))
+        said = drive_goals(60.0 * chosen.minutes, chosen.planner, Path(folder))
     lines = said.splitlines()
     reached = sum("goal_reached" in line for line in lines)
     print(f"{reached} goals; " + next((line for line in lines if line.startswith("control steps")), said))

@@ -20,7 +20,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from arena_core.hosting import Benchmark, build_benchmark, compose, load_registry
-from arena_ros.testing import running, until, world, write_site
+from arena_ros.testing import run_process, wait_until, world_overrides, write_site
 
 PLUGINS = Path(__file__).resolve().parents[1] / "plugins"
 ENDLESS = str(10**9)  # steps
@@ -32,7 +32,7 @@ NODES = {
 
 
 @contextmanager
-def air(transport: str) -> Iterator[None]:
+def open_network(transport: str) -> Iterator[None]:
     """Have something to meet on: a master on a free port, or a domain on this machine alone."""
     if transport != "ros1":
         os.environ |= {"ROS_DOMAIN_ID": DOMAIN, "ROS_LOCALHOST_ONLY": "1"}
@@ -42,12 +42,12 @@ def air(transport: str) -> Iterator[None]:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
     os.environ |= {"ROS_MASTER_URI": f"http://127.0.0.1:{port}", "ROS_IP": "127.0.0.1"}
-    with running("/usr/bin/rosmaster", "--core", "-p", str(port)):
-        until(lambda: not socket.socket().connect_ex(("127.0.0.1", port)), 20.0)
+    with run_process("/usr/bin/rosmaster", "--core", "-p", str(port)):
+        wait_until(lambda: not socket.socket().connect_ex(("127.0.0.1", port)), 20.0)
         yield
 
 
-def measure(name: str, benchmark: Benchmark, episodes: int, folder: Path) -> None:
+def print_pace(name: str, benchmark: Benchmark, episodes: int, folder: Path) -> None:
     """Print the pace of some episodes, and where their time went; the first one, in which all is compiled, does not count."""
     benchmark.run(0, folder)
     simulated, planner, navigator = 0.0, list[float](), list[float]()
@@ -70,15 +70,19 @@ def main() -> None:
     parser.add_argument("--transport", choices=sorted(NODES), default="ros2-dds")
     parser.add_argument("--episodes", type=int, default=5)
     chosen = parser.parse_args()
-    with TemporaryDirectory() as folder, air(chosen.transport), running(*NODES[chosen.transport], log=Path(folder) / "node.txt"):
+    with (
+        TemporaryDirectory() as folder,
+        open_network(chosen.transport),
+        run_process(*NODES[chosen.transport], log=Path(folder) / "node.txt"),
+    ):
         site, registry = write_site(Path(folder)), load_registry()
         words = ["planner=ros_external", f"planner.transport={chosen.transport}", "executor=serial"]
         places = {
-            "a room": world(site),
+            "a room": world_overrides(site),
             "the warehouse among ten people": ["robot=jackal", "world=warehouse", "task=random", "task.pedestrians=10"],
         }
         for name, place in places.items():
-            measure(name, build_benchmark(compose([*words, *place]), registry), chosen.episodes, Path(folder) / "run")
+            print_pace(name, build_benchmark(compose([*words, *place]), registry), chosen.episodes, Path(folder) / "run")
     print(f"load {os.getloadavg()[0]:.1f}, {os.cpu_count()} hyperthreads")
 
 

@@ -22,7 +22,7 @@ STAND_RADIUS = 0.3  # m
 
 
 @dataclass(frozen=True, slots=True)
-class Stand:
+class Standstill:
     """A time in one place: from ``begin`` to ``end``, s, at ``pose``; ``free`` s is the longest time in it with a way throughout."""
 
     begin: float
@@ -31,31 +31,31 @@ class Stand:
     free: float
 
 
-def stands(record: EpisodeRecord, grid: OccupancyGrid, longer_than: float) -> Iterator[Stand]:
+def find_stands(record: EpisodeRecord, grid: OccupancyGrid, longer_than: float) -> Iterator[Standstill]:
     """Yield the stands of an episode that took longer than so many seconds."""
     stamps, positions = record["stamp"], record["pose"][:, :2]
-    planner = astar(record)
+    planner = make_astar(record)
     begun = 0
     while begun < len(stamps) - 1:
         outside = np.flatnonzero(np.hypot(*(positions[begun:] - positions[begun]).T) >= STAND_RADIUS)
         left = begun + int(outside[0]) if len(outside) else len(stamps) - 1
         if stamps[left] - stamps[begun] > longer_than:
-            free = longest_way(record, grid, planner, begun, left)
-            yield Stand(float(stamps[begun]), float(stamps[left]), Pose.of(record["pose"][begun]), free)
+            free = longest_path_time(record, grid, planner, begun, left)
+            yield Standstill(float(stamps[begun]), float(stamps[left]), Pose.of(record["pose"][begun]), free)
         begun = left
 
 
-def longest_way(record: EpisodeRecord, grid: OccupancyGrid, planner: GlobalPlanner, begun: int, left: int) -> float:
+def longest_path_time(record: EpisodeRecord, grid: OccupancyGrid, planner: GlobalPlanner, begun: int, left: int) -> float:
     """Return the longest time between two rows through which there was a way at each second, s."""
     per_second = max(1, round(1.0 / float(record["stamp"][1] - record["stamp"][0])))
     longest = current = 0.0
     for row in range(begun, left, per_second):
-        current = current + 1.0 if has_way(record, grid, planner, row) else 0.0
+        current = current + 1.0 if has_path(record, grid, planner, row) else 0.0
         longest = max(longest, current)
     return longest
 
 
-def has_way(record: EpisodeRecord, grid: OccupancyGrid, planner: GlobalPlanner, row: int) -> bool:
+def has_path(record: EpisodeRecord, grid: OccupancyGrid, planner: GlobalPlanner, row: int) -> bool:
     """Tell whether A* finds a way at this row."""
     scenario = record.meta["scenario"]
     standing = [Obstacle(np.array(o["vertices_xy"], float), o["radius"]) for o in scenario["obstacles"]]
@@ -69,7 +69,7 @@ def has_way(record: EpisodeRecord, grid: OccupancyGrid, planner: GlobalPlanner, 
     return True
 
 
-def astar(record: EpisodeRecord) -> GlobalPlanner:
+def make_astar(record: EpisodeRecord) -> GlobalPlanner:
     """Return A* for the robot as a disc that holds all of its body."""
     registry = load_registry()
     robot: Robot = registry.build("robot", record.meta["config"]["robot"])
@@ -94,15 +94,15 @@ def main() -> None:
     given = arguments.parse_args()
     for folder in given.folders:
         for run in find_runs(folder):
-            found = [tell(read_record(path), run, given.longer_than) for path in sorted((run / "records").glob("*.npz"))]
+            found = [print_stands(read_record(path), run, given.longer_than) for path in sorted((run / "records").glob("*.npz"))]
             print(f"{run}: {len(found)} episodes, {sum(found)} stands of more than {given.longer_than:g} s with a way")
 
 
-def tell(record: EpisodeRecord, run: Path, longer_than: float) -> int:
+def print_stands(record: EpisodeRecord, run: Path, longer_than: float) -> int:
     """Print an episode's stands and return how many of them had a way for longer than what counts."""
     columns = record.meta["columns"]
     name = " ".join(str(columns[key]) for key in ("preset", "robot", "world", "episode"))
-    found = list(stands(record, read_world(run, record), longer_than))
+    found = list(find_stands(record, read_world(run, record), longer_than))
     for stand in found:
         times, where = f"{stand.begin:.0f}-{stand.end:.0f} s", f"({stand.pose.x:.1f}, {stand.pose.y:.1f})"
         print(f"  {name}: {times} at {where}, with a way for {stand.free:.0f} s; {record.meta['outcome']}")

@@ -23,7 +23,7 @@ import arena_core as arena
 from arena_core.records import EPISODE_COLUMNS
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "scripts"))
-from studio_in_chromium import browser, studio
+from studio_in_chromium import start_browser, start_studio
 
 PATIENCE = 300.0  # s
 REPEATS = 7
@@ -44,12 +44,12 @@ def main() -> None:
     with TemporaryDirectory() as name:
         project = Path(name) / "lab"
         project.mkdir()
-        with studio(project) as address, browser() as chromium:
+        with start_studio(project) as address, start_browser() as chromium:
             for step in chosen:
                 steps[step](project, address, chromium)
 
 
-def tell(what: str, value: float, unit: str, goal: float | None = None, least: bool = False) -> None:
+def print_figure(what: str, value: float, unit: str, goal: float | None = None, least: bool = False) -> None:
     """Print a figure, and whether it keeps its goal, the most or the ``least`` that is wanted."""
     said = ""
     if goal is not None:
@@ -58,55 +58,55 @@ def tell(what: str, value: float, unit: str, goal: float | None = None, least: b
     print(f"{what:62s} {value:9.3f} {unit:8s}{said}", flush=True)
 
 
-def tell_times(what: str, times: list[float], goal: float | None = None) -> None:
+def print_times(what: str, times: list[float], goal: float | None = None) -> None:
     """Print the median and the longest of some times, s."""
-    tell(f"{what}, median of {len(times)}", statistics.median(times), "s", goal)
-    tell(f"{what}, longest", max(times), "s")
+    print_figure(f"{what}, median of {len(times)}", statistics.median(times), "s", goal)
+    print_figure(f"{what}, longest", max(times), "s")
 
 
 def open_studio(project: Path, address: str, chromium: Any) -> None:
     """Open the first page in new windows until its form can be filled in."""
     times = []
     for _ in range(REPEATS):
-        page = window(chromium)
+        page = open_window(chromium)
         began = time.perf_counter()
         page.goto(address)
-        wait(page, "document.querySelectorAll('.experiment-form select').length > 0")
+        wait_for(page, "document.querySelectorAll('.experiment-form select').length > 0")
         times.append(time.perf_counter() - began)
-        wait(page, "!!document.getElementById('command').textContent")
+        wait_for(page, "!!document.getElementById('command').textContent")
         page.context.close()
-    tell("opening the studio, the first time", times[0], "s", 1.0)
-    tell_times("opening the studio, again", times[1:], 1.0)
+    print_figure("opening the studio, the first time", times[0], "s", 1.0)
+    print_times("opening the studio, again", times[1:], 1.0)
 
 
 def open_episodes(project: Path, address: str, chromium: Any) -> None:
     """Open recorded episodes of a minute until their first frame is drawn."""
     for people in (10, 100):
-        run = recorded(project, people)
-        page = signed_in(chromium, address)
+        run = record_episode(project, people)
+        page = open_session(chromium, address)
         times = []
         for _ in range(REPEATS):
             page.goto(f"{root_of(address)}/replay/?run={run}&episode=0")
-            times.append(wait(page, "window.arena?.spent.length ? performance.now() : 0") / 1000)
+            times.append(wait_for(page, "window.arena?.spent.length ? performance.now() : 0") / 1000)
         end = page.evaluate("arena.player.end")
-        tell_times(f"opening an episode of {end:.0f} s among {people} people", times, 0.5)
+        print_times(f"opening an episode of {end:.0f} s among {people} people", times, 0.5)
         page.context.close()
 
 
 def filter_results(project: Path, address: str, chromium: Any) -> None:
     """Choose a planner, look for words, sort: from the click to the table that shows it."""
     write_runs(project)
-    page = signed_in(chromium, address)
+    page = open_session(chromium, address)
     began = time.perf_counter()
     page.evaluate("location.hash = '#/results'")
-    wait(page, f"document.getElementById('facts')?.textContent.startsWith('{EPISODES:,}')")
-    tell(f"reading the tables of {EPISODES:,} episodes", time.perf_counter() - began, "s")
+    wait_for(page, f"document.getElementById('facts')?.textContent.startsWith('{EPISODES:,}')")
+    print_figure(f"reading the tables of {EPISODES:,} episodes", time.perf_counter() - began, "s")
     pause = 200  # ms that the page waits for another key
     acts = {
         "choosing a planner": ('document.querySelector(\'[data-column="preset"] [data-value="teb"]\').click()', 0),
-        "looking for two words": (typed("random/12 goal"), pause),
+        "looking for two words": (typing_script("random/12 goal"), pause),
         "sorting": ("document.querySelector('th [data-column=\"time_to_goal\"]').click()", 0),
-        "looking for nothing": (typed(""), pause),
+        "looking for nothing": (typing_script(""), pause),
     }
     for what, (act, waits) in acts.items():
         taken = page.evaluate(f"""() => new Promise((done) => {{
@@ -115,7 +115,7 @@ def filter_results(project: Path, address: str, chromium: Any) -> None:
               .observe(table, {{ childList: true, subtree: true }});
             {act};
           }})""")
-        tell(f"{what}, of {EPISODES:,} episodes", (taken - waits) / 1000, "s", 0.3)
+        print_figure(f"{what}, of {EPISODES:,} episodes", (taken - waits) / 1000, "s", 0.3)
     page.context.close()
 
 
@@ -123,19 +123,19 @@ def draw_on_map(project: Path, address: str, chromium: Any) -> None:
     """Draw, fill and save on a large map, as a whole and near by."""
     for kind in ("pgm", "png"):
         path = write_map(project, kind)
-        page = signed_in(chromium, address)
+        page = open_session(chromium, address)
         began = time.perf_counter()
         page.evaluate(f"location.hash = '#/map?path={path}'")
-        wait(page, f"document.querySelector('.page.map')?.editor?.map?.header.path === '{path}'")
-        tell(f"opening a map of {SIDE} x {SIDE} cells, {kind.upper()}", time.perf_counter() - began, "s")
+        wait_for(page, f"document.querySelector('.page.map')?.editor?.map?.header.path === '{path}'")
+        print_figure(f"opening a map of {SIDE} x {SIDE} cells, {kind.upper()}", time.perf_counter() - began, "s")
         for where, zoom in (("seen as a whole", 1.0), ("near by", 8.0)):
             page.evaluate(f"{EDITOR}.view.fit(); {EDITOR}.view.zoom({zoom})")
             page.evaluate(f"{EDITOR}.toolbox.choose('brush'); {EDITOR}.setPencil({{width: 1}})")
             draw_stroke(page, f"brush on it, {where}")
-            tell_saving(page, f"saving that stroke, {kind.upper()}")
-        fills = [filled(page) for _ in range(4)]
-        tell("filling 15 million cells, longest of 4", max(fills), "s")
-        tell_saving(page, f"saving that fill, {kind.upper()}")
+            print_saving(page, f"saving that stroke, {kind.upper()}")
+        fills = [fill_map(page) for _ in range(4)]
+        print_figure("filling 15 million cells, longest of 4", max(fills), "s")
+        print_saving(page, f"saving that fill, {kind.upper()}")
         page.context.close()
 
 
@@ -157,19 +157,19 @@ def draw_stroke(page: Any, what: str) -> None:
     taken, frames = time.perf_counter() - began, page.evaluate(f"{EDITOR}.view.drawn") - drawn
     gaps = sorted(page.evaluate("(() => { const found = frames_; window.frames_ = null; return found; })()"))
     page.mouse.up()
-    tell(f"{what}", frames / taken, "frames/s", 30.0, least=True)
-    tell(f"{what}, 95 of 100 frames after", gaps[int(0.95 * len(gaps))], "ms")
+    print_figure(f"{what}", frames / taken, "frames/s", 30.0, least=True)
+    print_figure(f"{what}, 95 of 100 frames after", gaps[int(0.95 * len(gaps))], "ms")
 
 
-def tell_saving(page: Any, what: str) -> None:
+def print_saving(page: Any, what: str) -> None:
     """Tell how long the request takes that saves what is not saved yet."""
     began = time.perf_counter()
     page.evaluate(f"{EDITOR}.map.autosave.flush()")
-    wait(page, SAVED)
-    tell(what, time.perf_counter() - began, "s", 1.0)
+    wait_for(page, SAVED)
+    print_figure(what, time.perf_counter() - began, "s", 1.0)
 
 
-def filled(page: Any) -> float:
+def fill_map(page: Any) -> float:
     """Fill all that is free with another kind, or back; return how long the script took, s."""
     act = f"""(() => {{
       const editor = {EDITOR}, kinds = ["free", "unknown"], tool = editor.toolbox.tools.find(({{ name }}) => name === "fill");
@@ -183,19 +183,19 @@ def filled(page: Any) -> float:
 
 def play_crowd(project: Path, address: str, chromium: Any) -> None:
     """Play an episode among a hundred people, and tell what the script of a frame takes."""
-    run = recorded(project, 100)
-    page = signed_in(chromium, address)
+    run = record_episode(project, 100)
+    page = open_session(chromium, address)
     page.goto(f"{root_of(address)}/replay/?run={run}&episode=0")
-    wait(page, "window.arena?.spent.length > 0")
+    wait_for(page, "window.arena?.spent.length > 0")
     page.evaluate("arena.spent.length = 0; arena.player.toggle()")
-    wait(page, "arena.spent.length >= 240")
+    wait_for(page, "arena.spent.length >= 240")
     spent = sorted(page.evaluate("arena.spent"))
-    tell("script of a frame among 100 people, median", spent[len(spent) // 2], "ms")
-    tell("script of a frame among 100 people, 95 of 100", spent[int(0.95 * len(spent))], "ms", 8.0)
+    print_figure("script of a frame among 100 people, median", spent[len(spent) // 2], "ms")
+    print_figure("script of a frame among 100 people, 95 of 100", spent[int(0.95 * len(spent))], "ms", 8.0)
     page.context.close()
 
 
-def recorded(project: Path, people: int) -> str:
+def record_episode(project: Path, people: int) -> str:
     """Return a run of one episode of a minute among so many people on legs, driven where it is not there yet."""
     name = f"outputs/among_{people}"
     if not (project / name / "episodes.csv").exists():
@@ -235,28 +235,28 @@ def write_map(project: Path, kind: str) -> str:
     return f"large_{kind}.yaml"
 
 
-def typed(text: str) -> str:
+def typing_script(text: str) -> str:
     """Return a script that types a text into the search."""
     search = "document.querySelector('input[type=search]')"
     return f"{search}.value = {json.dumps(text)}; {search}.dispatchEvent(new Event('input'))"
 
 
-def signed_in(chromium: Any, address: str) -> Any:
+def open_session(chromium: Any, address: str) -> Any:
     """Return a new window that the studio knows."""
-    page = window(chromium)
+    page = open_window(chromium)
     page.goto(address)
-    wait(page, "!!document.getElementById('command')?.textContent")
+    wait_for(page, "!!document.getElementById('command')?.textContent")
     return page
 
 
-def window(chromium: Any) -> Any:
+def open_window(chromium: Any) -> Any:
     """Return a page of a window without history, cookies or cache."""
     page = chromium.new_context(viewport={"width": 1280, "height": 900}).new_page()
     page.set_default_timeout(1000 * PATIENCE)
     return page
 
 
-def wait(page: Any, expression: str) -> Any:
+def wait_for(page: Any, expression: str) -> Any:
     """Wait until an expression is true and return it; the studio's policy forbids playwright's own way."""
     end = time.monotonic() + PATIENCE
     while not (value := page.evaluate(expression)):

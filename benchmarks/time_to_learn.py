@@ -22,11 +22,11 @@ from stable_baselines3.common.callbacks import BaseCallback
 
 from arena_core.hosting import load_registry
 from arena_gym.building import build_parts, compose_training
+from arena_gym.training.imitation import ImitationWorlds, imitate_expert
+from arena_gym.training.initial_weights import freeze_policy
 from arena_gym.training.learning import make_learner
+from arena_gym.training.sb3_vec_env import Sb3VecEnv
 from arena_gym.training.session import training_settings
-from arena_gym.training.starting import hold_policy
-from arena_gym.training.teaching import Classroom, teach
-from arena_gym.training.worlds_in_step import WorldsInStep
 from arena_gym.vector_environment import NavigationVectorEnv
 
 Config = Mapping[str, Any]
@@ -42,7 +42,7 @@ TASK = [
 ]
 
 
-class Watch(BaseCallback):
+class SuccessCallback(BaseCallback):
     """Notes when marks of success are reached, and ends training at the last one or when time is over."""
 
     def __init__(self, seconds: float, value_steps: int) -> None:
@@ -57,7 +57,7 @@ class Watch(BaseCallback):
 
     def _on_rollout_start(self) -> None:
         assert isinstance(self.model, PPO)
-        hold_policy(self.model, self.num_timesteps < self._value_steps)
+        freeze_policy(self.model, self.num_timesteps < self._value_steps)
 
     def _on_step(self) -> bool:
         self._latest.extend(bool(info["is_success"]) for info in self.locals["infos"] if "episode" in info)
@@ -67,12 +67,12 @@ class Watch(BaseCallback):
         return len(self.reached) < len(MARKS) and used < self._seconds
 
 
-def timed(config: Config, make: Callable[[WorldsInStep], PPO], environments: int, seconds: float, value_steps: int = 0) -> Timed:
+def time_training(config: Config, make: Callable[[Sb3VecEnv], PPO], environments: int, seconds: float, value_steps: int = 0) -> Timed:
     """Train; return CPU seconds to each mark that was reached, and steps a second."""
     env = NavigationVectorEnv(environments, parts=build_parts(config))
     env.batch.parts.pool.fill()
-    watch = Watch(seconds, value_steps)
-    learner = make(WorldsInStep(env, 0))
+    watch = SuccessCallback(seconds, value_steps)
+    learner = make(Sb3VecEnv(env, 0))
     start = time.process_time()
     learner.learn(10**9, watch)
     return watch.reached, learner.num_timesteps / (time.process_time() - start)
@@ -84,15 +84,17 @@ def main(seconds: float, chosen: str) -> None:
     config = compose_training("rosnav", ["robot=jackal", *TASK])
     settings = training_settings(config)
 
-    def by_recipe(worlds: WorldsInStep) -> PPO:
+    def by_recipe(worlds: Sb3VecEnv) -> PPO:
         batch = worlds.env.batch
         learner = make_learner(worlds, batch.parts.encoder.layout(), settings, None)
         if settings.teacher.planner is not None:
             with TemporaryDirectory() as folder:
-                teach(learner, Classroom(batch, settings.teacher.planner, "jackal", load_registry()), settings.teacher, 0, Path(folder))
+                imitate_expert(
+                    learner, ImitationWorlds(batch, settings.teacher.planner, "jackal", load_registry()), settings.teacher, 0, Path(folder)
+                )
         return learner
 
-    def by_default(worlds: WorldsInStep) -> PPO:
+    def by_default(worlds: Sb3VecEnv) -> PPO:
         return PPO("MlpPolicy", worlds, seed=0, device="cpu")
 
     held = settings.start.value_steps if settings.begins_able else 0
@@ -104,7 +106,7 @@ def main(seconds: float, chosen: str) -> None:
     for name, (make, environments, value_steps) in ways.items():
         if not name.startswith(chosen):
             continue
-        reached, rate = timed(config, make, environments, seconds, value_steps)
+        reached, rate = time_training(config, make, environments, seconds, value_steps)
         marks = ", ".join(
             f"{mark:.0%}: {reached[mark]:.0f} s" if mark in reached else f"{mark:.0%}: not in {seconds:.0f} s" for mark in MARKS
         )

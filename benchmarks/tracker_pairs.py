@@ -21,7 +21,7 @@ COLUMNS = ("success", "collisions", "time", "detour", "reverse", "stand")
 FloatArray = NDArray[np.float64]
 
 
-def figures(record: EpisodeRecord, success: float, collisions: float) -> tuple[float, ...]:
+def episode_row(record: EpisodeRecord, success: float, collisions: float) -> tuple[float, ...]:
     """Return a row of COLUMNS: time until the goal or the limit; way over straight distance; share of it in reverse; longest stand, s."""
     stamp, pose = record["stamp"].astype(float), record["pose"].astype(float)
     steps, middle = np.diff(pose[:, :2], axis=0), 0.5 * (pose[1:, 2] + pose[:-1, 2])
@@ -43,7 +43,7 @@ def longest_stand(stamp: FloatArray, pose: FloatArray) -> float:
     return longest
 
 
-def drive(overrides: Sequence[str], episodes: range) -> FloatArray:
+def drive_episodes(overrides: Sequence[str], episodes: range) -> FloatArray:
     """Run episodes of ``arena run OVERRIDES`` and return their rows (E, COLUMNS)."""
     config = to_plain(compose(list(overrides)))
     registry = load_registry()
@@ -53,16 +53,16 @@ def drive(overrides: Sequence[str], episodes: range) -> FloatArray:
     with tempfile.TemporaryDirectory() as folder:
         for episode in episodes:
             record = benchmark.run(episode, Path(folder))
-            rows.append(figures(record, compute["success"](record), compute["collisions"](record)))
+            rows.append(episode_row(record, compute["success"](record), compute["collisions"](record)))
     return np.array(rows, np.float64)
 
 
-def told(estimate: Estimate) -> str:
+def estimate_text(estimate: Estimate) -> str:
     """Return a difference with its interval."""
     return f"{estimate.mean:+.2f} ({estimate.low:+.2f} to {estimate.high:+.2f})"
 
 
-def line(world: str, robot: str, name: str, rows: FloatArray) -> str:
+def table_row(world: str, robot: str, name: str, rows: FloatArray) -> str:
     """Return a row of the table: means, but the longest stand of all."""
     means = rows.mean(axis=0)
     cells = (f"{means[0]:.2f}", f"{means[1]:.2f}", f"{means[2]:.1f}", f"{means[3]:.2f}", f"{means[4]:.2f}", f"{rows[:, 5].max():.0f}")
@@ -87,14 +87,17 @@ def main() -> None:
             found = []
             for tracker in trackers:
                 choices = [f"robot={robot}", f"world={world}", f"tracker={tracker}", *given.overrides]
-                found.append(drive(choices, range(given.first, given.first + given.episodes)))
-                print(line(world, robot, tracker, found[-1]), flush=True)
+                found.append(drive_episodes(choices, range(given.first, given.first + given.episodes)))
+                print(table_row(world, robot, tracker, found[-1]), flush=True)
                 if given.each:
                     print(np.array2string(found[-1], precision=2, suppress_small=True, max_line_width=160), flush=True)
             for tracker, rows in zip(trackers[:-1], found[:-1], strict=True):
                 success = estimate_difference(rows[:, 0], found[-1][:, 0], proportion=True)
                 time = estimate_difference(rows[:, 2], found[-1][:, 2])
-                print(f"| {world} | {robot} | {tracker} - {trackers[-1]} | {told(success)} | | {told(time)} | | | |", flush=True)
+                print(
+                    f"| {world} | {robot} | {tracker} - {trackers[-1]} | {estimate_text(success)} | | {estimate_text(time)} | | | |",
+                    flush=True,
+                )
 
 
 if __name__ == "__main__":

@@ -36,7 +36,7 @@ SAME = 0.5  # m between a track and the person that it follows, at most
 
 
 @dataclass(slots=True, eq=False)
-class Notebook(Tracker):
+class RecordingTracker(Tracker):
     """Writes down what a tracker is told, and tells of nothing."""
 
     grid: OccupancyGrid | None = None
@@ -53,7 +53,7 @@ class Notebook(Tracker):
 
 
 @dataclass(slots=True, eq=False)
-class Asking(Planner):
+class TrackingPlanner(Planner):
     """Asks for tracks at every step, then does what another planner does."""
 
     planner: Planner
@@ -102,31 +102,31 @@ class Score:
         ]
 
 
-def drives(overrides: Sequence[str], episodes: int) -> Iterator[Drive]:
+def run_drives(overrides: Sequence[str], episodes: int) -> Iterator[Drive]:
     """Run episodes of ``arena run OVERRIDES``."""
     benchmark = build_benchmark(to_plain(compose(list(overrides))), load_registry())
-    benchmark.navigator.tracker = notebook = Notebook()
-    benchmark.navigator.planner = Asking(benchmark.navigator.planner)
+    benchmark.navigator.tracker = notebook = RecordingTracker()
+    benchmark.navigator.planner = TrackingPlanner(benchmark.navigator.planner)
     with tempfile.TemporaryDirectory() as folder:
         for episode in range(episodes):
             record = benchmark.run(episode, Path(folder))
             yield Drive(benchmark.robot, notebook.grid, notebook.steps, record)
 
 
-def build(preset: str, robot: Robot, overrides: Sequence[str] = ()) -> Tracker:
+def build_tracker(preset: str, robot: Robot, overrides: Sequence[str] = ()) -> Tracker:
     """Build a tracker from its preset."""
     node = to_plain(compose([f"tracker={preset}", *overrides]))["tracker"]
     tracker: Tracker = load_registry().build("tracker", node, robot=robot)
     return tracker
 
 
-def follow(tracker: Tracker, drive: Drive) -> list[Tracks]:
+def track_drive(tracker: Tracker, drive: Drive) -> list[Tracks]:
     """Return the tracks at each step of a drive."""
     tracker.reset(drive.grid)
     return [tracker.update(scan, pose, stamp) for scan, pose, stamp in drive.steps]
 
 
-def seen_from_the_truth(drive: Drive, told: Sequence[Tracks]) -> list[Tracks]:
+def tracks_from_truth(drive: Drive, told: Sequence[Tracks]) -> list[Tracks]:
     """Return the tracks (without covariances) as if the robot had known where it was: for localisers that drift."""
     moved = []
     for (_, pose, stamp), tracks in zip(drive.steps, told, strict=True):
@@ -138,7 +138,7 @@ def seen_from_the_truth(drive: Drive, told: Sequence[Tracks]) -> list[Tracks]:
     return moved
 
 
-def add(score: Score, drive: Drive, told: Sequence[Tracks]) -> None:
+def add_errors(score: Score, drive: Drive, told: Sequence[Tracks]) -> None:
     """Compare tracks with the truth; a track keeps its person while it is near it (Bernardin and Stiefelhagen 2008, CLEAR MOT)."""
     record, rows = drive.record, {round(float(s), 6): k for k, s in enumerate(drive.record["stamp"])}
     person_of: dict[int, int] = {}
@@ -147,8 +147,8 @@ def add(score: Score, drive: Drive, told: Sequence[Tracks]) -> None:
     for (scan, _, stamp), tracks in zip(drive.steps, told, strict=True):
         row = rows[round(stamp, 6)]
         people, velocities = record["pedestrian_positions"][row].astype(float), record["pedestrian_velocities"][row].astype(float)
-        in_sight = visible(scan, Pose.of(record["pose"][row]), people, record["pedestrian_radii"])
-        person_of = pairs(tracks, people, person_of)
+        in_sight = visible_people(scan, Pose.of(record["pose"][row]), people, record["pedestrian_radii"])
+        person_of = match_tracks(tracks, people, person_of)
         for k, number in enumerate(tracks.ids.tolist()):
             person = person_of.get(number)
             life.setdefault(number, [0, 0])[person is not None] += 1
@@ -166,7 +166,7 @@ def add(score: Score, drive: Drive, told: Sequence[Tracks]) -> None:
     score.seconds += float(record["stamp"][-1])
 
 
-def visible(scan: LaserScan, pose: Pose, people: NDArray[np.float64], radii: NDArray[np.float64]) -> NDArray[np.bool_]:
+def visible_people(scan: LaserScan, pose: Pose, people: NDArray[np.float64], radii: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Tell who is near and sends enough returns; the scan as it was seen from the true pose."""
     sensor = pose.compose(scan.mount)
     hit = np.isfinite(scan.ranges)
@@ -177,7 +177,7 @@ def visible(scan: LaserScan, pose: Pose, people: NDArray[np.float64], radii: NDA
     return near & (on_body.sum(axis=0) >= VISIBLE)
 
 
-def pairs(tracks: Tracks, people: NDArray[np.float64], before: dict[int, int]) -> dict[int, int]:
+def match_tracks(tracks: Tracks, people: NDArray[np.float64], before: dict[int, int]) -> dict[int, int]:
     """Return which person each track follows: the one before while it is near, else the nearest ones in sum."""
     away = np.hypot(*(tracks.positions[:, None] - people).transpose(2, 0, 1))
     ids = tracks.ids.tolist()
@@ -211,14 +211,14 @@ def main() -> None:
             for localizer in given.localizer or ["ground_truth", "amcl"]:
                 for speed in given.speed or [0.3, 1.0, 1.5]:
                     crowd = [f"task.pedestrians={given.people}", f"task.people.speed={speed}", f"seed={given.seed}"]
-                    found = list(drives([*world.split(), f"robot={robot}", f"localizer={localizer}", *crowd], given.episodes))
+                    found = list(run_drives([*world.split(), f"robot={robot}", f"localizer={localizer}", *crowd], given.episodes))
                     for tracker in given.tracker or ["kalman"]:
                         preset, *overrides = tracker.split()
                         score = Score()
-                        built = build(preset, found[0].robot, overrides)
+                        built = build_tracker(preset, found[0].robot, overrides)
                         for drive in found:
-                            told = follow(built, drive)
-                            add(score, drive, seen_from_the_truth(drive, told) if given.relative else told)
+                            told = track_drive(built, drive)
+                            add_errors(score, drive, tracks_from_truth(drive, told) if given.relative else told)
                         name = world.removeprefix("world=")
                         print("|", " | ".join((name, robot, localizer, f"{speed:g}", tracker, *score.cells())), "|", flush=True)
 

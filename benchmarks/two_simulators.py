@@ -30,14 +30,14 @@ AMONG = ["task.pedestrians=5", "planner=dwa,rosnav"]
 SPACING = 0.01  # [m] of the points that a path is compared at
 
 
-def driven(folder: Path, words: list[str]) -> arena.Runs:
+def drive_runs(folder: Path, words: list[str]) -> arena.Runs:
     """Return the runs of these words in ``folder``; drive them unless they are there."""
     if not (folder.is_dir() and any(folder.rglob("episodes.csv"))):
         arena.run(words, folder)
     return arena.Runs.below(folder)
 
 
-def points(poses: NDArray[np.float64]) -> NDArray[np.float64]:
+def path_points(poses: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return points (K, 2), m, along the path of poses (T, 3), evenly spaced."""
     steps = np.hypot(*np.diff(poses[:, :2], axis=0).T)
     way = np.concatenate(([0.0], np.cumsum(steps)))
@@ -47,7 +47,7 @@ def points(poses: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def path_distance(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
     """Return how far points of each path are from the other path at the mean, m."""
-    a, b = points(one), points(other)
+    a, b = path_points(one), path_points(other)
     return float(np.mean(np.concatenate((cKDTree(b).query(a)[0], cKDTree(a).query(b)[0]))))
 
 
@@ -60,12 +60,14 @@ def episodes_of(runs: arena.Runs) -> Iterator[tuple[tuple[str, str], NDArray[np.
             yield (told["planner"], f"{told['world']} {told['scenario']}"), record["pose"]
 
 
-def alone(folder: Path, episodes: int) -> pd.DataFrame:
+def path_differences(folder: Path, episodes: int) -> pd.DataFrame:
     """Return how far paths in MuJoCo are from those in the plane, for each robot and drive."""
     rows = []
     for robot in ROBOTS:
         words = [f"robot={robot}", f"world={','.join(WORLDS)}", f"episodes={episodes}", *ALONE]
-        paths = {name: dict(episodes_of(driven(folder / "alone" / robot / name, [*words, *extra]))) for name, extra in SIMULATORS.items()}
+        paths = {
+            name: dict(episodes_of(drive_runs(folder / "alone" / robot / name, [*words, *extra]))) for name, extra in SIMULATORS.items()
+        }
         flat = paths.pop("sim2d")
         for name, others in paths.items():
             for planner in sorted({planner for planner, _ in flat}):
@@ -75,7 +77,7 @@ def alone(folder: Path, episodes: int) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def wilson(successes: int, count: int) -> str:
+def wilson_text(successes: int, count: int) -> str:
     """Return a share with its 95 % Wilson interval."""
     z, share = 1.959964, successes / count
     middle, half = share + z * z / (2 * count), z * math.sqrt(share * (1 - share) / count + z * z / (4 * count * count))
@@ -83,18 +85,18 @@ def wilson(successes: int, count: int) -> str:
     return f"{share:.2f} [{low:.2f}, {high:.2f}]"
 
 
-def among(folder: Path, episodes: int) -> pd.DataFrame:
+def crowd_outcomes(folder: Path, episodes: int) -> pd.DataFrame:
     """Return what episodes among people come to in each simulator."""
     rows = []
     for robot in ROBOTS:
         words = [f"robot={robot}", f"world={','.join(WORLDS)}", f"episodes={episodes}", *AMONG]
         for name, extra in SIMULATORS.items():
-            table = driven(folder / "among" / robot / name, [*words, *extra]).episodes
+            table = drive_runs(folder / "among" / robot / name, [*words, *extra]).episodes
             for planner, of in table.groupby("planner"):
                 good = of[of["outcome"] == "goal_reached"]
                 rows.append({
                     "robot": robot, "planner": planner, "simulator": name, "episodes": len(of),
-                    "success": wilson(len(good), len(of)), "collisions": of["collisions"].mean(),
+                    "success": wilson_text(len(good), len(of)), "collisions": of["collisions"].mean(),
                     "time to goal, median [s]": pd.to_numeric(good["time_to_goal"]).median(),
                 })  # fmt: skip
     return pd.DataFrame(rows).sort_values(["robot", "planner", "simulator"])
@@ -106,8 +108,8 @@ def main() -> None:
     parser.add_argument("folder", nargs="?", type=Path, default=Path("outputs/two_simulators"))
     parser.add_argument("--episodes", type=int, default=20, help="of each of three worlds")
     given = parser.parse_args()
-    print(alone(given.folder, given.episodes).to_string(index=False, float_format="%.3f"))
-    print(among(given.folder, given.episodes).to_string(index=False, float_format="%.2f"), flush=True)
+    print(path_differences(given.folder, given.episodes).to_string(index=False, float_format="%.3f"))
+    print(crowd_outcomes(given.folder, given.episodes).to_string(index=False, float_format="%.2f"), flush=True)
 
 
 if __name__ == "__main__":

@@ -25,12 +25,12 @@ from torch import nn
 from arena_core import ObservationField, random_generator
 from arena_core.hosting import load_registry
 from arena_gym.building import build_parts, compose_training
-from arena_gym.training.evaluation import evaluate, unseen_worlds
+from arena_gym.training.evaluation import evaluate_policy, unseen_worlds
 from arena_gym.training.export import Actor
+from arena_gym.training.imitation import ImitationWorlds, fit_imitation
 from arena_gym.training.session import training_settings
-from arena_gym.training.settings import Network, Teacher, TrainingSettings
-from arena_gym.training.teaching import Classroom, imitate
-from arena_gym.training.trainer import prepare
+from arena_gym.training.settings import ExpertSettings, Network, TrainingSettings
+from arena_gym.training.trainer import prepare_learner
 from arena_gym.vector_environment import NavigationVectorEnv
 
 SEEDS = (0, 1, 2)  # of first weights and minibatches
@@ -59,7 +59,7 @@ class Imitator(nn.Module):
         heads = [part for a, b in pairwise(sizes) for part in (nn.Linear(a, b), nn.ReLU())]
         self._heads = nn.Sequential(*heads, nn.Linear(sizes[-1], actions))
 
-    def means(self, seen: torch.Tensor) -> torch.Tensor:
+    def action_means(self, seen: torch.Tensor) -> torch.Tensor:
         """Return actions (N, A) for whole observations (N, D)."""
         beams = torch.stack([seen[:, k * self._sectors : (k + 1) * self._sectors] for k in self._scans], 1)
         answer: torch.Tensor = self._heads(torch.cat((self._features(self._convolutions(beams)), seen[:, self._columns]), 1))
@@ -67,7 +67,7 @@ class Imitator(nn.Module):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Held:
+class ExpertRollouts:
     """Lessons: their training's ``config`` and ``settings``, what was ``seen`` and shown in each, and ``apart``, in other worlds.
 
     ``layout`` is the observation's, ``actions`` are their names.
@@ -81,7 +81,7 @@ class Held:
     actions: tuple[str, ...]
 
 
-def hold(robot: str, count: int) -> Held:
+def collect_rollouts(robot: str, count: int) -> ExpertRollouts:
     """Hold so many lessons, and one more in other worlds."""
     times = [f"observation_encoder.lookback={list(LOOKBACK)}", f"observation_encoder.foreseen={list(FORESEEN)}"]
     path = ["observation_encoder.ahead=4", "observation_encoder.spacing=0.5"]
@@ -90,41 +90,41 @@ def hold(robot: str, count: int) -> Held:
     parts = build_parts(config, registry)
     others = build_parts({**config, "environment": {**config["environment"], "seed": 1}}, registry)
     env = NavigationVectorEnv(settings.optimization.environments, parts=parts)
-    classroom = Classroom(env.batch, "teb", robot, registry)
+    classroom = ImitationWorlds(env.batch, "teb", robot, registry)
     held: list[tuple[Rows, Rows]] = []
     with TemporaryDirectory() as folder:
-        actor = Actor(prepare(settings, env, Path(folder))[0].policy)
+        actor = Actor(prepare_learner(settings, env, Path(folder))[0].policy)
         optimizer = torch.optim.Adam(actor.parameters(), lr=settings.teacher.learning_rate)
         for k in range(count):
-            lesson = classroom.hold(actor, settings.teacher.decisions, 1.0 - k / max(count - 1, 1), k * env.num_envs)
+            lesson = classroom.collect_rollout(actor, settings.teacher.decisions, 1.0 - k / max(count - 1, 1), k * env.num_envs)
             held.append((lesson.seen, lesson.shown))
-            imitate(actor, optimizer, held, settings.teacher, 1.0 - k / count, random_generator(k, "lesson", "minibatches"))
+            fit_imitation(actor, optimizer, held, settings.teacher, 1.0 - k / count, random_generator(k, "lesson", "minibatches"))
             print(f"lesson {k + 1} of {count}: {dict(lesson.ends)}", file=sys.stderr, flush=True)
-        elsewhere = Classroom(NavigationVectorEnv(env.num_envs, parts=others).batch, "teb", robot, registry)
-        lesson = elsewhere.hold(actor, settings.teacher.decisions, 0.5, 0)
-    return Held(config, settings, held, (lesson.seen, lesson.shown), parts.encoder.layout(), parts.scale.names)
+        elsewhere = ImitationWorlds(NavigationVectorEnv(env.num_envs, parts=others).batch, "teb", robot, registry)
+        lesson = elsewhere.collect_rollout(actor, settings.teacher.decisions, 0.5, 0)
+    return ExpertRollouts(config, settings, held, (lesson.seen, lesson.shown), parts.encoder.layout(), parts.scale.names)
 
 
-def learn(net: Imitator, held: list[tuple[Rows, Rows]], settings: Teacher, seed: int) -> None:
+def fit_network(net: Imitator, held: list[tuple[Rows, Rows]], settings: ExpertSettings, seed: int) -> None:
     """Let a network imitate, more slowly from epoch to epoch."""
     optimizer = torch.optim.Adam(net.parameters(), lr=settings.learning_rate)
     random = random_generator(seed, "what to show", "minibatches")
     for epoch in range(EPOCHS):
-        imitate(net, optimizer, held, replace(settings, epochs=1), 1.0 - epoch / EPOCHS, random)
+        fit_imitation(net, optimizer, held, replace(settings, epochs=1), 1.0 - epoch / EPOCHS, random)
 
 
-def arrives(net: Imitator, held: Held, episodes: int) -> float:
+def success_share(net: Imitator, held: ExpertRollouts, episodes: int) -> float:
     """Return the share of a training's test that a network arrives in without a collision."""
 
     def act(observations: Rows) -> Rows:
         with torch.no_grad():
-            return net.means(torch.from_numpy(observations)).clamp(-1.0, 1.0).numpy()
+            return net.action_means(torch.from_numpy(observations)).clamp(-1.0, 1.0).numpy()
 
     chosen = held.settings.test
-    return evaluate(unseen_worlds(held.config, episodes, chosen.seed, "training.test.seed"), act, episodes, chosen.seed).success
+    return evaluate_policy(unseen_worlds(held.config, episodes, chosen.seed, "training.test.seed"), act, episodes, chosen.seed).success
 
 
-def ways(layout: Sequence[ObservationField]) -> Iterator[tuple[str, list[int], list[int], float]]:
+def observation_parts(layout: Sequence[ObservationField]) -> Iterator[tuple[str, list[int], list[int], float]]:
     """Yield what is shown: its name, the scans, the other columns, and how many times as wide the network is."""
     scans = sum(field.name.startswith("closeness") for field in layout)
     ends = np.cumsum([field.size for field in layout])
@@ -144,7 +144,7 @@ def ways(layout: Sequence[ObservationField]) -> Iterator[tuple[str, list[int], l
 def main(robot: str, count: int, episodes: int) -> None:
     """Print a row for each way."""
     torch.set_num_threads(1)
-    held = hold(robot, count)
+    held = collect_rollouts(robot, count)
     seen_apart, shown_apart = (torch.from_numpy(rows) for rows in held.apart)
     spread = (shown_apart - shown_apart.median(0).values).abs().mean(0)
     columns = [*held.actions, *["arrives"] * (episodes > 0)]
@@ -154,16 +154,16 @@ def main(robot: str, count: int, episodes: int) -> None:
     )
     network = held.settings.network
     assert network.features is not None
-    for name, scans, columns, times in ways(held.layout):
+    for name, scans, columns, times in observation_parts(held.layout):
         wide = replace(network, features=int(times * network.features), heads=tuple(int(times * size) for size in network.heads))
         off = []
         for seed in SEEDS:
             torch.manual_seed(seed)
             net = Imitator(wide, held.layout[0].size, scans, columns, len(held.actions))
-            learn(net, held.seen, held.settings.teacher, seed)
+            fit_network(net, held.seen, held.settings.teacher, seed)
             with torch.no_grad():
-                apart = (net.means(seen_apart) - shown_apart).abs().mean(0).tolist()
-            off.append([*apart, arrives(net, held, episodes)] if episodes else apart)
+                apart = (net.action_means(seen_apart) - shown_apart).abs().mean(0).tolist()
+            off.append([*apart, success_share(net, held, episodes)] if episodes else apart)
         told = [f"{np.mean(one):.3f} ({min(one):.3f} .. {max(one):.3f})" for one in zip(*off, strict=True)]
         print(f"| {name} | {' | '.join(told)} |", flush=True)
 

@@ -28,20 +28,20 @@ def main(folder: Path | None) -> None:
     means = {}
     for kind in KINDS:
         source: Generated = component("world", kind)
-        means[kind] = np.array([_mean(source.at(difficulty)) for difficulty in STEPS])
+        means[kind] = np.array([_mean_measures(source.at(difficulty)) for difficulty in STEPS])
         for difficulty, row in zip(STEPS, means[kind], strict=True):
             print(f"{kind:9} {difficulty:10}  " + "  ".join(f"{v:{len(n)}.2f}" for n, v in zip(names, row, strict=True)))
     if folder is not None:
-        _save(_gallery(), folder / "worlds.png", 100)
-        _save(_curves(means, names), folder / "world_measures.png", 90)
+        _save_figure(_draw_gallery(), folder / "worlds.png", 100)
+        _save_figure(_draw_curves(means, names), folder / "world_measures.png", 90)
 
 
-def _mean(source: Generated) -> NDArray[np.float64]:
+def _mean_measures(source: Generated) -> NDArray[np.float64]:
     found = [measures_of(source.world(seed, 0).grid, source.robot_radius) for seed in range(SEEDS)]
     return np.array([[value for _, value, _, _ in measures.rows()] for measures in found]).mean(axis=0)
 
 
-def _gallery() -> Figure:
+def _draw_gallery() -> Figure:
     figure = Figure((6.6, 9.0), layout="constrained")
     for k, axes in enumerate(figure.subplots(len(KINDS), len(SHOWN)).flat):
         kind, difficulty = KINDS[k // len(SHOWN)], SHOWN[k % len(SHOWN)]
@@ -53,7 +53,7 @@ def _gallery() -> Figure:
     return figure
 
 
-def _curves(means: dict[str, NDArray[np.float64]], names: list[str]) -> Figure:
+def _draw_curves(means: dict[str, NDArray[np.float64]], names: list[str]) -> Figure:
     figure = Figure((9.0, 2.6), layout="constrained")
     axes: Axes
     for axes, (name, label) in zip(figure.subplots(1, len(FIGURES)), FIGURES.items(), strict=True):
@@ -65,7 +65,7 @@ def _curves(means: dict[str, NDArray[np.float64]], names: list[str]) -> Figure:
     return figure
 
 
-def _save(figure: Figure, path: Path, dpi: int) -> None:
+def _save_figure(figure: Figure, path: Path, dpi: int) -> None:
     with mpl.rc_context({"font.size": 9}):
         figure.savefig(path, dpi=dpi)
 

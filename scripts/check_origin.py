@@ -30,10 +30,10 @@ def other_files(found: Distribution, wheel: Path) -> list[str]:
     """Return the files of a wheel that are not installed as they are in it; RECORD is the installer's."""
     with zipfile.ZipFile(wheel) as archive:
         names = [name for name in archive.namelist() if not name.endswith("/RECORD")]
-        return [name for name in names if not same(Path(str(found.locate_file(name))), archive.read(name))]
+        return [name for name in names if not is_same_file(Path(str(found.locate_file(name))), archive.read(name))]
 
 
-def same(path: Path, content: bytes) -> bool:
+def is_same_file(path: Path, content: bytes) -> bool:
     """Return whether a file has this content."""
     return path.is_file() and path.read_bytes() == content
 

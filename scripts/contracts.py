@@ -22,16 +22,16 @@ def main() -> int:
 
     written = TOP / ".import_linter_cache" / "contracts.toml"
     written.parent.mkdir(exist_ok=True)
-    written.write_text(expanded((TOP / "pyproject.toml").read_text(), packages()))
+    written.write_text(expand_plugins((TOP / "pyproject.toml").read_text(), plugin_packages()))
     return lint_imports(config_filename=str(written))
 
 
-def packages() -> list[str]:
+def plugin_packages() -> list[str]:
     """Return the import names of all plugins, in order."""
     return sorted(path.name for path in TOP.glob("plugins/*/src/*") if (path / "__init__.py").is_file())
 
 
-def expanded(text: str, names: list[str]) -> str:
+def expand_plugins(text: str, names: list[str]) -> str:
     """Put the names of plugins wherever a text of TOML says ``"plugins/*"``."""
 
     def listed(match: re.Match[str]) -> str:

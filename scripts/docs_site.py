@@ -39,7 +39,7 @@ def on_config(config: MkDocsConfig) -> None:
     """Append packages and reference to the navigation."""
     assert config.nav is not None
     config.nav.append({"Packages": [{name: f"packages/{name}.md"} for name in READMES]})
-    config.nav.append({"Reference": [{title: place} for place, (title, _) in reference().items()]})
+    config.nav.append({"Reference": [{title: place} for place, (title, _) in reference_pages().items()]})
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
@@ -47,7 +47,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     from mkdocs.structure.files import File
 
     pages = {place: (TOP / file).read_text() for place, file in FROM_ELSEWHERE.items()}
-    pages |= {place: text for place, (_, text) in reference().items()}
+    pages |= {place: text for place, (_, text) in reference_pages().items()}
     for place, text in pages.items():
         files.append(File.generated(config, place, content=text))
     return files
@@ -58,10 +58,10 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
     place = page.file.src_uri
     file = FROM_ELSEWHERE.get(place, f"docs/{place}")
     parts = re.split(r"(^```.*?^```$)", markdown, flags=re.M | re.S)
-    return "".join(part if part.startswith("```") else led(part, file, place) for part in parts)
+    return "".join(part if part.startswith("```") else convert_links(part, file, place) for part in parts)
 
 
-def led(text: str, file: str, place: str) -> str:
+def convert_links(text: str, file: str, place: str) -> str:
     """Return a text of the repository's ``file`` with links as they are in the site at ``place``."""
 
     def link(match: re.Match[str]) -> str:
@@ -81,11 +81,14 @@ def led(text: str, file: str, place: str) -> str:
     return PICTURE.sub(picture, LINK.sub(link, text))
 
 
-def reference() -> dict[str, tuple[str, str]]:
+def reference_pages() -> dict[str, tuple[str, str]]:
     """Return title and text of each page of the reference, by its place: one for each module that public names come from."""
-    pages = {"reference/index.md": ("All names", index())}
+    pages = {"reference/index.md": ("All names", name_index())}
     for module, names in public_names("arena_core/__init__.py").items():
-        pages[place_of(module)] = (heading(module), page_of(heading(module), source_of(module), [f"arena_core.{name}" for name in names]))
+        pages[place_of(module)] = (
+            module_heading(module),
+            page_of(module_heading(module), source_of(module), [f"arena_core.{name}" for name in names]),
+        )
     for module, (file, names) in BESIDE.items():
         offered = names or [f"{module}.{name}" for found in public_names(file).values() for name in found]
         pages[place_of(module)] = (module, page_of(module, TOP / file, offered))
@@ -98,12 +101,12 @@ def page_of(title: str, file: Path, names: list[str]) -> str:
     return "\n\n".join([f"# {title}", said, *(f"::: {name}" for name in names)]) + "\n"
 
 
-def index() -> str:
+def name_index() -> str:
     """Return a page that lists all public names."""
     rows = ["# All public names", "", "`from arena_core import ...`", ""]
     for module, names in public_names("arena_core/__init__.py").items():
         listed = ", ".join(f"[`{name}`][arena_core.{name}]" for name in sorted(names))
-        rows.append(f"- [{heading(module)}]({module}.md): {listed}")
+        rows.append(f"- [{module_heading(module)}]({module}.md): {listed}")
     rows += ["", "Beside it:", "", *(f"- [`{module}`]({module}.md)" for module in BESIDE)]
     return "\n".join(rows) + "\n"
 
@@ -124,7 +127,7 @@ def source_of(module: str) -> Path:
     return there / "__init__.py" if there.is_dir() else there.with_suffix(".py")
 
 
-def heading(module: str) -> str:
+def module_heading(module: str) -> str:
     """Return a module's name as a title: ``arena_core.contracts.hookspecs`` is Hookspecs."""
     return module.rpartition(".")[2].replace("_", " ").capitalize()
 

@@ -80,23 +80,23 @@ def draw_maps(folder: Path) -> None:
     hall[[0, 1, -2, -1]] = hall[:, [0, 1, -2, -1]] = WALL
     hall[35:45, 56:64] = WALL
     hall[2:10, -10:-2] = UNKNOWN
-    save(folder / "hall", "map.pgm", hall)
-    text(folder / "hall" / "map.yaml", MAP.format(image="map.pgm", resolution=0.1, origin="0.0, 0.0, 0.0"))
+    save_picture(folder / "hall", "map.pgm", hall)
+    write_text(folder / "hall" / "map.yaml", MAP.format(image="map.pgm", resolution=0.1, origin="0.0, 0.0, 0.0"))
 
     letter = np.array([[WALL if cell == "#" else FREE for cell in row] for row in LETTER.splitlines()], np.uint8)
     for ending in ("png", "pgm", "bmp"):
-        save(folder / "letter", f"letter.{ending}", letter)
-    text(folder / "letter" / "letter.yaml", MAP.format(image="letter.png", resolution=0.1, origin="2.0, 3.0, 1.0"))
+        save_picture(folder / "letter", f"letter.{ending}", letter)
+    write_text(folder / "letter" / "letter.yaml", MAP.format(image="letter.png", resolution=0.1, origin="2.0, 3.0, 1.0"))
 
-    save(folder / "flatland", "walls.png", letter)
-    text(folder / "flatland" / "map.yaml", MAP.format(image="walls.png", resolution=0.25, origin="-1.0, -1.0, 0.0"))
-    text(folder / "flatland" / "map.world.yaml", "properties: {velocity_iterations: 10}\nlayers:\n- {name: static, map: map.yaml}\n")
+    save_picture(folder / "flatland", "walls.png", letter)
+    write_text(folder / "flatland" / "map.yaml", MAP.format(image="walls.png", resolution=0.25, origin="-1.0, -1.0, 0.0"))
+    write_text(folder / "flatland" / "map.world.yaml", "properties: {velocity_iterations: 10}\nlayers:\n- {name: static, map: map.yaml}\n")
 
 
 def draw_scenarios(folder: Path) -> None:
     """Write two scenarios of the hall in the format of arena-tools: among walkers, and among forklifts that wait."""
     for name, kind, speed, rounds in (("hall_obs03", "adult", 0.3, 30), ("hall_vehicles", "vehicle", 1.0, 1)):
-        agents = [agent(k, kind, speed) for k in range(3)]
+        agents = [scenario_agent(k, kind, speed) for k in range(3)]
         content = {
             "pedsim_agents": agents,
             "static_obstacles": [],
@@ -107,10 +107,10 @@ def draw_scenarios(folder: Path) -> None:
             "map_path": "/home/somebody/maps/hall/map.yaml",
             "format": "arena-tools",
         }
-        text(folder / f"{name}.json", json.dumps(content, indent=2) + "\n")
+        write_text(folder / f"{name}.json", json.dumps(content, indent=2) + "\n")
 
 
-def agent(number: int, kind: str, speed: float) -> dict[str, Any]:
+def scenario_agent(number: int, kind: str, speed: float) -> dict[str, Any]:
     """Return a person who walks round the pillar from corner to corner."""
     ways = [list(PLACES[(number + k) % len(PLACES)]) for k in range(1, 4)]
     head = {"name": str(number + 1), "id": 0, "pos": list(PLACES[number]), "type": kind}
@@ -129,7 +129,7 @@ def draw_barn(folder: Path) -> None:
         posts = [
             (CELL_X + CELL * c, CELL_Y + CELL * r) for c in range(30) for r in range(30) if free_of(way, c, r) and random.random() < 0.2
         ]
-        posts += walls()
+        posts += wall_posts()
         models = "".join(POST.format(k=k, x=x, y=y) for k, (x, y) in enumerate(posts))
         world = f"<sdf version='1.6'>\n<world name='default'>\n{models}</world>\n</sdf>\n"
         (folder / "world_files" / f"world_{number}.world.gz").write_bytes(gzip.compress(world.encode(), mtime=0))
@@ -141,7 +141,7 @@ def free_of(way: NDArray[np.int64], column: int, row: int) -> bool:
     return bool(np.hypot(*(way - (column, row)).T).min() * CELL > 0.5)
 
 
-def walls() -> list[tuple[float, float]]:
+def wall_posts() -> list[tuple[float, float]]:
     """Return the posts of the wall on the left, on the right and below, where the robot starts."""
     sides = [(x, 0.075 + CELL * k) for x in (CELL_X + CELL, CELL_X + 30 * CELL) for k in range(34)]
     return [*sides, *((CELL_X + CELL * k, 0.075) for k in range(2, 30))]
@@ -150,14 +150,14 @@ def walls() -> list[tuple[float, float]]:
 def draw_recordings(folder: Path) -> None:
     """Write people who cross a street (as UCY's obsmat, 25 frames/s, every tenth kept) and who walk a corridor (as Juelich's, cm)."""
     random = np.random.default_rng(11)
-    rows = [row for person in range(1, 25) for row in crossing(person, random)]
+    rows = [row for person in range(1, 25) for row in crossing_track(person, random)]
     lines = (" ".join(f"{value:.6g}" for value in row) for row in sorted(rows, key=lambda row: (row[0], row[1])))
-    text(folder / "street" / "obsmat.txt", "\n".join(lines) + "\n")
+    write_text(folder / "street" / "obsmat.txt", "\n".join(lines) + "\n")
     walk = [(person, 20 * person + k, 90.0 + 5 * person, 600.0 - 8.25 * k, 175.0) for person in range(1, 9) for k in range(60)]
-    text(folder / "corridor" / "uo-corridor.txt", "".join(f"{p} {f} {x:g} {y:g} {z:g}\n" for p, f, x, y, z in walk))
+    write_text(folder / "corridor" / "uo-corridor.txt", "".join(f"{p} {f} {x:g} {y:g} {z:g}\n" for p, f, x, y, z in walk))
 
 
-def crossing(person: int, random: np.random.Generator) -> list[tuple[float, ...]]:
+def crossing_track(person: int, random: np.random.Generator) -> list[tuple[float, ...]]:
     """Return rows of frame, person, x, 0, y, and their velocity: a straight way of 12 m, now to the left, now to the right."""
     speed = random.uniform(0.9, 1.5) * (-1) ** person
     begin, y = 1 + 10 * int(random.integers(0, 130)), random.uniform(2.0, 18.0)
@@ -173,23 +173,23 @@ def draw_grid(folder: Path) -> None:
     free[[3, 11, 20], 8] = free[[5, 12, 19], 16] = free[[2, 13, 21], 24] = True
     free[8, [4, 20]] = free[16, [11, 27]] = True
     picture = "\n".join("".join("." if cell else "@" for cell in row) for row in free)
-    text(folder / "rooms.map", f"type octile\nheight {free.shape[0]}\nwidth {free.shape[1]}\nmap\n{picture}\n")
+    write_text(folder / "rooms.map", f"type octile\nheight {free.shape[0]}\nwidth {free.shape[1]}\nmap\n{picture}\n")
     random = np.random.default_rng(3)
     cells = np.argwhere(free)
     pairs = [tuple(cells[k] for k in random.choice(len(cells), 2, replace=False)) for _ in range(30)]
-    lengths = dijkstra(moves(free), indices=[at[0] * free.shape[1] + at[1] for at, _ in pairs])
-    lines = [query(*pair, free, ways) for pair, ways in zip(pairs, lengths, strict=True)]
-    text(folder / "rooms.map.scen", "version 1\n" + "".join(sorted(lines, key=lambda line: float(line.split()[-1]))))
+    lengths = dijkstra(octile_moves(free), indices=[at[0] * free.shape[1] + at[1] for at, _ in pairs])
+    lines = [scenario_line(*pair, free, ways) for pair, ways in zip(pairs, lengths, strict=True)]
+    write_text(folder / "rooms.map.scen", "version 1\n" + "".join(sorted(lines, key=lambda line: float(line.split()[-1]))))
 
 
-def query(start: Any, goal: Any, free: NDArray[np.bool_], ways: NDArray[np.float64]) -> str:
+def scenario_line(start: Any, goal: Any, free: NDArray[np.bool_], ways: NDArray[np.float64]) -> str:
     """Return a line of a .scen file: bucket, map, its size, start and goal as x y, and the length of the shortest way."""
     length = ways[goal[0] * free.shape[1] + goal[1]]
     numbers = (free.shape[1], free.shape[0], start[1], start[0], goal[1], goal[0])
     return "\t".join((str(int(length // 4)), "rooms.map", *map(str, numbers), f"{length:.8f}")) + "\n"
 
 
-def moves(free: NDArray[np.bool_]) -> csr_array:
+def octile_moves(free: NDArray[np.bool_]) -> csr_array:
     """Return the octile moves between free cells, none of which cuts a corner."""
     rows, columns = free.shape
     found: list[tuple[int, int, float]] = []
@@ -203,13 +203,13 @@ def moves(free: NDArray[np.bool_]) -> csr_array:
     return one_way + one_way.T
 
 
-def save(folder: Path, name: str, grey: NDArray[np.uint8]) -> None:
+def save_picture(folder: Path, name: str, grey: NDArray[np.uint8]) -> None:
     """Write a picture."""
     folder.mkdir(parents=True, exist_ok=True)
     Image.fromarray(grey).save(folder / name)
 
 
-def text(path: Path, content: str) -> None:
+def write_text(path: Path, content: str) -> None:
     """Write a text."""
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(content)

@@ -24,7 +24,7 @@ from arena_core import ArenaError, InputFileError, Run, Runs, random_generator
 from arena_core.files import read_json, write_text_whole
 from arena_core.hosting import Job, compose, load_registry, to_plain
 from arena_core.records import is_success, read_record, record_digest, record_path, repeat_episodes
-from arena_submit.verifying import AGREEING, driven_elsewhere, here_and_now
+from arena_submit.verification import AGREEING, current_environment, environment_differences
 
 TOP = Path(__file__).resolve().parents[1]
 KEPT = TOP / "docs" / "results" / "check.json"
@@ -42,8 +42,8 @@ def main(words: Sequence[str] | None = None) -> int:
     given = parser.parse_args(words)
     try:
         if given.write is not None:
-            return write(given.write, given.experiment, given.file)
-        return check(given.file, given.first, given.overrides)
+            return write_check(given.write, given.experiment, given.file)
+        return check_sample(given.file, given.first, given.overrides)
     except ArenaError as error:
         print(f"results_check: {error}", file=sys.stderr)
         return error.exit_status
@@ -59,7 +59,7 @@ def sample_of(experiment: str, size: int = SAMPLE) -> list[dict[str, Any]]:
     return [{"overrides": cells[i], "episode": int(random.integers(config.episodes))} for i in drawn]
 
 
-def write(folder: Path, experiment: str, target: Path) -> int:
+def write_check(folder: Path, experiment: str, target: Path) -> int:
     """Keep the digests of the sample from finished runs."""
     runs = list(Runs.below(folder))
     kept = []
@@ -69,21 +69,23 @@ def write(folder: Path, experiment: str, target: Path) -> int:
             raise InputFileError(f"{folder}: lacks {' '.join(one['overrides'])}; allowed: all of experiment={experiment}")
         record = run.record(one["episode"])
         kept.append({**one, "digest": record_digest(record), "succeeded": is_success(record)})
-    write_text_whole(target, json.dumps({"experiment": experiment, **here_and_now(), "sample": kept}, indent=1, sort_keys=True) + "\n")
+    write_text_whole(
+        target, json.dumps({"experiment": experiment, **current_environment(), "sample": kept}, indent=1, sort_keys=True) + "\n"
+    )
     print(f"{target}: {len(kept)} episodes")
     return 0
 
 
-def check(path: Path, first: int | None, overrides: Sequence[str]) -> int:
+def check_sample(path: Path, first: int | None, overrides: Sequence[str]) -> int:
     """Drive the sample and compare."""
     kept = read_json(path, "what results_check.py --write wrote")
     sample = kept["sample"][:first]
-    elsewhere = list(driven_elsewhere(kept))
+    elsewhere = list(environment_differences(kept))
     executor = to_plain(compose(list(overrides)))["executor"]
     differing, agreeing = [], 0
     with tempfile.TemporaryDirectory(prefix="arena-results-") as folder:
         asked = {str(Path(folder, str(number))): one for number, one in enumerate(sample)}
-        for place, same, alike, told in _driven(kept["experiment"], asked, executor):
+        for place, same, alike, told in _drive_sample(kept["experiment"], asked, executor):
             one = asked[place]
             agreeing += alike
             print(".", end="", flush=True)
@@ -94,9 +96,9 @@ def check(path: Path, first: int | None, overrides: Sequence[str]) -> int:
     return int(agreeing < math.ceil(AGREEING * len(sample)) if elsewhere else bool(differing))
 
 
-def _driven(experiment: str, asked: dict[str, Any], executor: dict[str, Any]) -> Iterator[tuple[str, bool, bool, str]]:
+def _drive_sample(experiment: str, asked: dict[str, Any], executor: dict[str, Any]) -> Iterator[tuple[str, bool, bool, str]]:
     """Drive episodes; yield the folder of each, whether it is the same, whether it ends alike, and how it went."""
-    jobs = [Job(_config(experiment, one["overrides"]), place, one["episode"]) for place, one in asked.items()]
+    jobs = [Job(_sample_config(experiment, one["overrides"]), place, one["episode"]) for place, one in asked.items()]
     for answer in repeat_episodes(jobs, executor, load_registry()):
         one = asked[answer.job.folder]
         path = record_path(Path(answer.job.folder), answer.job.episode)
@@ -108,7 +110,7 @@ def _driven(experiment: str, asked: dict[str, Any], executor: dict[str, Any]) ->
         yield answer.job.folder, record_digest(record) == one["digest"], words[0] == words[1], f"{words[0]} then, {words[1]} now"
 
 
-def _config(experiment: str, overrides: Sequence[str]) -> dict[str, Any]:
+def _sample_config(experiment: str, overrides: Sequence[str]) -> dict[str, Any]:
     composed = compose([f"experiment={experiment}", *overrides], hydra=True)
     choices = {k: v for k, v in dict(composed.hydra.runtime.choices).items() if v is not None and not k.startswith("hydra/")}
     return {**{key: value for key, value in to_plain(_without_hydra(composed)).items()}, "choices": choices}
@@ -124,7 +126,7 @@ def _without_hydra(composed: Any) -> Any:
 
 def _run_of(overrides: Sequence[str], experiment: str, runs: Sequence[Run]) -> Run | None:
     """Return the run of an experiment's cell, None where there is none."""
-    wanted = _config(experiment, overrides)
+    wanted = _sample_config(experiment, overrides)
     parts = ("planner", "robot", "world", "task", "pedestrians", "localizer", "seed")
     return next((run for run in runs if all(run.config.get(part) == wanted[part] for part in parts)), None)
 

@@ -20,14 +20,14 @@ def main(version: str, top: Path = TOP) -> None:
     major, minor, _ = version.split(".")
     bounds = rf"\g<1>>={major}.{minor},<{major}.{int(minor) + 1}"
     for project in [top / "pyproject.toml", *sorted(top.glob("plugins/*/pyproject.toml"))]:
-        put(project, r'^version = "(.*)"$', f'version = "{version}"')
+        replace_line(project, r'^version = "(.*)"$', f'version = "{version}"')
         text = re.sub(r'("arena-[a-z-]+(?:\[\w+\])?)>=[\d.]+,<[\d.]+', bounds, project.read_text())
         project.write_text(text)
-    put(top / "arena_core" / "__init__.py", r'^__version__ = "(.*)"$', f'__version__ = "{version}"')
-    put(top / "CITATION.cff", r"^version: (.*)$", f"version: {version}")
+    replace_line(top / "arena_core" / "__init__.py", r'^__version__ = "(.*)"$', f'__version__ = "{version}"')
+    replace_line(top / "CITATION.cff", r"^version: (.*)$", f"version: {version}")
 
 
-def put(path: Path, pattern: str, line: str) -> None:
+def replace_line(path: Path, pattern: str, line: str) -> None:
     """Replace the one line that a pattern finds."""
     text, found = re.subn(pattern, line, path.read_text(), flags=re.M)
     if found != 1:

@@ -16,7 +16,7 @@ ARENA = (sys.executable, "-m", "arena_core.cli.main")
 
 
 @contextmanager
-def studio(project: Path) -> Iterator[str]:
+def start_studio(project: Path) -> Iterator[str]:
     """Start a studio on a folder; yield its address."""
     process = subprocess.Popen([*ARENA, "studio", str(project), "open=false"], stderr=subprocess.PIPE, text=True)  # noqa: S603
     assert process.stderr is not None
@@ -30,7 +30,7 @@ def studio(project: Path) -> Iterator[str]:
 
 
 @contextmanager
-def browser() -> Iterator[Any]:
+def start_browser() -> Iterator[Any]:
     """Start chromium: the system's, else playwright's own."""
     from playwright.sync_api import sync_playwright
 

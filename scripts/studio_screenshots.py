@@ -12,7 +12,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from studio_in_chromium import browser, studio
+from studio_in_chromium import start_browser, start_studio
 
 TOP = Path(__file__).resolve().parents[1]
 PATIENCE = 300_000  # ms
@@ -27,7 +27,7 @@ def main() -> int:
         for name in ("maps", "scenarios"):
             shutil.copytree(TOP / "tests" / "data" / name, project / name)
         shutil.copytree(TOP / "plugins" / "arena-tasks" / "src" / "arena_scenarios" / "packs" / "arena", project / "arena")
-        with studio(project) as address, browser() as chromium:
+        with start_studio(project) as address, start_browser() as chromium:
             page = chromium.new_page(viewport=WINDOW)
             page.set_default_timeout(PATIENCE)
             page.goto(address)
@@ -63,7 +63,7 @@ def photograph_maps(page: Any, address: str, target: Path) -> None:
     page.mouse.move(box["x"] + 0.45 * box["width"], box["y"] + 0.35 * box["height"])
     page.mouse.down()
     page.mouse.move(box["x"] + 0.6 * box["width"], box["y"] + 0.35 * box["height"], steps=5)
-    photograph(page, target / "studio-map.png")
+    save_screenshot(page, target / "studio-map.png")
     page.mouse.up()
 
 
@@ -72,29 +72,29 @@ def photograph_scenarios(page: Any, address: str, target: Path) -> None:
     page.goto(f"{address}#/scenario?path=arena/scenarios/moving_group_high.json")
     page.locator("summary", has_text="can be run").wait_for()
     page.locator(".things button", has_text="Person 3").click()
-    photograph(page, target / "studio-scenario.png")
+    save_screenshot(page, target / "studio-scenario.png")
     page.get_by_label("legs").check()
     page.get_by_role("button", name="Preview", exact=True).click()
     slider = page.get_by_label("time of the preview, s")
     slider.wait_for()
     page.evaluate("document.querySelector('.page.scenario').preview.player.seek(12)")
-    photograph(page, target / "studio-preview.png")
+    save_screenshot(page, target / "studio-preview.png")
 
 
 def photograph_tasks(page: Any, address: str, target: Path) -> None:
     """Photograph a curriculum, and what rules draw."""
     page.goto(f"{address}#/task?part=curriculum&path=growing")
     page.locator(".plots svg").first.wait_for()
-    photograph(page, target / "studio-curriculum.png")
+    save_screenshot(page, target / "studio-curriculum.png")
     page.get_by_role("tab", name="Random problems").click()
     page.locator(".rule").first.wait_for()
     page.get_by_label("world or map").select_option("outdoor")
     page.get_by_role("button", name="Draw ten").click()
     page.locator(".draws figure").nth(9).wait_for()
-    photograph(page, target / "studio-draws.png")
+    save_screenshot(page, target / "studio-draws.png")
 
 
-def photograph(page: Any, path: Path) -> None:
+def save_screenshot(page: Any, path: Path) -> None:
     """Write a picture of the page, without the line of what was done last."""
     page.locator("#said").evaluate("region => region.replaceChildren()")
     page.screenshot(path=path)
@@ -112,7 +112,7 @@ def photograph_runs(page: Any, target: Path) -> None:
     page.locator("button.main:enabled").click()
     page.locator(".experiment tbody tr").nth(1).wait_for()
     page.evaluate("document.getElementById('page').scrollTo(0, 0)")
-    photograph(page, target / "studio-run.png")
+    save_screenshot(page, target / "studio-run.png")
     page.locator('.experiment[data-state="finished"]').wait_for()
 
 
@@ -122,7 +122,7 @@ def photograph_results(page: Any, target: Path) -> None:
     page.locator("table tbody tr").first.wait_for()
     page.get_by_role("button", name="Compare planners").click()
     page.locator(".compared tbody tr").first.wait_for()
-    photograph(page, target / "studio-results.png")
+    save_screenshot(page, target / "studio-results.png")
 
 
 if __name__ == "__main__":

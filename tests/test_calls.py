@@ -14,7 +14,7 @@ from arena_core.config.configuration import compose, to_plain
 from arena_core.config.registry import load_registry
 from arena_core.runs.benchmark import build_benchmark
 from arena_core.runs.profiling import own_folders
-from arena_kernels.compiled import Entered
+from arena_kernels.compiled import TypedDispatch
 
 WORDS = ("robot=jackal", "world=empty", "task.pedestrians=2")
 SHORT, LONG = 2.0, 4.0  # s that the episode may last; nobody is at the goal before
@@ -30,7 +30,7 @@ class Counting:
     def __init__(self):
         self.python, self.kernels = 0, 0
         self._own = tuple(own_folders())
-        self._entry = Entered.__call__.__code__
+        self._entry = TypedDispatch.__call__.__code__
 
     def __call__(self, frame, event, _):
         if event != "call":

@@ -146,7 +146,7 @@ def test_reference_has_all_public_names():
     spec = importlib.util.spec_from_file_location("docs_site", TOP / "scripts" / "docs_site.py")
     site = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(site)
-    listed = re.findall(r"^::: (\S+)$", "\n".join(text for _, text in site.reference().values()), re.M)
+    listed = re.findall(r"^::: (\S+)$", "\n".join(text for _, text in site.reference_pages().values()), re.M)
     assert {f"arena_core.{name}" for name in arena_core.__all__} <= set(listed)
     for door in map(import_module, (f"arena_core.{name}" for name in site.SIDE_DOORS)):
         assert {f"{door.__name__}.{name}" for name in door.__all__} <= set(listed)

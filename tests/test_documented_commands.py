@@ -22,7 +22,7 @@ from arena_crowds.validation.command import EXPERIMENTS
 from arena_crowds.validation.measure import read_request
 from arena_mujoco.pictures.command import read_request as read_picture
 from arena_navrep.navrep_command import STAGES
-from arena_ros.bags.roles import roles
+from arena_ros.bags.topic_roles import all_roles
 from arena_ros.commands import IMPORT_KEYS, USAGES
 from arena_ros.live.commands import DRIVE_KEYS, SIMULATE_KEYS
 from arena_studio.command import read_request as read_studio
@@ -200,7 +200,7 @@ class Shell:
         if action in own:
             composed([word for word in rest if "=" in word and word.partition("=")[0] not in own[action]])
         elif action in ("import", "scenario-from"):
-            assert {word.partition("=")[0] for word in rest if "=" in word} <= {*IMPORT_KEYS, *roles()}
+            assert {word.partition("=")[0] for word in rest if "=" in word} <= {*IMPORT_KEYS, *all_roles()}
 
     def crowd(self, words):
         what, *rest = words

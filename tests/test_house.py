@@ -69,12 +69,12 @@ def test_names_arguments_and_booleans_are_counted(house, small):
 
 
 def test_lines_names_and_distributions_are_counted(house, small):
-    assert (house.long_lines(small), house.public_names(small), house.distributions(small)) == (1, 2, 1)
+    assert (house.long_lines(small), house.public_names(small), house.distribution_count(small)) == (1, 2, 1)
 
 
 def test_docstrings_comments_and_layout_are_no_code(house):
     text = '"""One."""\n\n\ndef f(x):\n    """Two.\n\n    More.\n    """\n    return "x" + x  # three\n'
-    assert house._tokens(text) == house._tokens('def f(x):\n    return "x" + x\n') == 10
+    assert house._count_tokens(text) == house._count_tokens('def f(x):\n    return "x" + x\n') == 10
 
 
 def test_private_parts_of_others_are_found_where_no_reason_stands_beside_them(house, small):

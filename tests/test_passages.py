@@ -11,8 +11,8 @@ import pytest
 
 from arena_core import Costmap, EpisodeStart, NoValidCommand, Path, Pose, Twist, testing
 from arena_core.records import read_record
+from arena_kernels.costmap_window import CostmapWindow, footprint_outline, outline_clearance
 from arena_kernels.distance import distance_field
-from arena_kernels.window import Window, clearance, footprint_outline
 
 RESOLUTION = 0.05  # m
 PLANNERS = ("dwa", "teb", "mpc", "mppi")
@@ -69,10 +69,10 @@ def test_planner_follows_its_path_through_a_gap(preset, robot):
     path = lined((2.0, middle + 0.05), (2.7, middle), (5.5, middle))
     planner = testing.planner(preset, body, robot_preset=robot)
     planner.reset(EpisodeStart(None, Pose(5.5, middle), 0.1, np.random.default_rng(0)))
-    window = Window(costs, distance.astype(np.float32), RESOLUTION, 0.0, 0.0)
+    window = CostmapWindow(costs, distance.astype(np.float32), RESOLUTION, 0.0, 0.0)
     outline = footprint_outline(body.footprint)
     for pose in drive(planner, body, Costmap(costs, distance, RESOLUTION, np.zeros(2)), path, Pose(2.0, middle + 0.05), 40.0):
-        assert clearance(window, outline, pose.x, pose.y, math.cos(pose.theta), math.sin(pose.theta), 1.0) > -1e-6
+        assert outline_clearance(window, outline, pose.x, pose.y, math.cos(pose.theta), math.sin(pose.theta), 1.0) > -1e-6
         if pose.x > 4.0:
             return
     raise AssertionError(f"it stands at {pose}")

@@ -62,7 +62,7 @@ def contracts():
 
 
 def test_contracts_take_plugins_from_their_folders(contracts):
-    assert contracts.packages() == sorted(package.name for plugin in PLUGINS for package in plugin.glob("src/*"))
+    assert contracts.plugin_packages() == sorted(package.name for plugin in PLUGINS for package in plugin.glob("src/*"))
 
 
 @plugins
@@ -87,7 +87,7 @@ def test_there_are_at_most_30_distributions():
 
 
 def test_plugin_of_a_new_folder_is_under_the_contracts(contracts):
-    text = contracts.expanded((TOP / "pyproject.toml").read_text(), [*contracts.packages(), "arena_new"])
+    text = contracts.expand_plugins((TOP / "pyproject.toml").read_text(), [*contracts.plugin_packages(), "arena_new"])
     said = tomllib.loads(text)["tool"]["importlinter"]
     held = {contract["name"]: contract for contract in said["contracts"]}
     assert len(held) == 18
@@ -101,7 +101,7 @@ def test_plugin_of_a_new_folder_is_under_the_contracts(contracts):
 
 def test_contract_that_leaves_out_what_is_no_plugin_is_refused(contracts):
     with pytest.raises(SystemExit, match="no plugin: arena_nothing; there are: arena_dwa"):
-        contracts.expanded('modules = ["plugins/* but arena_nothing"]', ["arena_dwa"])
+        contracts.expand_plugins('modules = ["plugins/* but arena_nothing"]', ["arena_dwa"])
 
 
 def test_settings_name_no_plugin_but_those_that_a_contract_is_about():

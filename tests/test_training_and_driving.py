@@ -14,7 +14,7 @@ from arena_core.loop.recording import Recorder
 from arena_core.runs.benchmark import build_benchmark
 from arena_gym.environment import NavigationEnv
 from arena_policies.actions import ActionRange, ActionScale
-from arena_policies.card import PolicyCard, sha256, write_card
+from arena_policies.card import PolicyCard, content_sha256, write_card
 from arena_policies.policy import load_policy
 
 COMMON = ["world.width=12", "world.height=12", "task.pedestrians=4"]
@@ -94,7 +94,17 @@ def write_switch(path, parts):
     scale = ActionScale.of(parts.robot, ActionRange(**whole))
     action = {name: ends for name, *ends in zip(scale.names, scale.low.tolist(), scale.high.tolist(), strict=True)}
     body, encoder = parts.robot, parts.config["observation_encoder"]
-    made_for = ("aio", body.name, body.kinematics, body.control_period, encoder, parts.encoder.layout(), action, whole, sha256(content))
+    made_for = (
+        "aio",
+        body.name,
+        body.kinematics,
+        body.control_period,
+        encoder,
+        parts.encoder.layout(),
+        action,
+        whole,
+        content_sha256(content),
+    )
     path.write_bytes(content)
     write_card(path.with_suffix(".json"), PolicyCard(*made_for, members=parts.switch.members, every=parts.switch.every))
 

@@ -19,7 +19,7 @@ from arena_core.cli.candidates import complete_overrides
 from arena_core.cli.words import key_value, read_words
 from arena_core.config.configuration import PRIMARY, compose, conf_directory, one_line_errors, to_plain
 from arena_core.config.registry import load_registry
-from arena_core.config.sweeps import words_that_fit
+from arena_core.config.sweeps import defer_job_overrides
 from arena_core.contracts.running import Command
 from arena_core.loop.record_places import find_runs
 from arena_core.runs.objective import check_objective, objective_of
@@ -167,7 +167,7 @@ def _through_hydra(task: RunTask, flags: Sequence[str], words: Sequence[str]) ->
     try:
         start()
     except ConfigCompositionException:
-        fitting = words_that_fit(words, bool(flags))
+        fitting = defer_job_overrides(words, bool(flags))
         if fitting == list(words):
             raise
         sys.argv = ["arena run", *flags, *fitting]

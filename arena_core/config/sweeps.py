@@ -14,16 +14,16 @@ if TYPE_CHECKING:
     from hydra.core.override_parser.types import Override
 
 
-def combinations(words: Sequence[str]) -> list[list[str]]:
+def expand_sweep(words: Sequence[str]) -> list[list[str]]:
     """Return the overrides of every job: one for each combination of swept values, the last word of each key.
 
     Raises ConfigurationError for an interval, which has no end of values, and Hydra's own errors.
     """
-    choices = {one.get_key_element(): _choices(one) for one in _parsed(words)}
+    choices = {one.get_key_element(): _key_choices(one) for one in _parse_overrides(words)}
     return [list(job) for job in product(*choices.values())]
 
 
-def _choices(one: Override) -> list[str]:
+def _key_choices(one: Override) -> list[str]:
     key = one.get_key_element()
     if not one.is_sweep_override():
         return [f"{key}={one.get_value_element_as_str()}"]
@@ -32,7 +32,7 @@ def _choices(one: Override) -> list[str]:
     return [f"{key}={value}" for value in one.sweep_string_iterator()]
 
 
-def words_that_fit(words: Sequence[str], multirun: bool) -> list[str]:
+def defer_job_overrides(words: Sequence[str], multirun: bool) -> list[str]:
     """Return the words of a multirun, those that only its jobs can take as sweeps of one value: Hydra leaves sweeps to the jobs.
 
     ``world=indoor,outdoor world.difficulty=0.4`` is such a case: what all jobs have in common has the default world, without that key.
@@ -46,19 +46,21 @@ def words_that_fit(words: Sequence[str], multirun: bool) -> list[str]:
         return list(words)
     with initialize_config_dir(str(conf_directory()), job_name="arena", version_base="1.3"):
         loader = GlobalHydra.instance().config_loader()
-        settings = {one.input_line: one for one in _parsed(words) if not _chooses(one, loader)}
+        settings = {one.input_line: one for one in _parse_overrides(words) if not _is_group_choice(one, loader)}
         common = loader.load_configuration(PRIMARY, [word for word in words if word not in settings], RunMode.MULTIRUN)
         if not multirun and common.hydra.mode is not RunMode.MULTIRUN:
             return list(words)
-        return [_for_jobs(settings[word]) if word in settings and not _fits(settings[word], common) else word for word in words]
+        return [
+            _as_choice_sweep(settings[word]) if word in settings and not _fits_common(settings[word], common) else word for word in words
+        ]
 
 
-def _chooses(one: Override, loader: ConfigLoader) -> bool:
+def _is_group_choice(one: Override, loader: ConfigLoader) -> bool:
     """Return whether a word chooses an option or is Hydra's own, in place of setting a value."""
     return one.is_hydra_override() or bool(loader.get_group_options(one.key_or_group))
 
 
-def _fits(one: Override, common: Any) -> bool:
+def _fits_common(one: Override, common: Any) -> bool:
     """Return whether a word can be taken by what all jobs have in common, which takes it; Hydra knows no sweep of a deletion."""
     from omegaconf import OmegaConf
     from omegaconf.errors import OmegaConfBaseException
@@ -74,11 +76,11 @@ def _fits(one: Override, common: Any) -> bool:
     return True
 
 
-def _for_jobs(one: Override) -> str:
+def _as_choice_sweep(one: Override) -> str:
     return f"{one.get_key_element()}=choice({one.get_value_element_as_str()})"
 
 
-def _parsed(words: Sequence[str]) -> list[Override]:
+def _parse_overrides(words: Sequence[str]) -> list[Override]:
     from hydra.core.override_parser.overrides_parser import OverridesParser
 
     return list(OverridesParser.create().parse_overrides(list(words)))

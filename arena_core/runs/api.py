@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, overload
 from arena_core.base.errors import ArenaError, ConfigurationError
 from arena_core.config.configuration import PRIMARY, compose, one_line_errors
 from arena_core.config.registry import load_registry
-from arena_core.config.sweeps import combinations
+from arena_core.config.sweeps import expand_sweep
 from arena_core.contracts.running import Reporter
 from arena_core.loop.record_files import read_record
 from arena_core.loop.record_places import find_runs, record_path
@@ -110,7 +110,7 @@ def run(overrides: Sequence[str] = (), folder: str | Path | None = None) -> Runs
     row with its error. Raises ArenaError in one line for what is wrong with the request, before anything runs.
     """
     with one_line_errors():
-        jobs = combinations(overrides)
+        jobs = expand_sweep(overrides)
     composed = [compose(words, PRIMARY, hydra=True) for words in jobs]
     hydra = composed[0].hydra
     target = Path(folder if folder is not None else hydra.sweep.dir if len(composed) > 1 else hydra.run.dir).resolve()

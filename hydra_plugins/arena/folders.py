@@ -15,18 +15,18 @@ class NotedFolders(Callback):
         """Note the folder of a single run."""
         from arena_core.base.folders import new_folders
 
-        new_folders.expect(_folder(config, "hydra.run.dir"))
+        new_folders.expect(_resolve_folder(config, "hydra.run.dir"))
 
     def on_multirun_start(self, config: DictConfig, **kwargs: Any) -> None:
         """Note the folder of a multirun; the launcher notes those of its jobs."""
         from arena_core.base.folders import new_folders
 
-        folder = _folder(config, "hydra.sweep.dir")
+        folder = _resolve_folder(config, "hydra.sweep.dir")
         new_folders.expect(folder)
         new_folders.expect_file(folder / "multirun.yaml")
 
 
-def _folder(config: DictConfig, key: str) -> Path:
+def _resolve_folder(config: DictConfig, key: str) -> Path:
     before = HydraConfig.instance().cfg
     HydraConfig.instance().set_config(config)  # as Hydra itself does when it makes the folder
     try:

@@ -36,10 +36,10 @@ class ArenaLauncher(Launcher):
         setup_globals()
         if self.task.show:
             for i, overrides in enumerate(job_overrides):
-                self.task.show.show(initial_job_idx + i, overrides, self._composed(list(overrides), initial_job_idx + i))
+                self.task.show.show(initial_job_idx + i, overrides, self._compose_job(list(overrides), initial_job_idx + i))
             raise Shown
         counted = enumerate(print_progress("composing job", job_overrides), initial_job_idx)
-        prepared = [self._prepare(list(overrides), number) for number, overrides in counted]
+        prepared = [self._prepare_job(list(overrides), number) for number, overrides in counted]
         values = self.task.run(
             [make_request(job.cfg, job.hydra_cfg) for job in prepared], Path(str(self.config.hydra.sweep.dir)).absolute()
         )
@@ -51,18 +51,18 @@ class ArenaLauncher(Launcher):
                 print(f"trial {initial_job_idx + i}: {wanted} {value}")
         return prepared
 
-    def _composed(self, overrides: list[str], number: int) -> DictConfig:
+    def _compose_job(self, overrides: list[str], number: int) -> DictConfig:
         config = self.hydra_context.config_loader.load_sweep_config(self.config, overrides)
         with open_dict(config):
             config.hydra.job.id = number
             config.hydra.job.num = number
         return config
 
-    def _prepare(self, overrides: list[str], number: int) -> JobReturn:
+    def _prepare_job(self, overrides: list[str], number: int) -> JobReturn:
         """Compose one job and make its folder as Hydra's ``run_job`` does, without the copies of the configuration that it takes."""
         from arena_core.base.folders import new_folders
 
-        config = self._composed(overrides, number)
+        config = self._compose_job(overrides, number)
         shared: Any = HydraConfig.instance()
         before = shared.cfg
         shared.set_config(config)  # what ${hydra:...} in names of folders refers to

@@ -27,7 +27,7 @@ class ArenaSource(ConfigSource):
         from arena_core.config.option_file import option_text
 
         text = option_text(file)
-        return ConfigResult(self.provider, self.full_path(), OmegaConf.create(content(file, text)), self._get_header_dict(text))
+        return ConfigResult(self.provider, self.full_path(), OmegaConf.create(parse_option(file, text)), self._get_header_dict(text))
 
     def available(self) -> bool:
         """Tell whether the folder is there."""
@@ -50,7 +50,7 @@ class ArenaSource(ConfigSource):
 
 
 @lru_cache(maxsize=1024)
-def content(file: Path, text: str) -> Any:
+def parse_option(file: Path, text: str) -> Any:
     """Return what the text of an option's file says, parsed once for all jobs of a multirun; raise InputFileError."""
     from arena_core.config.option_file import check_option
 

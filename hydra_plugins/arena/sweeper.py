@@ -29,18 +29,18 @@ class ArenaSweeper(Sweeper):
     def sweep(self, arguments: list[str]) -> list[Sequence[JobReturn]]:
         """Launch the jobs that the words make; raise what is wrong with one of a batch before any of it runs."""
         from arena_core.config.binding import read_settings
-        from arena_core.config.sweeps import combinations
+        from arena_core.config.sweeps import expand_sweep
         from arena_core.values.parameters import PositiveInt
 
         most: Any = PositiveInt | None
         size = read_settings(self.max_batch_size, most, "hydra.sweeper.max_batch_size")
-        jobs = combinations([*(f"{key}={values}" for key, values in self.params.items()), *arguments])
+        jobs = expand_sweep([*(f"{key}={values}" for key, values in self.params.items()), *arguments])
         folder = Path(str(self.config.hydra.sweep.dir))
         folder.mkdir(parents=True, exist_ok=True)
         OmegaConf.save(self.config, folder / "multirun.yaml")
-        return [self._launch(jobs[first : first + (size or len(jobs))], first) for first in range(0, len(jobs), size or len(jobs))]
+        return [self._launch_batch(jobs[first : first + (size or len(jobs))], first) for first in range(0, len(jobs), size or len(jobs))]
 
-    def _launch(self, batch: Sequence[Sequence[str]], first: int) -> Sequence[JobReturn]:
+    def _launch_batch(self, batch: Sequence[Sequence[str]], first: int) -> Sequence[JobReturn]:
         from arena_core.runs.progress import print_progress
 
         if not getattr(self.launcher, "composes_first", False):

@@ -11,10 +11,10 @@ import pytest
 
 import arena_core as arena
 from arena_viewer.command import ReplayCommand
-from arena_viewer.document import document, read_recorded
-from arena_viewer.live import Watched
+from arena_viewer.document import read_recorded, replay_document
+from arena_viewer.live import LiveRuns
 from arena_viewer.page import live_page
-from arena_viewer.page import page as page_of
+from arena_viewer.page import replay_page as page_of
 from arena_viewer.serving import PageServer, page_answer
 
 pytestmark = pytest.mark.browser
@@ -164,7 +164,7 @@ def test_what_was_recorded_of_thoughts_and_legs_is_drawn(tmp_path: Path, show: C
 
 
 def test_runs_under_way_are_shown_and_lead_to_replays(folders: list[Path], chromium: Any) -> None:
-    watched = Watched(folders[0])
+    watched = LiveRuns(folders[0])
     replay = page_answer(page_of("replay", None))
     more = {"/replay": replay, "/document": watched.document, "/state": watched.state, "/map": watched.map}
     server = PageServer(live_page("live"), b"", more=more)
@@ -191,7 +191,7 @@ def test_runs_under_way_are_shown_and_lead_to_replays(folders: list[Path], chrom
 @pytest.mark.parametrize("name", ["replay", "live"])
 def test_pages_are_accessible(name: str, folders: list[Path], tmp_path: Path, show: Callable[[Path], Any]) -> None:
     axe = Path(__file__).parents[2] / "node_modules" / "axe-core" / "axe.min.js"
-    text = page_of("replay", document([read_recorded(folders[0], 0)])) if name == "replay" else live_page("live")
+    text = page_of("replay", replay_document([read_recorded(folders[0], 0)])) if name == "replay" else live_page("live")
     (tmp_path / "page.html").write_text(text)
     page = show(tmp_path / "page.html").page
     page.wait_for_timeout(300)
@@ -202,7 +202,7 @@ def test_pages_are_accessible(name: str, folders: list[Path], tmp_path: Path, sh
 
 @pytest.fixture
 def server(folders: list[Path]) -> Iterator[PageServer]:
-    server = PageServer(page_of("replay", None), document([read_recorded(folders[0], 0)]))
+    server = PageServer(page_of("replay", None), replay_document([read_recorded(folders[0], 0)]))
     thread = threading.Thread(target=server.serve)
     thread.start()
     yield server

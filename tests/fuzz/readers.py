@@ -84,12 +84,12 @@ def read_scenario(path: Path) -> object:
     """Read a scenario file, and try its problems in the room."""
     from arena_core.testing import robot
     from arena_tasks.scenario_files.feasibility import Feasibility
-    from arena_tasks.scenario_files.problem import PersonDefaults, noted
+    from arena_tasks.scenario_files.problem import PersonDefaults, reading_notes
     from arena_tasks.scenario_files.scenario_file import read_scenario_file
     from arena_tasks.scenario_files.scenario_task import reason_against
 
     file = read_scenario_file(path, PersonDefaults(0.3, 0.3))
-    noted(file.problems)
+    reading_notes(file.problems)
     world = World("room", room())
     return [reason_against(Feasibility(path, problem, robot(), problem.goal_radius or 0.3), world) for problem in file.problems[:3]]
 
@@ -225,9 +225,9 @@ def replay_record(path: Path) -> object:
 
 def export_record(path: Path) -> object:
     """Write a record to a recording."""
-    from arena_ros.bags.exporting import export
+    from arena_ros.bags.exporting import export_run
 
-    return export(path.parent.parent, path.parent / "out.mcap", [1])
+    return export_run(path.parent.parent, path.parent / "out.mcap", [1])
 
 
 def evaluate_run(path: Path) -> object:
@@ -242,13 +242,13 @@ def evaluate_run(path: Path) -> object:
 def report_run(path: Path) -> object:
     """Read a run as a report does, up to its figures."""
     from arena_metrics.pooling.cells import cells_of
-    from arena_metrics.pooling.runs import metric_columns, pooled, read_runs
-    from arena_metrics.pooling.summary import summarise, summary_csv
+    from arena_metrics.pooling.runs import metric_columns, pool_episodes, read_runs
+    from arena_metrics.pooling.summary import summarise_cells, summary_csv
 
     folder = path.parent
     runs = read_runs([folder])
-    episodes, _ = pooled(runs)
-    return summary_csv(summarise(cells_of(episodes), metric_columns(runs)))
+    episodes, _ = pool_episodes(runs)
+    return summary_csv(summarise_cells(cells_of(episodes), metric_columns(runs)))
 
 
 def read_map_of_run(path: Path) -> object:

@@ -20,7 +20,7 @@ from arena_core.hosting import NAVIGATOR_KEYS, build_benchmark, compose, load_re
 from arena_core.records import record_digest
 from arena_gym.building import compose_environment
 from arena_policies.actions import ActionRange, ActionScale
-from arena_policies.card import PolicyCard, sha256, write_card
+from arena_policies.card import PolicyCard, content_sha256, write_card
 from arena_policies.members import Members, build_members, describe_members
 
 ROBOTS = "turtlebot3", "jackal", "robotino"
@@ -69,7 +69,7 @@ def write_policy(folder, robot, weights, **changes):
     whole = dict.fromkeys(("vx_min", "vx_max", "vy_max", "wz_max", "steering_max"))
     scale = ActionScale.of(robot, ActionRange(**whole))
     action = {name: ends for name, *ends in zip(scale.names, scale.low.tolist(), scale.high.tolist(), strict=True)}
-    made_for = ("aio", "jackal", robot.kinematics, 0.1, ENCODER, encoder.layout(), action, whole, sha256(content))
+    made_for = ("aio", "jackal", robot.kinematics, 0.1, ENCODER, encoder.layout(), action, whole, content_sha256(content))
     (folder / "policy.onnx").write_bytes(content)
     write_card(folder / "policy.json", PolicyCard(*made_for, members=members, every=3))
 

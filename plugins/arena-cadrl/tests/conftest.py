@@ -11,13 +11,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arena_cadrl.eyes import Eyes, StateSettings
+from arena_cadrl.perception import Perception, StateSettings
 from arena_cadrl.policy import action_ends
 from arena_core import Robot
 from arena_core.parameters import read_settings
 from arena_core.testing import component
 from arena_policies.actions import ActionRange
-from arena_policies.card import PolicyCard, sha256, write_card
+from arena_policies.card import PolicyCard, content_sha256, write_card
 
 
 @cache
@@ -49,13 +49,13 @@ def robot() -> Callable[[str], Robot]:
 
 
 @pytest.fixture(scope="session")
-def eyes() -> Callable[..., Eyes]:
+def eyes() -> Callable[..., Perception]:
     """Give a function that returns the eyes of a robot by name, and the margin to people."""
 
     @cache
-    def _eyes(name: str, margin: float = 0.0) -> Eyes:
+    def _eyes(name: str, margin: float = 0.0) -> Perception:
         range_ = read_settings(composed(name)["action"], ActionRange, "action")
-        return Eyes(body(name), range_, state_settings(name), margin)
+        return Perception(body(name), range_, state_settings(name), margin)
 
     return _eyes
 
@@ -81,7 +81,7 @@ def written(tmp_path_factory, eyes) -> Callable[..., Path]:
         own = made.name, made.kinematics, made.control_period
         told = json.loads(json.dumps(asdict(settings)))
         layout, ends = eyes(name).layout(), action_ends(made, range_)
-        write_card(path.with_suffix(".json"), PolicyCard(planner, *own, told, layout, ends, config["action"], sha256(content)))
+        write_card(path.with_suffix(".json"), PolicyCard(planner, *own, told, layout, ends, config["action"], content_sha256(content)))
         return path
 
     return _written

@@ -6,8 +6,8 @@ import torch
 
 from arena_cadrl.parameters import OWN, PERSON
 from arena_cadrl.training.networks import make_network
-from arena_cadrl.training.returns import traced_returns
-from arena_cadrl.training.rounds import Explorer
+from arena_cadrl.training.returns import lambda_returns
+from arena_cadrl.training.rollouts import Explorer
 from arena_cadrl.training.settings import ValueSettings
 
 KINDS = {
@@ -69,34 +69,34 @@ def flags(steps, worlds=1):
 
 def test_returns_with_a_full_trace_are_discounted_sums():
     rewards = np.array([[1.0], [2.0], [4.0]])
-    found = traced_returns(rewards, np.zeros((3, 1)), np.array([8.0]), flags(3), flags(3), flags(3), 0.5, 1.0)
+    found = lambda_returns(rewards, np.zeros((3, 1)), np.array([8.0]), flags(3), flags(3), flags(3), 0.5, 1.0)
     assert found[:, 0].tolist() == [1.0 + 1.0 + 1.0 + 1.0, 2.0 + 2.0 + 2.0, 4.0 + 4.0]
 
 
 def test_returns_without_a_trace_look_one_step_ahead():
     values = np.array([[3.0], [5.0], [7.0]])
-    found = traced_returns(np.ones((3, 1)), values, np.array([9.0]), flags(3), flags(3), flags(3), 0.5, 0.0)
+    found = lambda_returns(np.ones((3, 1)), values, np.array([9.0]), flags(3), flags(3), flags(3), 0.5, 0.0)
     assert found[:, 0].tolist() == [3.5, 4.5, 5.5]
 
 
 def test_an_episode_that_ended_is_worth_nothing_from_there_on():
     ended = flags(3)
     ended[1] = True
-    found = traced_returns(np.ones((3, 1)), np.zeros((3, 1)), np.array([100.0]), ended, flags(3), flags(3), 0.5, 1.0)
+    found = lambda_returns(np.ones((3, 1)), np.zeros((3, 1)), np.array([100.0]), ended, flags(3), flags(3), 0.5, 1.0)
     assert found[:, 0].tolist() == [1.5, 1.0, 51.0]
 
 
 def test_returns_stop_at_a_step_of_chance_and_go_on_from_its_value():
     chance, values = flags(3), np.array([[0.0], [10.0], [0.0]])
     chance[1] = True
-    found = traced_returns(np.array([[1.0], [-99.0], [0.0]]), values, np.zeros(1), flags(3), flags(3), chance, 0.5, 1.0)
+    found = lambda_returns(np.array([[1.0], [-99.0], [0.0]]), values, np.zeros(1), flags(3), flags(3), chance, 0.5, 1.0)
     assert found[0, 0] == 1.0 + 0.5 * 10.0
 
 
 def test_an_episode_cut_for_time_keeps_what_it_was_worth():
     cut, values = flags(2), np.array([[0.0], [6.0]])
     cut[1] = True
-    found = traced_returns(np.ones((2, 1)), values, np.array([100.0]), flags(2), cut, flags(2), 0.5, 1.0)
+    found = lambda_returns(np.ones((2, 1)), values, np.array([100.0]), flags(2), cut, flags(2), 0.5, 1.0)
     assert found[:, 0].tolist() == [4.0, 6.0]
 
 
@@ -104,6 +104,6 @@ def test_an_episode_cut_for_time_keeps_what_it_was_worth():
 def test_chance_has_its_share_of_the_time_and_only_what_is_allowed(share):
     explorer, allowed = Explorer(50, 3, np.random.default_rng(0)), np.zeros((50, 6), np.bool_)
     allowed[:, 2:4] = True
-    drawn = np.array([explorer.draw(share, allowed) for _ in range(400)])
+    drawn = np.array([explorer.draw_actions(share, allowed) for _ in range(400)])
     assert set(np.unique(drawn)) <= {-1, 2, 3}
     assert abs((drawn >= 0).mean() - share) < 0.02

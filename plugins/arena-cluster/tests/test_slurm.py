@@ -21,7 +21,7 @@ from arena_core.files import write_text_whole
 from arena_core.hosting import Budgets, Job, Lost, RunFolderError, compose, load_registry, to_plain
 from arena_core.testing import check, robot
 from arena_core.testing.checks import echo_job
-from arena_slurm.share import Share, _bound, new_answers, starts_of
+from arena_slurm.share import Share, _answer_identity, new_answers, starts_of
 
 ROOM = ("planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=7", "world.height=7", "task.pedestrians=2", "report=false")
 LOCAL = ("executor=slurm", "executor.cluster=local", "executor.workers=1", "executor.jobs=2")
@@ -183,10 +183,10 @@ def test_answers_of_another_start_run_or_job_are_refused(tmp_path):
         ("run", share, replace(own, folder="elsewhere")),
         ("code", share, replace(own, config={"code": "b"})),
     ):
-        write_text_whole(tmp_path / "answers" / "000000.json", json.dumps({**_bound(sender, job), "value": name}))
+        write_text_whole(tmp_path / "answers" / "000000.json", json.dumps({**_answer_identity(sender, job), "value": name}))
         with pytest.raises(InputFileError, match="it answers another job"):
             list(new_answers(share, set()))
-    write_text_whole(tmp_path / "answers" / "000000.json", json.dumps({**_bound(share, own), "value": 5}))
+    write_text_whole(tmp_path / "answers" / "000000.json", json.dumps({**_answer_identity(share, own), "value": 5}))
     assert list(new_answers(share, set())) == [(own, 5)]
 
 

@@ -2,18 +2,18 @@ import numpy as np
 import pytest
 
 from arena_crowds.validation import door
-from arena_crowds.validation.command import model
-from arena_crowds.validation.door import PEOPLE, SIDE, WALL, evacuation, flow, passing_times
-from arena_crowds.validation.walks import walk
+from arena_crowds.validation.command import build_model
+from arena_crowds.validation.door import PEOPLE, SIDE, WALL, door_flow, evacuation_scenario, passing_times
+from arena_crowds.validation.walks import simulate_walks
 
 
 def test_the_flow_is_that_of_a_steady_stream():
-    assert flow(3.0 + 0.4 * np.arange(PEOPLE)) == pytest.approx(2.5)
+    assert door_flow(3.0 + 0.4 * np.arange(PEOPLE)) == pytest.approx(2.5)
 
 
 def test_a_door_that_clogs_has_no_flow():
     times = np.where(np.arange(PEOPLE) < 20, np.arange(PEOPLE), np.inf)
-    assert flow(times) == 0.0
+    assert door_flow(times) == 0.0
 
 
 def test_passing_times_are_those_of_the_wall():
@@ -24,13 +24,15 @@ def test_passing_times_are_those_of_the_wall():
 
 
 def test_nobody_starts_in_anybody():
-    people = np.array([person.position_xy for person in evacuation(1.0, 1.34, 3).pedestrians])
+    people = np.array([person.position_xy for person in evacuation_scenario(1.0, 1.34, 3).pedestrians])
     apart = np.hypot(*(people[:, None] - people[None]).transpose(2, 0, 1))
     assert apart[np.triu_indices(PEOPLE, 1)].min() > 0.4
 
 
 @pytest.mark.slow
 def test_as_many_get_out_as_in_experiments():
-    positions = walk(model("social_force", []), [evacuation(1.2, 1.34, seed) for seed in range(2)], 60.0, door.RATE)
-    flows = [flow(own) / 1.2 for own in passing_times(positions)]
+    positions = simulate_walks(
+        build_model("social_force", []), [evacuation_scenario(1.2, 1.34, seed) for seed in range(2)], 60.0, door.RATE
+    )
+    flows = [door_flow(own) / 1.2 for own in passing_times(positions)]
     assert 1.3 < np.mean(flows) < 2.1

@@ -4,8 +4,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from arena_crowds.validation import lanes
-from arena_crowds.validation.command import model
-from arena_crowds.validation.lanes import CORRIDOR, MEASURED, lane_order, measure
+from arena_crowds.validation.command import build_model
+from arena_crowds.validation.lanes import CORRIDOR, MEASURED, lane_order, measure_lanes
 
 
 def test_lanes_without_strangers_are_in_order_one():
@@ -30,7 +30,7 @@ def test_people_are_measured_in_the_middle_of_the_corridor():
     right = np.stack((starts + 1.2 * times[:, None], np.full((len(times), 5), CORRIDOR.top - 1.0)), axis=-1)
     left = np.stack((starts - 0.8 * times[:, None], np.full((len(times), 5), CORRIDOR.bottom + 1.0)), axis=-1)
     outside = np.full((len(times), 1, 2), 1.0)
-    density, speed, order, expected = measure(np.concatenate((right, left, outside), axis=1)).T
+    density, speed, order, expected = measure_lanes(np.concatenate((right, left, outside), axis=1)).T
     assert density == pytest.approx(10 / MEASURED.size)
     assert speed == pytest.approx(1.0)
     assert order == pytest.approx(1.0)
@@ -39,7 +39,7 @@ def test_people_are_measured_in_the_middle_of_the_corridor():
 
 def test_with_too_few_people_one_way_there_is_no_order():
     positions = np.full((3, 8, 2), ((MEASURED.left + MEASURED.right) / 2, CORRIDOR.top - 1.0)) + np.arange(3)[:, None, None] * (1.0, 0.0)
-    assert np.isnan(measure(positions)[:, 1:]).all()
+    assert np.isnan(measure_lanes(positions)[:, 1:]).all()
 
 
 @pytest.mark.slow
@@ -47,6 +47,6 @@ def test_with_too_few_people_one_way_there_is_no_order():
 def test_people_form_lanes(monkeypatch, preset):
     monkeypatch.setattr(lanes, "NUMBERS", (80,))
     monkeypatch.setattr(lanes, "SEEDS", 1)
-    (row,) = lanes.run({preset: model(preset, [])}, None).rows
+    (row,) = lanes.run({preset: build_model(preset, [])}, None).rows
     assert row["lanes"] > 0.15
     assert row["speed_m_per_s"] > 0.6

@@ -9,9 +9,9 @@ import pytest
 from arena_core.cli.main import main
 from arena_core.testing import component
 from arena_crowds.validation.measure import rate_interval, ratio_interval
-from arena_crowds.validation.measured_runs import Extent, benchmark_of, stood
+from arena_crowds.validation.measured_runs import Extent, benchmark_of, standing_episodes
 from arena_crowds.validation.phases import Phased
-from arena_crowds.validation.walked import Walked, free_area, waypoint_spans
+from arena_crowds.validation.walk_record import WalkRecord, free_area, waypoint_spans
 
 
 @pytest.fixture
@@ -25,7 +25,7 @@ def walked(stage):
     positions = np.stack([np.stack([to_and_fro, np.full_like(stamps, 3.0)], 1), np.stack([halting, np.full_like(stamps, 0.5)], 1)], 1)
     states = np.full(positions.shape[:2], 2, np.int8)
     states[stamps > 18.0, 1] = 1
-    return Walked(stage.scenario(hall, people), stamps, np.tile((5.0, 3.5, 0.0), (len(stamps), 1)), positions, states)
+    return WalkRecord(stage.scenario(hall, people), stamps, np.tile((5.0, 3.5, 0.0), (len(stamps), 1)), positions, states)
 
 
 def test_spans_paces_and_stands_are_those_of_the_tracks(walked):
@@ -112,7 +112,7 @@ def test_problems_of_a_random_task_in_a_batch_equal_each_alone(model, people, st
 
 
 def test_people_of_the_orca_crowd_get_round_the_walls_of_their_rounds_too():
-    walks = stood(benchmark_of(["world=indoor", "pedestrians=orca"], phased=False), Extent(4, 60.0, 1.0))
+    walks = standing_episodes(benchmark_of(["world=indoor", "pedestrians=orca"], phased=False), Extent(4, 60.0, 1.0))
     assert np.concatenate([each.spans() for each in walks]).mean() > 6.0
     assert np.concatenate([each.spans() for each in walks]).min() > 1.0
     assert np.concatenate([each.paces() for each in walks]).mean() > 0.85

@@ -13,7 +13,7 @@ class Drifters(PedestrianModel):
 
     def reset(self, slots, scenarios, total):
         walkers = Walkers(total)
-        walkers.settle(dict(zip(slots.tolist(), scenarios, strict=True)), [scenario.world.grid for scenario in scenarios])
+        walkers.begin_slots(dict(zip(slots.tolist(), scenarios, strict=True)), [scenario.world.grid for scenario in scenarios])
         return with_worlds(no_crowd(total), {slot: walkers.crowd.world(slot) for slot in slots.tolist()})
 
     def step(self, crowd, robots, ticks, dt):
@@ -31,7 +31,7 @@ def two_walks(tmp_path):
 
 
 def test_moments_ask_for_those_who_were_seen_long_enough_and_stay(two_walks):
-    found = rollout.moments(two_walks)
+    found = rollout.find_moments(two_walks)
     assert [round(moment.time, 3) for moment in found] == [round(0.4 * k, 3) for k in range(7, 19)]
     assert [moment.asked.tolist() for moment in found[:2]] == [[True, False], [True, False]]
     assert found[0].walks.tolist() == [0, 1]
@@ -41,13 +41,13 @@ def test_moments_ask_for_those_who_were_seen_long_enough_and_stay(two_walks):
 
 
 def test_a_straight_walk_is_predicted_without_error(two_walks):
-    found = rollout.moments(two_walks)
-    truth = np.concatenate([rollout._truth(two_walks, moment) for moment in found])
+    found = rollout.find_moments(two_walks)
+    truth = np.concatenate([rollout._recorded_positions(two_walks, moment) for moment in found])
     for guess in (
-        rollout._straight(found, False),
-        rollout._straight(found, True),
-        rollout.all_together(Drifters(), two_walks, found),
-        rollout.one_by_one(Drifters(), two_walks, found),
+        rollout._straight_predictions(found, False),
+        rollout._straight_predictions(found, True),
+        rollout.predict_jointly(Drifters(), two_walks, found),
+        rollout.predict_individually(Drifters(), two_walks, found),
     ):
         assert guess.shape == truth.shape == (12, 12, 2)
         assert np.abs(guess - truth).max() < 1e-6
@@ -55,20 +55,20 @@ def test_a_straight_walk_is_predicted_without_error(two_walks):
 
 def test_others_are_led_as_recorded_while_they_are_there(two_walks):
     drifters = Drifters()
-    rollout.one_by_one(drifters, two_walks, rollout.moments(two_walks)[:1])
+    rollout.predict_individually(drifters, two_walks, rollout.find_moments(two_walks)[:1])
     there, _ = two_walks.at(np.array([1]), np.array([6.0]))
     last = drifters.seen.positions[0, 1]
     assert last[0] > there[0, 0] + 1.0  # recorded until 6 s, walks on until 7.6 s
-    rollout.all_together(drifters, two_walks, rollout.moments(two_walks)[:1])
+    rollout.predict_jointly(drifters, two_walks, rollout.find_moments(two_walks)[:1])
     assert np.abs(drifters.seen.positions[0, 1] - last).max() > 0.3
 
 
 def test_constant_velocity_errs_on_zara_as_elsewhere(zara):
     """Widely reported for this recording: about 0.4 and 0.9 m."""
     recording = read_recording(zara, "obsmat")
-    found = rollout.moments(recording)
-    truth = np.concatenate([rollout._truth(recording, moment) for moment in found])
-    errors = np.linalg.norm(rollout._straight(found, False) - truth, axis=-1)
+    found = rollout.find_moments(recording)
+    truth = np.concatenate([rollout._recorded_positions(recording, moment) for moment in found])
+    errors = np.linalg.norm(rollout._straight_predictions(found, False) - truth, axis=-1)
     assert len(errors) > 2000
     assert 0.35 < errors.mean() < 0.5
     assert 0.8 < errors[:, -1].mean() < 1.1

@@ -19,24 +19,24 @@ def arrival(latched: bool) -> Arrival:
 
 
 def test_away_from_the_end_the_path_is_driven():
-    assert arrival(False).velocity(Pose(0.8, 0.0), REST, PATH, 0.0, 0.1) is None
-    assert Arrival(GoalParameters(None, 0.17, False), LIMITS).velocity(Pose(1.0, 0.0), REST, PATH, 1.0, 0.1) is None
+    assert arrival(False).target_velocity(Pose(0.8, 0.0), REST, PATH, 0.0, 0.1) is None
+    assert Arrival(GoalParameters(None, 0.17, False), LIMITS).target_velocity(Pose(1.0, 0.0), REST, PATH, 1.0, 0.1) is None
 
 
 def test_robot_brakes_first_and_then_turns_to_the_goals_heading():
     there, controller = Pose(0.95, 0.0), arrival(False)
-    braked = controller.velocity(there, np.array((0.2, 0.0, -0.5)), PATH, 1.5, 0.05)
+    braked = controller.target_velocity(there, np.array((0.2, 0.0, -0.5)), PATH, 1.5, 0.05)
     assert braked == pytest.approx((0.2 - 0.125, 0.0, -0.5 + 0.16))
-    turning = controller.velocity(there, REST, PATH, 1.5, 0.05)
+    turning = controller.target_velocity(there, REST, PATH, 1.5, 0.05)
     assert turning.tolist() == [0.0, 0.0, 1.37]  # no slower than theta_min, though 0.05 s do not get there
-    faster = controller.velocity(there, np.array((0.0, 0.0, 1.3)), PATH, 1.5, 0.05)  # it does not brake again for turning
+    faster = controller.target_velocity(there, np.array((0.0, 0.0, 1.3)), PATH, 1.5, 0.05)  # it does not brake again for turning
     assert faster[2] == pytest.approx(1.46)
-    assert controller.velocity(there, np.array((0.0, 0.0, 1.3)), PATH, 0.1, 0.05).tolist() == [0.0, 0.0, 0.0]
+    assert controller.target_velocity(there, np.array((0.0, 0.0, 1.3)), PATH, 0.1, 0.05).tolist() == [0.0, 0.0, 0.0]
 
 
 def test_turn_goes_the_shorter_way_and_can_be_braked():
     for heading in (-3.0, -0.3, 0.4, 3.1):
-        wz = arrival(False).velocity(Pose(1.0, 0.0), REST, PATH, heading, 10.0)[2]
+        wz = arrival(False).target_velocity(Pose(1.0, 0.0), REST, PATH, heading, 10.0)[2]
         assert math.copysign(1.0, wz) == math.copysign(1.0, heading)
         assert abs(wz) <= max(1.37, math.sqrt(2.0 * 3.2 * abs(heading))) + 1e-9
 
@@ -45,9 +45,9 @@ def test_a_latched_robot_that_slips_away_goes_on_turning_until_there_is_a_new_pa
     slipped = Pose(0.85, 0.0)
     for latched in (True, False):
         controller = arrival(latched)
-        controller.velocity(Pose(0.95, 0.0), REST, PATH, 1.5, 0.05)
-        assert (controller.velocity(slipped, REST, PATH, 1.5, 0.05) is not None) == latched
-        assert controller.velocity(slipped, REST, PATH.copy(), 1.5, 0.05) is None
+        controller.target_velocity(Pose(0.95, 0.0), REST, PATH, 1.5, 0.05)
+        assert (controller.target_velocity(slipped, REST, PATH, 1.5, 0.05) is not None) == latched
+        assert controller.target_velocity(slipped, REST, PATH.copy(), 1.5, 0.05) is None
 
 
 @pytest.mark.parametrize("robot", ["turtlebot3", "jackal", "robotino"])

@@ -5,9 +5,9 @@ import pytest
 
 from arena_core import NoValidCommand, Pose, Twist
 from arena_core.testing import component
-from arena_dwa.entrance import poses_that_fit
-from arena_dwa.manoeuvre import PATIENCE, STEP, Manoeuvre, legs
-from arena_kernels.window import window_of
+from arena_dwa.entrance import fitting_poses
+from arena_dwa.manoeuvre import PATIENCE, STEP, Manoeuvre, path_segments
+from arena_kernels.costmap_window import window_of
 
 GAP = (1.0, 1.2, 0.22, 3.1), (1.0, 1.2, -3.1, -0.22)  # 0.45 m wide, about the x axis
 PATH = [(0.05 * k, 0.0) for k in range(51)]
@@ -53,23 +53,23 @@ def test_a_car_with_its_path_behind_it_turns_round_and_drives_there_forwards(bui
 def test_as_released_a_car_knows_no_way_out(build, observe, costmap, car):
     planner = build("jackal_ackermann", "dwa_as_released")
     drive(planner, car, observe, costmap(*GAP), PATH, Pose(0.78, -0.23, 1.0), 60)
-    assert not planner._way_out.begun
+    assert not planner._way_out.is_active
 
 
 def test_ends_lie_in_the_narrow_place_and_fit(build, costmap):
     body = build("jackal_ackermann")._own.body._replace(padding=0.005)
     path, none = np.column_stack((PATH, np.zeros(51))), np.zeros(1)
     for gear, heading in ((1.0, 0.0), (-1.0, math.pi)):
-        ends = poses_that_fit(window_of(costmap(*GAP)), body, path, 0.6, 0.0, gear, np.linspace(-0.6, 0.6, 25), np.linspace(-0.06, 0.06, 7))
+        ends = fitting_poses(window_of(costmap(*GAP)), body, path, 0.6, 0.0, gear, np.linspace(-0.6, 0.6, 25), np.linspace(-0.06, 0.06, 7))
         assert len(ends) > 1
         assert np.cos(ends[:, 2] - heading).min() > 0.8
         assert 0.8 < ends[:, 0].min() <= ends[:, 0].max() < 1.2
         assert ends[:, 3].min() >= 0.005
-    assert len(poses_that_fit(window_of(costmap((1.0, 1.2, -3.1, 3.1))), body, path, 0.6, 0.0, 1.0, none, none)) == 0
+    assert len(fitting_poses(window_of(costmap((1.0, 1.2, -3.1, 3.1))), body, path, 0.6, 0.0, 1.0, none, none)) == 0
 
 
 def test_legs_part_where_the_car_changes_its_direction():
-    found = legs(Pose(1.0, 2.0, 0.5), np.array(((-0.4, 2.0), (0.3, 1.0), (0.2, 0.0), (0.0, -1.0))))
+    found = path_segments(Pose(1.0, 2.0, 0.5), np.array(((-0.4, 2.0), (0.3, 1.0), (0.2, 0.0), (0.0, -1.0))))
     assert [sign for sign, _ in found] == [-1.0, 1.0]
     assert [len(leg) for _, leg in found] == [40, 50]
     steps = np.hypot(*np.diff(np.vstack([leg for _, leg in found])[:, :2], axis=0).T)
@@ -81,6 +81,6 @@ def test_legs_part_where_the_car_changes_its_direction():
 def test_a_car_waits_a_while_for_what_stands_in_its_way(build):
     manoeuvre = Manoeuvre(0.005, build("jackal_ackermann")._own.limits)
     ahead = np.array((0.3, 0.0, 0.1))
-    assert manoeuvre.unless_held(5.0, ahead, True) is ahead
-    assert manoeuvre.unless_held(5.0 + 0.9 * PATIENCE, ahead, False).tolist() == [0.0, 0.0, 0.0]
-    assert manoeuvre.unless_held(5.0 + 1.1 * PATIENCE, ahead, False) is None
+    assert manoeuvre.hold_if_blocked(5.0, ahead, True) is ahead
+    assert manoeuvre.hold_if_blocked(5.0 + 0.9 * PATIENCE, ahead, False).tolist() == [0.0, 0.0, 0.0]
+    assert manoeuvre.hold_if_blocked(5.0 + 1.1 * PATIENCE, ahead, False) is None

@@ -3,9 +3,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_dwa.map_grid import UNSEEN, blocked_cells, cost_fields, interpolated, map_grids, path_cells, spread
+from arena_dwa.map_grid import UNSEEN, blocked_cells, cost_fields, interpolate_field, map_grids, path_cells, propagate_wavefront
 from arena_dwa.settings import Body, Scales
-from arena_kernels.window import outline_of, window_of
+from arena_kernels.costmap_window import outline_of, window_of
 
 BODY = Body(outline_of(None, 0.113, 0.113, 0.05), 0.03, 0.25, 0.2)
 
@@ -14,7 +14,7 @@ GOAL_ONLY = Scales(0.0, 2.0, 0.0, True, 0.325, 0.0, 0.0, 0.0)
 
 
 def goal_distance(grids, window, x, y, of_front=False):
-    return interpolated(cost_fields(grids, window, GOAL_ONLY, False)[int(of_front)], window, x, y)
+    return interpolate_field(cost_fields(grids, window, GOAL_ONLY, False)[int(of_front)], window, x, y)
 
 
 def path(*points):
@@ -27,7 +27,7 @@ def path(*points):
 def test_free_space_distance_is_within_an_eighth_of_euclidean(row, column, seed_row, seed_column):
     cells = np.full((33, 43), UNSEEN, np.int32)
     cells[[0, -1]] = cells[:, [0, -1]] = -2
-    spread(cells.reshape(-1), 43, np.array([(seed_row + 1) * 43 + seed_column + 1]), np.empty(cells.size + 1, np.int32))
+    propagate_wavefront(cells.reshape(-1), 43, np.array([(seed_row + 1) * 43 + seed_column + 1]), np.empty(cells.size + 1, np.int32))
     straight = np.hypot(row - seed_row, column - seed_column)
     assert 0.89 * straight - 1e-9 <= cells[row + 1, column + 1] <= straight + 1.0
 
@@ -85,5 +85,5 @@ def test_alignment_counts_only_away_from_the_goal(costmap):
     window = window_of(costmap())
     grids = map_grids(window, BODY, path((0.0, 0.0), (2.0, 0.0)), 0.0, 0.0, 0.3)
     path_only = GOAL_ONLY._replace(path_distance_bias=2.0, goal_distance_bias=0.0)
-    assert interpolated(cost_fields(grids, window, path_only, True)[1], window, 0.0, 1.0) == pytest.approx(1.0, abs=1e-5)
-    assert interpolated(cost_fields(grids, window, path_only, False)[1], window, 0.0, 1.0) == 0.0
+    assert interpolate_field(cost_fields(grids, window, path_only, True)[1], window, 0.0, 1.0) == pytest.approx(1.0, abs=1e-5)
+    assert interpolate_field(cost_fields(grids, window, path_only, False)[1], window, 0.0, 1.0) == 0.0

@@ -6,8 +6,8 @@ import pytest
 from arena_core import Pose, Twist
 from arena_dwa.passage import padding_along
 from arena_dwa.settings import Body
+from arena_kernels.costmap_window import outline_of, window_of
 from arena_kernels.passage import KEPT
-from arena_kernels.window import outline_of, window_of
 
 BODY = Body(outline_of(None, 0.165, 0.165, 0.05), 0.03, 0.25, 0.2)
 LEAST = 0.005

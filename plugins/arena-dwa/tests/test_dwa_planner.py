@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from arena_core import ConfigurationError, EpisodeStart, NoValidCommand, Pose, Twist
 from arena_dwa.map_grid import cost_fields, map_grids
 from arena_dwa.settings import Body, Scales
-from arena_kernels.window import outline_of, window_of
+from arena_kernels.costmap_window import outline_of, window_of
 
 AHEAD = [(0.1 * k, 0.0) for k in range(40)]
 

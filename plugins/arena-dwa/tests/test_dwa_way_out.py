@@ -6,9 +6,9 @@ import pytest
 from arena_core import Pose
 from arena_dwa.map_grid import map_grids
 from arena_dwa.settings import Body
-from arena_dwa.standing import Standing
+from arena_dwa.stuck_detection import StuckDetector
 from arena_dwa.way_out import best_line
-from arena_kernels.window import outline_of, window_of
+from arena_kernels.costmap_window import outline_of, window_of
 
 DISC = Body(outline_of(None, 0.113, 0.113, 0.05), 0.08, 0.25, 0.2)
 BAR = Body(outline_of(np.array(((0.3, -0.1), (0.3, 0.1), (-0.3, 0.1), (-0.3, -0.1))), 0.32, 0.1, 0.05), 0.02, 0.25, 0.2)
@@ -57,12 +57,12 @@ def test_a_holonomic_robot_need_not_turn(costmap):
 
 
 def test_standing_and_shuffling_wear_patience_out_and_driving_does_not():
-    still, shuffling, driving = Standing(3.0), Standing(3.0), Standing(3.0)
+    still, shuffling, driving = StuckDetector(3.0), StuckDetector(3.0), StuckDetector(3.0)
     seen = [
         (
-            still.too_long(Pose(0.0, 0.0), 0.1 * k),
-            shuffling.too_long(Pose(0.31 * ((k // 60) % 2), 0.0), 0.1 * k),
-            driving.too_long(Pose(0.011 * k, 0.0), 0.1 * k),
+            still.is_stuck(Pose(0.0, 0.0), 0.1 * k),
+            shuffling.is_stuck(Pose(0.31 * ((k // 60) % 2), 0.0), 0.1 * k),
+            driving.is_stuck(Pose(0.011 * k, 0.0), 0.1 * k),
         )
         for k in range(200)
     ]
@@ -71,4 +71,4 @@ def test_standing_and_shuffling_wear_patience_out_and_driving_does_not():
     assert stood[32:].all()
     assert shuffled[-50:].all()
     assert not drove.any()
-    assert not any(Standing(None).too_long(Pose(0.0, 0.0), stamp) for stamp in (0.0, 1e6))
+    assert not any(StuckDetector(None).is_stuck(Pose(0.0, 0.0), stamp) for stamp in (0.0, 1e6))

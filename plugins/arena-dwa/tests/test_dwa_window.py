@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arena_dwa.settings import Limits
-from arena_dwa.window import REST, axis_samples, driven, dynamic_window, turn_samples
+from arena_dwa.window import REST, axis_samples, dynamic_window, is_drivable, turn_samples
 
 LIMITS = Limits(-0.3, 0.8, 0.4, 1.5, 0.0, 0.8, 0.0, 1.0, 0.7, 2.0, 0.0)
 SPEED = st.floats(-5.0, 5.0)
@@ -28,7 +28,7 @@ def test_window_respects_limits_and_accelerations(vx, vy, wz, period):
 def test_robot_measured_too_fast_has_samples_that_are_driven():
     limits = LIMITS._replace(vx_max=2.78, vy_max=2.78, trans_max=2.78, ax_max=2.5, ay_max=2.5)
     window = dynamic_window(np.array((2.02, 2.72, 0.0)), limits, 0.1)
-    assert driven(window[0, 0], window[1, 0], 0.0, limits)
+    assert is_drivable(window[0, 0], window[1, 0], 0.0, limits)
 
 
 @settings(derandomize=True, deadline=None)
@@ -54,15 +54,15 @@ def test_symmetric_window_has_symmetric_samples():
 
 def test_slow_samples_are_dropped_only_if_they_also_turn_slowly():
     limits = LIMITS._replace(trans_min=0.11, theta_min=1.37)
-    assert not driven(0.0, 0.0, 0.0, limits)
-    assert not driven(0.1, 0.0, 1.0, limits)
-    assert driven(0.1, 0.0, 1.4, limits)
-    assert driven(0.11, 0.0, 0.0, limits)
+    assert not is_drivable(0.0, 0.0, 0.0, limits)
+    assert not is_drivable(0.1, 0.0, 1.0, limits)
+    assert is_drivable(0.1, 0.0, 1.4, limits)
+    assert is_drivable(0.11, 0.0, 0.0, limits)
 
 
 def test_diagonal_speed_is_limited():
-    assert driven(0.5, 0.5, 0.0, LIMITS)
-    assert not driven(0.7, 0.7, 0.0, LIMITS)
+    assert is_drivable(0.5, 0.5, 0.0, LIMITS)
+    assert not is_drivable(0.7, 0.7, 0.0, LIMITS)
 
 
 @settings(derandomize=True, deadline=None)

@@ -18,28 +18,28 @@ def turn(begin=1.8):
 
 
 def test_robot_that_faces_the_path_is_left_alone():
-    assert turn().narrowed(ANY, Pose(0.0, 0.0, 1.7), 0.0, PATH) is None
+    assert turn().turn_window(ANY, Pose(0.0, 0.0, 1.7), 0.0, PATH) is None
 
 
 def test_robot_with_its_back_to_the_path_may_only_turn_towards_it():
-    window = turn().narrowed(ANY, Pose(0.0, 0.0, 2.5), 0.0, PATH)
+    window = turn().turn_window(ANY, Pose(0.0, 0.0, 2.5), 0.0, PATH)
     assert window.tolist() == [[0.0, 0.0], [0.0, 0.0], [-0.32, -0.32]]
 
 
 def test_turn_once_begun_goes_on_until_the_path_is_ahead():
     shim = turn()
     for theta in (2.5, 1.0, 0.3):
-        assert shim.narrowed(ANY, Pose(0.0, 0.0, theta), 0.0, PATH) is not None
-    assert shim.narrowed(ANY, Pose(0.0, 0.0, 0.1), 0.0, PATH) is None
+        assert shim.turn_window(ANY, Pose(0.0, 0.0, theta), 0.0, PATH) is not None
+    assert shim.turn_window(ANY, Pose(0.0, 0.0, 0.1), 0.0, PATH) is None
 
 
 def test_nothing_is_narrowed_where_turning_is_switched_off():
-    assert turn(None).narrowed(ANY, Pose(0.0, 0.0, 3.0), 0.0, PATH) is None
+    assert turn(None).turn_window(ANY, Pose(0.0, 0.0, 3.0), 0.0, PATH) is None
 
 
 def test_a_robot_that_moves_is_braked_as_hard_as_the_window_allows():
     moving = np.array(((0.1, 0.2), (0.0, 0.0), (-0.32, 0.32)))
-    assert turn().narrowed(moving, Pose(0.0, 0.0, 3.0), 0.0, PATH)[0].tolist() == [0.1, 0.1]
+    assert turn().turn_window(moving, Pose(0.0, 0.0, 3.0), 0.0, PATH)[0].tolist() == [0.1, 0.1]
 
 
 @settings(derandomize=True, deadline=None)
@@ -49,7 +49,7 @@ def test_the_turn_comes_to_rest_facing_the_path(theta, wz):
     if abs(theta) <= 1.8:
         theta = math.copysign(2.5, theta)
     for _ in range(100):
-        window = shim.narrowed(
+        window = shim.turn_window(
             np.array(((0.0, 0.0), (0.0, 0.0), (max(wz - 0.32, -2.84), min(wz + 0.32, 2.84)))), Pose(0.0, 0.0, theta), wz, PATH
         )
         if window is None:

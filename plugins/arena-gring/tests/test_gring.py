@@ -16,7 +16,7 @@ from arena_core.cli.main import main
 from arena_core.parameters import read_settings
 from arena_gym.building import compose_environment
 from arena_policies.actions import ActionRange, ActionScale
-from arena_policies.card import PolicyCard, sha256, write_card
+from arena_policies.card import PolicyCard, content_sha256, write_card
 
 RANGE = {"vx_min": 0.0, "vx_max": None, "vy_max": None, "wz_max": None, "steering_max": None}
 ENCODERS = ("gring", "gring_as_released")
@@ -50,7 +50,7 @@ def policy(folder, preset, robot):
     scale = ActionScale.of(robot, read_settings(RANGE, ActionRange, "action"))
     content = steering_model(encoder.layout(), len(scale.names))
     ends = {n: (low, high) for n, low, high in zip(scale.names, scale.low.tolist(), scale.high.tolist(), strict=True)}
-    card = PolicyCard(preset, robot.name, robot.kinematics, 0.1, node, encoder.layout(), ends, RANGE, sha256(content))
+    card = PolicyCard(preset, robot.name, robot.kinematics, 0.1, node, encoder.layout(), ends, RANGE, content_sha256(content))
     path = folder / f"{preset}.onnx"
     path.write_bytes(content)
     write_card(path.with_suffix(".json"), card)

@@ -32,7 +32,7 @@ def test_evaluation_ends_at_the_first_collision_whatever_training_does():
 
 
 def test_an_episode_with_a_collision_is_no_success_even_if_it_reached_the_goal_in_that_step():
-    from arena_gym.training.evaluation import evaluate
+    from arena_gym.training.evaluation import evaluate_policy
 
     ends = {"outcome": np.array(["goal_reached", "goal_reached", "time_out", "false_arrival"]), "collisions": np.array([0, 1, 0, 0])}
     over = np.ones(4, bool)
@@ -41,5 +41,5 @@ def test_an_episode_with_a_collision_is_no_success_even_if_it_reached_the_goal_i
         reset=lambda seed: (np.zeros((4, 1)), {}),
         step=lambda actions: (np.zeros((4, 1)), np.zeros(4), over, ~over, {"final_info": ends}),
     )
-    score = evaluate(env, lambda seen: seen, 4, 0)
+    score = evaluate_policy(env, lambda seen: seen, 4, 0)
     assert (score.episodes, score.success, score.collision, score.time_out) == (4, 0.25, 0.25, 0.25)

@@ -10,7 +10,7 @@ import pytest
 torch = pytest.importorskip("torch", reason="training needs the extra arena-gym[train]")
 onnx = pytest.importorskip("onnx", reason="training needs the extra arena-gym[train]")
 
-from arena_gym.training.export import HALVED_BEYOND, network_to_onnx, round_as_kept  # noqa: E402
+from arena_gym.training.export import HALVED_BEYOND, network_to_onnx, round_weights  # noqa: E402
 from arena_policies.network import open_network  # noqa: E402
 
 SEEN = np.linspace(-1.0, 1.0, 3 * 40, dtype=np.float32).reshape(3, 40)
@@ -41,7 +41,7 @@ def test_a_file_says_nothing_of_where_it_was_made(tmp_path):
 def test_a_large_network_is_kept_in_half_the_room_and_answers_as_its_rounded_self(tmp_path):
     network = _network(HALVED_BEYOND // 40)
     drawn = copy.deepcopy(network)
-    round_as_kept(network)
+    round_weights(network)
     content, answers, meant = _answers(network, tmp_path)
     assert len(content) < 2.5 * HALVED_BEYOND
     np.testing.assert_allclose(answers, meant, atol=1e-5)
@@ -52,5 +52,5 @@ def test_a_large_network_is_kept_in_half_the_room_and_answers_as_its_rounded_sel
 def test_a_small_network_is_kept_as_it_is():
     network = _network(16)
     before = copy.deepcopy(network.state_dict())
-    round_as_kept(network)
+    round_weights(network)
     assert all(torch.equal(weights, before[name]) for name, weights in network.state_dict().items())

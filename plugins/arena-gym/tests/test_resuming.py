@@ -35,15 +35,15 @@ def trained(folder, *overrides):
     from arena_gym.training.evaluation import unseen_worlds
     from arena_gym.training.levels import make_levels
     from arena_gym.training.session import training_settings
-    from arena_gym.training.trainer import prepare, train
+    from arena_gym.training.trainer import prepare_learner, train_policy
     from arena_gym.vector_environment import NavigationVectorEnv
 
     config = composed(*overrides)
     settings, parts = training_settings(config), build_parts(config)
     levels = make_levels(settings.levels, parts.pool.staging, settings.mixture)
     validation = unseen_worlds(config, settings.validation.episodes, settings.validation.seed, "seed")
-    learner, worlds = prepare(settings, NavigationVectorEnv(settings.optimization.environments, parts=parts), folder)
-    found = train(settings, learner, worlds, validation, levels, folder)
+    learner, worlds = prepare_learner(settings, NavigationVectorEnv(settings.optimization.environments, parts=parts), folder)
+    found = train_policy(settings, learner, worlds, validation, levels, folder)
     return found, torch.load(folder / "checkpoint.pt", weights_only=True)
 
 
@@ -53,9 +53,9 @@ class Cut(Exception):
 
 def cut_after(rollouts, monkeypatch):
     """Let a training end at so many rollouts, after the last one and before its update: what came after the checkpoint is lost."""
-    from arena_gym.training.trainer import Trainer
+    from arena_gym.training.trainer import TrainingCallback
 
-    goes_on = Trainer._on_rollout_end
+    goes_on = TrainingCallback._on_rollout_end
     seen = []
 
     def end(trainer):
@@ -64,7 +64,7 @@ def cut_after(rollouts, monkeypatch):
             raise Cut
         goes_on(trainer)
 
-    monkeypatch.setattr(Trainer, "_on_rollout_end", end)
+    monkeypatch.setattr(TrainingCallback, "_on_rollout_end", end)
 
 
 def same(one, other):

@@ -71,14 +71,14 @@ def test_policy_learns_to_reach_its_goals_and_drives_as_it_was_trained(here, cap
     from arena_gym.building import build_parts
     from arena_gym.training.checkpoint import load_checkpoint
     from arena_gym.training.learning import make_learner
+    from arena_gym.training.sb3_vec_env import Sb3VecEnv
     from arena_gym.training.session import training_settings
-    from arena_gym.training.worlds_in_step import WorldsInStep
     from arena_gym.vector_environment import NavigationVectorEnv
     from arena_policies.policy import load_policy
 
     config = card["training"]["config"]
     env = NavigationVectorEnv(4, parts=build_parts(config))
-    learner = make_learner(WorldsInStep(env, 0), env.batch.parts.encoder.layout(), training_settings(config), None)
+    learner = make_learner(Sb3VecEnv(env, 0), env.batch.parts.encoder.layout(), training_settings(config), None)
     _, best = load_checkpoint(here / "trained" / "checkpoint.pt", learner)
     learner.policy.load_state_dict(best)
     robot = testing.component("robot", "jackal")
@@ -222,7 +222,7 @@ def test_lessons_alone_make_a_policy_and_rewards_can_go_on_with_it(here):
 def test_lessons_that_were_cut_off_go_on_to_the_same_weights(here, capsys, monkeypatch):
     import torch
 
-    from arena_gym.training import teaching
+    from arena_gym.training import imitation
 
     words = [*TAUGHT, "total_steps=4096", "training.validation.episodes=8"]
     with monkeypatch.context() as cut:
@@ -230,8 +230,8 @@ def test_lessons_that_were_cut_off_go_on_to_the_same_weights(here, capsys, monke
         def full(folder, actor, optimizer, rounds):
             raise OSError(28, "No space left on device")
 
-        keep = teaching._keep
-        cut.setattr(teaching, "_keep", lambda *of: keep(*of) if of[-1] < 2 else full(*of))
+        keep = imitation._save_progress
+        cut.setattr(imitation, "_save_progress", lambda *of: keep(*of) if of[-1] < 2 else full(*of))
         said = refused([*words, "out=cut"], capsys)
         assert "No space left on device" in said
         assert "taught.pt holds what the lessons taught that are over" in said
@@ -308,7 +308,7 @@ def test_missing_torch_is_said_with_what_to_install(here, capsys, monkeypatch):
 
 
 def test_convolutions_read_scans_that_follow_one_another():
-    from arena_gym.training.learning import beams_of
+    from arena_gym.training.learning import scan_columns
     from arena_gym.training.settings import Network
 
     network = Network("scan", (), 8, (8,), -0.7, "range", None, None)
@@ -316,10 +316,10 @@ def test_convolutions_read_scans_that_follow_one_another():
         ObservationField(name, size, "-", 0.0, 1.0, "")
         for name, size in (("way", 2), ("scan", 6), ("scan_1", 6), ("goal", 2), ("scan_2", 6))
     )
-    assert beams_of(network, layout) == (slice(2, 14), 2)
-    assert beams_of(network, layout[:3]) == (slice(2, 14), 2)
+    assert scan_columns(network, layout) == (slice(2, 14), 2)
+    assert scan_columns(network, layout[:3]) == (slice(2, 14), 2)
     with pytest.raises(ConfigurationError, match=r"training\.network\.beams_field is scan; allowed: way"):
-        beams_of(network, layout[:1])
+        scan_columns(network, layout[:1])
 
 
 @pytest.mark.slow

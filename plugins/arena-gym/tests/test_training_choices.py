@@ -14,10 +14,10 @@ from arena_core.cli.main import main
 from arena_core.hosting import Staging
 from arena_core.statistics import middle_half, over_seeds, wilson
 from arena_gym.episodes import draw_stage
+from arena_gym.training.ground_truth import GroundTruth
 from arena_gym.training.levels import LevelMixture, Promotion
-from arena_gym.training.selection import Choice, candidate, is_better
+from arena_gym.training.selection import Choice, is_better, latest_choice
 from arena_gym.training.settings import Mixture, TruthSettings, Validation
-from arena_gym.training.truth import Truth
 from arena_gym.vector_environment import NavigationVectorEnv
 from arena_policies.card import PolicyCard, write_card
 
@@ -26,36 +26,36 @@ SMALL = ["world=empty", "world.width=8", "world.height=8", "environment.worlds=1
 
 def test_levels_whose_success_changes_are_met_most_and_none_is_lost():
     mixture = LevelMixture(3, Mixture(floor=0.3, window=20))
-    assert mixture.shares() == pytest.approx([1 / 3] * 3)
+    assert mixture.level_shares() == pytest.approx([1 / 3] * 3)
     for _ in range(400):
-        mixture.ended(0, True, None)
-        mixture.ended(2, False, None)
+        mixture.record_episode(0, True, None)
+        mixture.record_episode(2, False, None)
     for _ in range(15):
-        mixture.ended(1, True, None)
-    shares = mixture.shares()
+        mixture.record_episode(1, True, None)
+    shares = mixture.level_shares()
     assert sum(shares) == pytest.approx(1.0)
     assert shares[1] > 0.75, "it is being learned"
     assert shares[0] == pytest.approx(0.1, abs=0.01), "mastered long ago"
     assert shares[2] == pytest.approx(0.1, abs=0.01), "never reached"
     for _ in range(8):
-        mixture.ended(0, False, None)
-    assert mixture.shares()[0] > 0.3, "it is being forgotten"
+        mixture.record_episode(0, False, None)
+    assert mixture.level_shares()[0] > 0.3, "it is being forgotten"
 
 
 def test_mixture_and_promotion_go_on_from_what_a_checkpoint_keeps():
     mixture, again = (LevelMixture(2, Mixture(0.2, 10)) for _ in range(2))
     for success in (True, False, True):
-        mixture.ended(1, success, None)
+        mixture.record_episode(1, success, None)
     again.restore(json.loads(json.dumps(mixture.state())))
-    assert again.shares() == mixture.shares()
+    assert again.level_shares() == mixture.level_shares()
     batch = SimpleNamespace(set_stage=lambda stage: None)
     rule = Staging(levels=3, start=0, block=2, promote=0.9, fall_back=0.1)
     promotion, later = Promotion(rule), Promotion(rule)
     for success in (True, True, True):
-        promotion.ended(0, success, batch)
+        promotion.record_episode(0, success, batch)
     later.restore(json.loads(json.dumps(promotion.state())))
-    later.ended(1, True, batch)
-    assert (promotion.mean, later.mean, later.on_top) == (1.0, 2.0, True)
+    later.record_episode(1, True, batch)
+    assert (promotion.mean, later.mean, later.may_end) == (1.0, 2.0, True)
 
 
 def test_level_of_an_episode_follows_from_seed_number_and_weights():
@@ -80,7 +80,7 @@ def test_weights_are_chosen_by_means_of_several_validations():
     curve, best = [], None
     for steps, success in enumerate((1.0, 0.2, 0.9, 0.8, 0.9, 0.1), start=1):
         curve.append({"steps": steps, "success": success})
-        found = candidate(curve, settings)
+        found = latest_choice(curve, settings)
         best = found if is_better(found, best) else best
     assert best == Choice(5, 2, pytest.approx(0.85)), "neither the luckiest, nor the first of two that are equal, nor the last"
 
@@ -112,29 +112,29 @@ def test_critic_sees_the_nearest_people_from_the_robot():
     poses = snapshot.poses.copy()
     poses[0] = (1.0, 1.0, math.pi / 2)
     seen = replace(snapshot, poses=poses, crowd=replace(snapshot.crowd, positions=positions, velocities=velocities))
-    truth = Truth(TruthSettings(people=3, reach=4.0))
-    columns = truth.columns(seen, np.array([0]))
+    truth = GroundTruth(TruthSettings(people=3, reach=4.0))
+    columns = truth.truth_columns(seen, np.array([0]))
     assert columns.shape == (1, truth.size)
     assert columns[0, :2] == pytest.approx(np.array([snapshot.clearances[0], snapshot.clearances_people[0]]).clip(-4, 4) / 4.0)
     people = columns[0, 2:].reshape(3, 5)
     assert people[0] == pytest.approx([1.0, 0.0, -0.25, 0.0, -0.25], abs=1e-6), "1 m to the right, walking to the right"
     assert people[1] == pytest.approx([1.0, 0.5, -0.25, 0.5, 0.0], abs=1e-6)
     assert people[2] == pytest.approx([0.0] * 5), "out of reach"
-    np.testing.assert_array_equal(truth.columns(seen, np.array([1, 0]))[1:], columns)
+    np.testing.assert_array_equal(truth.truth_columns(seen, np.array([1, 0]))[1:], columns)
 
 
 def test_policy_of_a_critic_that_sees_the_truth_never_reads_it():
     torch = pytest.importorskip("torch", reason="training needs the extra arena-gym[train]")
     from arena_gym.training.export import Actor
     from arena_gym.training.learning import make_learner
+    from arena_gym.training.sb3_vec_env import Sb3VecEnv
     from arena_gym.training.session import training_settings
-    from arena_gym.training.worlds_in_step import WorldsInStep
 
     config = _composed("training.critic=truth", "training.optimization.minibatch=512")
     settings = training_settings(config)
     env = NavigationVectorEnv(2, overrides=["observation_encoder=rosnav_sectors", *SMALL])
-    truth, layout = Truth(settings.truth), env.batch.parts.encoder.layout()
-    worlds = WorldsInStep(env, 0, truth)
+    truth, layout = GroundTruth(settings.truth), env.batch.parts.encoder.layout()
+    worlds = Sb3VecEnv(env, 0, truth)
     learner = make_learner(worlds, layout, settings, None)
     seen = torch.as_tensor(worlds.reset())
     width = sum(field.size for field in layout)
@@ -214,9 +214,9 @@ def test_running_episodes_are_driven_again_bit_for_bit(tmp_path, monkeypatch, ov
         log.add(actions, terminated | truncated)
         ends += int((terminated | truncated).sum())
     assert ends > 0, "episodes began at different times"
-    running = log.running(env.batch.keys)
+    running = log.running_episodes(env.batch.keys)
     assert running.lengths.max() == len(running.actions) > 0
-    np.testing.assert_array_equal(running.drive_again(again.batch), seen)
+    np.testing.assert_array_equal(running.replay_actions(again.batch), seen)
     for actions in drawn[:20]:
         for here, there in zip(env.step(actions)[:4], again.step(actions)[:4], strict=True):
             np.testing.assert_array_equal(here, there)

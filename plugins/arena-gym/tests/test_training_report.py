@@ -51,14 +51,14 @@ def training_of(folder):
 
 
 def test_true_steps_validations_and_test_are_said_beforehand(here):
-    from arena_gym.training.plan import plan
+    from arena_gym.training.plan import describe_plan
 
-    assert list(plan(settings_of(), 0, False)) == [
+    assert list(describe_plan(settings_of(), 0, False)) == [
         "training: 1024 steps, in rollouts of 256 (4 worlds, 64 steps); total_steps=1000 ends within the last of them",
         "validations: 4 episodes every 600 steps and at the end",
         "test: 4 episodes at the end (training.test.episodes=0: none)",
     ]
-    lessons, training, _, test = plan(settings_of(*TAUGHT, "total_steps=512", "training.test.episodes=0"), 0, False)
+    lessons, training, _, test = describe_plan(settings_of(*TAUGHT, "total_steps=512", "training.test.episodes=0"), 0, False)
     assert lessons == "lessons: 2 of 8 decisions in each of 4 worlds, of pure_pursuit"
     assert training == "training: 512 steps, in rollouts of 256 (4 worlds, 64 steps)"
     assert test == "test: none"
@@ -66,12 +66,12 @@ def test_true_steps_validations_and_test_are_said_beforehand(here):
 
 @pytest.mark.parametrize(("wanted", "done", "driven"), [(1000, 0, 1024), (1024, 0, 1024), (1025, 1024, 1280), (500, 1024, 1024), (0, 0, 0)])
 def test_what_is_said_is_what_is_driven(here, wanted, done, driven):
-    from arena_gym.training.plan import plan, steps_driven
+    from arena_gym.training.plan import describe_plan, final_steps
 
     settings = replace(settings_of(*TAUGHT), total_steps=wanted)
-    assert steps_driven(settings, done) == driven
+    assert final_steps(settings, done) == driven
     already = f"{done} of them driven already, " if done else ""
-    assert f"training: {driven} steps, {already}in rollouts" in next(iter(plan(settings, done, taught=True)))
+    assert f"training: {driven} steps, {already}in rollouts" in next(iter(describe_plan(settings, done, taught=True)))
 
 
 def test_training_without_a_test_drives_the_steps_that_it_said(here, capsys):
@@ -150,36 +150,36 @@ def clock(monkeypatch):
 
 
 def test_time_left_is_none_that_has_passed_and_compiling_does_not_count(clock):
-    from arena_gym.training.report import NOT_KNOWN, LateEpisodes, Times, TrainingReport
+    from arena_gym.training.report import NOT_KNOWN, RecentEpisodes, TimesColumn, TrainingReport
 
     report = TrainingReport(10_000)
     report.begin(0, 10_000)
     (task, _) = report.tasks
-    assert str(Times().render(task)) == f"0:00:00 so far, {NOT_KNOWN}"
+    assert str(TimesColumn().render(task)) == f"0:00:00 so far, {NOT_KNOWN}"
     for seconds, steps in ((0.0, 0), (75.0, 1000), (10.0, 2000)):  # kernels are compiled in the first
         clock.append(clock[-1] + seconds)
         report.mark(steps)
-        assert report.left() == (NOT_KNOWN if steps < 2000 else "0:01:20 left")
+        assert report.time_left() == (NOT_KNOWN if steps < 2000 else "0:01:20 left")
     clock.append(clock[-1] + 5.0)
-    report.note(2500, LateEpisodes(), "")
-    assert report.left() == "0:01:15 left"
+    report.note(2500, RecentEpisodes(), "")
+    assert report.time_left() == "0:01:15 left"
 
 
 def test_bar_goes_on_from_where_a_checkpoint_was(clock):
-    from arena_gym.training.report import LateEpisodes, TrainingReport
+    from arena_gym.training.report import RecentEpisodes, TrainingReport
 
     report = TrainingReport(10_000)
-    report.besides("episodes that ran are driven again", 1)
+    report.start_side_task("episodes that ran are driven again", 1)
     assert [task.visible for task in report.tasks] == [False, True]
-    report.part(1)
+    report.update_side_task(1)
     report.begin(4000, 9000)
     assert [(task.completed, task.total, task.visible) for task in report.tasks] == [(4000, 9000, True), (1, 1, False)]
-    report.note(4500, LateEpisodes(), ", level 2")
+    report.note(4500, RecentEpisodes(), ", level 2")
     assert (report.tasks[0].completed, report.tasks[0].description) == (4500, "training, level 2")
     for steps in (4000, 5000, 6000):
         report.mark(steps)
         clock.append(clock[-1] + 10.0)
-    assert report.left() == "0:00:20 left"
-    report.besides("test, episodes", 300)
-    report.part(20)
+    assert report.time_left() == "0:00:20 left"
+    report.start_side_task("test, episodes", 300)
+    report.update_side_task(20)
     assert (report.tasks[1].description, report.tasks[1].completed, report.tasks[1].visible) == ("test, episodes", 20, True)

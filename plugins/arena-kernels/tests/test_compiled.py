@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import arena_kernels.compiled
-from arena_kernels.compiled import MODE, borrowing, compiled, inner, packages_of, sources
+from arena_kernels.compiled import MODE, borrowing, compiled, inner, packages_of, sources_digest
 
 ours = pytest.mark.skipif(MODE == "plain", reason="ARENA_KERNELS=plain: numba's own decorators and cache")
 
@@ -89,14 +89,14 @@ def test_touched_files_and_other_packages_leave_kernels_on_disk_as_they_are(tmp_
     for name in ("one", "other"):
         (tmp_path / name).mkdir()
         (tmp_path / name / "__init__.py").write_text("x = 1\n")
-    before = sources(tmp_path / "one")
+    before = sources_digest(tmp_path / "one")
     os.utime(tmp_path / "one" / "__init__.py", (1.0, 1.0))
     (tmp_path / "other" / "__init__.py").write_text("x = 2\n")
-    sources.cache_clear()
-    assert sources(tmp_path / "one") == before
+    sources_digest.cache_clear()
+    assert sources_digest(tmp_path / "one") == before
     (tmp_path / "one" / "__init__.py").write_text("x = 3\n")
-    sources.cache_clear()
-    assert sources(tmp_path / "one") != before
+    sources_digest.cache_clear()
+    assert sources_digest(tmp_path / "one") != before
 
 
 @ours

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from shapely.geometry import LineString, Point, Polygon
 from shapely.ops import unary_union
 
-from arena_kernels.footprint import NOTHING, gap_to_convex, gap_to_disc, gap_to_polygon, make_body, place
+from arena_kernels.footprint import NOTHING, gap_to_convex, gap_to_disc, gap_to_polygon, make_body, place_body
 from arena_kernels.grids import stack_grids
 from arena_kernels.walls import gap_to_cells
 
@@ -51,7 +51,7 @@ def test_gap_to_cells_is_the_distance_to_the_nearest_occupied_square(random_grid
     if grid.occupied.sum() > 400:
         return
     for body in bodies():
-        place(body, *grid.positions(random.uniform(-5.0, 55.0, 2)), random.uniform(-4.0, 4.0))
+        place_body(body, *grid.positions(random.uniform(-5.0, 55.0, 2)), random.uniform(-4.0, 4.0))
         gap = gap_to_cells(stack, 1, body, np.inf)
         if not squares:
             assert gap == NOTHING
@@ -71,7 +71,7 @@ def test_gaps_to_discs_segments_and_polygons_are_those_of_shapely(seed):
     star = np.stack((np.cos(angles), np.sin(angles)), axis=1) * random.uniform(0.2, 1.0, (7, 1))
     segment = random.uniform(-1.0, 1.0, (2, 2))
     for body in bodies():
-        place(body, *random.uniform(-1.5, 1.5, 2), random.uniform(-4.0, 4.0))
+        place_body(body, *random.uniform(-1.5, 1.5, 2), random.uniform(-4.0, 4.0))
         check(body, gap_to_convex(body, segment), LineString(segment))
         if Polygon(star).is_valid:
             check(body, gap_to_polygon(body, sides(star)), Polygon(star))
@@ -91,5 +91,5 @@ def test_crossing_bars_overlap_although_no_corner_lies_in_the_other():
 def test_body_deep_inside_a_polygon_overlaps_it():
     square = sides(np.array([[5.0, -5.0], [5.0, 5.0], [-5.0, 5.0], [-5.0, -5.0]]))
     for body in bodies():
-        place(body, 0.3, 0.2, 1.0)
+        place_body(body, 0.3, 0.2, 1.0)
         assert gap_to_polygon(body, square)[0] < -4.0

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_kernels.paths import follow, lengths_left, points_ahead
+from arena_kernels.paths import lengths_left, points_ahead, update_progress
 
 COORDINATES = st.floats(-5.0, 5.0)
 PATHS = st.lists(st.tuples(COORDINATES, COORDINATES), min_size=2, max_size=12)
@@ -23,7 +23,7 @@ def packed(*paths):
 def followed(paths, positions, reach, places):
     poses, offsets, left = packed(*paths)
     out, places = np.empty((len(paths), 2)), np.array(places)
-    follow(poses, offsets, left, np.column_stack((np.array(positions, float), np.zeros(len(paths)))), reach, places, out)
+    update_progress(poses, offsets, left, np.column_stack((np.array(positions, float), np.zeros(len(paths)))), reach, places, out)
     return places, out
 
 

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arena_kernels.compiled import compiled
-from arena_kernels.legs import STANDING, Gait, legs_of, settle, step_length
+from arena_kernels.legs import STANDING, Gait, legs_of, smooth_velocity, step_length
 
 GAIT = Gait(0.05, 0.17, 0.11, 1.34, 0.0065, 0.75, 0.3)
 EXACT = settings(derandomize=True, deadline=None, max_examples=200)
@@ -22,7 +22,7 @@ def legs(gait: Gait, radius: float, vx: float, vy: float, steps: float) -> Any:
 
 @compiled
 def settled(gait: Gait, vx: float, vy: float, wanted_x: float, wanted_y: float, dt: float) -> Any:
-    return settle(gait, (vx, vy), (wanted_x, wanted_y), dt)
+    return smooth_velocity(gait, (vx, vy), (wanted_x, wanted_y), dt)
 
 
 @compiled

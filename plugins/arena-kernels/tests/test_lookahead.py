@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from arena_kernels.costmap_window import LETHAL, CostmapWindow
 from arena_kernels.distance import distance_field
 from arena_kernels.lookahead import farthest_in_sight, in_sight
-from arena_kernels.window import LETHAL, Window
 
 STRAIGHT = np.stack((np.arange(-1.5, 1.51, 0.1), np.full(31, 0.025), np.zeros(31)), axis=1)
 
@@ -16,7 +16,7 @@ def window_with(*cells):
     costs = np.zeros((80, 80), np.uint8)
     for row, column in cells:
         costs[row, column] = LETHAL
-    return Window(costs, distance_field(costs >= LETHAL, 0.05), 0.05, -2.0, -2.0)
+    return CostmapWindow(costs, distance_field(costs >= LETHAL, 0.05), 0.05, -2.0, -2.0)
 
 
 @pytest.mark.parametrize(("lookahead", "x"), [(0.5, 0.0), (1.0, 0.5), (9.0, 1.5)])

@@ -8,11 +8,11 @@ from arena_kernels.grids import (
     LINE,
     TILE,
     distance_and_gradient,
-    in_tiles,
     is_blocked,
     quadrant_reach,
     stack_grids,
     table_size,
+    tile_index,
     to_grid,
 )
 
@@ -56,7 +56,7 @@ def test_reach_is_the_largest_empty_square(random_grid, seed):
     for quadrant in range(4):
         cells = grid.occupied[:: -1 if quadrant & 2 else 1, :: -1 if quadrant & 1 else 1]
         for row, column in np.ndindex(rows, columns):
-            side = tables[quadrant, in_tiles(row, column, (columns // TILE + 1) * TILE * TILE)]
+            side = tables[quadrant, tile_index(row, column, (columns // TILE + 1) * TILE * TILE)]
             assert not cells[row : row + side, column : column + side].any()
             assert side <= min(rows - row, columns - column)
             if side < min(rows - row, columns - column):

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from arena_kernels.costmap_window import CLOSE, NEARER, CostmapWindow, allowed_gap, keeps_from_walls, outline_clearance, outline_of
 from arena_kernels.distance import distance_field
 from arena_kernels.escape import ENOUGH, LOOK, STEPS, escape_command, escape_commands, keeps_gap
-from arena_kernels.passage import eased, room_along
-from arena_kernels.window import CLOSE, NEARER, Window, allowed_gap, clearance, keeps_from_walls, outline_of
+from arena_kernels.passage import reduced_gap, room_along
 
 RESOLUTION = 0.05
 CELLS = 80  # the window reaches from -2 to 2 m
@@ -27,7 +27,7 @@ def window(*boxes):
     for first_row, end_row, first_column, end_column in boxes:
         lethal[first_row:end_row, first_column:end_column] = True
     distance = distance_field(lethal, RESOLUTION).astype(np.float32)
-    return Window(np.where(lethal, 254, 0).astype(np.uint8), distance, RESOLUTION, -2.0, -2.0)
+    return CostmapWindow(np.where(lethal, 254, 0).astype(np.uint8), distance, RESOLUTION, -2.0, -2.0)
 
 
 def gap(cells, first=40, depth=4):
@@ -84,20 +84,20 @@ def test_room_is_negative_through_a_wall_and_infinite_where_nothing_is_known():
 @settings(derandomize=True, deadline=None, max_examples=200)
 @given(st.floats(0.0, 0.5), GAP, GAP, st.floats(0.0, 1.0), st.floats(0.0, 0.1))
 def test_what_is_asked_for_lies_between_the_least_and_what_is_wanted_and_grows_with_the_room(wanted, room, more, share, least):
-    asked = eased(wanted, room, share, least)
+    asked = reduced_gap(wanted, room, share, least)
     assert min(wanted, least) <= asked <= wanted
     if 0.0 < room <= more:
-        assert asked <= eased(wanted, more, share, least)
+        assert asked <= reduced_gap(wanted, more, share, least)
     if room <= 0.0:
         assert asked == wanted
 
 
 def test_eased_in_numbers():
-    assert eased(0.03, 0.02, 0.7, 0.005) == pytest.approx(0.014)
-    assert eased(0.03, 0.001, 0.7, 0.005) == 0.005
-    assert eased(0.03, 1.0, 0.7, 0.005) == 0.03
-    assert eased(0.03, math.inf, 0.7, 0.005) == 0.03
-    assert eased(0.03, -math.inf, 0.7, 0.005) == 0.03
+    assert reduced_gap(0.03, 0.02, 0.7, 0.005) == pytest.approx(0.014)
+    assert reduced_gap(0.03, 0.001, 0.7, 0.005) == 0.005
+    assert reduced_gap(0.03, 1.0, 0.7, 0.005) == 0.03
+    assert reduced_gap(0.03, math.inf, 0.7, 0.005) == 0.03
+    assert reduced_gap(0.03, -math.inf, 0.7, 0.005) == 0.03
 
 
 @settings(derandomize=True, deadline=None, max_examples=300)
@@ -152,7 +152,7 @@ def test_a_mark_of_noise_at_one_corner_allows_no_other_corner_to_come_near():
     noise = (36, 37, 44, 45)  # at the front right corner
     wall = (44, CELLS, 0, CELLS)
     here, swing = stand(0.0, 0.0), stand(-0.02, 0.0, -0.2)
-    assert clearance(window(noise), BOX, *here, 1.0) <= 0.0
+    assert outline_clearance(window(noise), BOX, *here, 1.0) <= 0.0
     assert keeps_from_walls(window(noise), BOX, here, swing, 0.05, CLOSE)  # it turns away from the mark
     assert not keeps_from_walls(window(noise, wall), BOX, here, swing, 0.05, CLOSE)
     assert keeps_from_walls(window(noise, wall), BOX, here, stand(-0.1, 0.0), 0.05, CLOSE)
@@ -172,7 +172,7 @@ def test_what_is_driven_keeps_its_gap_until_it_has_stopped_turning(command, kept
 
 def slow_escape(scene, outline, start, people, commands, wanted):
     """Return the row of the best arc in plain Python, None if none is worth its while."""
-    here = clearance(scene, outline, *stand(*start), ENOUGH)
+    here = outline_clearance(scene, outline, *stand(*start), ENOUGH)
     best, chosen, least = here + 0.005, None, allowed_gap(here, wanted, CLOSE)
     for row, (vx, vy, wz) in enumerate(commands):
         x, y, theta = start
@@ -183,7 +183,7 @@ def slow_escape(scene, outline, start, people, commands, wanted):
             x, y = x + dt * (vx * math.cos(middle) - vy * math.sin(middle)), y + dt * (vx * math.sin(middle) + vy * math.cos(middle))
             theta += dt * wz
             away = [np.hypot(*(np.add(p, step * dt * np.array(v)) - (x, y))) - r - outline.radius for p, v, r in zip(*people, strict=True)]
-            gaps.append(min([clearance(scene, outline, *stand(x, y, theta), ENOUGH), *away]))
+            gaps.append(min([outline_clearance(scene, outline, *stand(x, y, theta), ENOUGH), *away]))
         if min(gaps) >= least and min(gaps[-1], ENOUGH) > best:
             best, chosen = min(gaps[-1], ENOUGH), row
     return chosen

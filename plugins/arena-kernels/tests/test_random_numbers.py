@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy import special, stats
 
-from arena_kernels.random import _middle_quantile, _tail_quantile, normal, normals, philox, uniform
+from arena_kernels.random import _middle_quantile, _tail_quantile, fill_normals, normal, philox, uniform
 
 KEY = np.uint64(0x9E3779B97F4A7C15)
 
@@ -32,7 +32,7 @@ def test_uniform_numbers_are_uniform():
 
 def test_normal_numbers_are_normal():
     sample = np.empty(20_000)
-    normals(KEY, 3, sample)
+    fill_normals(KEY, 3, sample)
     assert stats.kstest(sample, "norm").pvalue > 0.01
     assert abs(np.corrcoef(sample[::2], sample[1::2])[0, 1]) < 0.03
 
@@ -47,7 +47,7 @@ def test_quantiles_are_those_of_the_normal_distribution():
 @pytest.mark.parametrize("length", [0, 1, 4, 5])
 def test_filling_an_array_gives_the_single_numbers(length):
     sample = np.empty(length)
-    normals(KEY, 11, sample)
+    fill_normals(KEY, 11, sample)
     assert sample.tolist() == [normal(KEY, 11, i) for i in range(length)]
 
 

@@ -5,18 +5,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arena_core import Costmap, Footprint
-from arena_kernels.distance import distance_field
-from arena_kernels.window import (
+from arena_kernels.costmap_window import (
     LETHAL,
-    Window,
-    clearance,
+    CostmapWindow,
     distance_at,
     footprint_outline,
+    outline_clearance,
     outline_of,
     points_along,
     window_of,
     without_discs,
 )
+from arena_kernels.distance import distance_field
 
 BOX = np.array([[0.21, -0.165], [0.21, 0.165], [-0.21, 0.165], [-0.21, -0.165]])
 PLACES = st.floats(-1.7, 1.7)  # the whole outline lies in the window of 4 m
@@ -27,7 +27,7 @@ def window_with(*cells, side=80, resolution=0.05):
     for row, column in cells:
         costs[row, column] = LETHAL
     half = -0.5 * side * resolution
-    return Window(costs, distance_field(costs >= LETHAL, resolution), resolution, half, half)
+    return CostmapWindow(costs, distance_field(costs >= LETHAL, resolution), resolution, half, half)
 
 
 def test_distance_is_that_to_the_edge_of_the_cell():
@@ -47,8 +47,8 @@ def test_clearance_of_a_polygon_is_the_least_over_its_outline_and_middle(x, y, t
     c, s = math.cos(theta), math.sin(theta)
     points = outline.points_xy @ np.array(((c, s), (-s, c))) + (x, y)
     plain = min([distance_at(window, x, y) - 0.165, *(distance_at(window, px, py) for px, py in points)])
-    assert math.isclose(clearance(window, outline, x, y, c, s, math.inf), plain, abs_tol=1e-9)
-    assert min(clearance(window, outline, x, y, c, s, 0.1), 0.1) <= plain + 1e-9
+    assert math.isclose(outline_clearance(window, outline, x, y, c, s, math.inf), plain, abs_tol=1e-9)
+    assert min(outline_clearance(window, outline, x, y, c, s, 0.1), 0.1) <= plain + 1e-9
 
 
 @settings(derandomize=True, deadline=None)

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arena_core import ConfigurationError
-from arena_metrics.packs.barn import BarnMetrics, score
+from arena_metrics.packs.barn import BarnMetrics, barn_score
 
 BARN = Path(__file__).parents[3].parent / "shared" / "data" / "barn"
 needs_barn = pytest.mark.skipif(not BARN.is_dir(), reason="the recorded runs of the BARN challenge are not at ../shared/data/barn")
@@ -53,7 +53,7 @@ def test_formula_gives_the_recorded_success_and_score():
     of_run = np.array([optimal[int(w)] for w in world])
     arrived = success == 1
     assert np.abs(time[arrived] / of_run[arrived] - ratio[arrived]).max() < 0.01  # the file's own last column
-    scores = [score(bool(s), t, o, PRESET["fastest"], PRESET["slowest"]) for s, t, o in zip(success, time, of_run, strict=True)]
+    scores = [barn_score(bool(s), t, o, PRESET["fastest"], PRESET["slowest"]) for s, t, o in zip(success, time, of_run, strict=True)]
     assert success.mean() == pytest.approx(0.96)
     assert np.mean(scores) == pytest.approx(0.186, abs=5e-4)
 
@@ -93,9 +93,9 @@ def test_contact_after_the_arrival_does_not_count(run):
 @settings(derandomize=True, deadline=None)
 @given(time=st.floats(0.01, 1e3), optimal=st.floats(0.1, 100.0))
 def test_score_of_an_arrival_lies_between_an_eighth_and_a_half(time, optimal):
-    assert 1 / 8 - 1e-12 <= score(True, time, optimal, 2.0, 8.0) <= 0.5 + 1e-12
-    assert score(True, 2.0 * time, optimal, 2.0, 8.0) <= score(True, time, optimal, 2.0, 8.0)
-    assert score(False, time, optimal, 2.0, 8.0) == 0.0
+    assert 1 / 8 - 1e-12 <= barn_score(True, time, optimal, 2.0, 8.0) <= 0.5 + 1e-12
+    assert barn_score(True, 2.0 * time, optimal, 2.0, 8.0) <= barn_score(True, time, optimal, 2.0, 8.0)
+    assert barn_score(False, time, optimal, 2.0, 8.0) == 0.0
 
 
 def test_bounds_in_the_wrong_order_are_refused():

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from arena_core import ConfigurationError
-from arena_metrics.claims.contrasts import findings
-from arena_metrics.claims.judging import claims_table, judge
+from arena_metrics.claims.claim_verdicts import claims_table, judge_claims
+from arena_metrics.claims.contrasts import contrast_findings
 from arena_metrics.claims.model import Claim, Claims, Contrast, read_claims
 from arena_metrics.pages.report import ReportCommand
 from arena_metrics.pooling.cells import cells_of
@@ -46,7 +46,7 @@ def cells(*groups):
 
 
 def found(contrast, *groups):
-    return findings(cells(*groups), BY_NAME, [contrast])
+    return contrast_findings(cells(*groups), BY_NAME, [contrast])
 
 
 def states(contrast, *groups):
@@ -163,7 +163,7 @@ def test_verdicts_follow_from_the_contrasts():
         "d": [true, open_one, missing],
     }
     claims = Claims("somebody", {name: Claim(f"says {name}", contrasts) for name, contrasts in cases.items()})
-    judged = judge(groups, COLUMNS, claims)
+    judged = judge_claims(groups, COLUMNS, claims)
     assert [one.verdict for one in judged] == ["reproduced", "not reproduced", "cannot be decided", "not tested"]
     table = claims_table(judged, "somebody")
     assert table.rows[2][1] == "cannot be decided (no difference is seen)"
@@ -179,7 +179,7 @@ def test_chance_is_seldom_taken_for_a_claim_that_holds():
         noise = {name: random.normal(10.0, 1.0, 20) for name in ("teb", "dwa", "mpc", "aio")}
         groups = cells(*(rows(name, n=20, length=lambda i, of=of: of[i]) for name, of in noise.items()))
         claim = Claim("", [Contrast("path_length", {"planner": "aio"}, "lower", {"planner": "others"}, ["rival"])])
-        verdicts.append(judge(groups, COLUMNS, Claims("", {"1": claim}))[0].verdict)
+        verdicts.append(judge_claims(groups, COLUMNS, Claims("", {"1": claim}))[0].verdict)
     assert verdicts.count("reproduced") == 0
     assert verdicts.count("not reproduced") <= 3
 

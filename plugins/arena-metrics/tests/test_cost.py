@@ -5,8 +5,8 @@ import csv
 import pytest
 
 from arena_metrics.pooling.cells import cells_of
-from arena_metrics.pooling.runs import pooled, read_runs
-from arena_metrics.tables.cost import cost_table, duration
+from arena_metrics.pooling.runs import pool_episodes, read_runs
+from arena_metrics.tables.cost import cost_table, format_duration
 
 
 def timed(folder, cpu):
@@ -20,7 +20,7 @@ def timed(folder, cpu):
 
 
 def table_of(folder):
-    return cost_table(cells_of(pooled(read_runs([folder]))[0]))
+    return cost_table(cells_of(pool_episodes(read_runs([folder]))[0]))
 
 
 def test_costliest_planner_stands_first_and_all_together_last(tmp_path, run_folder):
@@ -40,4 +40,4 @@ def test_runs_that_were_not_timed_as_a_whole_have_no_table(tmp_path, run_folder)
 
 @pytest.mark.parametrize(("seconds", "text"), [(0.0, "0 s"), (119.0, "119 s"), (600.0, "10 min"), (9000.0, "2.5 h")])
 def test_durations_read_as_one_says_them(seconds, text):
-    assert duration(seconds) == text
+    assert format_duration(seconds) == text

@@ -5,13 +5,13 @@ import pytest
 from arena_metrics.pages.levels import level_image, level_table
 from arena_metrics.pages.report import ReportCommand
 from arena_metrics.pooling.cells import cells_of
-from arena_metrics.pooling.runs import pooled, read_runs
+from arena_metrics.pooling.runs import pool_episodes, read_runs
 
 FEW = ("success", "collisions", "path_length")
 
 
 def cells(folder):
-    return cells_of(pooled(read_runs([folder]))[0])
+    return cells_of(pool_episodes(read_runs([folder]))[0])
 
 
 @pytest.mark.parametrize(

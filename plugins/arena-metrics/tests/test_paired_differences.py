@@ -11,16 +11,16 @@ from arena_core import InputFileError
 from arena_core.statistics import after_holm, compare, estimate, estimate_difference
 from arena_metrics.pages.report import ReportCommand
 from arena_metrics.pooling.cells import cells_of
-from arena_metrics.pooling.runs import metric_columns, pooled, read_runs
-from arena_metrics.pooling.summary import summarise
-from arena_metrics.tables.pairs import compared, p_text, paired_tables
+from arena_metrics.pooling.runs import metric_columns, pool_episodes, read_runs
+from arena_metrics.pooling.summary import summarise_cells
+from arena_metrics.tables.pairs import comparison_rows, p_text, paired_tables
 
 FEW = ("success", "collisions", "path_length")
 
 
 def tables_of(folder, baseline=None):
     runs = read_runs([folder])
-    tables = paired_tables(summarise(cells_of(pooled(runs)[0]), metric_columns(runs)), baseline)
+    tables = paired_tables(summarise_cells(cells_of(pool_episodes(runs)[0]), metric_columns(runs)), baseline)
     return {table.caption.partition(",")[0].partition(" [")[0]: table for table in tables}
 
 
@@ -200,7 +200,7 @@ def test_comparisons_in_python_and_in_the_studio_have_the_words_of_the_report(ru
     for planner in ("dwa", "teb", "mpc"):
         run_folder(tmp_path / planner, planner=planner, episodes=8)
     runs = read_runs([tmp_path])
-    lines = {(one["title"], one["planner"]): one for one in compared(cells_of(pooled(runs)[0]), metric_columns(runs))}
+    lines = {(one["title"], one["planner"]): one for one in comparison_rows(cells_of(pool_episodes(runs)[0]), metric_columns(runs))}
     for table in tables_of(tmp_path).values():
         for row in table.rows:
             said = dict(zip(table.head, row, strict=True))

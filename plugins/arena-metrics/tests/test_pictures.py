@@ -7,12 +7,12 @@ import re
 import numpy as np
 import pytest
 
-from arena_metrics.pages.panels import layouts
+from arena_metrics.pages.panels import picture_layouts
 from arena_metrics.pages.report import ReportCommand
 from arena_metrics.pooling.cells import cells_of
-from arena_metrics.pooling.drives import Problem, drives_of, numbered
-from arena_metrics.pooling.endings import verdict
-from arena_metrics.pooling.runs import pooled, read_runs
+from arena_metrics.pooling.drives import Problem, drives_of, number_episodes
+from arena_metrics.pooling.outcomes import describe_outcome
+from arena_metrics.pooling.runs import pool_episodes, read_runs
 from arena_metrics.tables.repeats import distances_table, repeats_table
 
 FEW = ("success", "collisions", "path_length")
@@ -34,7 +34,7 @@ def change(folder, episode, scenario=None, name=None, shift=None):
 
 
 def read(*folders):
-    cells = cells_of(pooled(read_runs(folders))[0])
+    cells = cells_of(pool_episodes(read_runs(folders))[0])
     return cells, {cell.hash: drives_of(cells, cell) for cell in cells.cells}
 
 
@@ -55,7 +55,7 @@ def two_runs(run_folder, tmp_path):
 
 def test_problems_that_are_repeated_have_a_panel_each_with_their_own_obstacles(two_runs):
     cells, drives = read(*two_runs)
-    ((condition, layout),) = layouts(cells, drives).items()
+    ((condition, layout),) = picture_layouts(cells, drives).items()
     assert (condition, layout.left_out) == ("", 0)
     assert [panel.title for panel in layout.panels] == ["near", "far"]
     assert [json.loads(problem.obstacles)[0]["vertices_xy"] for panel in layout.panels for problem in panel.problems] == [
@@ -66,7 +66,7 @@ def test_problems_that_are_repeated_have_a_panel_each_with_their_own_obstacles(t
 
 def test_rivals_share_one_extent_that_holds_what_either_did(two_runs):
     cells, drives = read(*two_runs)
-    (layout,) = layouts(cells, drives).values()
+    (layout,) = picture_layouts(cells, drives).values()
     for panel in layout.panels:
         own = [drive for of in drives.values() for drive in of if drive.problem in panel.problems]
         assert {drive.episode.row["planner"] for drive in own} == {"dwa", "teb"}
@@ -81,7 +81,7 @@ def test_rivals_share_one_extent_that_holds_what_either_did(two_runs):
 
 def test_problems_driven_once_on_one_map_share_a_panel_with_all_starts_and_goals(run_folder, tmp_path):
     cells, drives = read(run_folder(tmp_path / "a", episodes=5, only=FEW))
-    (layout,) = layouts(cells, drives).values()
+    (layout,) = picture_layouts(cells, drives).values()
     assert [(panel.title, len(panel.problems)) for panel in layout.panels] == [("5 problems", 5)]
 
 
@@ -89,7 +89,7 @@ def test_problems_driven_once_among_other_obstacles_have_panels_of_their_own(run
     folder = run_folder(tmp_path / "a", episodes=20, only=FEW)
     for episode in range(20):
         change(folder, episode, {"obstacles": [{"vertices_xy": [[0.1 * episode, 1.0]], "radius": 0.2}]})
-    (layout,) = layouts(*read(folder)).values()
+    (layout,) = picture_layouts(*read(folder)).values()
     assert (len(layout.panels), layout.left_out) == (16, 4)
     assert all(len(panel.problems) == 1 for panel in layout.panels)
 
@@ -113,7 +113,7 @@ def test_single_episodes_and_single_planners_have_nothing_to_compare(run_folder,
 
 def numbers(*folders):
     cells, _ = read(*folders)
-    return {cell.factors["planner"]: [label for _, label in numbered(cells, cell)] for cell in cells.cells}
+    return {cell.factors["planner"]: [label for _, label in number_episodes(cells, cell)] for cell in cells.cells}
 
 
 def test_episodes_are_numbered_by_seed_where_any_planner_has_several(run_folder, tmp_path):
@@ -141,11 +141,11 @@ def test_picture_without_any_record_is_left_out(run_folder, tmp_path):
 
 def test_goal_reached_without_success_says_why():
     row = {"outcome": "goal_reached", "success": 0.0, "collisions": 3.0}
-    assert verdict(row) == "goal reached, but 3 collisions (at most 1)"
-    assert verdict(row | {"collisions": 0.0}) == "goal reached, but too far from it in truth, or too late"
-    assert verdict(row | {"success": 1.0, "collisions": 1.0}) == "goal reached"
-    assert verdict({"outcome": "goal_reached"}) == "goal reached"
-    assert verdict(row | {"outcome": "time_out"}) == "time out"
+    assert describe_outcome(row) == "goal reached, but 3 collisions (at most 1)"
+    assert describe_outcome(row | {"collisions": 0.0}) == "goal reached, but too far from it in truth, or too late"
+    assert describe_outcome(row | {"success": 1.0, "collisions": 1.0}) == "goal reached"
+    assert describe_outcome({"outcome": "goal_reached"}) == "goal reached"
+    assert describe_outcome(row | {"outcome": "time_out"}) == "time out"
 
 
 def test_reason_stands_in_the_table_of_episodes(run_folder, tmp_path):

@@ -7,18 +7,18 @@ import pytest
 from scipy.stats import trim_mean
 
 from arena_core.statistics import interquartile_mean
-from arena_metrics.pages.profiles import profile_image, slowdowns
+from arena_metrics.pages.profiles import profile_image, slowdown_ratios
 from arena_metrics.pooling.cells import cells_of
-from arena_metrics.pooling.runs import metric_columns, pooled, read_runs
-from arena_metrics.pooling.summary import summarise
-from arena_metrics.tables.ranking import contest, ranking_table, ranks
+from arena_metrics.pooling.runs import metric_columns, pool_episodes, read_runs
+from arena_metrics.pooling.summary import summarise_cells
+from arena_metrics.tables.ranking import common_conditions, planner_ranks, ranking_table
 
 FEW = ("success", "strict_success", "collisions", "spl", "time_to_goal")
 
 
 def summary_of(folder):
     runs = read_runs([folder])
-    return summarise(cells_of(pooled(runs)[0]), metric_columns(runs))
+    return summarise_cells(cells_of(pool_episodes(runs)[0]), metric_columns(runs))
 
 
 @pytest.fixture
@@ -63,10 +63,10 @@ def test_undefined_figures_and_few_problems_have_no_interval():
 def test_planners_that_pairs_do_not_tell_apart_share_their_ranks(folder):
     summary = summary_of(folder)
     columns = {column.name: column for column in summary.columns}
-    found = contest(summary.cells)
-    assert ranks(found, columns["success"]) == {"quick": (1, 2), "slow": (1, 2), "lost": (3, 3)}
-    assert ranks(found, columns["collisions"]) == dict.fromkeys(("quick", "slow", "lost"), (1, 3))
-    assert ranks(found, columns["time_to_goal"]) == {}  # one has no pair with the others
+    found = common_conditions(summary.cells)
+    assert planner_ranks(found, columns["success"]) == {"quick": (1, 2), "slow": (1, 2), "lost": (3, 3)}
+    assert planner_ranks(found, columns["collisions"]) == dict.fromkeys(("quick", "slow", "lost"), (1, 3))
+    assert planner_ranks(found, columns["time_to_goal"]) == {}  # one has no pair with the others
 
 
 def test_table_has_the_best_first_over_the_conditions_that_all_faced(folder):
@@ -78,7 +78,7 @@ def test_table_has_the_best_first_over_the_conditions_that_all_faced(folder):
 
 
 def test_slowdown_is_over_the_quickest_and_infinite_where_a_planner_failed(folder):
-    found = slowdowns(contest(summary_of(folder).cells))
+    found = slowdown_ratios(common_conditions(summary_of(folder).cells))
     assert found["quick"] == pytest.approx(np.ones(40))
     assert found["slow"] == pytest.approx(np.full(40, 1.5))
     assert np.isinf(found["lost"]).all()

@@ -12,17 +12,17 @@ from arena_core.hosting import RunFolderError
 from arena_metrics.pages.report import ReportCommand
 from arena_metrics.pages.trajectories import people_colours, scale_bar_length
 from arena_metrics.pooling.cells import cells_of
-from arena_metrics.pooling.runs import columns_of, metric_columns, pooled, read_runs
-from arena_metrics.pooling.summary import summarise, write_summary
-from arena_metrics.tables.tables import headline, latex, markdown, metric_tables
+from arena_metrics.pooling.runs import columns_of, metric_columns, pool_episodes, read_runs
+from arena_metrics.pooling.summary import summarise_cells, write_summary
+from arena_metrics.tables.tables import headline_table, latex_tables, markdown_tables, metric_tables
 
 FEW = ("success", "strict_success", "collisions", "path_length", "jerk")  # metrics enough to draw
 
 
 def summary_of(*folders):
     runs = read_runs(folders)
-    episodes, _ = pooled(runs)
-    return summarise(cells_of(episodes), metric_columns(runs))
+    episodes, _ = pool_episodes(runs)
+    return summarise_cells(cells_of(episodes), metric_columns(runs))
 
 
 def names(summary):
@@ -62,7 +62,7 @@ def test_seeds_of_one_configuration_are_one_cell_and_repeats_count_once(run_fold
     run_folder(tmp_path / "a", seed=0)
     run_folder(tmp_path / "b", seed=1)
     run_folder(tmp_path / "again", seed=1)
-    episodes, repeats = pooled(read_runs([tmp_path]))
+    episodes, repeats = pool_episodes(read_runs([tmp_path]))
     assert (len(episodes), repeats, len(cells_of(episodes).cells)) == (6, 3, 1)
 
 
@@ -80,7 +80,7 @@ def test_path_metrics_are_summarised_over_all_and_over_successful_episodes(run_f
 
 
 def test_headline_holds_means_intervals_and_n(run_folder, tmp_path):
-    table = headline(summary_of(run_folder(tmp_path / "a", episodes=8, errors=[2])))
+    table = headline_table(summary_of(run_folder(tmp_path / "a", episodes=8, errors=[2])))
     row = dict(zip(table.head, table.rows[0], strict=True))
     assert row["n"] == "8"
     assert row["success [%]"].startswith("43 [16 – 75] (n=7)")
@@ -132,11 +132,11 @@ def test_pack_that_was_evaluated_afterwards_is_described_by_its_preset(run_folde
 def test_markdown_and_latex_escape_what_they_must(run_folder, tmp_path):
     run_folder(tmp_path / "a", planner="dwa_as|released")
     run_folder(tmp_path / "b", planner="teb")
-    table = headline(summary_of(tmp_path))
-    assert r"dwa_as\|released" in markdown([table])
-    assert r"dwa\_as|released" in latex([table])
-    assert r"success [\%]" in latex([table])
-    assert len({line.count("&") for line in latex([table]).splitlines() if "&" in line}) == 1
+    table = headline_table(summary_of(tmp_path))
+    assert r"dwa_as\|released" in markdown_tables([table])
+    assert r"dwa\_as|released" in latex_tables([table])
+    assert r"success [\%]" in latex_tables([table])
+    assert len({line.count("&") for line in latex_tables([table]).splitlines() if "&" in line}) == 1
 
 
 def test_summary_of_rows_equals_that_of_the_table(run_folder, tmp_path, pack_metrics):

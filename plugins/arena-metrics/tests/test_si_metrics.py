@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_metrics.packs.motion import curvatures, resample_by_length, touched_spans, velocities_map
+from arena_metrics.packs.motion import contact_spans, menger_curvatures, resample_by_length, velocities_map
 
 GEOMETRY = ["path_length", "curvature_mean", "curvature_max", "curvature_min", "curvature_normalised", "angle_over_length", "roughness"]
 
@@ -85,7 +85,7 @@ def test_standing_still_on_the_way_leaves_the_path_as_it_is(si, record_of, round
 
 def test_reversal_counts_the_limit_and_stays_finite():
     there_and_back = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 0.0]])
-    curvature, _ = curvatures(there_and_back, step=0.1)
+    curvature, _ = menger_curvatures(there_and_back, step=0.1)
     assert curvature.max() == pytest.approx(20.0)
     assert np.count_nonzero(curvature > 1e-6) == 1
 
@@ -170,7 +170,7 @@ def test_a_step_in_contact_takes_the_triples_that_share_time_with_it(si, record_
     record = record_of(np.zeros((61, 3)), twist=np.stack((0.01 * rows**2, 0 * rows, 0 * rows), axis=1), contact_time=seconds)
     begins = 0.2 * np.arange(29)
     shares = (begins < 0.1 * step - 1e-9) & (begins + 0.4 > 0.1 * (step - 1) + 1e-9)
-    assert np.count_nonzero(touched_spans(record, begins, begins + 0.4)) == np.count_nonzero(shares) == left_out
+    assert np.count_nonzero(contact_spans(record, begins, begins + 0.4)) == np.count_nonzero(shares) == left_out
     assert si["jerk_without_contact"](record) == pytest.approx(2.0)
 
 

@@ -8,19 +8,19 @@ from hypothesis import strategies as st
 
 from arena_core import NO_TRACKS, Footprint
 from arena_core.testing import tracked
+from arena_kernels.costmap_window import CostmapWindow, footprint_outline
 from arena_kernels.distance import distance_field
-from arena_kernels.window import Window, footprint_outline
 from arena_mpc.corridor import FREE, boundary_cells, half_planes
-from arena_mpc.detours import detours
+from arena_mpc.detours import path_detours
 from arena_mpc.footprint import Discs, free_until
-from arena_mpc.guess import drive_along, shifted
-from arena_mpc.interior_point import available, compiled_problem
+from arena_mpc.guess import drive_along, shift_plan
+from arena_mpc.interior_point import compiled_problem, has_solver
 from arena_mpc.moving import FAR, first_hit, relevant_movers
 from arena_mpc.parameters import Grid, SolverSettings
 from arena_mpc.plan import Plan
-from arena_mpc.problem import Shape, formulate
-from arena_mpc.reference import PathProgress, ahead, beside, free_poses
-from arena_mpc.resizing import reachable_sizes, resized
+from arena_mpc.problem import Shape, formulate_problem
+from arena_mpc.reference import PathProgress, free_poses, local_reference, nearest_path_points
+from arena_mpc.resizing import reachable_sizes, resize_grid
 
 GRID = Grid(20, 10, 30, 5, 0.2, 0.02, 0.5, 0.1, 1)
 STRAIGHT = np.column_stack((np.linspace(0.0, 2.0, 41), np.zeros(41), np.zeros(41)))
@@ -29,7 +29,7 @@ STRAIGHT = np.column_stack((np.linspace(0.0, 2.0, 41), np.zeros(41), np.zeros(41
 def _window(lethal, resolution=0.05):
     costs = np.where(lethal, 254, 0).astype(np.uint8)
     half = 0.5 * resolution * lethal.shape[0]
-    return Window(costs, distance_field(lethal, resolution), resolution, -half, -half)
+    return CostmapWindow(costs, distance_field(lethal, resolution), resolution, -half, -half)
 
 
 def _cells(window):
@@ -85,7 +85,7 @@ def test_only_the_outermost_cells_count():
 
 def test_shifted_plan_is_the_rest_of_the_old_one():
     states = np.column_stack((np.linspace(0.0, 2.0, 21), np.zeros((21, 4))))
-    moved = shifted(states, 0.1, 0.3, states[-1], 20, 0.1)
+    moved = shift_plan(states, 0.1, 0.3, states[-1], 20, 0.1)
     assert moved[:18, 0] == pytest.approx(states[3:, 0])
     assert moved[-1] == pytest.approx(states[-1])
 
@@ -107,7 +107,7 @@ def test_drive_along_a_path_keeps_to_the_model(theta, speed, radius, sideways):
 
 def test_stages_find_their_place_on_the_path():
     corner = np.vstack((STRAIGHT, np.column_stack((np.full(20, 2.0), np.linspace(0.05, 1.0, 20), np.zeros(20)))))
-    rows = beside(corner, np.array(((1.0, 0.2), (2.3, 0.5))))
+    rows = nearest_path_points(corner, np.array(((1.0, 0.2), (2.3, 0.5))))
     assert rows[0] == pytest.approx((1.0, 0.0, 0.0, 1.0, 0.0))
     assert rows[1] == pytest.approx((2.0, 0.5, -1.0, 0.0, math.pi / 2))
 
@@ -116,18 +116,18 @@ def test_path_that_comes_near_itself_is_not_cut_short():
     out = np.column_stack((np.linspace(0.0, 8.0, 161), np.zeros(161), np.zeros(161)))
     back = np.add(out[::-1], (0.0, 0.2, 0.0))
     path, progress = np.vstack((out, back)), PathProgress()
-    assert len(progress.pruned(path, np.array((0.0, 0.05)))) == 322
-    assert len(progress.pruned(path, np.array((1.0, 0.15)))) == 302
+    assert len(progress.prune_path(path, np.array((0.0, 0.05)))) == 322
+    assert len(progress.prune_path(path, np.array((1.0, 0.15)))) == 302
 
 
 def test_local_goal_lies_ahead_and_inside_the_window():
     path = np.column_stack((np.linspace(0.0, 9.0, 181), np.zeros(181), np.zeros(181)))
     window = _window(np.zeros((120, 120), np.bool_))
-    assert ahead(path, 1.5, None, window).goal[0] == pytest.approx(1.5, abs=0.06)
-    assert ahead(path, 8.0, None, window).goal[0] == pytest.approx(2.7, abs=0.06)
-    assert not ahead(path, 8.0, None, window).final
-    assert ahead(path[:10], 8.0, None, window).final
-    assert ahead(np.add(path, (50.0, 0.0, 0.0)), 8.0, None, window).path.shape == (1, 3)
+    assert local_reference(path, 1.5, None, window).goal[0] == pytest.approx(1.5, abs=0.06)
+    assert local_reference(path, 8.0, None, window).goal[0] == pytest.approx(2.7, abs=0.06)
+    assert not local_reference(path, 8.0, None, window).final
+    assert local_reference(path[:10], 8.0, None, window).final
+    assert local_reference(np.add(path, (50.0, 0.0, 0.0)), 8.0, None, window).path.shape == (1, 3)
 
 
 def test_path_is_free_up_to_what_blocks_it():
@@ -171,22 +171,22 @@ def test_plan_is_checked_between_its_stages():
 @pytest.mark.parametrize(("step", "stages"), [(0.3, 25), (0.2, 20), (0.1, 15)])
 def test_intervals_come_and_go_with_their_length(step, stages):
     plan = Plan(np.zeros((21, 5)), step, np.zeros(21))
-    found, length = resized(plan, GRID)
+    found, length = resize_grid(plan, GRID)
     assert found == stages
     assert found * length == pytest.approx(20 * step)
 
 
 def test_number_of_intervals_stays_within_bounds():
     long, short = Plan(np.zeros((31, 5)), 0.4, np.zeros(31)), Plan(np.zeros((11, 5)), 0.05, np.zeros(11))
-    assert resized(long, GRID)[0] == 30
-    assert resized(short, GRID)[0] == 10
+    assert resize_grid(long, GRID)[0] == 30
+    assert resize_grid(short, GRID)[0] == 10
 
 
 @pytest.mark.parametrize("model", ["unicycle", "bicycle", "omnidirectional"])
 @pytest.mark.parametrize("form", ["minimum_time", "quadratic"])
 @pytest.mark.parametrize("hard", [False, True])
 def test_every_constraint_row_has_its_kind(model, form, hard):
-    problem = formulate(Shape(model, form, 4, 2, 3, 2, False, hard, hard))
+    problem = formulate_problem(Shape(model, form, 4, 2, 3, 2, False, hard, hard))
     rows = problem.nlp["g"].numel()
     assert len(problem.equality) == len(problem.lower) == len(problem.upper) == rows
     assert (problem.lower[problem.equality] == 0.0).all()
@@ -196,8 +196,8 @@ def test_every_constraint_row_has_its_kind(model, form, hard):
 def test_problem_is_compiled_once_per_shape():
     shape, solver = Shape("unicycle", "quadratic", 3, 1, 1, 1, False, False, False), SolverSettings("ipopt", 10, 10, 1e-3)
     assert compiled_problem(shape, solver) is compiled_problem(dataclasses.replace(shape), solver)
-    assert available("ipopt")
-    assert not available("no_such_solver")
+    assert has_solver("ipopt")
+    assert not has_solver("no_such_solver")
 
 
 def test_every_size_that_resizing_leads_to_is_known_beforehand():
@@ -212,7 +212,7 @@ def _boxed(x_low, x_high, y_low, y_high):
 
 def test_ways_round_a_box_lead_past_both_its_sides_and_the_shorter_one_first():
     window = _boxed(0.8, 1.2, -0.5, 0.2)
-    left, right = detours(STRAIGHT, window, NO_TRACKS, 0.2, 0.3, 1.0, 1.5)
+    left, right = path_detours(STRAIGHT, window, NO_TRACKS, 0.2, 0.3, 1.0, 1.5)
     assert 0.35 < left[:, 1].max() < 0.55
     assert -0.85 < right[:, 1].min() < -0.65
     for way in (left, right):
@@ -222,14 +222,14 @@ def test_ways_round_a_box_lead_past_both_its_sides_and_the_shorter_one_first():
 
 
 def test_free_path_needs_no_way_round_and_one_too_long_is_none():
-    assert list(detours(STRAIGHT, _boxed(0.8, 1.2, 0.5, 0.9), NO_TRACKS, 0.2, 0.3, 1.0, 1.5)) == []
-    assert list(detours(STRAIGHT, _boxed(0.8, 1.2, -2.9, 2.9), NO_TRACKS, 0.2, 0.3, 1.0, 1.5)) == []
+    assert list(path_detours(STRAIGHT, _boxed(0.8, 1.2, 0.5, 0.9), NO_TRACKS, 0.2, 0.3, 1.0, 1.5)) == []
+    assert list(path_detours(STRAIGHT, _boxed(0.8, 1.2, -2.9, 2.9), NO_TRACKS, 0.2, 0.3, 1.0, 1.5)) == []
 
 
 @pytest.mark.parametrize(("speed", "blocked"), [(1.0, True), (0.25, False)])
 def test_person_is_gone_round_where_robot_and_person_meet(speed, blocked):
     crossing = tracked((1.0, 1.0, 0.0, -1.0))  # on the path in 1 s
-    ways = list(detours(STRAIGHT, _window(np.zeros((120, 120), np.bool_)), crossing, 0.2, 0.1, speed, 1.5))
+    ways = list(path_detours(STRAIGHT, _window(np.zeros((120, 120), np.bool_)), crossing, 0.2, 0.1, speed, 1.5))
     assert len(ways) == (2 if blocked else 0)
     for way in ways:
         meeting = np.hypot(way[:, 0] - 1.0, way[:, 1] - 1.0 + STRAIGHT[:, 0] / speed)

@@ -8,7 +8,7 @@ from arena_core import ConfigurationError, Footprint, NoValidCommand, Pose, Trac
 from arena_mpc.interior_point import compiled_problem
 from arena_mpc.plan import Solution
 from arena_mpc.planner import MpcPlanner
-from arena_mpc.shooting import solve
+from arena_mpc.shooting import solve_shooting
 
 AHEAD = [(0.05 * k, 0.0) for k in range(50)]
 ALL = ["turtlebot3", "jackal", "robotino", "jackal_ackermann"]
@@ -173,7 +173,7 @@ def test_failed_solver_is_answered_with_the_last_plan_then_with_a_way_out_or_the
     planner = build(escape_speed=escape_speed)
     planner.compute_velocity(observe(costmap(), Pose(0.0, 0.0), AHEAD, Twist(0.2)))
     expected = planner._plan.states[2, 3:]
-    monkeypatch.setattr("arena_mpc.solvers.solve", lambda *_: Solution(None, math.inf, 1))
+    monkeypatch.setattr("arena_mpc.solvers.solve_shooting", lambda *_: Solution(None, math.inf, 1))
     command = planner.compute_velocity(observe(costmap(), Pose(0.02, 0.0), AHEAD, Twist(0.2), stamp=0.2))
     assert (command.vx, command.wz) == pytest.approx(expected.tolist(), abs=0.02)
     before_a_wall = observe(costmap((0.1, 0.3, -0.5, 0.5)), Pose(0.04, 0.0), AHEAD, Twist(0.2), stamp=0.3)
@@ -189,7 +189,7 @@ def test_all_solvers_drive_alike_where_the_way_is_clear(build, costmap, observe,
     seen = observe(costmap(), Pose(0.0, 0.1), AHEAD, Twist(0.2))
     fatrop = build(solver=FATROP).compute_velocity(seen)
     shooting = build().compute_velocity(seen)
-    monkeypatch.setattr("arena_mpc.interior_point.available", lambda name: False)
+    monkeypatch.setattr("arena_mpc.interior_point.has_solver", lambda name: False)
     planner = build(solver=FATROP)
     assert [solver._settings.name for solver in planner._optimiser._solvers] == ["ipopt"]
     ipopt = planner.compute_velocity(seen)
@@ -203,11 +203,11 @@ def test_step_takes_no_more_iterations_than_allowed(preset, most, build, costmap
     taken = []
 
     def counted(*arguments):
-        found = solve(*arguments)
+        found = solve_shooting(*arguments)
         taken.append(found.iterations)
         return found
 
-    monkeypatch.setattr("arena_mpc.solvers.solve", counted)
+    monkeypatch.setattr("arena_mpc.solvers.solve_shooting", counted)
     planner = build("jackal", preset, solver={"max_iterations": most, "solution_iterations": min(most, 60)})
     window, pose = costmap((0.8, 1.0, -0.4, 0.1), cells=120), Pose(0.0, 0.0)
     for k in range(15):
@@ -231,7 +231,7 @@ def _scene(planner, seen):
     from arena_mpc.scene import scene_of
 
     scene = scene_of(seen, False, 0.0)
-    return scene, planner._reference(seen, scene)
+    return scene, planner._local_reference(seen, scene)
 
 
 def test_every_plan_keeps_to_speeds_and_accelerations(build, costmap, observe):

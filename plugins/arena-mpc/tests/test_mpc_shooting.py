@@ -6,12 +6,12 @@ from numba import njit
 
 from arena_kernels.compiled import BORROWING
 from arena_mpc.corridor import FREE, nearest_cells
-from arena_mpc.motion import NUMBER, differentiate, move
+from arena_mpc.motion import NUMBER, differentiate_motion, integrate_motion
 from arena_mpc.parameters import SolverSettings
 from arena_mpc.plan import Plan, Room
 from arena_mpc.problem import Shape
 from arena_mpc.reference import nearest_stages
-from arena_mpc.shooting import solve
+from arena_mpc.shooting import solve_shooting
 from arena_mpc.solvers import InteriorPoint, Shooting
 from arena_mpc.terms import STAGE_HEAD, WEIGHTS, Terms, differentiate_interval, differentiate_stage, interval_cost, make_slopes, stage_cost
 
@@ -41,12 +41,12 @@ def _interval_slopes(terms, state, control, slopes):
 
 @njit(**BORROWING)
 def _moved(model, state, control, following):
-    move(model, 0.3, state, control, following)
+    integrate_motion(model, 0.3, state, control, following)
 
 
 @njit(**BORROWING)
 def _moved_slopes(model, state, control, by_state, by_control):
-    differentiate(model, 0.3, state, control, by_state, by_control)
+    differentiate_motion(model, 0.3, state, control, by_state, by_control)
 
 
 def _terms(stages=20, weights=PRICES, model=0, timed=True, person=(1.0, 0.3, -0.2, 0.0, 0.5)):
@@ -116,7 +116,7 @@ def test_shooting_finds_plans_as_cheap_as_ipopt_does(person):
     shape = Shape("unicycle", "minimum_time", 20, 2, 2, 1, cells=False, hard=False, fixed_end=False)
     ipopt = InteriorPoint(SolverSettings("ipopt", 300, 300, 1e-4), lambda _: shape).solve(terms, BEGIN, _guess(), ROOM, 300)
     shot = Shooting(SolverSettings("shooting", 150, 150, 1e-5)).solve(terms, BEGIN, _guess(), ROOM, 150)
-    priced_alike = solve(terms, BEGIN, ipopt.plan, ROOM, 0, 1e-5).cost  # shooting rounds shortfalls off
+    priced_alike = solve_shooting(terms, BEGIN, ipopt.plan, ROOM, 0, 1e-5).cost  # shooting rounds shortfalls off
     assert shot.cost <= 1.02 * priced_alike
 
 

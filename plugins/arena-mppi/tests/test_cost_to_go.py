@@ -3,13 +3,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_mppi.cost_to_go import UNREACHED, last_inside, nearest_row, slownesses, sweep
+from arena_mppi.cost_to_go import UNREACHED, fast_sweep, fill_slowness, last_inside, nearest_row
 
 
 def solved(slow, row, column, side=0.1):
     left = np.full(slow.shape, UNREACHED, np.float32)
     left[row, column] = 0.0
-    return left, sweep(left, slow, side)
+    return left, fast_sweep(left, slow, side)
 
 
 @settings(derandomize=True, deadline=None, max_examples=40)
@@ -35,14 +35,14 @@ def test_spiral_is_settled_within_the_rounds():
         slow[k, k : 41 - k] = slow[40 - k, k : 41 - k] = slow[k + 4 : 41 - k, k] = slow[k : 41 - k, 40 - k] = 1000.0
     left, _ = solved(slow, 20, 20)
     again = left.copy()
-    assert sweep(again, slow, 0.1) == 1
+    assert fast_sweep(again, slow, 0.1) == 1
     np.testing.assert_allclose(again, left, atol=2e-3)
 
 
 def test_metres_cost_more_near_walls_and_most_where_the_robot_does_not_fit():
     gaps = np.array([[0.1, 0.15, 0.3, 0.3, 0.4, 0.6, 0.15, 0.21]] * 2, np.float32)
     slow = np.empty((1, 4), np.float32)
-    slownesses(gaps, 0.2, 0.4, 2.0, 20.0, slow)
+    fill_slowness(gaps, 0.2, 0.4, 2.0, 20.0, slow)
     assert slow[0].tolist() == pytest.approx([20.0, 1.0 + 2.0 * 0.75**2, 1.0 + 2.0 * 0.25**2, 3.0])  # it just fits in one half of the last
 
 

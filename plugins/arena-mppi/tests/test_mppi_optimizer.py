@@ -9,14 +9,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arena_core import NO_TRACKS, Footprint, Pose
+from arena_kernels.costmap_window import distance_at, outline_clearance
 from arena_kernels.random import uniform
-from arena_kernels.window import clearance, distance_at
 from arena_mppi.critics import COLLIDED, COLLISION_COST, SPACING
 from arena_mppi.optimizer import PATH_STRIDE, control_step
 from arena_mppi.parameters import Chassis, Critics
 from arena_mppi.rollout import LANES
-from arena_mppi.sampling import fixed_lanes, sampling_of, workspace
-from arena_mppi.scene import body_of, scene_of, standing_window
+from arena_mppi.sampling import fixed_lanes, make_workspace, sampling_of
+from arena_mppi.scene import body_of, scene_of, static_window
 from arena_mppi.settings import Moving, Noise, Progress
 
 MOVING = Moving(weight=20.0, contact_cost=300.0, margin=0.5, reaction_time=0.1, belief_time=2.0, growth=1.0, growth_max=0.3, speed_min=0.1)
@@ -41,7 +41,7 @@ def problem(scene, body, chassis, twist=(0.5, 0.0, 0.2), batch_size=100, tempera
     """Return workspace, arguments of the control step and the mean that it begins with."""
     noise = replace(NOISE, correlation_time=0.0) if white else NOISE
     sampling = sampling_of(chassis, noise, batch_size, STEPS, DT, 1, temperature, 0.015, smoothing)._replace(tied=2)
-    work = workspace(sampling, chassis, 0.1)
+    work = make_workspace(sampling, chassis, 0.1)
     generator = np.random.default_rng(seed)
     work.normals[:] = generator.standard_normal(len(work.normals), np.float32)
     work.mean[:] = generator.uniform(-0.3, 0.6, (STEPS, 3)) * (1.0, float(chassis.vy_max), 1.0)
@@ -105,7 +105,7 @@ def judged(scene, body, chassis, poses, velocities):
             gap = min(distance_at(scene.window, scene.x + px, scene.y + py) - r for px, py, r in discs)
             felt = max(gap - 0.05 * math.hypot(vx, vy), 0.0)
             cost += DT * (4.0 * max(0.0, 1.0 - felt / 0.5) ** 2 + 30.0 * max(0.0, 1.0 - felt / 0.1))
-            if gap < LEAST and clearance(scene.window, body.outline, scene.x + x, scene.y + y, c, s, LEAST) < LEAST:
+            if gap < LEAST and outline_clearance(scene.window, body.outline, scene.x + x, scene.y + y, c, s, LEAST) < LEAST:
                 cost, hit = cost + float(COLLISION_COST) * (1.0 + math.hypot(vx, vy)), True
         for other_x, other_y, other_radius in scene.moving[t].astype(float):
             for px, py, r in discs:
@@ -161,7 +161,7 @@ def test_roll_outs_and_costs_agree_with_plain_python(boxes, rows, body, curvatur
     view = observe(
         costmap_of(lethal), Pose(0.01, 0.02, 0.3), [(0.05 * k, 0.01 * k) for k in range(50)], tracks=people(*rows) if rows else NO_TRACKS
     )
-    scene = scene_of(view, standing_window(view, 0.1), body, MOVING, PROGRESS, DT, STEPS, 3.0)
+    scene = scene_of(view, static_window(view, 0.1), body, MOVING, PROGRESS, DT, STEPS, 3.0)
     chassis = chassis_of(curvature, 0.0 if curvature > 0.0 else 0.5)
     work, arguments, mean = problem(scene, body, chassis, seed=seed)
     sampling, state = arguments[3], arguments[5]
@@ -178,7 +178,7 @@ def test_roll_outs_and_costs_agree_with_plain_python(boxes, rows, body, curvatur
 
 def open_scene(observe, costmap, body, rows=(), people=None):
     view = observe(costmap(), Pose(0.0, 0.0, 0.3), [(0.05 * k, 0.0) for k in range(50)], tracks=people(*rows) if rows else NO_TRACKS)
-    return scene_of(view, standing_window(view, 0.1), body, MOVING, PROGRESS, DT, STEPS, 3.0)
+    return scene_of(view, static_window(view, 0.1), body, MOVING, PROGRESS, DT, STEPS, 3.0)
 
 
 def test_weights_sum_to_one_and_fall_with_cost(observe, costmap):
@@ -225,10 +225,10 @@ def test_smoothing_damps_what_jitters(observe, costmap):
 def test_average_of_two_ways_round_a_post_is_not_driven(observe, costmap):
     """Ways left and right of a post cost the same; their average would hit it."""
     view = observe(costmap((0.65, 0.75, -0.05, 0.05)), Pose(0.0, 0.0, 0.0), [(0.05 * k, 0.0) for k in range(50)])
-    scene = scene_of(view, standing_window(view, 0.1), BODIES[0], MOVING, PROGRESS, DT, STEPS, 3.0)
+    scene = scene_of(view, static_window(view, 0.1), BODIES[0], MOVING, PROGRESS, DT, STEPS, 3.0)
     chassis = chassis_of()
     sampling = sampling_of(chassis, NOISE, 2000, STEPS, DT, 1, 1e3, 0.0, True)._replace(tied=2)
-    work = workspace(sampling, chassis, 0.0)
+    work = make_workspace(sampling, chassis, 0.0)
     work.normals[:] = np.random.default_rng(1).standard_normal(len(work.normals), np.float32)
     work.mean[:] = work.history[:] = (1.0, 0.0, 0.0)
     state = np.array((1.0, 0.0, 1.0, 0.0, 0.0), np.float32)

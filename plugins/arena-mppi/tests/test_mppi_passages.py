@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arena_kernels.window import outline_of, window_of
+from arena_kernels.costmap_window import outline_of, window_of
 from arena_mppi.passage import AHEAD, KEPT, NEAR, eased_static, room_ahead
 from arena_mppi.settings import Static
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from arena_core import Footprint, Pose
 from arena_mppi.critics import FAR
-from arena_mppi.scene import body_of, even_path, expected, scene_of, standing_window
+from arena_mppi.scene import body_of, predict_tracks, resample_path, scene_of, static_window
 from arena_mppi.settings import Goal, Motion, Moving, PathCritics, Progress, Static
 from arena_mppi.weights import critics_of
 
@@ -32,7 +32,7 @@ def test_a_circle_is_one_disc():
 
 
 def test_people_are_expected_where_their_velocity_leads_and_larger_with_time(people):
-    places = expected(people((2.0, 1.0, -0.5, 0.0), (0.5, 0.5, 0.0, 0.2)), 1.0, 1.0, TIMES, MOVING)
+    places = predict_tracks(people((2.0, 1.0, -0.5, 0.0), (0.5, 0.5, 0.0, 0.2)), 1.0, 1.0, TIMES, MOVING)
     assert places.shape == (4, 2, 3)
     np.testing.assert_allclose(places[:, 1, 0], 1.0 - 0.5 * TIMES, atol=1e-6)
     np.testing.assert_allclose(places[:, 0, 1], -0.5 + 0.2 * TIMES, atol=1e-6)
@@ -42,14 +42,14 @@ def test_people_are_expected_where_their_velocity_leads_and_larger_with_time(peo
 def test_only_moving_people_are_taken_out_of_the_walls(observe, costmap, people):
     boxes = costmap((0.8, 1.2, -0.2, 0.2), (-1.2, -0.8, -0.2, 0.2))
     view = observe(boxes, Pose(0.0, 0.0), [(0.0, 0.0), (2.0, 0.0)], tracks=people((1.0, 0.0, 0.5, 0.0), (-1.0, 0.0, 0.05, 0.0)))
-    window = standing_window(view, 0.1)
+    window = static_window(view, 0.1)
     assert window.costs[60, 80] == 0
     assert window.costs[60, 40] == 254
 
 
 def test_empty_window_is_open_everywhere(observe, costmap):
     view = observe(costmap(), Pose(0.5, 0.2), [(0.0, 0.0), (2.0, 0.0)])
-    scene = scene_of(view, standing_window(view, 0.1), body_of(Footprint.circle(0.2)), MOVING, PROGRESS, 0.05, 8, 3.0)
+    scene = scene_of(view, static_window(view, 0.1), body_of(Footprint.circle(0.2)), MOVING, PROGRESS, 0.05, 8, 3.0)
     assert (scene.gaps == FAR).all()
     assert scene.left.max() < 6.5
     assert scene.moving.shape == (8, 0, 3)
@@ -57,9 +57,9 @@ def test_empty_window_is_open_everywhere(observe, costmap):
 
 def test_path_is_spaced_evenly_from_the_robot_on():
     route = np.array([(0.1 * k, 0.0, 0.0) for k in range(30)])
-    points = even_path(route, 10, 1.0, 0.5, 0.6)
+    points = resample_path(route, 10, 1.0, 0.5, 0.6)
     np.testing.assert_allclose(points, [(0.05 * k, -0.5) for k in range(13)], atol=1e-6)
-    assert even_path(route[:1], 0, 0.0, 0.0, 0.6).shape == (1, 2)
+    assert resample_path(route[:1], 0, 0.0, 0.0, 0.6).shape == (1, 2)
 
 
 def critics(speed, distance, patience=1.0):

@@ -4,8 +4,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arena_navigation.amcl.clusters import best_cluster, label_clusters
-from arena_navigation.amcl.filter import cloud
-from arena_navigation.amcl.histogram import add, bin_key, clear, find, histogram
+from arena_navigation.amcl.filter import make_cloud
+from arena_navigation.amcl.histogram import add_bin, bin_key, clear_bins, find_bin, make_histogram
 
 poses_list = st.lists(st.tuples(st.floats(-3, 3), st.floats(-3, 3), st.floats(-3.14159, 3.14159)), min_size=1, max_size=60)
 
@@ -13,7 +13,7 @@ poses_list = st.lists(st.tuples(st.floats(-3, 3), st.floats(-3, 3), st.floats(-3
 def estimate(poses, weights):
     poses, weights = np.ascontiguousarray(np.array(poses, float).T), np.array(weights, float)
     count = len(weights)
-    mean, covariance, scratch = np.empty(3), np.empty((3, 3)), cloud(count, 1)
+    mean, covariance, scratch = np.empty(3), np.empty((3, 3)), make_cloud(count, 1)
     directions = np.stack((np.cos(poses[2]), np.sin(poses[2])))
     best_cluster(poses, directions, weights / weights.sum(), count, scratch.clusters, mean, covariance)
     assert (scratch.clusters.bins.keys == -1).all()
@@ -61,7 +61,7 @@ def test_headings_on_both_sides_of_half_a_turn_are_one_cluster():
 @settings(derandomize=True, deadline=None)
 @given(poses_list)
 def test_clusters_are_the_connected_components_of_touching_bins(poses):
-    scratch = cloud(len(poses), 1).clusters
+    scratch = make_cloud(len(poses), 1).clusters
     label_clusters(np.ascontiguousarray(np.array(poses).T), len(poses), scratch)
     labels = scratch.cluster_of[scratch.bin_of[: len(poses)]]
     component = list(range(len(poses)))
@@ -76,13 +76,13 @@ def test_clusters_are_the_connected_components_of_touching_bins(poses):
 @settings(derandomize=True, deadline=None)
 @given(st.lists(st.integers(0, 40), max_size=60))
 def test_histogram_numbers_bins_as_they_come(values):
-    bins, expected = histogram(64), {}
+    bins, expected = make_histogram(64), {}
     for value in values:
-        number = add(bins, bin_key(0.5 * value, -3.0, 0.1), len(expected))
+        number = add_bin(bins, bin_key(0.5 * value, -3.0, 0.1), len(expected))
         assert number == expected.setdefault(value, len(expected))
     for value in range(41):
-        assert find(bins, bin_key(0.5 * value, -3.0, 0.1)) == expected.get(value, -1)
-    clear(bins, len(expected))
+        assert find_bin(bins, bin_key(0.5 * value, -3.0, 0.1)) == expected.get(value, -1)
+    clear_bins(bins, len(expected))
     assert (bins.keys == -1).all()
 
 

@@ -25,7 +25,7 @@ def drives():
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module
     spec.loader.exec_module(module)
-    return module.drives
+    return module.run_drives
 
 
 def overrides(world, robot, people):

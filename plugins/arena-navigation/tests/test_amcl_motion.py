@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arena_core import Pose
-from arena_navigation.amcl.directions import wrapped, write_directions
-from arena_navigation.amcl.motion import Alphas, motion, move
+from arena_navigation.amcl.directions import wrap_angle, write_directions
+from arena_navigation.amcl.motion import Alphas, move_particles, odometry_motion
 
 ALPHAS = Alphas(0.1, 0.02, 0.03, 0.004, 0.05)
 EXACT = Alphas(0.0, 0.0, 0.0, 0.0, 0.0)
@@ -18,7 +18,7 @@ headings = st.floats(-3.14, 3.14)
 
 def moved(displacement, model, alphas, start=(0.0, 0.0, 0.0), count=1):
     poses = np.repeat(np.array(start, float)[:, None], count, axis=1)
-    move(poses, np.empty((2, count)), count, motion(displacement, model, alphas), KEY, 3, np.empty(3 * count))
+    move_particles(poses, np.empty((2, count)), count, odometry_motion(displacement, model, alphas), KEY, 3, np.empty(3 * count))
     return poses
 
 
@@ -32,7 +32,7 @@ def test_motion_without_noise_is_the_displacement(model, x, y, turn, sx, sy, hea
     reached = moved(displacement, model, EXACT, start.array())[:, 0]
     expected = start.compose(displacement)
     assert reached[:2] == pytest.approx((expected.x, expected.y), abs=1e-9)
-    assert wrapped(reached[2] - expected.theta) == pytest.approx(0.0, abs=1e-9)
+    assert wrap_angle(reached[2] - expected.theta) == pytest.approx(0.0, abs=1e-9)
 
 
 def test_differential_motion_has_the_variances_of_table_5_6():
@@ -58,7 +58,7 @@ def test_omnidirectional_motion_has_the_variances_of_nav2():
 
 def test_models_that_are_not_corrected_take_the_variance_for_the_deviation():
     step = Pose(0.5, 0.1, 0.3)
-    plain, corrected = motion(step, "diff", ALPHAS), motion(step, "diff-corrected", ALPHAS)
+    plain, corrected = odometry_motion(step, "diff", ALPHAS), odometry_motion(step, "diff-corrected", ALPHAS)
     assert plain[:3] == corrected[:3]
     assert plain[3:] == pytest.approx(np.square(corrected[3:]))
 
@@ -68,18 +68,18 @@ def test_omni_that_is_not_corrected_has_two_alphas_the_wrong_way_round():
     swapped = ALPHAS._replace(
         rotation_from_rotation=ALPHAS.translation_from_rotation, translation_from_rotation=ALPHAS.rotation_from_rotation
     )
-    plain, corrected = motion(step, "omni", ALPHAS), motion(step, "omni-corrected", swapped)
+    plain, corrected = odometry_motion(step, "omni", ALPHAS), odometry_motion(step, "omni-corrected", swapped)
     assert plain[3:] == pytest.approx(np.square(corrected[3:]))
 
 
 def test_driving_backwards_is_as_noisy_as_forwards():
-    forwards, backwards = (motion(Pose(x, 0.0, 0.0), "diff-corrected", ALPHAS) for x in (0.5, -0.5))
+    forwards, backwards = (odometry_motion(Pose(x, 0.0, 0.0), "diff-corrected", ALPHAS) for x in (0.5, -0.5))
     assert backwards[3:] == pytest.approx(forwards[3:])
     assert abs(backwards.turn) == pytest.approx(math.pi)
 
 
 def test_turning_on_the_spot_has_no_direction_of_travel():
-    step = motion(Pose(0.003, 0.004, 0.6), "diff-corrected", ALPHAS)
+    step = odometry_motion(Pose(0.003, 0.004, 0.6), "diff-corrected", ALPHAS)
     assert (step.turn, step.turn_again) == (0.0, 0.6)
 
 
@@ -95,15 +95,23 @@ def test_directions_are_cosine_and_sine_to_rounding(angles):
 @settings(derandomize=True, deadline=None)
 @given(st.floats(-50.0, 50.0))
 def test_wrapped_angle_points_the_same_way(angle):
-    assert -math.pi <= wrapped(angle) <= math.pi
-    assert math.cos(wrapped(angle)) == pytest.approx(math.cos(angle), abs=1e-9)
-    assert math.sin(wrapped(angle)) == pytest.approx(math.sin(angle), abs=1e-9)
+    assert -math.pi <= wrap_angle(angle) <= math.pi
+    assert math.cos(wrap_angle(angle)) == pytest.approx(math.cos(angle), abs=1e-9)
+    assert math.sin(wrap_angle(angle)) == pytest.approx(math.sin(angle), abs=1e-9)
 
 
 def test_draws_depend_on_key_and_tick_alone():
     def drawn(key, tick):
         poses = np.zeros((3, 50))
-        move(poses, np.empty((2, 50)), 50, motion(Pose(0.5, 0.0, 0.2), "diff-corrected", ALPHAS), np.uint64(key), tick, np.empty(150))
+        move_particles(
+            poses,
+            np.empty((2, 50)),
+            50,
+            odometry_motion(Pose(0.5, 0.0, 0.2), "diff-corrected", ALPHAS),
+            np.uint64(key),
+            tick,
+            np.empty(150),
+        )
         return poses
 
     np.testing.assert_array_equal(drawn(1, 1), drawn(1, 1))

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from arena_core import LaserScan, OccupancyGrid, Pose
 from arena_kernels.distance import grid_distance
 from arena_kernels.grids import stack_grids
-from arena_navigation.amcl.beams import Walls, look_of, predicted, thinned, write_ends, write_least
-from arena_navigation.amcl.sensor import Distances, LikelihoodField, match, reweigh, shell_distance, surface_distance
+from arena_navigation.amcl.beams import ExpectedWalls, predict_ranges, scan_layout, thin_scan, write_ends, write_least
+from arena_navigation.amcl.sensor import Distances, LikelihoodField, match_endpoints, shell_distance, surface_distance, update_weights
 
 SURFACE, CELLS = Distances(True, True), Distances(False, False)
 PROB = LikelihoodField(True, 0.8, 0.2, 0.1, 2.0, SURFACE, 0.5, 10.0)
@@ -31,7 +31,7 @@ def scan(ranges, **fields):
 
 def beam_ends(seen, min_range, max_range, least=0.0):
     """Return where the beams of a scan end, (2, K), and the share that is left."""
-    look = look_of(seen)
+    look = scan_layout(seen)
     look.least[:] = least
     kept, share = write_ends(seen.ranges, min_range, max_range, look)
     return look.ends[: 2 * kept].reshape(2, kept), share
@@ -41,7 +41,7 @@ def scores(grid, model, poses, ends):
     field = grid.derive(model)
     poses, ends = np.array(poses, float).T.copy(), np.array(ends, np.float32).reshape(2, -1)
     found, directions = np.empty(poses.shape[1]), np.stack((np.cos(poses[2]), np.sin(poses[2])))
-    match(poses, directions, poses.shape[1], ends, ends.shape[1], field, np.empty(ends.shape[1], np.int32), found)
+    match_endpoints(poses, directions, poses.shape[1], ends, ends.shape[1], field, np.empty(ends.shape[1], np.int32), found)
     return found
 
 
@@ -106,13 +106,13 @@ def test_beams_that_end_outside_the_map_count_as_far_from_everything(grid):
 
 def test_products_are_normalised_without_running_out_of_small_numbers():
     weights, values = np.full(3, 1 / 3), np.array([-2000.0, -2001.0, -2003.0])
-    reweigh(weights, 3, values, 60, True)
+    update_weights(weights, 3, values, 60, True)
     np.testing.assert_allclose(weights, np.exp((0.0, -1.0, -3.0)) / np.exp((0.0, -1.0, -3.0)).sum())
 
 
 def test_added_cubes_weigh_as_one_plus_their_sum():
     weights = np.array([0.5, 0.25, 0.25])
-    mean = reweigh(weights, 3, np.array([0.0, 1.0, 3.0]), 10, False)
+    mean = update_weights(weights, 3, np.array([0.0, 1.0, 3.0]), 10, False)
     np.testing.assert_allclose(weights, np.array([0.5, 0.5, 1.0]) / 2.0)
     assert mean == pytest.approx(0.1)
 
@@ -121,21 +121,21 @@ def test_added_cubes_weigh_as_one_plus_their_sum():
 @given(st.lists(st.floats(0.0, 1.0), min_size=2, max_size=50), st.booleans(), st.integers(0, 100))
 def test_weights_sum_to_one_and_keep_the_order_of_the_scores(values, product, beams):
     weights, values = np.full(len(values), 1 / len(values)), np.array(values)
-    reweigh(weights, len(values), values, beams, product)
+    update_weights(weights, len(values), values, beams, product)
     assert weights.sum() == pytest.approx(1.0)
     assert (np.diff(weights[np.argsort(values, kind="stable")]) >= -1e-12).all()
 
 
 def test_weights_count_from_one_update_to_the_next():
     weights = np.array([0.9, 0.1])
-    reweigh(weights, 2, np.array([-1.0, -1.0]), 5, True)
+    update_weights(weights, 2, np.array([-1.0, -1.0]), 5, True)
     np.testing.assert_allclose(weights, (0.9, 0.1))
 
 
 def test_a_scan_without_hits_leaves_the_weights_alone(grid):
     weights = np.array([0.7, 0.3])
     found = scores(grid, PROB, [(1.0, 1.0, 0.0), (2.0, 2.0, 0.0)], np.empty((2, 0)))
-    reweigh(weights, 2, found, 0, True)
+    update_weights(weights, 2, found, 0, True)
     np.testing.assert_allclose(weights, (0.7, 0.3))
 
 
@@ -143,7 +143,7 @@ def test_a_scan_without_hits_leaves_the_weights_alone(grid):
 @given(count=st.integers(1, 800), at_most=st.integers(1, 100))
 def test_thinned_scan_has_evenly_spaced_beams_at_their_own_angles(count, at_most):
     whole = scan(np.arange(count))
-    thin = thinned(whole, at_most)
+    thin = thin_scan(whole, at_most)
     step = max(1, -(-count // at_most))
     assert 1 <= len(thin.ranges) <= at_most
     np.testing.assert_array_equal(thin.ranges, np.arange(0, count, step))
@@ -169,11 +169,11 @@ def test_beams_that_end_in_front_of_the_map_are_left_out(grid):
     pose = grid.origin.compose(Pose(1.0, 2.5, -0.5))
     whole = scan(np.ones(20), mount=Pose(0.1, 0.0, 0.3), range_max=20.0)
     sensor = pose.compose(whole.mount)
-    walls = Walls(stack, (sensor.x, sensor.y, sensor.theta), 0.5)
-    expected = predicted(whole, walls)
+    walls = ExpectedWalls(stack, (sensor.x, sensor.y, sensor.theta), 0.5)
+    expected = predict_ranges(whole, walls)
     assert np.isfinite(expected).all()
-    write_least(walls, look_of(whole))
-    np.testing.assert_array_equal(look_of(whole).least, expected - 0.5)
+    write_least(walls, scan_layout(whole))
+    np.testing.assert_array_equal(scan_layout(whole).least, expected - 0.5)
     seen = expected + 0.01
     seen[4:9] -= 0.6  # somebody stands there
     seen[12] += 3.0  # a longer range is no sign of people
@@ -186,5 +186,5 @@ def test_beams_that_end_in_front_of_the_map_are_left_out(grid):
 def test_predicted_ranges_are_where_the_map_is(grid):
     stack, _ = stack_grids([grid])
     sensor = grid.origin.compose(Pose(0.55, 1.25, 0.0))
-    ranges = predicted(scan(np.ones(1), angle_min=0.0), Walls(stack, (sensor.x, sensor.y, sensor.theta), 0.5))
+    ranges = predict_ranges(scan(np.ones(1), angle_min=0.0), ExpectedWalls(stack, (sensor.x, sensor.y, sensor.theta), 0.5))
     assert ranges[0] == pytest.approx(2.0 - 0.55, abs=1e-6)

@@ -5,8 +5,8 @@ import pytest
 
 from arena_core import OccupancyGrid, Pose
 from arena_navigation.amcl.laser import KEEP_ALL
-from arena_navigation.amcl.sensor import Distances, LikelihoodField, match
-from arena_navigation.amcl.skipping import NearMap, Skipping, converged, skip_beams
+from arena_navigation.amcl.sensor import Distances, LikelihoodField, match_endpoints
+from arena_navigation.amcl.skipping import NearMap, Skipping, has_converged, skip_beams
 
 CELLS = Distances(False, True)
 MODEL = LikelihoodField(True, 0.95, 0.05, 0.2, 2.0, CELLS, 1.0, 10.0)
@@ -40,7 +40,7 @@ def test_a_person_who_moves_does_not_change_the_scores(hall):
     def scored(person):
         ends = kept(hall, [*WALL, *person]).T.copy()
         directions, found = np.stack((np.cos(PARTICLES[2]), np.sin(PARTICLES[2]))), np.empty(60)
-        match(PARTICLES, directions, 60, ends, ends.shape[1], hall.derive(MODEL), np.empty(ends.shape[1], np.int32), found)
+        match_endpoints(PARTICLES, directions, 60, ends, ends.shape[1], hall.derive(MODEL), np.empty(ends.shape[1], np.int32), found)
         return found
 
     np.testing.assert_array_equal(scored(PERSON), scored([(x + 0.6, y - 0.9) for x, y in PERSON]))
@@ -55,8 +55,8 @@ def test_all_beams_are_kept_where_nearly_all_would_be_skipped(hall):
 def test_scattered_particles_skip_nothing(hall):
     scattered = PARTICLES.copy()
     scattered[0, 7] += 1.2
-    assert converged(PARTICLES, 60)
-    assert not converged(scattered, 60)
+    assert has_converged(PARTICLES, 60)
+    assert not has_converged(scattered, 60)
     assert len(kept(hall, [*WALL, *PERSON], scattered)) == 12
 
 

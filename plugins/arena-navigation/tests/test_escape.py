@@ -1,18 +1,18 @@
 import numpy as np
 
 from arena_core import INSCRIBED, LETHAL
-from arena_navigation.planning.escape import free_cells_near, ways_out
+from arena_navigation.planning.escape import escape_paths, free_cells_near
 
 
 def test_a_free_start_is_its_own_way_out() -> None:
-    assert ways_out(np.zeros((3, 3), np.uint8), (1, 1), 5) == [[(1, 1)]]
+    assert escape_paths(np.zeros((3, 3), np.uint8), (1, 1), 5) == [[(1, 1)]]
 
 
 def test_the_shortest_way_out_comes_first_and_avoids_obstacles() -> None:
     costs = np.full((7, 7), INSCRIBED, np.uint8)
     costs[3, 4] = LETHAL
     costs[3, 5] = costs[0, 3] = 0
-    ways = ways_out(costs, (3, 3), 5)
+    ways = escape_paths(costs, (3, 3), 5)
     assert [way[-1] for way in ways] == [(0, 3), (3, 5)]
     assert ways[0] == [(3, 3), (2, 3), (1, 3), (0, 3)]
     for (row, column), (next_row, next_column) in zip(ways[1][:-1], ways[1][1:], strict=True):
@@ -22,8 +22,8 @@ def test_the_shortest_way_out_comes_first_and_avoids_obstacles() -> None:
 def test_no_way_out_is_looked_for_beyond_the_reach() -> None:
     costs = np.full((9, 9), INSCRIBED, np.uint8)
     costs[4, 8] = 0
-    assert ways_out(costs, (4, 4), 3) == []
-    assert len(ways_out(costs, (4, 4), 4)) == 1
+    assert escape_paths(costs, (4, 4), 3) == []
+    assert len(escape_paths(costs, (4, 4), 4)) == 1
 
 
 def test_free_cells_come_nearest_first_within_the_tolerance() -> None:

@@ -7,12 +7,12 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from arena_core import LaserScan, Pose
-from arena_navigation.local_map.marks import NEVER, Beams, Reach, take_in
+from arena_navigation.local_map.marks import NEVER, MarkingRange, PlacedScan, update_marks
 
 RESOLUTION = 0.05
 SIZE = 60
 CORNER = (-30, -30)
-REACH = Reach(1.2, 1.3, 0.15, math.inf)
+REACH = MarkingRange(1.2, 1.3, 0.15, math.inf)
 Marks = NDArray[np.float32]
 
 
@@ -31,9 +31,9 @@ def one_beam(range_: float, beam: int = 180, stamp: float = 1.0) -> LaserScan:
     return scan_of(ranges, stamp=stamp)
 
 
-def seen(marks: Marks, scan: LaserScan, pose: Pose, reach: Reach = REACH) -> Marks:
+def seen(marks: Marks, scan: LaserScan, pose: Pose, reach: MarkingRange = REACH) -> Marks:
     after = marks.copy()
-    take_in(after, *CORNER, RESOLUTION, Beams.of(scan, pose), reach)
+    update_marks(after, *CORNER, RESOLUTION, PlacedScan.of(scan, pose), reach)
     return after
 
 

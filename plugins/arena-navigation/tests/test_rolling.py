@@ -11,7 +11,7 @@ from scipy.ndimage import distance_transform_edt
 from arena_core import LETHAL, Costmap, LaserScan, OccupancyGrid, Pose
 from arena_core import Window as ByCosts
 from arena_core.testing import component, robot, room, scan
-from arena_navigation.local_map.evidence import Evidence
+from arena_navigation.local_map.log_odds import LogOddsUpdate
 from arena_navigation.local_map.rolling import RollingMap
 from arena_navigation.planning.inflation import Inflation
 
@@ -30,7 +30,7 @@ def rolling(**changes: Any) -> RollingMap:
         "use_map": True,
         "forget_after": 5.0,
         "mapping_range": 10.0,
-        "evidence": Evidence(0.85, 0.4, 3.5, 2.0),
+        "evidence": LogOddsUpdate(0.85, 0.4, 3.5, 2.0),
     }
     return RollingMap(BODY, **(parameters | changes))
 

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from arena_core import Pose
 from arena_core.testing import component, robot, room
 from arena_core.testing import scan as room_scan
-from arena_navigation.local_map.marks import Beams
-from arena_navigation.tracking.alignment import Alignment, Points, carry, slip
+from arena_navigation.local_map.marks import PlacedScan
+from arena_navigation.tracking.alignment import Alignment, Points, estimate_slip, move_states
 from arena_navigation.tracking.returns import KnownPlane, PastScans, Returns, place_returns
 
 LOOSE = Alignment(1.0, 1.0, 0.01, 0.2, 0.05, 180)
@@ -27,10 +27,10 @@ def found(past_pose, true_pose, believed, grid=None, tracks=NOBODY, change=lambd
     scan = room_scan(true_pose, robot())
     scan.ranges[:] = change(scan.ranges)
     moved = np.zeros(3)
-    beams = Beams.of(scan, believed)
+    beams = PlacedScan.of(scan, believed)
     returns = Returns.room(180)
     place_returns(beams, KnownPlane.of(grid), np.inf, 1, returns)
-    slip(beams, returns, past, 0, tracks, rules, Points.room(180), moved)
+    estimate_slip(beams, returns, past, 0, tracks, rules, Points.room(180), moved)
     return beams, moved
 
 
@@ -48,13 +48,13 @@ def test_the_error_of_a_pose_is_found(x, y, turn, ahead, aside, error, heading_e
 @given(st.integers(0, 10**6))
 def test_what_is_carried_lies_where_the_new_pose_sees_it(seed):
     random = np.random.default_rng(seed)
-    beams = Beams.of(room_scan(Pose(*random.uniform(-1.0, 1.0, 3)), robot()), Pose(*random.uniform(-1.0, 1.0, 3)))
+    beams = PlacedScan.of(room_scan(Pose(*random.uniform(-1.0, 1.0, 3)), robot()), Pose(*random.uniform(-1.0, 1.0, 3)))
     moved, states = random.uniform(-0.3, 0.3, 3), random.normal(size=(3, 4))
     a = random.normal(size=(3, 4, 4))
     covariances = a @ a.transpose(0, 2, 1)
     sensors = random.normal(size=(2, 3))
     before, sure, scanners = states.copy(), covariances.copy(), sensors.copy()
-    carry(beams, moved, states, covariances, sensors)
+    move_states(beams, moved, states, covariances, sensors)
     c, s = math.cos(moved[2]), math.sin(moved[2])
     turn = np.kron(np.eye(2), ((c, -s), (s, c)))
     for k in range(3):

@@ -3,14 +3,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linear_sum_assignment
 
-from arena_navigation.tracking.assignment import Assignment, assign
+from arena_navigation.tracking.assignment import Assignment, assign_rows
 
 
 def assigned(costs, room=None):
     rows, columns = costs.shape
     room = room or Assignment.room(rows, columns)
     room.costs[: costs.size] = costs.ravel()
-    assign(rows, columns, room)
+    assign_rows(rows, columns, room)
     return room.column_of[:rows].tolist()
 
 

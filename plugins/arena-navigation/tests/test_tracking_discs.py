@@ -6,20 +6,22 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arena_core import OccupancyGrid, Pose
-from arena_navigation.local_map.marks import Beams
+from arena_navigation.local_map.marks import PlacedScan
 from arena_navigation.tracking.clusters import Cut
-from arena_navigation.tracking.discs import PoseDoubt, Rules, Scratch, Shape, find_discs
+from arena_navigation.tracking.discs import BodyRules, PoseNoise, Scratch, Shape, find_discs
 from arena_navigation.tracking.legs import Legs
-from arena_navigation.tracking.returns import Doubt, KnownPlane, PastScans, place_returns
+from arena_navigation.tracking.returns import KnownPlane, PastScans, ReturnTolerance, place_returns
 
 SHAPE = Shape(0.3, 0.1, 0.1, 0.6, 0.01, 0.05)
-RULES = Rules(8.0, 0.2, Doubt(0.1, 0.1, 0.02, 0.05, 0.6), Cut(0.15, 2.0, 0.08, 3), SHAPE, PoseDoubt(0.0, 0.0), Legs(0.35, 0.0))
+RULES = BodyRules(
+    8.0, 0.2, ReturnTolerance(0.1, 0.1, 0.02, 0.05, 0.6), Cut(0.15, 2.0, 0.08, 3), SHAPE, PoseNoise(0.0, 0.0), Legs(0.35, 0.0)
+)
 NO_TRACKS = np.empty((0, 3))
 PLANE = OccupancyGrid(np.zeros((200, 200), np.int8), 0.1, Pose(-10.0, -10.0))
 
 
 def found(scan, pose=None, grid=PLANE, past=None, tracks=NO_TRACKS):
-    beams = Beams.of(scan, pose or Pose(0.0, 0.0))
+    beams = PlacedScan.of(scan, pose or Pose(0.0, 0.0))
     count = len(scan.ranges)
     scratch = Scratch.room(count)
     place_returns(beams, KnownPlane.of(grid), RULES.farthest, 1, scratch.returns)

@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arena_navigation.tracking.discs import Discs
-from arena_navigation.tracking.filter import POSITION, VELOCITY, correct, correct_radii, place_by_radii, predict
+from arena_navigation.tracking.filter import POSITION, VELOCITY, correct_radii, correct_tracks, place_by_radii, predict_tracks
 
 DENSITY = 0.7
 
@@ -39,8 +39,8 @@ def test_the_filters_are_those_of_filterpy(seed, count, first):
         dt = float(random.uniform(0.0, 0.5))
         positions, noises = random.normal(size=(count, 2)), np.array([positive(random, 2) for _ in range(count)])
         matches = np.where(random.random(count) < 0.7, random.permutation(count), -1)
-        predict(states, covariances, dt, DENSITY)
-        correct(states, covariances, matches, positions, noises, first)
+        predict_tracks(states, covariances, dt, DENSITY)
+        correct_tracks(states, covariances, matches, positions, noises, first)
         for other, match in zip(peers, matches, strict=True):
             predict_peer(other, dt)
             if match >= 0:
@@ -55,8 +55,8 @@ def test_covariances_stay_symmetric_and_positive(seed):
     random = np.random.default_rng(seed)
     states, covariances = np.zeros((1, 4)), np.diag((1e-4, 1e-4, 4.0, 4.0))[None].copy()
     for _ in range(200):
-        predict(states, covariances, float(random.choice((0.0, 0.02, 0.1, 3.0))), 1.0)
-        correct(states, covariances, np.zeros(1, np.int64), random.normal(size=(1, 2)), 1e-4 * positive(random, 2)[None], POSITION)
+        predict_tracks(states, covariances, float(random.choice((0.0, 0.02, 0.1, 3.0))), 1.0)
+        correct_tracks(states, covariances, np.zeros(1, np.int64), random.normal(size=(1, 2)), 1e-4 * positive(random, 2)[None], POSITION)
     np.testing.assert_array_equal(covariances[0], covariances[0].T)
     assert np.linalg.eigvalsh(covariances[0]).min() > 0.0
 
@@ -65,9 +65,9 @@ def test_two_short_predictions_are_one_long_one():
     random = np.random.default_rng(0)
     state, covariance = random.normal(size=(1, 4)), positive(random, 4)[None]
     once, twice = (state.copy(), covariance.copy()), (state.copy(), covariance.copy())
-    predict(*once, 0.3, DENSITY)
-    predict(*twice, 0.1, DENSITY)
-    predict(*twice, 0.2, DENSITY)
+    predict_tracks(*once, 0.3, DENSITY)
+    predict_tracks(*twice, 0.1, DENSITY)
+    predict_tracks(*twice, 0.2, DENSITY)
     np.testing.assert_allclose(once[0], twice[0], atol=1e-12)
     np.testing.assert_allclose(once[1], twice[1], atol=1e-12)
 

@@ -9,7 +9,7 @@ import pytest
 
 from arena_core import testing
 from arena_policies.actions import ActionRange, ActionScale
-from arena_policies.card import PolicyCard, part_path, sha256, write_card
+from arena_policies.card import PolicyCard, content_sha256, part_path, write_card
 
 SCAN = {"name": "rosnav_sectors", "sectors": 30, "overlap": 4, "lookback": [], "range_max": 8.0, "decay": 1.0, "distance_unit": 2.0}
 RANGE = {"vx_min": 0.0, "vx_max": None, "vy_max": None, "wz_max": None, "steering_max": None}
@@ -47,9 +47,13 @@ def write_world_model(folder, robot, seed=0):
     motion = 6 if robot.holonomic else 4
     vision = network_to_onnx(Vision(layout[0].size, 6, [Convolution(4, 5, 2)], 0.1, 0.0), layout[0].size, "scan", "code")
     own = robot.name, SCAN, layout
-    write_part(folder / "vision.onnx", vision, PartCard("vision", *own, layout[0].size, 6, 6, 0, sha256(vision), sha256(vision)))
+    write_part(
+        folder / "vision.onnx", vision, PartCard("vision", *own, layout[0].size, 6, 6, 0, content_sha256(vision), content_sha256(vision))
+    )
     memory = network_to_onnx(Memory(6, motion, 8, 3), 6 + motion + 8, "recalled", "remembered")
-    write_part(folder / "memory.onnx", memory, PartCard("memory", *own, 14 + motion, 14, 6, 8, sha256(vision), sha256(memory)))
+    write_part(
+        folder / "memory.onnx", memory, PartCard("memory", *own, 14 + motion, 14, 6, 8, content_sha256(vision), content_sha256(memory))
+    )
 
 
 def write_policy(folder, robot, world_model, memory=True):
@@ -71,8 +75,8 @@ def write_policy(folder, robot, world_model, memory=True):
         encoder.layout(),
         {n: (low, high) for n, low, high in zip(scale.names, scale.low.tolist(), scale.high.tolist(), strict=True)},
         RANGE,
-        sha256(content),
-        parts={name: sha256((world_model / f"{name}.onnx").read_bytes()) for name in encoder.parts()},
+        content_sha256(content),
+        parts={name: content_sha256((world_model / f"{name}.onnx").read_bytes()) for name in encoder.parts()},
     )
     write_card(path.with_suffix(".json"), card)
     return path
@@ -99,7 +103,7 @@ def made(tmp_path_factory):
     return SimpleNamespace(
         robot=robot,
         linear_model=linear_model,
-        sha256=sha256,
+        sha256=content_sha256,
         write_world_model=write_world_model,
         words=encoder_words,
         world=folders["world"],

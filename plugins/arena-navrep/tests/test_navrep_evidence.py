@@ -12,7 +12,7 @@ from arena_core import testing
 from arena_core.cli.main import main
 from arena_core.hosting import load_registry
 from arena_gym.building import compose_environment, compose_training
-from arena_policies.encoding import columns
+from arena_policies.encoding import field_columns
 from arena_policies.policy import load_policy
 
 SMALL = ["world=indoor", "world.width=12", "world.height=12", "environment.worlds=2", "environment.problems_per_world=3"]
@@ -53,10 +53,10 @@ def test_memory_seen_as_zeros_is_worth_what_it_moves(policy, made, monkeypatch, 
         return ["goal_reached", "collision"]
 
     layout = load_policy(str(policy), "navrep", made.robot).card.layout
-    content = made.linear_model(sum(f.size for f in layout), 2, only=columns(layout, "h"))
+    content = made.linear_model(sum(f.size for f in layout), 2, only=field_columns(layout, "h"))
     policy.write_bytes(content)
     change(policy, sha256=made.sha256(content))
-    monkeypatch.setattr("arena_navrep.evidence.outcomes", drive)
+    monkeypatch.setattr("arena_navrep.evidence.episode_outcomes", drive)
     assert main(["navrep", "evidence", f"policy={policy}", "episodes=2"]) == 0
     remembering, forgetful = driven
     assert remembering.all()
@@ -64,19 +64,19 @@ def test_memory_seen_as_zeros_is_worth_what_it_moves(policy, made, monkeypatch, 
 
 
 def test_gain_is_that_of_pairs():
-    from arena_navrep.evidence import _compared
+    from arena_navrep.evidence import _compare_outcomes
 
     outcomes = ["goal_reached", "collision"] * 50
-    assert "memory gains 0.000 (95 % of pairs: 0.000 .. 0.000)" in _compared(outcomes, outcomes)
+    assert "memory gains 0.000 (95 % of pairs: 0.000 .. 0.000)" in _compare_outcomes(outcomes, outcomes)
     lost = ["collision" if k < 20 else end for k, end in enumerate(outcomes)]
-    said = _compared(outcomes, lost)
+    said = _compare_outcomes(outcomes, lost)
     assert "success 0.500, with h seen as zeros 0.400" in said
     assert "gains 0.100 (95 % of pairs: 0.041 .. 0.159)" in said
 
 
 @pytest.mark.slow
 def test_equal_drives_meet_equal_problems():
-    from arena_gym.training.evaluation import outcomes, unseen_worlds
+    from arena_gym.training.evaluation import episode_outcomes, unseen_worlds
 
     words = ["robot=jackal", *SMALL, "observation_encoder=rosnav_sectors", "task.time_limit=3.0"]
     env = unseen_worlds(compose_training("navrep", words), 3, 11, "seed")
@@ -88,7 +88,7 @@ def test_equal_drives_meet_equal_problems():
             met.append([episode.problem.scenario.seed for episode in env.batch.episodes])
             return np.full((len(seen), 2), speed, np.float32)
 
-        return outcomes(env, act, 6, 1), np.array(met)
+        return episode_outcomes(env, act, 6, 1), np.array(met)
 
     (ended, slow), (_, fast) = drive(-1.0), drive(1.0)
     assert len(ended) == 6
@@ -146,6 +146,6 @@ def test_columns_are_where_a_field_is_written():
         "observation_encoder", compose_environment(observation_encoder="rosnav_sectors")["observation_encoder"], robot=robot
     )
     layout = encoder.layout()
-    assert [columns(layout, f.name).stop - columns(layout, f.name).start for f in layout] == [f.size for f in layout]
-    assert columns(layout, layout[0].name).start == 0
-    assert columns(layout, layout[-1].name).stop == sum(f.size for f in layout)
+    assert [field_columns(layout, f.name).stop - field_columns(layout, f.name).start for f in layout] == [f.size for f in layout]
+    assert field_columns(layout, layout[0].name).start == 0
+    assert field_columns(layout, layout[-1].name).stop == sum(f.size for f in layout)

@@ -16,7 +16,7 @@ from arena_core.runs.benchmark import build_benchmark
 from arena_gym.environment import NavigationEnv
 from arena_gym.vector_environment import NavigationVectorEnv
 from arena_navrep.world_model import load_part
-from arena_policies.encoding import columns
+from arena_policies.encoding import field_columns
 from arena_policies.policy import load_policy
 
 SMALL = ["world.width=12", "world.height=12", "task.pedestrians=3", "environment.worlds=2", "environment.problems_per_world=3"]
@@ -75,7 +75,7 @@ def test_slot_of_many_worlds_recalls_what_it_recalls_alone(made):
 
 def test_episode_begins_without_memory_of_the_one_before(made):
     env = NavigationEnv(robot="jackal", observation="navrep", overrides=[*SMALL, *made.words(made.world)])
-    hidden = columns(env.batch.parts.encoder.layout(), "h")
+    hidden = field_columns(env.batch.parts.encoder.layout(), "h")
     first = env.reset(seed=0)[0][hidden].copy()
     for _ in range(5):
         later = env.step(np.array((0.5, 0.3), np.float32))[0][hidden].copy()
@@ -115,7 +115,7 @@ def test_memory_is_of_the_code_the_motion_and_the_command_before(made):
     encoder = testing.component("observation_encoder", "navrep", made.words(made.world), robot=made.robot)
     view = testing.observation(pose=Pose(0.3, 0.2), body=made.robot, twist=Twist(0.4, 0.0, 0.2))
     first = encoder.encode(ObservationBatch.of(view, Twist(0.0), recalled=encoder.blank(1)))
-    hidden = columns(encoder.layout(), "h")
+    hidden = field_columns(encoder.layout(), "h")
 
     def remembered(recalled, command):
         return encoder.encode(ObservationBatch.of(view, command, recalled=recalled))[0, hidden]
@@ -124,10 +124,10 @@ def test_memory_is_of_the_code_the_motion_and_the_command_before(made):
     assert (remembered(first, Twist(0.3)) != base).any(), "the command counts"
     for name in ("z", "h", "vx", "wz"):
         changed = first.copy()
-        changed[0, columns(encoder.layout(), name)] += 0.1
+        changed[0, field_columns(encoder.layout(), name)] += 0.1
         assert (remembered(changed, Twist(0.2)) != base).any(), name
     changed = first.copy()
-    changed[0, columns(encoder.layout(), "waypoint_distance")] += 0.1
+    changed[0, field_columns(encoder.layout(), "waypoint_distance")] += 0.1
     assert (remembered(changed, Twist(0.2)) == base).all(), "the way does not"
 
 
@@ -149,7 +149,7 @@ def test_controller_that_looks_on_recalls_what_it_would_if_it_drove(made):
     for x, command in ((0.0, Twist(0.0)), (0.1, Twist(0.2)), (0.3, Twist(0.4))):
         view = testing.observation(pose=Pose(x, 0.2), body=made.robot)
         driving.command(view, command)
-        looking.look(view, command)
+        looking.observe(view, command)
     assert (looking._recalled == driving._recalled).all()
     assert looking._recalled.any()
 

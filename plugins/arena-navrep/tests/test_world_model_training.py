@@ -48,9 +48,9 @@ def boxes(count, random):
 
 
 def fitted(network, batches, folder, epochs=4, score=dict, seed=0):
-    from arena_navrep.training.fitting import fit
+    from arena_navrep.training.fitting import fit_network
 
-    return fit(network, batches, score, epochs, 0.003, seed, folder)
+    return fit_network(network, batches, score, epochs, 0.003, seed, folder)
 
 
 def test_vision_draws_again_what_it_coded(tmp_path):
@@ -99,15 +99,15 @@ def spinning(robots, steps, random):
 
 def test_memory_foresees_what_only_the_past_tells(tmp_path):
     from arena_navrep.training.memory import Memory
-    from arena_navrep.training.stages import _surprise, _windows
+    from arena_navrep.training.stages import _mean_loss, _training_windows
 
     torch.manual_seed(0)
     memory = Memory(2, 1, 16, 3)
-    windows = _windows(spinning(400, 20, np.random.default_rng(0)), 20)
+    windows = _training_windows(spinning(400, 20, np.random.default_rng(0)), 20)
 
     def losses(random):
         for chosen in torch.randperm(400, generator=random).split(20):
-            yield _surprise(memory, *(part[:, chosen] for part in windows))
+            yield _mean_loss(memory, *(part[:, chosen] for part in windows))
 
     fitted(memory, losses, tmp_path, epochs=20)
     test = spinning(50, 20, np.random.default_rng(1))
@@ -131,7 +131,7 @@ def test_memory_unrolled_is_memory_step_by_step():
     inputs = torch.from_numpy(random.normal(size=(9, 4, 5)).astype(np.float32))
     begins = torch.from_numpy(random.random((9, 4)) < 0.3)
     with torch.no_grad():
-        together, hidden = memory.unrolled(inputs, begins), torch.zeros(4, 5)
+        together, hidden = memory.unroll_memory(inputs, begins), torch.zeros(4, 5)
         for k in range(9):
             hidden = memory(torch.cat((inputs[k], torch.where(begins[k][:, None], 0.0, hidden)), dim=1))[:, :5]
             assert torch.allclose(hidden, together[k], atol=1e-6)
@@ -144,10 +144,10 @@ def test_surprise_is_that_of_the_mixture():
     hidden, before = torch.randn(1, 4, generator=random), torch.randn(1, 1, generator=random)
     with torch.no_grad():
         codes = torch.linspace(-60.0, 60.0, 60001)[:, None]
-        density = (-memory.surprise(hidden.expand(60001, 4), before.expand(60001, 1), codes)).exp() / (2.0 * torch.pi) ** 0.5
+        density = (-memory.negative_log_likelihood(hidden.expand(60001, 4), before.expand(60001, 1), codes)).exp() / (2.0 * torch.pi) ** 0.5
         assert float(density.sum() * 0.002) == pytest.approx(1.0, abs=1e-3)
         mean = float((density * codes[:, 0]).sum() * 0.002)
-        assert float(memory.expected(hidden, before)) == pytest.approx(mean, abs=1e-2)
+        assert float(memory.expected_codes(hidden, before)) == pytest.approx(mean, abs=1e-2)
 
 
 class CutOffError(Exception):

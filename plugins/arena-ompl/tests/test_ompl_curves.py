@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from ompl import base
 
-from arena_ompl.curves import DUBINS, REEDS_SHEPP, STRAIGHT, along, shortest
+from arena_ompl.curves import DUBINS, REEDS_SHEPP, STRAIGHT, pose_along, shortest_curve
 
 COORDINATE = st.floats(-6.0, 6.0) | st.sampled_from((0.0, 1.0, -1.0))
 HEADING = st.floats(-10.0, 10.0) | st.sampled_from((0.0, math.pi, -math.pi / 2))
@@ -16,7 +16,7 @@ SPACES = {DUBINS: base.DubinsStateSpace, REEDS_SHEPP: base.ReedsSheppStateSpace}
 
 def curve(kind: int, radius: float, start: tuple[float, float, float], end: tuple[float, float, float]) -> tuple[float, np.ndarray]:
     pieces = np.empty((5, 2))
-    return shortest(kind, radius, *start, *end, pieces), pieces
+    return shortest_curve(kind, radius, *start, *end, pieces), pieces
 
 
 def length_by_ompl(kind: int, radius: float, *poses: tuple[float, float, float]) -> float:
@@ -36,7 +36,7 @@ def test_curves_end_where_they_should_and_are_as_short_as_ompls(kind, radius, st
     heading, pieces = curve(kind, radius, start, end)
     pose = (start[0], start[1], heading)
     for turn, length in pieces:
-        pose = along(radius, *pose, turn, length)
+        pose = pose_along(radius, *pose, turn, length)
     assert math.dist(pose[:2], end[:2]) < 1e-6
     assert math.remainder(pose[2] - end[2], 2.0 * math.pi) == pytest.approx(0.0, abs=1e-6)
     assert np.abs(pieces[:, 1]).sum() == pytest.approx(length_by_ompl(kind, radius, start, end), abs=1e-6)

@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 
 from arena_kernels.distance import distance_field
 from arena_ompl.curves import DUBINS, REEDS_SHEPP, STRAIGHT
-from arena_ompl.ground import clearance, reachable
+from arena_ompl.ground import body_clearance, reachable_cells
 from arena_ompl.motions import Motions, Rules
-from arena_ompl.smoothing import smooth
+from arena_ompl.smoothing import smooth_path
 
 SIDE = 0.05
 DISC = np.array(((0.0, 0.0, 0.2),))
@@ -36,10 +36,10 @@ def test_leaps_along_a_motion_miss_nothing(seed, robot, start, end) -> None:
     field = boxes(seed)
     asked = motions(field, kind, discs)
     poses = asked.poses(np.array((start, end)), 0.002)
-    least = min(clearance(field, discs, SIDE, *pose) for pose in poses)
+    least = min(body_clearance(field, discs, SIDE, *pose) for pose in poses)
     if asked.can_move(*start, *end):
         assert least > -0.5 * SIDE  # a corner of a cell at most
-        assert np.mean([clearance(field, discs, SIDE, *pose) > 0.0 for pose in poses]) > 0.99
+        assert np.mean([body_clearance(field, discs, SIDE, *pose) > 0.0 for pose in poses]) > 0.99
     else:
         assert least < 0.002
 
@@ -72,7 +72,7 @@ def test_shortcuts_and_the_band_lower_the_price_and_stay_free() -> None:
         return sum(asked.cost(*a, *b) for a, b in pairwise(path))
 
     shortened = asked.shorten(asked.poses(detour, 0.1))
-    smoothed = smooth(asked, detour, 0.1, 20)
+    smoothed = smooth_path(asked, detour, 0.1, 20)
     assert price(shortened) < 0.95 * price(detour)
     assert price(smoothed) < price(shortened)
     assert all(asked.can_move(*a, *b) for a, b in pairwise(smoothed))
@@ -85,9 +85,9 @@ def test_cells_behind_a_wall_are_out_of_reach_and_a_blocked_start_gets_out() -> 
     occupied = np.zeros((40, 40), np.bool_)
     occupied[:, 20] = True
     field = distance_field(occupied, SIDE)
-    free = reachable(field, occupied, SIDE, 0.2, 0.0, 10, 5)
+    free = reachable_cells(field, occupied, SIDE, 0.2, 0.0, 10, 5)
     assert free[:, :16].all()
     assert not free[:, 17:].any()
-    near = reachable(field, occupied, SIDE, 0.2, 0.4, 10, 18)
+    near = reachable_cells(field, occupied, SIDE, 0.2, 0.4, 10, 18)
     assert near[:, :16].all()
     assert not near[:, 20:].any()

@@ -6,13 +6,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arena_core import Costmap, Pose
+from arena_kernels.costmap_window import CostmapWindow, outline_of
 from arena_kernels.distance import distance_field
-from arena_kernels.half_planes import lack
-from arena_kernels.window import Window, outline_of
+from arena_kernels.half_planes import line_violation
 from arena_orca.braking import can_stop, least_gap
-from arena_orca.escape import Patience
+from arena_orca.escape import StuckDetector
 from arena_orca.free_space import put_walls
-from arena_orca.gears import Gears
+from arena_orca.gear_changes import GearSelector
 from arena_orca.motion import centre_velocity, command_for, put_reach
 from arena_orca.parameters import ACKERMANN, DIFFERENTIAL, OMNIDIRECTIONAL, Body, DriveRules, Limits, PersonRules, Settings, StaticRules
 from arena_orca.step import stoppable_command
@@ -20,7 +20,7 @@ from arena_orca.step import stoppable_command
 AHEAD = 0.1
 LIMITS = Limits(-0.5, 1.0, 0.8, 2.0, 2.5, 2.5, 5.0, 0.5)
 DISC = outline_of(None, 0.2, 0.2, 0.05)
-OPEN = Window(np.zeros((40, 40), np.uint8), np.full((40, 40), np.inf, np.float32), 0.05, -1.0, -1.0)
+OPEN = CostmapWindow(np.zeros((40, 40), np.uint8), np.full((40, 40), np.inf, np.float32), 0.05, -1.0, -1.0)
 KINDS = st.sampled_from([OMNIDIRECTIONAL, DIFFERENTIAL, ACKERMANN])
 SHARE = st.floats(-1.0, 1.0)
 
@@ -45,7 +45,7 @@ def test_reach_holds_exactly_what_limits_and_accelerations_allow(kind, forward, 
     now = centre_velocity(body, LIMITS, forward * 1.2, turn, 2.5 * turn)
     lines = np.empty((6, 4))
     count = put_reach(lines, 0, body, LIMITS, now, 0.1, 1.0)
-    worst = max(lack(line, 1.2 * x, y) for line in lines[:count])
+    worst = max(line_violation(line, 1.2 * x, y) for line in lines[:count])
     if abs(worst) > 1e-9:
         assert (worst < 0.0) == reachable(kind, now, 1.2 * x, y, 0.1)
 
@@ -75,11 +75,11 @@ def test_velocities_that_walls_allow_keep_the_robot_clear_for_the_horizon(cells,
     for row, column in cells:
         if math.hypot(row - 59.5, column - 59.5) > 8.0:
             lethal[row, column] = True
-    window = Window(np.where(lethal, 254, 0).astype(np.uint8), distance_field(lethal, 0.05), 0.05, -3.0, -3.0)
+    window = CostmapWindow(np.where(lethal, 254, 0).astype(np.uint8), distance_field(lethal, 0.05), 0.05, -3.0, -3.0)
     lines, body = np.empty((12, 4)), body_of(OMNIDIRECTIONAL)
     rules = StaticRules(0.5, 0.05, 0.02, 0.5)
     count = put_walls(lines, 0, window, DISC, body, rules, (0.0, 0.0, 1.0, 0.0), 1.5, np.empty((4096, 3)))
-    if count < 12 and all(lack(line, x, y) <= 0.0 for line in lines[:count]):
+    if count < 12 and all(line_violation(line, x, y) <= 0.0 for line in lines[:count]):
         rows, columns = np.nonzero(lethal)
         places = np.column_stack((columns, rows)) * 0.05 - 2.975
         for t in np.linspace(0.0, 0.5, 11):
@@ -88,7 +88,7 @@ def test_velocities_that_walls_allow_keep_the_robot_clear_for_the_horizon(cells,
 
 def test_braking_path_of_a_fast_robot_is_longer_than_that_of_a_slow_one():
     costmap = Costmap(*_walled(0.6), 0.05, np.array((-1.0, -1.0)))
-    window = Window(costmap.costs, costmap.distance, 0.05, -1.0, -1.0)
+    window = CostmapWindow(costmap.costs, costmap.distance, 0.05, -1.0, -1.0)
     for speed, free in ((1.0, True), (1.5, False)):
         command, limits = (speed, 0.0, 0.0), LIMITS._replace(vx_max=2.0)
         assert can_stop(window, DISC, limits, (0.0, 0.0, 1.0, 0.0), command, command, 0.1, 0.02) == free
@@ -123,21 +123,21 @@ def test_velocity_that_could_not_be_braked_before_a_person_is_driven_more_slowly
 
 
 def test_car_backs_up_until_it_has_room_and_other_robots_never_change_gear():
-    gears = Gears(True, 0.5)
-    assert gears.choices(Pose(0.0, 0.0)) == (1.0, -1.0)
-    assert not gears.accepts(Pose(0.0, 0.0), 1.0, 0.0)
-    assert gears.accepts(Pose(0.0, 0.0), -1.0, -0.3)
-    assert gears.choices(Pose(-0.3, 0.0)) == (-1.0, 1.0)
-    assert gears.choices(Pose(-0.6, 0.0)) == (1.0, -1.0)
-    assert Gears(False, 0.5).choices(Pose(0.0, 0.0)) == (1.0,)
+    gears = GearSelector(True, 0.5)
+    assert gears.gear_order(Pose(0.0, 0.0)) == (1.0, -1.0)
+    assert not gears.accept_command(Pose(0.0, 0.0), 1.0, 0.0)
+    assert gears.accept_command(Pose(0.0, 0.0), -1.0, -0.3)
+    assert gears.gear_order(Pose(-0.3, 0.0)) == (-1.0, 1.0)
+    assert gears.gear_order(Pose(-0.6, 0.0)) == (1.0, -1.0)
+    assert GearSelector(False, 0.5).gear_order(Pose(0.0, 0.0)) == (1.0,)
 
 
 def test_patience_ends_only_for_a_robot_that_gets_nowhere():
-    patience = Patience(1.0, 0.5)
-    moving = [patience.is_over(0.1 * k, Pose(0.02 * k, 0.0)) for k in range(40)]
+    patience = StuckDetector(1.0, 0.5)
+    moving = [patience.is_stuck(0.1 * k, Pose(0.02 * k, 0.0)) for k in range(40)]
     assert not any(moving)
     patience.clear()
-    standing = [patience.is_over(0.1 * k, Pose(0.0, 0.0)) for k in range(40)]
+    standing = [patience.is_stuck(0.1 * k, Pose(0.0, 0.0)) for k in range(40)]
     assert standing.index(True) in (10, 11)
     assert not all(standing[10:])
-    assert not any(Patience(None, 0.5).is_over(0.1 * k, Pose(0.0, 0.0)) for k in range(40))
+    assert not any(StuckDetector(None, 0.5).is_stuck(0.1 * k, Pose(0.0, 0.0)) for k in range(40))

@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
 
-from arena_kernels.half_planes import lack, put_bound
-from arena_kernels.programme import nearest_allowed, safest
+from arena_kernels.half_planes import line_violation, put_bound
+from arena_kernels.linear_program import nearest_allowed, safest_velocity
 from arena_orca.step import best_velocity
 
 SPEED = 1.5
@@ -75,9 +75,9 @@ def test_safest_velocity_breaks_people_s_lines_by_the_least_possible(seed, count
     kept, x, y = nearest_allowed(lines, len(lines), SPEED, (0.3, 0.0), False)
     if kept == len(lines):
         return
-    x, y = safest(lines, 4, len(lines), kept, SPEED, (x, y), np.empty_like(lines))
+    x, y = safest_velocity(lines, 4, len(lines), kept, SPEED, (x, y), np.empty_like(lines))
     assert max(abs(x), abs(y)) <= 0.5 + 1e-9
-    assert max(lack(line, x, y) for line in lines[4:]) == pytest.approx(least_worst(lines, 4), abs=1e-6)
+    assert max(line_violation(line, x, y) for line in lines[4:]) == pytest.approx(least_worst(lines, 4), abs=1e-6)
 
 
 @settings(derandomize=True, deadline=None, max_examples=200)
@@ -87,10 +87,10 @@ def test_walls_are_kept_before_people_and_reach_before_walls(seed):
     reach, _ = random_lines(seed + 1, 3, least=0.1)
     lines[:3] = reach
     x, y = best_velocity(lines.copy(), 3, 6, 12, SPEED, wish, np.empty_like(lines))
-    assert max(lack(line, x, y) for line in lines[:3]) <= 1e-6
+    assert max(line_violation(line, x, y) for line in lines[:3]) <= 1e-6
     with_walls = exact_nearest(lines[:6], wish)
     if with_walls is not None:
-        assert max(lack(line, x, y) for line in lines[:6]) <= 1e-6
+        assert max(line_violation(line, x, y) for line in lines[:6]) <= 1e-6
     exact = exact_nearest(lines, wish)
     if exact is not None:
         assert (x, y) == pytest.approx(tuple(exact), abs=1e-6)
@@ -103,5 +103,5 @@ def test_parallel_lines_are_no_trouble():
     put_bound(lines, 2, -1.0, 0.0, -0.4)
     assert nearest_allowed(lines, 2, SPEED, (1.0, 0.3), False) == (2, 0.2, 0.3)
     assert nearest_allowed(lines, 3, SPEED, (1.0, 0.3), False)[0] == 2
-    x, _ = safest(lines, 0, 3, 2, SPEED, (0.2, 0.3), np.empty_like(lines))
+    x, _ = safest_velocity(lines, 0, 3, 2, SPEED, (0.2, 0.3), np.empty_like(lines))
     assert x == pytest.approx(0.3)

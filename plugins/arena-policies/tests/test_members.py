@@ -11,7 +11,7 @@ from onnx import TensorProto, helper, numpy_helper
 from arena_core import Planner, Pose, Twist, testing
 from arena_core.hosting import compose, load_registry, to_plain
 from arena_policies.actions import ActionRange, ActionScale
-from arena_policies.card import PolicyCard, sha256, write_card
+from arena_policies.card import PolicyCard, content_sha256, write_card
 from arena_policies.members import Members, build_members, member_hash
 from arena_policies.planner import PolicyPlanner
 
@@ -37,7 +37,17 @@ def learned(tmp_path):
     content = helper.make_model(graph, opset_imports=[helper.make_opsetid("", 17)], ir_version=9).SerializeToString()
     scale = ActionScale.of(robot, ActionRange(**RANGE))
     action = {name: ends for name, *ends in zip(scale.names, scale.low.tolist(), scale.high.tolist(), strict=True)}
-    made_for = ("rosnav", robot.name, robot.kinematics, robot.control_period, node, encoder.layout(), action, RANGE, sha256(content))
+    made_for = (
+        "rosnav",
+        robot.name,
+        robot.kinematics,
+        robot.control_period,
+        node,
+        encoder.layout(),
+        action,
+        RANGE,
+        content_sha256(content),
+    )
 
     def make(**changes):
         (tmp_path / "policy.onnx").write_bytes(content)
@@ -96,7 +106,7 @@ def test_nothing_remains_of_a_rehearsal():
         members.reset(start)
         start.random.random()
         if rehearsed:
-            members.rehearse(seen)
+            members.warm_up(seen)
         driven.append([members.drive(k, seen) for k in (0, 1, 1, 0)])
     assert driven[0] == driven[1]
     assert len(set(map(str, driven[0]))) == 4

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from arena_core import ConfigurationError, ObservationBatch, Pose, ScanMemory, Tracks, Twist
 from arena_core.testing import check, component, join_batches, observation, robot
 from arena_policies.encoding import nearest_in_sectors
-from arena_policies.looking_ahead import bodies_of, nearest_then, sectors_of
-from arena_policies.looking_back import beams_of, nearest_now
+from arena_policies.scan_history import beams_of, past_sector_ranges
+from arena_policies.track_prediction import bodies_of, predict_sector_ranges, sectors_of
 
 LOOKING_BACK = ["observation_encoder.lookback=[0.1,0.3]"]
 PRESETS = ("rosnav", "rosnav_sectors", "gring", "gring_as_released", "aio")
@@ -116,7 +116,7 @@ def test_earlier_scan_from_the_same_pose_shows_the_same_sectors(name):
     ranges[:, np.arange(lidar.beams) % stride > 0] = np.inf
     direct, again = np.empty((3, 90)), np.empty((3, 1, 90))
     nearest_in_sectors(ranges, 8.0, direct)
-    nearest_now(ranges[:, None], poses[:, None], poses, beams_of(lidar), 8.0, again)
+    past_sector_ranges(ranges[:, None], poses[:, None], poses, beams_of(lidar), 8.0, again)
     assert again[:, 0] == pytest.approx(direct, abs=1e-12)
 
 
@@ -128,7 +128,7 @@ def test_earlier_return_is_seen_where_it_lies(x, y, turn, beam, away):
     ranges[0, 0, beam] = away
     then, now = Pose(0.3, -0.2, 0.7), Pose(0.3, -0.2, 0.7).compose(Pose(x, y, turn))
     out = np.empty((1, 1, 360))
-    nearest_now(ranges, then.array()[None, None], now.array()[None], beams_of(lidar), 9.0, out)
+    past_sector_ranges(ranges, then.array()[None, None], now.array()[None], beams_of(lidar), 9.0, out)
     angle = beam * lidar.angle_increment
     hit = then.compose(lidar.mount).compose(Pose(away * np.cos(angle), away * np.sin(angle)))
     seen = now.compose(lidar.mount).relative(hit)
@@ -305,7 +305,7 @@ def test_without_tracks_the_scan_stays_as_it_is(name):
     ranges, poses = random.uniform(0.2, 9.0, (3, lidar.beams)).astype(np.float32), random.uniform(-3.0, 3.0, (3, 3))
     now, then = np.empty((3, 90)), np.empty((3, 2, 90))
     nearest_in_sectors(ranges, 8.0, now)
-    nearest_then(ranges, poses, bodies_of([tracked()] * 3), np.array((1.0, 2.0)), sectors_of(lidar, 90), 8.0, then)
+    predict_sector_ranges(ranges, poses, bodies_of([tracked()] * 3), np.array((1.0, 2.0)), sectors_of(lidar, 90), 8.0, then)
     assert (then == now[:, None]).all()
 
 
@@ -321,7 +321,7 @@ def test_body_is_seen_where_it_will_be(x, y, heading, way, bearing):
     bodies = bodies_of([tracked((*(at - 2.0 * speed), *speed, 0.3))])
     then = np.empty((1, 1, 90))
     empty = np.full((1, lidar.beams), np.inf, np.float32)
-    nearest_then(empty, np.array(((x, y, heading),)), bodies, np.array((2.0,)), sectors_of(lidar, 90), 8.0, then)
+    predict_sector_ranges(empty, np.array(((x, y, heading),)), bodies, np.array((2.0,)), sectors_of(lidar, 90), 8.0, then)
     assert then.min() == pytest.approx(way - 0.3, abs=0.01)
     shown = np.flatnonzero(then[0, 0] < 8.0)
     assert len(shown) >= 1

@@ -13,7 +13,7 @@ from onnx import TensorProto, helper, numpy_helper
 
 from arena_core import ArenaError, Footprint, InvalidCommand, NoValidCommand, ObservationBatch, Pose, Twist, testing
 from arena_policies.actions import ActionRange, ActionScale
-from arena_policies.card import PolicyCard, read_card, sha256, write_card
+from arena_policies.card import PolicyCard, content_sha256, read_card, write_card
 from arena_policies.planner import PolicyPlanner
 from arena_policies.policy import load_policy
 
@@ -65,7 +65,7 @@ def write_policy(folder, robot, model=None, **changes):
         layout,
         {n: (low, high) for n, low, high in zip(scale.names, scale.low.tolist(), scale.high.tolist(), strict=True)},
         RANGE,
-        sha256(content),
+        content_sha256(content),
     )
     path = folder / "policy.onnx"
     path.write_bytes(content)
@@ -187,7 +187,7 @@ def test_card_with_a_part_that_names_no_parameter_is_refused(tmp_path, name):
 def test_card_with_a_part_that_its_encoder_does_not_run_is_refused(tmp_path):
     network = tmp_path / "policy.sectors.onnx"
     network.write_bytes(b"0")
-    path = write_policy(tmp_path, testing.robot(), parts={"sectors": sha256(b"0")})
+    path = write_policy(tmp_path, testing.robot(), parts={"sectors": content_sha256(b"0")})
     assert "encoder" in refused(path, testing.robot())
 
 
@@ -223,7 +223,7 @@ def test_robot_without_a_command_remembers_that_it_braked(tmp_path):
     assert first == alone.command(seen, Twist(0.0)) != Twist(0.0)
     with pytest.raises(NoValidCommand):
         planner.compute_velocity(blind)
-    alone.look(blind, first)
+    alone.observe(blind, first)
     assert planner.compute_velocity(seen) == alone.command(seen, Twist(0.0))
 
 
@@ -239,7 +239,7 @@ def test_answer_holds_for_as_many_control_steps_as_the_card_says(tmp_path):
     last = Twist(0.0)
     for k, view in enumerate(views):  # it sees every scan, and answers to every third
         if k % 3:
-            alone.look(view, last)
+            alone.observe(view, last)
         else:
             last = alone.command(view, last)
         assert driven[k] == last

@@ -4,7 +4,7 @@ import numpy as np
 
 from arena_core import ObservationBatch, ScanMemory, Twist
 from arena_core.testing import observation
-from arena_policies.seen import batch_of_one
+from arena_policies.observation_view import batch_of_one
 
 
 def test_a_batch_of_one_is_the_cores():

@@ -12,9 +12,9 @@ from arena_core import ArenaError
 from arena_core.cli.main import main
 from arena_core.commands import print_notice
 from arena_core.records import read_record
-from arena_ros.bags.opening import open_bags
-from arena_ros.bags.scenarios import simplified
-from arena_ros.codec import codec
+from arena_ros.bags.bag_readers import open_bags
+from arena_ros.bags.scenarios import simplify_path
+from arena_ros.codec import get_codec
 from arena_ros.testing import write_site
 from arena_ros.testing.recordings import import_apart, write_laboratory
 
@@ -50,15 +50,15 @@ def test_a_run_comes_back_value_for_value(finished_run: Path, tmp_path: Path, en
 
 
 def test_routes_of_an_export_are_its_peoples_or_refused_and_older_exports_have_none() -> None:
-    from arena_ros.bags.records import _routes
+    from arena_ros.bags.records import _route_arrays
 
-    assert _routes({"ids": [1]}) == {}
-    found = _routes({"ids": [1, 2, 3], "routes": [[[1.0, 2.0], [3.0, 4.0]], [], [[5.0, 6.0]]]})
+    assert _route_arrays({"ids": [1]}) == {}
+    found = _route_arrays({"ids": [1, 2, 3], "routes": [[[1.0, 2.0], [3.0, 4.0]], [], [[5.0, 6.0]]]})
     assert (found["route_points"].tolist(), found["route_offsets"].tolist()) == ([[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]], [0, 2, 2, 3])
-    assert _routes({"ids": [], "routes": []})["route_offsets"].tolist() == [0]
+    assert _route_arrays({"ids": [], "routes": []})["route_offsets"].tolist() == [0]
     for routes in ([[]], [[[1.0, 2.0]], [[1e300, 0.0]]], [[[1.0]], []], [[[np.nan, 0.0]], []], [["x"], []], 3, None):
         with pytest.raises((ValueError, TypeError)):
-            _routes({"ids": [1, 2], "routes": routes})
+            _route_arrays({"ids": [1, 2], "routes": routes})
 
 
 @pytest.mark.parametrize("ending", ENDINGS)
@@ -166,7 +166,7 @@ def test_no_spoilt_recording_brings_a_traceback(write_recording: Recording, tmp_
 def test_memory_does_not_grow_with_a_recording(tmp_path: Path) -> None:
     from rosbags.rosbag1 import Writer
 
-    own = codec(1)
+    own = get_codec(1)
     picture = own.encode(own.make("std_msgs/msg/String", data="x" * 300_000), "std_msgs/msg/String")
     with Writer(tmp_path / "long.bag") as writer:
         channel = writer.add_connection("/camera", "std_msgs/msg/String", typestore=own.store)
@@ -235,4 +235,4 @@ def test_a_recording_becomes_a_scenario_that_can_be_run(write_recording: Recordi
 
 def test_a_way_is_kept_by_its_corners() -> None:
     way = np.concatenate((np.stack((np.linspace(0, 4, 50), np.zeros(50)), 1), np.stack((np.full(50, 4.0), np.linspace(0, 3, 50)), 1)))
-    np.testing.assert_allclose(way[simplified(way, 0.3)], [[0, 0], [4, 0], [4, 3]], atol=0.1)
+    np.testing.assert_allclose(way[simplify_path(way, 0.3)], [[0, 0], [4, 0], [4, 3]], atol=0.1)

@@ -10,21 +10,21 @@ import pytest
 
 from arena_core import Pose, Twist
 from arena_ros import conversions as to
-from arena_ros.testing.telling import (
+from arena_ros.testing.synthetic_recording import (
     BEGIN,
     GOAL,
     OWN,
     SECOND,
-    Told,
+    RecordedMessage,
     assert_baseline,
-    drive,
+    drive_messages,
     equal_clocks,
-    goal,
-    imported,
+    goal_message,
+    import_recording,
     in_order,
-    odometry,
-    robot,
-    written,
+    odometry_messages,
+    robot_pose,
+    write_recording,
 )
 
 
@@ -33,20 +33,22 @@ def shifted(by: float, *topics: str, rate: float = 1.0) -> Callable[[float, str]
     return lambda t, topic: equal_clocks(rate * t + by if not topics or topic in topics else t, topic)
 
 
-def clock() -> list[Told]:
-    return [Told(0.01 * k, "/clock", to.CLOCK, lambda ns: OWN.make(to.CLOCK, clock=OWN.time(ns))) for k in range(1200)]
+def clock() -> list[RecordedMessage]:
+    return [RecordedMessage(0.01 * k, "/clock", to.CLOCK, lambda ns: OWN.make(to.CLOCK, clock=OWN.time(ns))) for k in range(1200)]
 
 
 @pytest.mark.parametrize("topics", [(), ("/odom",), ("/goal_pose",)])
 @pytest.mark.parametrize("by", [0.5, -0.5, -5.0, 1e5])
 def test_one_offset_a_clock_gives_the_drive_as_it_was(tmp_path: Path, by: float, topics: tuple[str, ...]) -> None:
-    bag = written(tmp_path / "a.mcap", in_order([*drive(), *goal()]), shifted(by, *topics))
-    (record,) = imported(bag, tmp_path / "out")
+    bag = write_recording(tmp_path / "a.mcap", in_order([*drive_messages(), *goal_message()]), shifted(by, *topics))
+    (record,) = import_recording(bag, tmp_path / "out")
     assert_baseline(record)
 
 
 def test_offset_of_a_clock_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    imported(written(tmp_path / "a.mcap", in_order([*drive(), *goal()]), shifted(-5.0, "/odom")), tmp_path / "out")
+    import_recording(
+        write_recording(tmp_path / "a.mcap", in_order([*drive_messages(), *goal_message()]), shifted(-5.0, "/odom")), tmp_path / "out"
+    )
     said = capsys.readouterr().err
     assert "/odom: its clock is 5.00 s behind that of the recording; its stamps count" in said
     assert "/tf: its clock is 5.00 s ahead of that of /odom; shifted" in said
@@ -58,18 +60,22 @@ def test_offset_of_a_clock_is_said(tmp_path: Path, capsys: pytest.CaptureFixture
     ids=["fast", "drift", "none", "frozen"],
 )
 def test_clocks_that_drift_or_stand_still_give_the_drive(tmp_path: Path, stamps: Callable[[float, str], int]) -> None:
-    (record,) = imported(written(tmp_path / "a.mcap", in_order([*drive(), *goal()]), stamps), tmp_path / "out")
+    (record,) = import_recording(
+        write_recording(tmp_path / "a.mcap", in_order([*drive_messages(), *goal_message()]), stamps), tmp_path / "out"
+    )
     assert_baseline(record)
 
 
 @pytest.mark.parametrize("pace", [0.5, 2.0, 10.0])
 @pytest.mark.parametrize("extra", [[], clock()], ids=["headers", "clock"])
-def test_simulation_at_another_pace_counts_in_its_own_seconds(tmp_path: Path, pace: float, extra: list[Told]) -> None:
+def test_simulation_at_another_pace_counts_in_its_own_seconds(tmp_path: Path, pace: float, extra: list[RecordedMessage]) -> None:
     def recorded(t: float) -> int:
         return BEGIN + round(t / pace * SECOND)
 
-    bag = written(tmp_path / "a.mcap", in_order([*drive(), *goal(), *extra]), lambda t, topic: round((100.0 + t) * SECOND), recorded)
-    (record,) = imported(bag, tmp_path / "out")
+    bag = write_recording(
+        tmp_path / "a.mcap", in_order([*drive_messages(), *goal_message(), *extra]), lambda t, topic: round((100.0 + t) * SECOND), recorded
+    )
+    (record,) = import_recording(bag, tmp_path / "out")
     assert_baseline(record)
 
 
@@ -77,8 +83,10 @@ def test_clock_counts_where_headers_tell_wall_time(tmp_path: Path) -> None:
     def stamped(t: float, topic: str) -> int:
         return round((100.0 + t) * SECOND) if topic == "/clock" else BEGIN + round(2.0 * t * SECOND)
 
-    told = in_order([*drive(), *goal(), *clock()])
-    (record,) = imported(written(tmp_path / "a.mcap", told, stamped, lambda t: BEGIN + round(2.0 * t * SECOND)), tmp_path / "out")
+    told = in_order([*drive_messages(), *goal_message(), *clock()])
+    (record,) = import_recording(
+        write_recording(tmp_path / "a.mcap", told, stamped, lambda t: BEGIN + round(2.0 * t * SECOND)), tmp_path / "out"
+    )
     assert_baseline(record)
 
 
@@ -96,7 +104,9 @@ def leap(t: float, when: bool) -> int:
     ids=["one message", "all from there on", "one topic from there on"],
 )
 def test_stamps_that_leap_by_years_change_nothing(tmp_path: Path, stamps: Callable[[float, str], int]) -> None:
-    (record,) = imported(written(tmp_path / "a.mcap", in_order([*drive(), *goal()]), stamps), tmp_path / "out")
+    (record,) = import_recording(
+        write_recording(tmp_path / "a.mcap", in_order([*drive_messages(), *goal_message()]), stamps), tmp_path / "out"
+    )
     assert_baseline(record)
 
 
@@ -104,18 +114,24 @@ def test_recorder_that_leaps_by_years_makes_two_episodes_of_few_rows(tmp_path: P
     def leapt(t: float, topic: str = "") -> int:
         return leap(t, t > 6.0)
 
-    records = imported(written(tmp_path / "a.mcap", in_order([*drive(), *goal()]), leapt, leapt), tmp_path / "out")
+    records = import_recording(
+        write_recording(tmp_path / "a.mcap", in_order([*drive_messages(), *goal_message()]), leapt, leapt), tmp_path / "out"
+    )
     assert [len(record["stamp"]) < 130 for record in records] == [True, True]
 
 
 def test_clock_that_goes_back_begins_a_new_episode(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     stamps = shifted(-6.0)
-    bag = written(tmp_path / "a.mcap", in_order([*drive(), *goal()]), lambda t, topic: stamps(t, topic) if t > 6.0 else equal_clocks(t, ""))
-    assert len(imported(bag, tmp_path / "out")) == 2
+    bag = write_recording(
+        tmp_path / "a.mcap",
+        in_order([*drive_messages(), *goal_message()]),
+        lambda t, topic: stamps(t, topic) if t > 6.0 else equal_clocks(t, ""),
+    )
+    assert len(import_recording(bag, tmp_path / "out")) == 2
     assert "the clock went back: a new episode begins there" in capsys.readouterr().err
 
 
-ORDERS: dict[str, Callable[[list[Told]], list[Told]]] = {
+ORDERS: dict[str, Callable[[list[RecordedMessage]], list[RecordedMessage]]] = {
     "by topic": lambda told: sorted(told, key=lambda each: each.topic),
     "odometry late": lambda told: sorted(told, key=lambda each: each.seconds + 2.0 * (each.topic == "/odom")),
     "transforms late": lambda told: sorted(told, key=lambda each: each.seconds + 2.0 * (each.topic == "/tf")),
@@ -128,15 +144,15 @@ ORDERS: dict[str, Callable[[list[Told]], list[Told]]] = {
 @pytest.mark.parametrize("ending", ["mcap", "db3"])
 @pytest.mark.parametrize("order", ORDERS)
 def test_order_of_messages_in_the_file_does_not_matter(tmp_path: Path, order: str, ending: str) -> None:
-    bag = written(tmp_path / f"a.{ending}", ORDERS[order](in_order([*drive(), *goal()])))
-    (record,) = imported(bag, tmp_path / "out")
+    bag = write_recording(tmp_path / f"a.{ending}", ORDERS[order](in_order([*drive_messages(), *goal_message()])))
+    (record,) = import_recording(bag, tmp_path / "out")
     assert_baseline(record)
 
 
 def test_recorder_by_simulated_time_that_begins_anew_gives_both_episodes(tmp_path: Path) -> None:
-    first = in_order([*drive(), *goal()])
-    bag = written(tmp_path / "a.mcap", [*first, *first])
-    for record in imported(bag, tmp_path / "out"):
+    first = in_order([*drive_messages(), *goal_message()])
+    bag = write_recording(tmp_path / "a.mcap", [*first, *first])
+    for record in import_recording(bag, tmp_path / "out"):
         assert_baseline(record)
 
 
@@ -152,20 +168,24 @@ def test_pose_is_that_of_amcl_whose_transforms_are_stamped_ahead(tmp_path: Path)
     def believed(t: float) -> Pose:
         return correction(t).compose(measured(t))
 
-    told = list(odometry(measured))
+    told = list(odometry_messages(measured))
     for k in range(60):
         t = 0.2 * k
-        told.append(Told(t + 0.05, "/tf", to.TF, lambda ns, t=t: to.transforms(OWN, [("map", "odom", correction(t))], ns + 950_000_000)))
         told.append(
-            Told(
+            RecordedMessage(
+                t + 0.05, "/tf", to.TF, lambda ns, t=t: to.transforms_msg(OWN, [("map", "odom", correction(t))], ns + 950_000_000)
+            )
+        )
+        told.append(
+            RecordedMessage(
                 t + 0.08,
                 "/amcl_pose",
                 to.POSE_COVARIANCE,
-                lambda ns, t=t: to.pose_covariance(OWN, believed(t), np.eye(3) * 0.01, ns - 80_000_000, "map"),
+                lambda ns, t=t: to.pose_covariance_msg(OWN, believed(t), np.eye(3) * 0.01, ns - 80_000_000, "map"),
             )
         )
-    bag = written(tmp_path / "a.mcap", in_order(told), lambda t, topic: round((7.0 + t) * SECOND))
-    (record,) = imported(bag, tmp_path / "out")
+    bag = write_recording(tmp_path / "a.mcap", in_order(told), lambda t, topic: round((7.0 + t) * SECOND))
+    (record,) = import_recording(bag, tmp_path / "out")
     seconds = record["stamp"] + 0.0
     off = [np.hypot(*(believed(t).array() - pose)[:2]) for t, pose in zip(seconds.tolist(), record["pose"], strict=True)]
     assert np.mean(off) < 0.05
@@ -173,9 +193,11 @@ def test_pose_is_that_of_amcl_whose_transforms_are_stamped_ahead(tmp_path: Path)
 
 
 def test_command_of_no_stamp_is_placed_in_the_robots_time(tmp_path: Path) -> None:
-    told = [each for each in drive() if each.topic != "/cmd_vel"]
-    told += [Told(0.1 * k, "/cmd_vel", to.TWIST, lambda ns, k=k: to.twist(OWN, Twist(0.5 * (k > 50)))) for k in range(121)]
-    (record,) = imported(written(tmp_path / "a.mcap", in_order([*told, *goal(GOAL)]), shifted(-5.0)), tmp_path / "out")
+    told = [each for each in drive_messages() if each.topic != "/cmd_vel"]
+    told += [RecordedMessage(0.1 * k, "/cmd_vel", to.TWIST, lambda ns, k=k: to.twist_msg(OWN, Twist(0.5 * (k > 50)))) for k in range(121)]
+    (record,) = import_recording(
+        write_recording(tmp_path / "a.mcap", in_order([*told, *goal_message(GOAL)]), shifted(-5.0)), tmp_path / "out"
+    )
     begun = record["stamp"][np.flatnonzero(record["command"][:-1, 0] > 0.0)[0]]
     assert begun == pytest.approx(5.1 - 0.55, abs=0.11)
-    assert robot(0.55).distance(Pose.of(record["pose"][0])) < 0.02
+    assert robot_pose(0.55).distance(Pose.of(record["pose"][0])) < 0.02

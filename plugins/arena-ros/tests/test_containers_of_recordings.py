@@ -19,10 +19,18 @@ import pytest
 from arena_core.cli.main import main
 from arena_core.commands import print_notice
 from arena_ros.bags import mcap, stream
-from arena_ros.bags.opening import open_bags
-from arena_ros.bags.packing import zstd
-from arena_ros.codec import codec
-from arena_ros.testing.telling import assert_baseline, drive, goal, imported, in_order, length, written
+from arena_ros.bags.bag_readers import open_bags
+from arena_ros.bags.decompression import zstd
+from arena_ros.codec import get_codec
+from arena_ros.testing.synthetic_recording import (
+    assert_baseline,
+    drive_messages,
+    goal_message,
+    import_recording,
+    in_order,
+    path_length,
+    write_recording,
+)
 
 STRANGERS = Path(__file__).parents[4] / "shared" / "data" / "strangers" / "bags"
 MEGABYTES, SECONDS = 600.0, 30.0  # of an import, process and all, on a busy machine
@@ -34,7 +42,7 @@ ENDLESS = "WITH RECURSIVE c(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM c) SELEC
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return written(tmp_path_factory.mktemp("whole") / "a.db3", in_order([*drive(), *goal()]))
+    return write_recording(tmp_path_factory.mktemp("whole") / "a.db3", in_order([*drive_messages(), *goal_message()]))
 
 
 PACKED: dict[str, Callable[[bytes], bytes]] = {
@@ -51,7 +59,7 @@ PACKED: dict[str, Callable[[bytes], bytes]] = {
 def test_recording_that_is_compressed_as_a_whole_is_read(whole: Path, tmp_path: Path, ending: str) -> None:
     packed = tmp_path / f"a.db3.{ending}"
     packed.write_bytes(PACKED[ending](whole.read_bytes()))
-    (record,) = imported(packed, tmp_path / "out")
+    (record,) = import_recording(packed, tmp_path / "out")
     assert_baseline(record)
 
 
@@ -66,7 +74,7 @@ def repacked(whole: Path, target: Path, pack: Callable[[int, bytes], bytes]) -> 
 
 @pytest.mark.parametrize("pack", [zstd.compress, lz4.frame.compress], ids=["zstd", "lz4"])
 def test_messages_that_are_compressed_each_are_read(whole: Path, tmp_path: Path, pack: Callable[[bytes], bytes]) -> None:
-    (record,) = imported(repacked(whole, tmp_path / "a.db3", lambda _, data: pack(data)), tmp_path / "out")
+    (record,) = import_recording(repacked(whole, tmp_path / "a.db3", lambda _, data: pack(data)), tmp_path / "out")
     assert_baseline(record)
 
 
@@ -79,13 +87,13 @@ def test_messages_that_cannot_be_unpacked_are_said(
     whole: Path, tmp_path: Path, spoilt: bytes, said: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     bag = repacked(whole, tmp_path / "a.db3", lambda number, data: spoilt if number % 50 == 7 else data)
-    assert len(imported(bag, tmp_path / "out")) == 1
+    assert len(import_recording(bag, tmp_path / "out")) == 1
     assert said in capsys.readouterr().err
 
 
 def test_chunks_of_an_mcap_may_lie_in_any_order(tmp_path: Path) -> None:
     chunks, head = list[bytes](), b""
-    data = written(tmp_path / "a.mcap", in_order([*drive(), *goal()])).read_bytes()
+    data = write_recording(tmp_path / "a.mcap", in_order([*drive_messages(), *goal_message()])).read_bytes()
     at = len(mcap.MAGIC)
     while data[at] != mcap.DATA_END:
         end = at + 9 + struct.unpack_from("<Q", data, at + 1)[0]
@@ -108,7 +116,7 @@ def test_chunks_of_an_mcap_may_lie_in_any_order(tmp_path: Path) -> None:
     parts = [b"".join(chunks[k : k + 40]) for k in range(0, len(chunks), 40)]
     packed = b"".join(chunk(parts[k], kind) for k, kind in zip([*range(1, len(parts)), 0], ["zstd", "lz4", ""] * len(parts), strict=False))
     (tmp_path / "b.mcap").write_bytes(mcap.MAGIC + head + packed + record(mcap.DATA_END, bytes(4)))
-    (imported_record,) = imported(tmp_path / "b.mcap", tmp_path / "out")
+    (imported_record,) = import_recording(tmp_path / "b.mcap", tmp_path / "out")
     assert_baseline(imported_record)
 
 
@@ -238,7 +246,7 @@ def test_compressed_file_that_is_damaged_is_one_line(tmp_path: Path, content: by
 
 
 def test_messages_out_of_order_are_held_up_to_a_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    told = written(tmp_path / "a.mcap", sorted(drive(), key=lambda each: each.topic))
+    told = write_recording(tmp_path / "a.mcap", sorted(drive_messages(), key=lambda each: each.topic))
     monkeypatch.setattr(stream, "LARGEST_OVERLAP", 20_000)
     with open_bags([told]) as (bag,):
         stamps = [recorded for _, recorded, _ in bag.messages(())]
@@ -247,30 +255,30 @@ def test_messages_out_of_order_are_held_up_to_a_limit(tmp_path: Path, monkeypatc
 
 
 def test_old_name_of_transforms_is_known() -> None:
-    assert stream.normalised("tf/tfMessage") == "tf2_msgs/msg/TFMessage"
-    assert codec(1).knows(stream.normalised("tf/tfMessage"))
+    assert stream.ros2_type_name("tf/tfMessage") == "tf2_msgs/msg/TFMessage"
+    assert get_codec(1).has_type(stream.ros2_type_name("tf/tfMessage"))
 
 
 @pytest.mark.skipif(not STRANGERS.is_dir(), reason="needs the shared recordings")
 @pytest.mark.parametrize("name", ["base.mcap", "by_topic.mcap", "goal_odom.mcap", "old_tf.bag", "ros1.mcap", "file_zstd", "message_zstd"])
 def test_drive_is_the_same_however_it_is_told(tmp_path: Path, name: str) -> None:
-    (found,) = imported(STRANGERS / name, tmp_path / "out")
+    (found,) = import_recording(STRANGERS / name, tmp_path / "out")
     assert_baseline(found)
 
 
 @pytest.mark.skipif(not STRANGERS.is_dir(), reason="needs the shared recordings")
 @pytest.mark.parametrize("name", ["sim_drift.mcap", "skew_-5.mcap"])
 def test_drive_by_another_clock_takes_as_long(tmp_path: Path, name: str) -> None:
-    (found,) = imported(STRANGERS / name, tmp_path / "out")
+    (found,) = import_recording(STRANGERS / name, tmp_path / "out")
     np.testing.assert_allclose(found["pose"][0, :2], [1.01, 2.03], atol=0.01)
     assert found["stamp"][-1] == pytest.approx(9.5)
-    assert length(found) == pytest.approx(4.75, abs=0.01)
+    assert path_length(found) == pytest.approx(4.75, abs=0.01)
 
 
 @pytest.mark.skipif(not STRANGERS.is_dir(), reason="needs the shared recordings")
 def test_people_and_goals_of_strangers(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (found,) = imported(STRANGERS / "people_odom.mcap", tmp_path / "people")
+    (found,) = import_recording(STRANGERS / "people_odom.mcap", tmp_path / "people")
     assert found["clearance_people"].min() == pytest.approx(0.59, abs=0.01)
     print_notice.cache_clear()
-    imported(STRANGERS / "goal_nan.mcap", tmp_path / "goal")
+    import_recording(STRANGERS / "goal_nan.mcap", tmp_path / "goal")
     assert "a goal that is no number; left out" in capsys.readouterr().err

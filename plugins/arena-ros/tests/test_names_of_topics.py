@@ -8,9 +8,17 @@ from pathlib import Path
 import pytest
 
 from arena_core.cli.main import main
-from arena_ros.bags.roles import cast, namespace
 from arena_ros.bags.stream import Channel
-from arena_ros.testing.telling import Told, assert_baseline, drive, goal, imported, in_order, written
+from arena_ros.bags.topic_roles import assign_roles, common_namespace
+from arena_ros.testing.synthetic_recording import (
+    RecordedMessage,
+    assert_baseline,
+    drive_messages,
+    goal_message,
+    import_recording,
+    in_order,
+    write_recording,
+)
 
 TYPES = {
     "odom": "nav_msgs/msg/Odometry",
@@ -27,17 +35,17 @@ def channels(*topics: str) -> dict[Channel, int]:
 
 
 def given(*topics: str) -> dict[str, str]:
-    return {role: channel.topic for role, channel in cast(channels(*topics), {}).by_role.items()}
+    return {role: channel.topic for role, channel in assign_roles(channels(*topics), {}).by_role.items()}
 
 
-def renamed(told: list[Told], space: str, but: tuple[str, ...] = ()) -> list[Told]:
+def renamed(told: list[RecordedMessage], space: str, but: tuple[str, ...] = ()) -> list[RecordedMessage]:
     return [one if one.topic in but else replace(one, topic=f"{space}{one.topic}") for one in told]
 
 
 @pytest.mark.parametrize("but", [(), ("/tf", "/tf_static")], ids=["all", "all but transforms"])
 def test_robot_in_a_namespace_has_its_goal(tmp_path: Path, but: tuple[str, ...]) -> None:
-    bag = written(tmp_path / "a.db3", in_order(renamed([*drive(), *goal()], "/robot1", but)))
-    (record,) = imported(bag, tmp_path / "out")
+    bag = write_recording(tmp_path / "a.db3", in_order(renamed([*drive_messages(), *goal_message()], "/robot1", but)))
+    (record,) = import_recording(bag, tmp_path / "out")
     assert_baseline(record)
 
 
@@ -57,9 +65,12 @@ def test_goal_of_one_of_several_robots_is_not_guessed() -> None:
 
 
 def test_topic_of_a_driver_is_no_namespace() -> None:
-    assert namespace(channels("/odom", "/scan", "/cmd_vel")) == ""
-    assert namespace([Channel("/jackal_velocity_controller/odom", TYPES["odom"], 1), Channel("/front/scan", TYPES["scan"], 1)]) == ""
-    assert namespace([Channel("/x/jackal_velocity_controller/odom", TYPES["odom"], 1), Channel("/x/front/scan", TYPES["scan"], 1)]) == "/x"
+    assert common_namespace(channels("/odom", "/scan", "/cmd_vel")) == ""
+    assert common_namespace([Channel("/jackal_velocity_controller/odom", TYPES["odom"], 1), Channel("/front/scan", TYPES["scan"], 1)]) == ""
+    assert (
+        common_namespace([Channel("/x/jackal_velocity_controller/odom", TYPES["odom"], 1), Channel("/x/front/scan", TYPES["scan"], 1)])
+        == "/x"
+    )
 
 
 def test_a_bag_that_ends_in_its_first_chunk_is_refused_with_the_reason(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

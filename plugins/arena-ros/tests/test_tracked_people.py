@@ -12,8 +12,8 @@ from arena_core.cli.main import main
 from arena_core.commands import print_notice
 from arena_core.records import read_grid, read_record
 from arena_ros import conversions as to
-from arena_ros.bags.exporting import writer
-from arena_ros.codec import codec
+from arena_ros.bags.exporting import open_writer
+from arena_ros.codec import get_codec
 
 NEAR = 3.0  # m, within which a person is in plain sight most of the time
 
@@ -21,20 +21,20 @@ NEAR = 3.0  # m, within which a person is in plain sight most of the time
 @pytest.fixture(scope="module")
 def foreign(finished_run: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The first episode of a run as another laboratory might have recorded it: odometry, transforms, scans, a map."""
-    record, own = read_record(finished_run / "records" / "0000.npz"), codec(1)
+    record, own = read_record(finished_run / "records" / "0000.npz"), get_codec(1)
     lidar = record.meta["config"]["robot"]["lidar"]
     path, begin = tmp_path_factory.mktemp("foreign") / "lab.bag", 1000 * 10**9
     grid, mount = read_grid(finished_run / record.meta["world"]["grid"]), Pose(*(lidar["mount"][key] for key in ("x", "y", "theta")))
-    with writer(path, own) as write:
-        write("/map", to.GRID, begin, to.grid(own, grid, begin, "map"))
-        write("/tf_static", to.TF, begin, to.transforms(own, [("base_link", "laser", mount)], begin))
+    with open_writer(path, own) as write:
+        write("/map", to.GRID, begin, to.grid_msg(own, grid, begin, "map"))
+        write("/tf_static", to.TF, begin, to.transforms_msg(own, [("base_link", "laser", mount)], begin))
         for row, ranges in enumerate(record["scan_ranges"]):
             stamp = begin + round(record["stamp"][row] * 1e9)
             pose, twist = Pose.of(record["pose"][row]), Twist.of(record["twist"][row])
-            write("/tf", to.TF, stamp, to.transforms(own, [("map", "odom", Pose(0.0, 0.0))], stamp))
-            write("/odom", to.ODOMETRY, stamp, to.odometry(own, pose, twist, stamp, "odom", "base_link"))
+            write("/tf", to.TF, stamp, to.transforms_msg(own, [("map", "odom", Pose(0.0, 0.0))], stamp))
+            write("/odom", to.ODOMETRY, stamp, to.odometry_msg(own, pose, twist, stamp, "odom", "base_link"))
             figures = (float(lidar[key]) for key in ("angle_min", "angle_increment", "range_min", "range_max"))
-            write("/scan", to.SCAN, stamp, to.scan(own, LaserScan(0.0, *figures, ranges, mount), stamp, "laser", 0.1))
+            write("/scan", to.SCAN, stamp, to.scan_msg(own, LaserScan(0.0, *figures, ranges, mount), stamp, "laser", 0.1))
     return path
 
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from arena_core import Pose
 from arena_core.testing import robot, scenario
-from arena_sim2d.motion import chassis, drive, next_velocity
+from arena_sim2d.motion import chassis_of, drive_arc, next_velocity
 
 DT = 0.01
 speed = st.floats(-1e3, 1e3)
@@ -16,7 +16,7 @@ commands = st.lists(st.tuples(speed, speed, speed), min_size=1, max_size=40)
 
 def follow(kinematics, commands, share=1.0):
     """Return the velocities that a robot takes under commands within a share of its limits, one a tick, starting at rest; (K + 1, 3)."""
-    body = chassis(robot(kinematics))
+    body = chassis_of(robot(kinematics))
     velocities = [np.zeros(3)]
     for command in commands:
         velocities.append(np.array(next_velocity(body, share, tuple(velocities[-1].tolist()), np.array(command), DT)))
@@ -89,14 +89,14 @@ def test_arc_is_that_of_many_small_steps(velocity, seconds):
         x += h * (np.cos(middle) * velocity[0] - np.sin(middle) * velocity[1])
         y += h * (np.sin(middle) * velocity[0] + np.cos(middle) * velocity[1])
         theta += velocity[2] * h
-    pose = drive((1.0, 2.0, 0.5), velocity, seconds)
+    pose = drive_arc((1.0, 2.0, 0.5), velocity, seconds)
     assert pose[:2] == pytest.approx((x, y), abs=1e-6)
     assert pose[2] == pytest.approx((theta + np.pi) % (2 * np.pi) - np.pi, abs=1e-9)
 
 
 @pytest.mark.parametrize("turn", [1e-9, 1e-3, 0.0999999])
 def test_gentle_arc_is_exact_to_rounding(turn):
-    x, y, theta = drive((0.0, 0.0, 0.0), (1.0, 0.0, turn), 1.0)
+    x, y, theta = drive_arc((0.0, 0.0, 0.0), (1.0, 0.0, turn), 1.0)
     assert (x, y) == pytest.approx((np.sin(turn) / turn, 2.0 * np.sin(turn / 2.0) ** 2 / turn), rel=1e-14)
     assert theta == pytest.approx(turn)
 

@@ -13,7 +13,7 @@ from fastapi.testclient import TestClient
 from arena_core.records import EPISODE_COLUMNS
 from arena_studio.app import make_app
 from arena_studio.project import Project
-from arena_studio.side_process import beside
+from arena_studio.side_process import side_processes
 
 TOKEN = "a-token-of-tests"
 METRICS = ("success", "time_to_goal", "collisions")
@@ -61,7 +61,7 @@ def write_run(folder: Path) -> WriteRun:
 def stranger(folder: Path) -> Iterator[TestClient]:
     """Return who does not know the token."""
     yield TestClient(make_app(Project(folder), TOKEN), base_url="http://127.0.0.1:8000")
-    for process in beside(folder.resolve()):
+    for process in side_processes(folder.resolve()):
         process.close()
 
 

@@ -5,22 +5,22 @@ from __future__ import annotations
 import pytest
 
 from arena_core import ConfigurationError
-from arena_studio.composing import MOST_JOBS, composition, shown
+from arena_studio.composing import MOST_JOBS, compose_experiment, shell_command
 
 
 def test_choices_and_values_become_words() -> None:
-    found = composition({"planner": ["pure_pursuit"]}, {"episodes": "3", "task.time_limit": "20"}, "seed=4")
+    found = compose_experiment({"planner": ["pure_pursuit"]}, {"episodes": "3", "task.time_limit": "20"}, "seed=4")
     assert found.words == ("planner=pure_pursuit", "episodes=3", "task.time_limit=20", "seed=4")
-    assert (found.jobs, found.episodes, found.sweeps) == (1, 3, False)
+    assert (found.jobs, found.episodes, found.is_sweep) == (1, 3, False)
     assert found.values["planner.name"] == "pure_pursuit"
     assert found.values["resume"] == "false"
     words = found.command("outputs/a b")
     assert words == ["run", *found.words, "hydra.run.dir='outputs/a b'"]
-    assert shown(words[:2]) == "arena run planner=pure_pursuit"
+    assert shell_command(words[:2]) == "arena run planner=pure_pursuit"
 
 
 def test_several_options_and_values_with_commas_make_a_sweep() -> None:
-    found = composition({"planner": ["pure_pursuit", "dwa"], "metrics": ["si", "barn"]}, {"task.pedestrians": "2, 4"}, "")
+    found = compose_experiment({"planner": ["pure_pursuit", "dwa"], "metrics": ["si", "barn"]}, {"task.pedestrians": "2, 4"}, "")
     assert found.words == ("planner=pure_pursuit,dwa", "metrics=[si,barn]", "task.pedestrians=2,4")
     assert (found.jobs, found.episodes) == (4, 60)
     assert found.command("m")[:2] == ["run", "-m"]
@@ -48,7 +48,7 @@ def test_several_options_and_values_with_commas_make_a_sweep() -> None:
 )
 def test_wrong_experiment_is_refused_in_one_line(choices: dict[str, list[str]], values: dict[str, str], more: str, said: str) -> None:
     with pytest.raises(ConfigurationError) as refused:
-        composition(choices, values, more)
+        compose_experiment(choices, values, more)
     assert said in str(refused.value)
     assert "\n" not in str(refused.value)
 
@@ -56,5 +56,5 @@ def test_wrong_experiment_is_refused_in_one_line(choices: dict[str, list[str]], 
 @pytest.mark.parametrize("text", ["it's a name", "a;rm -rf ~", "$(date)", "a\\'b", "größe", "a=b", "x: y"])
 def test_text_reaches_the_component_as_it_was_typed(text: str) -> None:
     with pytest.raises(ConfigurationError) as refused:
-        composition({}, {"task.pedestrians": text}, "")
+        compose_experiment({}, {"task.pedestrians": text}, "")
     assert str(refused.value) == f"task.pedestrians is {text!r}; allowed: a whole number"

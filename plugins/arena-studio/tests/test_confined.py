@@ -13,12 +13,12 @@ import pytest
 from fastapi.testclient import TestClient
 
 from arena_core import ArenaError, InputFileError
+from arena_studio.allowed_overrides import check_overrides
 from arena_studio.app import make_app
 from arena_studio.experiments import PLACE, Experiment, Experiments
-from arena_studio.processes import log_tail, start
+from arena_studio.processes import log_tail, start_process
 from arena_studio.project import Project
-from arena_studio.side_process import beside
-from arena_studio.words import allowed
+from arena_studio.side_process import side_processes
 
 SECRET = "what-the-environment-holds"
 TOKEN = "a-token-of-tests"
@@ -61,14 +61,14 @@ def client(folder: Path) -> Iterator[TestClient]:
     with TestClient(make_app(Project(folder), TOKEN), base_url="http://127.0.0.1:8000") as page:
         page.get("/", params={"token": TOKEN})
         yield page
-    for process in beside(folder.resolve()):
+    for process in side_processes(folder.resolve()):
         process.close()
 
 
 @pytest.mark.parametrize("word", OTHERS)
 def test_word_that_a_browser_may_not_send_is_refused_in_one_line(folder: Path, word: str) -> None:
     with pytest.raises(ArenaError) as refused:
-        allowed([word], folder)
+        check_overrides([word], folder)
     assert "\n" not in str(refused.value)
     assert "allowed: " in str(refused.value)
 
@@ -82,7 +82,7 @@ def test_words_of_an_experiment_are_allowed(folder: Path) -> None:
         "task.pedestrians=choice(1,2)",
         "+x='a: $(b)'",
     ]
-    assert allowed(words, folder) == words
+    assert check_overrides(words, folder) == words
 
 
 INTERPOLATED = "${oc.env:SECRET_OF_TESTS}"
@@ -213,7 +213,7 @@ def test_log_that_is_a_link_is_neither_shown_nor_written(folder: Path) -> None:
     log.symlink_to(target)
     assert log_tail(log) == []
     with pytest.raises(InputFileError, match="a file that the studio wrote"):
-        start(["list"], folder, log)
+        start_process(["list"], folder, log)
     assert target.read_text() == f"# {SECRET}\nlevels: [{SECRET}]\n"
 
 
@@ -221,7 +221,7 @@ def test_log_that_is_a_pipe_is_not_waited_for(folder: Path) -> None:
     os.mkfifo(folder / "x.log")
     assert log_tail(folder / "x.log") == []
     with pytest.raises(InputFileError):
-        start(["list"], folder, folder / "x.log")
+        start_process(["list"], folder, folder / "x.log")
 
 
 def test_folder_of_notes_that_leads_out_is_refused(folder: Path) -> None:

@@ -13,7 +13,7 @@ from fastapi.testclient import TestClient
 from arena_core.cli.main import main
 from arena_studio.app import make_app
 from arena_studio.project import Project
-from arena_studio.side_process import beside
+from arena_studio.side_process import side_processes
 from arena_tasks.random.curriculum import read_curriculum
 
 DATA = Path(__file__).parents[3] / "tests" / "data"
@@ -30,7 +30,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         shutil.copytree(DATA / name, root / name)
     (root / "straight.json").write_text(json.dumps(OURS))
     yield root
-    for process in beside(root.resolve()):
+    for process in side_processes(root.resolve()):
         process.close()
 
 

@@ -14,7 +14,7 @@ import pytest
 from fastapi.testclient import TestClient
 
 from arena_core.files import read_table
-from arena_studio.composing import composition
+from arena_studio.composing import compose_experiment
 from arena_studio.errors import Conflict, Missing
 from arena_studio.experiments import PLACE, Experiment, Experiments
 from arena_studio.project import Project
@@ -52,10 +52,10 @@ def ended(found: dict[str, Any]) -> bool:
 
 @pytest.mark.slow
 def test_experiment_runs_to_its_end_and_is_found_again(experiments: Experiments, folder: Path) -> None:
-    begun = experiments.start(composition(QUICK, VALUES, ""), "outputs/first")
+    begun = experiments.start(compose_experiment(QUICK, VALUES, ""), "outputs/first")
     assert begun["state"] == "running"
     assert begun["command"].startswith("arena run planner=pure_pursuit world=empty")
-    found = until(lambda: experiments.standing(begun["name"]), ended)
+    found = until(lambda: experiments.experiment_state(begun["name"]), ended)
     assert (found["state"], found["status"], found["done"]) == ("finished", 0, 2), found["said"]
     assert [row["episode"] for row in found["last"]] == ["0", "1"]
     assert found["folders"] == ["outputs/first"]
@@ -65,21 +65,21 @@ def test_experiment_runs_to_its_end_and_is_found_again(experiments: Experiments,
 
 @pytest.mark.slow
 def test_stopped_experiment_goes_on_where_it_was(experiments: Experiments, folder: Path) -> None:
-    begun = experiments.start(composition(QUICK, {**VALUES, "episodes": "4000"}, ""), "outputs/long")
-    until(lambda: experiments.standing(begun["name"]), lambda found: found["done"] > 0)
+    begun = experiments.start(compose_experiment(QUICK, {**VALUES, "episodes": "4000"}, ""), "outputs/long")
+    until(lambda: experiments.experiment_state(begun["name"]), lambda found: found["done"] > 0)
     with pytest.raises(Conflict, match="runs already"):
         experiments.resume(begun["name"])
     with pytest.raises(Conflict, match="runs"):
         experiments.forget(begun["name"])
     assert experiments.stop(begun["name"])["state"] in ("stopping", "cut off")
-    stopped = until(lambda: experiments.standing(begun["name"]), ended)
+    stopped = until(lambda: experiments.experiment_state(begun["name"]), ended)
     assert stopped["state"] == "cut off"
     assert 0 < stopped["done"] < 4000
     kept = {row["episode"]: row for row in read_table(folder / "outputs/long/episodes.csv", "a table")[1]}
     experiments.resume(begun["name"])
-    until(lambda: experiments.standing(begun["name"]), lambda found: found["done"] > stopped["done"])
+    until(lambda: experiments.experiment_state(begun["name"]), lambda found: found["done"] > stopped["done"])
     experiments.stop(begun["name"])
-    until(lambda: experiments.standing(begun["name"]), ended)
+    until(lambda: experiments.experiment_state(begun["name"]), ended)
     now = {row["episode"]: row for row in read_table(folder / "outputs/long/episodes.csv", "a table")[1]}
     assert {episode: now[episode] for episode in kept} == kept
     experiments.forget(begun["name"])
@@ -89,8 +89,10 @@ def test_stopped_experiment_goes_on_where_it_was(experiments: Experiments, folde
 
 @pytest.mark.slow
 def test_experiment_that_cannot_be_built_says_why(experiments: Experiments) -> None:
-    begun = experiments.start(composition({**QUICK, "world": ["warehouse"]}, {**VALUES, "world.known": "false"}, "localizer=amcl"), "")
-    found = until(lambda: experiments.standing(begun["name"]), ended)
+    begun = experiments.start(
+        compose_experiment({**QUICK, "world": ["warehouse"]}, {**VALUES, "world.known": "false"}, "localizer=amcl"), ""
+    )
+    found = until(lambda: experiments.experiment_state(begun["name"]), ended)
     assert (found["state"], found["status"]) == ("refused", 2)
     assert "world.known is false and localizer amcl needs a map" in found["said"][-1]
 

@@ -42,11 +42,11 @@ def test_pnm_files_keep_every_byte_but_those_of_changed_pixels(file: tuple[bytes
     content, samples = file
     image = read_pnm(content, "hall.pgm")
     assert (image.samples == samples).all()
-    assert image.encoded(image.samples) == content
+    assert image.encode_samples(image.samples) == content
     changed = data.draw(arrays.arrays(np.uint16, samples.shape, elements=st.integers(0, image.highest))).astype(image.samples.dtype)
-    again = read_pnm(image.encoded(changed), "hall.pgm")
+    again = read_pnm(image.encode_samples(changed), "hall.pgm")
     assert (again.samples == changed).all()
-    assert image.encoded(changed).startswith(content[: image.begin])
+    assert image.encode_samples(changed).startswith(content[: image.begin])
 
 
 @QUICK
@@ -54,7 +54,7 @@ def test_pnm_files_keep_every_byte_but_those_of_changed_pixels(file: tuple[bytes
 def test_pnm_files_of_another_size_are_read_back(file: tuple[bytes, np.ndarray]) -> None:
     image = read_pnm(file[0], "hall.pgm")
     wider = np.concatenate([image.samples, image.samples], axis=1)
-    assert (read_pnm(image.encoded(wider), "hall.pgm").samples == wider).all()
+    assert (read_pnm(image.encode_samples(wider), "hall.pgm").samples == wider).all()
 
 
 @QUICK
@@ -81,7 +81,7 @@ def test_pictures_are_read_back(data: st.DataObject, mode: str, form: str) -> No
     assert image is not None
     shape = (rows, columns, image.samples.shape[2])
     samples = data.draw(arrays.arrays(np.uint16, shape, elements=st.integers(0, min(image.highest, 6) if mode == "P" else image.highest)))
-    again = read_picture(image.encoded(samples.astype(image.samples.dtype)), "hall.png")
+    again = read_picture(image.encode_samples(samples.astype(image.samples.dtype)), "hall.png")
     assert again is not None
     assert again.image.mode == mode
     assert (again.samples == samples).all()

@@ -16,7 +16,7 @@ from PIL import Image
 from arena_core import ArenaError, InputFileError
 from arena_studio.errors import Conflict, TooLarge
 from arena_studio.mapping.map_document import copy_map, map_document, map_files, map_version, save_map
-from arena_studio.mapping.transfer import packed, unpacked
+from arena_studio.mapping.transfer import pack_cells, unpack_cells
 from arena_studio.project import Project
 from arena_worlds.formats.ros_map import load_map
 
@@ -256,16 +256,16 @@ def test_image_outside_the_project_is_refused(tmp_path: Path) -> None:
 
 
 def test_bodies_travel_with_and_without_gzip() -> None:
-    body = packed({"a": 1}, b"cells")
-    assert unpacked(body) == unpacked(gzip.compress(body)) == ({"a": 1}, b"cells")
+    body = pack_cells({"a": 1}, b"cells")
+    assert unpack_cells(body) == unpack_cells(gzip.compress(body)) == ({"a": 1}, b"cells")
 
 
 @pytest.mark.parametrize("body", [b"", b"abc", b"\xff\xff\xff\xff", b"\x02\0\0\0[]", b"\x01\0\0\0{", b"\x1f\x8bnothing"])
 def test_bodies_that_are_none_are_refused(body: bytes) -> None:
     with pytest.raises(InputFileError):
-        unpacked(body)
+        unpack_cells(body)
 
 
 def test_a_body_that_unpacks_without_end_is_refused() -> None:
     with pytest.raises(TooLarge):
-        unpacked(gzip.compress(bytes(60_000_000), 1))
+        unpack_cells(gzip.compress(bytes(60_000_000), 1))

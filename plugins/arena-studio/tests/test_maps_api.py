@@ -15,12 +15,12 @@ from fastapi.testclient import TestClient
 
 from arena_core.hosting import load_registry
 from arena_studio.app import make_app
-from arena_studio.mapping.transfer import packed, unpacked
+from arena_studio.mapping.transfer import pack_cells, unpack_cells
 from arena_studio.project import Project
-from arena_studio.side_process import beside
+from arena_studio.side_process import side_processes
 from arena_tasks.commands.packing import ANYBODY
 from arena_tasks.scenario_files.scenario_file import read_scenarios
-from arena_worlds.commands.generate import parameters
+from arena_worlds.commands.generate import world_parameters
 from arena_worlds.commands.measures import measures_of
 from arena_worlds.formats.ros_map import load_map
 
@@ -32,7 +32,7 @@ MAP = "maps/hall/map.yaml"
 def folder(tmp_path: Path) -> Iterator[Path]:
     shutil.copytree(HALL, tmp_path / "maps" / "hall")
     yield tmp_path
-    for process in beside(tmp_path.resolve()):
+    for process in side_processes(tmp_path.resolve()):
         process.close()
 
 
@@ -47,7 +47,7 @@ def reader(tmp_path_factory: pytest.TempPathFactory) -> Iterator[TestClient]:
     root = tmp_path_factory.mktemp("read")
     shutil.copytree(HALL, root / "maps" / "hall")
     yield client_of(root)
-    for process in beside(root.resolve()):
+    for process in side_processes(root.resolve()):
         process.close()
 
 
@@ -59,14 +59,14 @@ def client_of(folder: Path) -> TestClient:
 def opened(client: TestClient, path: str) -> tuple[dict[str, Any], np.ndarray]:
     answer = client.get("/api/maps/file", params={"path": path})
     assert answer.status_code == 200, answer.text
-    header, cells = unpacked(answer.content)
+    header, cells = unpack_cells(answer.content)
     return header, np.frombuffer(cells, np.uint8).reshape(header["height"], header["width"])
 
 
 def test_a_stroke_goes_to_the_file_and_the_next_save_knows_its_version(client: TestClient, folder: Path) -> None:
     header, _ = opened(client, MAP)
     for column in (20, 40):
-        body = packed({**header, "rectangles": [[column, 30, 2, 3]]}, bytes([header["drawn"]["occupied"]]) * 6)
+        body = pack_cells({**header, "rectangles": [[column, 30, 2, 3]]}, bytes([header["drawn"]["occupied"]]) * 6)
         answer = client.put("/api/maps/file", params={"path": MAP}, content=gzip.compress(body))
         header["version"] = answer.json()["version"]
     after = np.array(load_map(HALL / "map.yaml").data)[::-1]
@@ -85,7 +85,7 @@ def test_a_map_of_another_size_is_written_with_its_origin_and_all_else_kept(clie
     larger = np.full((rows + 1, columns - 2), header["drawn"]["unknown"], np.uint8)
     larger[:rows] = cells[:, 2:]
     said = {"width": columns - 2, "height": rows + 1, "rectangles": [[0, 0, columns - 2, rows + 1]], "origin": [0.5, -0.25, 0.0]}
-    answer = client.put("/api/maps/file", params={"path": MAP}, content=packed({**header, **said}, larger.tobytes()))
+    answer = client.put("/api/maps/file", params={"path": MAP}, content=pack_cells({**header, **said}, larger.tobytes()))
     assert answer.status_code == 200, answer.text
     grid = load_map(text)
     assert (grid.data[1:] == before[:, 2:]).all()
@@ -110,17 +110,19 @@ def test_a_map_of_another_size_is_written_with_its_origin_and_all_else_kept(clie
 def test_a_size_that_is_wrong_is_refused_and_nothing_is_written(client: TestClient, folder: Path, said: dict[str, Any]) -> None:
     header, _ = opened(client, MAP)
     kept = (folder / "maps" / "hall" / "map.pgm").read_bytes()
-    answer = client.put("/api/maps/file", params={"path": MAP}, content=packed({**header, "rectangles": [[0, 0, 1, 1]], **said}, bytes(40)))
+    answer = client.put(
+        "/api/maps/file", params={"path": MAP}, content=pack_cells({**header, "rectangles": [[0, 0, 1, 1]], **said}, bytes(40))
+    )
     assert answer.status_code == 400, answer.text
     assert (folder / "maps" / "hall" / "map.pgm").read_bytes() == kept
 
 
 def test_a_second_window_is_told_of_the_conflict(client: TestClient, folder: Path) -> None:
     header, _ = opened(client, MAP)
-    body = packed({**header, "rectangles": [[20, 30, 1, 1]]}, bytes(1))
+    body = pack_cells({**header, "rectangles": [[20, 30, 1, 1]]}, bytes(1))
     assert client.put("/api/maps/file", params={"path": MAP}, content=body).status_code == 200
     kept = (folder / "maps" / "hall" / "map.pgm").read_bytes()
-    answer = client.put("/api/maps/file", params={"path": MAP}, content=packed({**header, "rectangles": [[0, 0, 1, 1]]}, bytes((254,))))
+    answer = client.put("/api/maps/file", params={"path": MAP}, content=pack_cells({**header, "rectangles": [[0, 0, 1, 1]]}, bytes((254,))))
     assert answer.status_code == 409
     assert "changed by somebody else" in answer.json()["error"]
     assert (folder / "maps" / "hall" / "map.pgm").read_bytes() == kept
@@ -133,20 +135,20 @@ def test_every_kind_of_world_is_drawn_as_the_command_line_draws_it(reader: TestC
     assert kinds["rooms"]["door_width"] is None
     words = {"kind": "rooms", "seed": 3, "parameters": json.dumps({"difficulty": 0.8, "width": 10, "door_width": None})}
     answer = reader.get("/api/maps/draw", params=words)
-    header, cells = unpacked(answer.content)
-    world = load_registry().build("world", parameters("rooms", {"difficulty": "0.8", "width": "10"})).world(3, 0)
+    header, cells = unpack_cells(answer.content)
+    world = load_registry().build("world", world_parameters("rooms", {"difficulty": "0.8", "width": "10"})).world(3, 0)
     values = np.array(header["values"], np.int8)[np.frombuffer(cells, np.uint8)].reshape(header["height"], header["width"])
     assert (values[::-1] == world.grid.data).all()
     assert header["version"] is None
 
 
 def test_a_drawn_world_is_kept_as_a_map(client: TestClient, folder: Path) -> None:
-    header, cells = unpacked(client.get("/api/maps/draw", params={"kind": "indoor", "seed": 1}).content)
+    header, cells = unpack_cells(client.get("/api/maps/draw", params={"kind": "indoor", "seed": 1}).content)
     answer = client.post(
-        "/api/maps/copy", params={"path": "maps/mine.yaml"}, content=gzip.compress(packed({**header, "like": None}, cells))
+        "/api/maps/copy", params={"path": "maps/mine.yaml"}, content=gzip.compress(pack_cells({**header, "like": None}, cells))
     )
     assert answer.status_code == 200, answer.text
-    grid = load_registry().build("world", parameters("indoor", {})).world(1, 0).grid
+    grid = load_registry().build("world", world_parameters("indoor", {})).world(1, 0).grid
     kept = load_map(folder / "maps" / "mine.yaml")
     assert (kept.data == grid.data).all()
     assert (kept.resolution, kept.origin) == (grid.resolution, grid.origin)
@@ -208,10 +210,18 @@ def test_all_else_of_a_scenario_file_stays(client: TestClient, folder: Path) -> 
         ("get", "/api/maps/measures", {"params": {"path": MAP, "robot_radius": "nan"}}),
         ("get", "/api/maps/measures", {"params": {"path": MAP, "robot_radius": "99"}}),
         ("put", "/api/maps/file", {"params": {"path": MAP}, "content": b"nothing"}),
-        ("post", "/api/maps/copy", {"params": {"path": "x.yaml"}, "content": packed({}, b"")}),
-        ("post", "/api/maps/copy", {"params": {"path": "x.yaml"}, "content": packed({"width": 10**9, "height": 10**9}, b"")}),
-        ("post", "/api/maps/copy", {"params": {"path": "x.yaml"}, "content": packed({"width": 1, "height": 1, "samples": "no"}, b"\0")}),
-        ("post", "/api/maps/copy", {"params": {"path": "x.yaml"}, "content": packed({"width": 1, "height": 1, "samples": [["a"]]}, b"\0")}),
+        ("post", "/api/maps/copy", {"params": {"path": "x.yaml"}, "content": pack_cells({}, b"")}),
+        ("post", "/api/maps/copy", {"params": {"path": "x.yaml"}, "content": pack_cells({"width": 10**9, "height": 10**9}, b"")}),
+        (
+            "post",
+            "/api/maps/copy",
+            {"params": {"path": "x.yaml"}, "content": pack_cells({"width": 1, "height": 1, "samples": "no"}, b"\0")},
+        ),
+        (
+            "post",
+            "/api/maps/copy",
+            {"params": {"path": "x.yaml"}, "content": pack_cells({"width": 1, "height": 1, "samples": [["a"]]}, b"\0")},
+        ),
         ("put", "/api/maps/furniture", {"json": {"path": MAP, "version": "", "problem": "", "furniture": []}}),
         ("post", "/api/maps/scenarios", {"json": {"path": "a.json", "map": MAP, "furniture": [{"kind": "sofa", "pose": [0, 0, 0]}]}}),
         ("post", "/api/maps/scenarios", {"json": {"path": "a.json", "map": MAP, "furniture": [7]}}),

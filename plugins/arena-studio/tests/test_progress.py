@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from arena_studio.progress import Progress
-from arena_viewer.live import Watched
+from arena_viewer.live import LiveRuns
 
 WriteRun = Callable[..., Path]
 
@@ -34,7 +34,7 @@ def end(run: Path, ago: dict[int, float]) -> None:
 
 def left(*runs: Path, episodes: int = 20) -> int | None:
     progress = Progress(runs, episodes)
-    progress.look()
+    progress.refresh()
     return progress.left()
 
 
@@ -48,7 +48,7 @@ def test_time_left_is_that_of_the_core_and_known_at_the_first_look(write_run: Wr
     found = left(run)
     assert found is not None
     assert 44 <= found <= 48
-    assert json.loads(Watched(run).state({})[1])["left"] == pytest.approx(found, abs=1.0)
+    assert json.loads(LiveRuns(run).state({})[1])["left"] == pytest.approx(found, abs=1.0)
 
 
 def test_episodes_of_an_earlier_start_are_no_ground_for_a_guess(write_run: WriteRun) -> None:
@@ -74,4 +74,4 @@ def test_odd_configuration_of_a_run_harms_nobody(write_run: WriteRun, config: ob
     begin(run, config, 20, 120.0)
     end(run, {0: 3.0})
     assert left(run) is None
-    assert json.loads(Watched(run).state({})[1])["left"] in (None, 0.0)
+    assert json.loads(LiveRuns(run).state({})[1])["left"] in (None, 0.0)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from fastapi.testclient import TestClient
 
-from arena_studio.signed import Signed
+from arena_studio.signed_addresses import SignedAddresses
 
 TOKEN = "a-token-of-tests"
 REPORTS = ("reports/first", "reports/größer & more")
@@ -46,7 +46,7 @@ def test_report_and_its_replays_open_without_a_cookie(client: TestClient, report
 
 
 def test_signature_opens_one_report_and_nothing_else(client: TestClient, reported: Path) -> None:
-    address = Signed(TOKEN).address(REPORTS[0])
+    address = SignedAddresses(TOKEN).address(REPORTS[0])
     signature = address.split("/")[2]
     other = stranger_of(client)
     beside = ("notes.html", "replays/../notes.html", "replays/..%2fnotes.html", "../first/notes.html", "replays/replays/e-1.html")
@@ -60,13 +60,13 @@ def test_signature_opens_one_report_and_nothing_else(client: TestClient, reporte
 
 def test_signed_address_is_of_this_studio_and_of_this_machine(client: TestClient, reported: Path) -> None:
     other = stranger_of(client)
-    assert other.get(Signed("another token").address(REPORTS[0])).status_code == 403
+    assert other.get(SignedAddresses("another token").address(REPORTS[0])).status_code == 403
     for headers in ({"Host": "evil.example"}, {"Origin": "null"}, {"Origin": "http://evil.example"}):
-        assert other.get(Signed(TOKEN).address(REPORTS[0]), headers=headers).status_code == 403
+        assert other.get(SignedAddresses(TOKEN).address(REPORTS[0]), headers=headers).status_code == 403
 
 
 def test_signature_tells_nothing_of_the_token() -> None:
-    signatures = {Signed(TOKEN).address(name).split("/")[2] for name in REPORTS}
+    signatures = {SignedAddresses(TOKEN).address(name).split("/")[2] for name in REPORTS}
     assert len(signatures) == len(REPORTS)
     assert not any(TOKEN in one for one in signatures)
 
@@ -75,8 +75,8 @@ def test_what_is_no_report_is_told(client: TestClient, reported: Path) -> None:
     assert client.get("/report/reports").status_code == 404
     assert client.get("/report/..%2f..%2fetc").status_code in (400, 404)
     (reported / "reports" / "first" / "index.html").unlink()
-    assert stranger_of(client).get(Signed(TOKEN).address(REPORTS[0])).status_code == 404
+    assert stranger_of(client).get(SignedAddresses(TOKEN).address(REPORTS[0])).status_code == 404
     outside = reported.parent / "outside.html"
     outside.write_text("a secret")
     (reported / "reports" / "first" / "replays" / "link.html").symlink_to(outside)
-    assert stranger_of(client).get(f"{Signed(TOKEN).address(REPORTS[0])}replays/link.html").status_code == 400
+    assert stranger_of(client).get(f"{SignedAddresses(TOKEN).address(REPORTS[0])}replays/link.html").status_code == 400

@@ -14,7 +14,7 @@ from fastapi.testclient import TestClient
 from arena_core import ArenaError
 from arena_studio.app import make_app
 from arena_studio.project import Project
-from arena_studio.side_process import SideProcess, beside
+from arena_studio.side_process import SideProcess, side_processes
 from arena_tasks.commands.packing import ANYBODY
 from arena_tasks.scenario_files.scenario_file import content_of, read_scenario_file
 from arena_viewer.document import read_document
@@ -30,7 +30,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     for name in ("maps", "scenarios"):
         shutil.copytree(DATA / name, root / name)
     yield root
-    for process in beside(root.resolve()):
+    for process in side_processes(root.resolve()):
         process.close()
 
 

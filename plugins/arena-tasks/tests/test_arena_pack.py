@@ -15,7 +15,7 @@ from arena_core import Robot, Scenario
 from arena_core.cli.main import main
 from arena_core.files import option_files
 from arena_core.hosting import compose, load_registry
-from arena_scenarios.__main__ import DENSITIES, SITUATIONS, VARIATIONS, make
+from arena_scenarios.__main__ import DENSITIES, SITUATIONS, VARIATIONS, write_pack
 from arena_scenarios.situations import APART, KEEP_OFF
 
 PACKAGE = Path(str(files("arena_scenarios")))
@@ -46,7 +46,7 @@ def scenarios(name: str, robot: str = "jackal") -> tuple[Scenario, ...]:
 
 
 def test_making_it_anew_gives_the_same_files_bit_for_bit(tmp_path: Path) -> None:
-    make(tmp_path)
+    write_pack(tmp_path)
     made = {path.relative_to(tmp_path): path for folder in ("packs", "conf") for path in (tmp_path / folder).rglob("*") if path.is_file()}
     kept = [path for folder in ("packs", "conf/scenario", "conf/experiment") for path in (PACKAGE / folder).rglob("*") if path.is_file()]
     assert sorted(made) == sorted(path.relative_to(PACKAGE) for path in kept)

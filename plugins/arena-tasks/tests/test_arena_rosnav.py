@@ -10,7 +10,7 @@ from arena_core import InputFileError, Pose
 from arena_core.testing import component
 from arena_tasks.scenario_files.arena_tools import STANDS
 from arena_tasks.scenario_files.flatland_model import SOLID
-from arena_tasks.scenario_files.problem import PersonDefaults, Problem, noted
+from arena_tasks.scenario_files.problem import PersonDefaults, Problem, reading_notes
 from arena_tasks.scenario_files.published_models import published_models
 from arena_tasks.scenario_files.scenario_file import read_scenarios
 
@@ -149,7 +149,7 @@ def test_who_has_no_place_begins_at_the_first_waypoint(tmp_path: Path) -> None:
     ],
 )
 def test_what_is_not_representable_is_noted_in_one_line(tmp_path: Path, content: dict[str, Any], note: str) -> None:
-    assert noted([read(tmp_path, content)]) == note
+    assert reading_notes([read(tmp_path, content)]) == note
 
 
 def test_a_round_of_a_kind_that_nobody_knows_is_a_loop_and_noted(tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ from arena_core import InputFileError, Pose, World, WorldSource, testing
 from arena_core.cli.main import main
 from arena_core.hosting import UnknownComponent, compose, load_registry
 from arena_tasks.commands.packing import make_pack
-from arena_tasks.scenario_files.pack import PACK_FILE, checked_pack, read_pack
+from arena_tasks.scenario_files.pack import PACK_FILE, read_pack, verified_pack
 from arena_tasks.scenario_files.scenario_task import ScenarioTask
 
 EXACT = settings(derandomize=True, deadline=None, suppress_health_check=list(HealthCheck))
@@ -133,7 +133,7 @@ def test_hash_names_pack_and_version_and_changes_with_file_and_map(folder: Path)
 
 
 def test_a_file_beside_no_pack_belongs_to_none(folder: Path) -> None:
-    assert checked_pack(folder / "scenarios") is None
+    assert verified_pack(folder / "scenarios") is None
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from omegaconf import OmegaConf
 from arena_core import ConfigurationError, Footprint, ImpossibleScenario, OccupancyGrid, Pose, Robot, Scenario, World, WorldSource, testing
 from arena_core.hosting import Registry, compose, load_registry, to_plain
 from arena_core.testing import check
-from arena_kernels.ways import Ways
+from arena_kernels.shortest_path import ShortestPaths
 from arena_tasks import config_package, register_task_modes
 from arena_tasks.random.free_space import FreeSpace
 from arena_tasks.random.random_task import RandomTask
@@ -98,7 +98,7 @@ def test_every_promise_is_kept(seed: int, index: int, placement: str, radius: fl
         assert (person.desired_speed, person.radius) == (0.3, 0.3)
         assert 2 <= len(person.waypoints_xy) <= 6  # four places, and two of them on the way back
         assert space.has_room(np.vstack((person.waypoints_xy, person.position_xy[None])), 0.35).all()
-        assert len(HALL.derive(Ways).round(person.waypoints_xy, 0.3)) == len(person.waypoints_xy)
+        assert len(HALL.derive(ShortestPaths).patrol_paths(person.waypoints_xy, 0.3)) == len(person.waypoints_xy)
         stops = np.vstack((person.waypoints_xy, person.position_xy[None]))
         assert np.hypot(*(stops[:, None] - ends).transpose(2, 0, 1)).min() >= 0.3 + 4 * radius
     positions = np.array([p.position_xy for p in scenario.pedestrians])
@@ -108,7 +108,7 @@ def test_every_promise_is_kept(seed: int, index: int, placement: str, radius: fl
 
 def test_people_start_on_the_way_to_their_first_waypoint() -> None:
     for person in make().scenario(1, 0).pedestrians:
-        legs = HALL.derive(Ways).round(person.waypoints_xy, person.radius)
+        legs = HALL.derive(ShortestPaths).patrol_paths(person.waypoints_xy, person.radius)
         ends = zip(legs[0], legs[0][1:], strict=False)
         detours = [np.hypot(*(a - person.position_xy)) + np.hypot(*(b - person.position_xy)) - np.hypot(*(a - b)) for a, b in ends]
         assert min(detours) == pytest.approx(0.0, abs=1e-9)
@@ -121,7 +121,7 @@ def test_rounds_along_the_route_come_to_it_and_rounds_anywhere_may_not() -> None
             scenario = make(placement=placement, rounds={"crossing": 0.0, **rounds}).scenario(2, index)
             way = find_route(HALL, 0.16, *(np.array((end.x, end.y)) for end in (scenario.start, scenario.goal)))
             for person in scenario.pedestrians:
-                round_way = np.vstack(HALL.derive(Ways).round(person.waypoints_xy, 0.3))
+                round_way = np.vstack(HALL.derive(ShortestPaths).patrol_paths(person.waypoints_xy, 0.3))
                 found.append(np.hypot(*(round_way[:, None] - way).transpose(2, 0, 1)).min())
         return float(np.max(found))
 

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from arena_core import InputFileError, Obstacle, PedestrianSpec, Pose
 from arena_core.cli.main import main
 from arena_tasks.scenario_files.arena_rosnav_writer import arena_rosnav_text, world_name
-from arena_tasks.scenario_files.arena_tools_writer import AGENT, arena_tools_text, flatland_model_text, left_out
+from arena_tasks.scenario_files.arena_tools_writer import AGENT, arena_tools_text, flatland_model_text, unsupported_parts
 from arena_tasks.scenario_files.problem import Keys, PersonDefaults, Problem
 from arena_tasks.scenario_files.scenario_file import read_scenario_file, read_scenarios, save_scenarios
 
@@ -88,7 +88,7 @@ def test_a_problem_survives_arena_tools(tmp_path_factory: pytest.TempPathFactory
         assert person.desired_speed == given_person.desired_speed
         assert person.behaviour == {**AGENT, **given_person.behaviour}
     assert shape(found.obstacles).symmetric_difference(shape(problem.obstacles)).area < 1e-6
-    assert left_out(problem) == []
+    assert unsupported_parts(problem) == []
 
 
 @given(problem=problems())

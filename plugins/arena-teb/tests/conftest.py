@@ -9,7 +9,7 @@ import pytest
 
 from arena_core import Costmap, EpisodeStart, Observation, Planner, Pose, Robot, Tracks
 from arena_core.testing import boxes_costmap, component, tracked, view
-from arena_kernels.window import Window, window_of
+from arena_kernels.costmap_window import CostmapWindow, window_of
 
 
 @pytest.fixture(scope="session")
@@ -27,10 +27,10 @@ def build() -> Callable[..., Planner]:
 
 
 @pytest.fixture(scope="session")
-def window(costmap: Callable[..., Costmap]) -> Callable[..., Window]:
+def window(costmap: Callable[..., Costmap]) -> Callable[..., CostmapWindow]:
     """Give a function that makes the window of such a costmap."""
 
-    def _window(*boxes: tuple[float, float, float, float]) -> Window:
+    def _window(*boxes: tuple[float, float, float, float]) -> CostmapWindow:
         return window_of(costmap(*boxes))
 
     return _window

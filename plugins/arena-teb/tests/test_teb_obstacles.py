@@ -7,12 +7,12 @@ import pytest
 
 from arena_core import Pose, Twist
 from arena_core.testing import component
-from arena_kernels.footprint import gap_to_convex, make_body, place
-from arena_kernels.window import LETHAL
-from arena_teb.association import FORCED_FROM, Reach, associated
+from arena_kernels.costmap_window import LETHAL
+from arena_kernels.footprint import gap_to_convex, make_body, place_body
+from arena_teb.association import FORCED_FROM, Reach, associate_points
 from arena_teb.parameters import Obstacles, Polygons
 from arena_teb.planner import nearest_tracks
-from arena_teb.polygons import NO_HULLS, clustered, hulls_of
+from arena_teb.polygons import NO_HULLS, cluster_cells, hulls_of
 
 SETTINGS = Polygons(cluster_max_distance=0.4, cluster_min_pts=2, cluster_max_pts=30, min_pt_separation=0.1)
 AHEAD = np.array([(0.0, 0.0, 0.0, 0.3)])
@@ -32,7 +32,7 @@ def test_every_cell_lies_in_or_near_a_convex_polygon(window):
     rows, columns = np.nonzero(here.costs >= LETHAL)
     cell = make_body(np.empty((0, 2)), 0.001)
     for x, y in zip(here.origin_x + (columns + 0.5) * 0.05, here.origin_y + (rows + 0.5) * 0.05, strict=True):
-        place(cell, x, y, 0.0)
+        place_body(cell, x, y, 0.0)
         assert min(gap_to_convex(cell, hull)[0] for hull in hulls) <= SETTINGS.min_pt_separation
     for hull in hulls:
         sides = np.roll(hull, -1, axis=0) - hull
@@ -42,7 +42,7 @@ def test_every_cell_lies_in_or_near_a_convex_polygon(window):
 
 def test_clusters_hold_at_most_so_many_cells_and_a_cell_alone_is_one(window):
     lethal = window((-2.0, 2.0, 0.0, 0.2), (1.0, 1.01, 2.0, 2.01)).costs >= LETHAL
-    cells, labels = clustered(lethal, 8.0, 2, 30)
+    cells, labels = cluster_cells(lethal, 8.0, 2, 30)
     assert len(cells) == lethal.sum()
     assert len(np.unique(cells, axis=0)) == len(cells)
     sizes = np.bincount(labels)
@@ -58,14 +58,14 @@ def test_two_bodies_apart_are_two_polygons(window):
 
 def test_pose_is_paired_with_the_nearest_points_of_polygons(window):
     here = window((-0.5, 0.5, 0.5, 0.6), (-0.5, 0.5, -0.8, -0.7))
-    (points,) = associated(AHEAD, here, hulls_of(here, SETTINGS), Reach(1.0, 0.0))
+    (points,) = associate_points(AHEAD, here, hulls_of(here, SETTINGS), Reach(1.0, 0.0))
     np.testing.assert_allclose(points, [(0.0, 0.525), (0.0, -0.725)], atol=0.06)
 
 
 def test_pose_inside_a_polygon_is_pushed_to_its_nearest_side(window):
     here = window((-0.2, 0.2, -0.1, 0.7), (-0.3, 0.3, 0.2, 0.3))
     pose = np.array([(0.0, 0.0, 0.0, 0.3)])
-    (points,) = associated(pose, here, hulls_of(here, Polygons(0.4, 2, 10**6, 0.0)), Reach(1.0, 0.0))
+    (points,) = associate_points(pose, here, hulls_of(here, Polygons(0.4, 2, 10**6, 0.0)), Reach(1.0, 0.0))
     (point,) = finite(points)
     assert point[1] > 0.0  # the nearest side lies below
     assert np.hypot(*point) < 0.01
@@ -73,8 +73,8 @@ def test_pose_inside_a_polygon_is_pushed_to_its_nearest_side(window):
 
 def test_near_points_are_forced_to_count_beside_the_nearest_left_and_right(window):
     here = window((0.3, 0.31, 0.2, 0.21), (-0.31, -0.3, 0.2, 0.21), (0.0, 0.01, 0.8, 0.81), (0.0, 0.01, -0.71, -0.7))
-    (few,) = associated(AHEAD, here, NO_HULLS, Reach(1.0, 0.0))
-    (more,) = associated(AHEAD, here, NO_HULLS, Reach(1.0, 0.5))
+    (few,) = associate_points(AHEAD, here, NO_HULLS, Reach(1.0, 0.0))
+    (more,) = associate_points(AHEAD, here, NO_HULLS, Reach(1.0, 0.5))
     assert len(finite(few)) == 2
     assert len(more) == FORCED_FROM + 2
     np.testing.assert_allclose(more[:2, 1], (0.8, -0.7), atol=0.06)  # forced ones are nobody's nearest
@@ -83,7 +83,7 @@ def test_near_points_are_forced_to_count_beside_the_nearest_left_and_right(windo
 
 def test_inner_cells_of_a_thick_wall_are_not_forced_to_count(window):
     thick = window((-1.0, 1.0, 0.2, 0.8))
-    (points,) = associated(AHEAD, thick, NO_HULLS, Reach(1.0, 0.4))
+    (points,) = associate_points(AHEAD, thick, NO_HULLS, Reach(1.0, 0.4))
     assert np.allclose(finite(points)[FORCED_FROM:, 1], finite(points)[FORCED_FROM:, 1].min(), atol=0.01)
 
 

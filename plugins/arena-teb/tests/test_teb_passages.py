@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from arena_teb.association import Reach
 from arena_teb.polygons import NO_HULLS
 from arena_teb.problem import Ends, Penalties, Shape, Surroundings
-from arena_teb.solver import solve
-from arena_teb.surroundings import Scene, Vicinity, room_beside, surroundings
-from arena_teb.terms import evaluate, make_rows
+from arena_teb.solver import solve_band
+from arena_teb.surroundings import Scene, Vicinity, find_surroundings, room_beside
+from arena_teb.terms import evaluate_terms, make_rows
 
 NOBODY = np.empty((0, 2))
 DISC = Shape(np.zeros((1, 2)), 0.15, 0.15, 0.15)
@@ -34,7 +34,7 @@ def penalties(inflation=0.2):
 
 def rooms(window, band=BAND, forced=0.0):
     here = Scene(window, NO_HULLS, NOBODY, NOBODY, np.empty(0), math.inf, NOBODY)
-    return surroundings(band, here, Vicinity(Reach(1.0, forced), 1.0, 0.1, 0.5), DISC)
+    return find_surroundings(band, here, Vicinity(Reach(1.0, forced), 1.0, 0.1, 0.5), DISC)
 
 
 @settings(derandomize=True, deadline=None, max_examples=100)
@@ -104,7 +104,7 @@ def test_off_the_middle_of_a_passage_a_band_costs_what_it_is_off_and_in_it_nothi
     for aside in (0.0, off):
         band = BAND.copy()
         band[:, 1] = aside
-        cost = evaluate(band, penalties(), DISC, FREE, around, make_rows(around))
+        cost = evaluate_terms(band, penalties(), DISC, FREE, around, make_rows(around))
         near = 0.5 * 19 * (50.0 * aside**2)
         inflated = 0.5 * 19 * 0.2 * (aside**2 if room < NEAR else (0.4 - room + aside) ** 2 + (0.4 - room - aside) ** 2)
         assert cost == pytest.approx(near + inflated, rel=1e-6, abs=1e-12)
@@ -114,12 +114,12 @@ def test_outside_of_passages_the_wanted_gaps_count_in_full():
     around = corridor(0.2, math.inf)
     band = BAND.copy()
     band[:, 1] = 0.0
-    cost = evaluate(band, penalties(), DISC, FREE, around, make_rows(around))
+    cost = evaluate_terms(band, penalties(), DISC, FREE, around, make_rows(around))
     assert cost == pytest.approx(0.5 * 19 * 2 * (50.0 * (NEAR - 0.05) ** 2 + 0.2 * (0.4 - 0.05) ** 2))
 
 
 def test_a_band_in_a_passage_settles_in_its_middle():
     around, band = corridor(0.2, 0.05), BAND.copy()
     band[0, 1] = band[-1, 1] = 0.0
-    solve(band, penalties(), DISC, FREE, around, 20, 1e-9)
+    solve_band(band, penalties(), DISC, FREE, around, 20, 1e-9)
     assert np.abs(band[:, 1]).max() < 1e-3

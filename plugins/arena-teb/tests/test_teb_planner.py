@@ -7,7 +7,7 @@ import pytest
 
 from arena_core import ConfigurationError, NoValidCommand, Pose, Twist
 from arena_teb.model import speed_limits
-from arena_teb.motion import saturated
+from arena_teb.motion import saturate_velocity
 
 PATH = [(-2.0 + 0.1 * k, 0.0) for k in range(46)]
 ROBOTS = ["turtlebot3", "jackal", "robotino", "jackal_ackermann"]
@@ -155,7 +155,7 @@ def test_tracks_without_a_position_are_left_out(build, observe, people):
 
 
 def test_too_fast_a_velocity_is_slowed_on_its_arc():
-    command = saturated(np.array((2.0, 0.0, 1.0)), np.array((-1.0, 0.0, -2.0)), np.array((1.0, 0.0, 2.0)), 0.0, False)
+    command = saturate_velocity(np.array((2.0, 0.0, 1.0)), np.array((-1.0, 0.0, -2.0)), np.array((1.0, 0.0, 2.0)), 0.0, False)
     assert (command.vx, command.wz) == (1.0, 0.5)
 
 

@@ -10,8 +10,8 @@ from scipy.optimize import least_squares
 from scipy.sparse import csr_matrix
 
 from arena_teb.problem import REACH, Ends, Penalties, Shape, Surroundings
-from arena_teb.solver import solve
-from arena_teb.terms import evaluate, make_rows
+from arena_teb.solver import solve_band
+from arena_teb.terms import evaluate_terms, make_rows
 
 BOX = Shape(np.array([[0.21, -0.165], [0.21, 0.165], [-0.21, 0.165], [-0.21, -0.165]]), 0.0, 0.267, 0.165)
 DISC = Shape(np.zeros((1, 2)), 0.15, 0.15, 0.15)
@@ -98,7 +98,7 @@ def polished(band, settings, shape, ends, around, evaluations=60):
     def at(values):
         placed = band.copy()
         placed[free] = values
-        evaluate(placed, settings, shape, ends, around, rows)
+        evaluate_terms(placed, settings, shape, ends, around, rows)
 
     def residuals(values):
         at(values)
@@ -129,14 +129,14 @@ def test_derivatives_are_those_of_finite_differences(seed, box, holonomic, turn_
     shape, weighed = BOX if box else DISC, penalties(holonomic, turn_radius, exponent)
     ends = ENDS._replace(rotation=rotation)
     rows, size = make_rows(around), 1e-6
-    evaluate(band, weighed, shape, ends, around, rows)
+    evaluate_terms(band, weighed, shape, ends, around, rows)
     exact, numeric = sparse(rows, band.size).toarray(), np.zeros((len(rows.width), band.size))
     active = in_action(rows)
     for variable in range(band.size - 1):
         for sign in (1.0, -1.0):
             moved = band.copy()
             moved.flat[variable] += sign * size
-            evaluate(moved, weighed, shape, ends, around, rows)
+            evaluate_terms(moved, weighed, shape, ends, around, rows)
             active &= in_action(rows)
             numeric[:, variable] += sign * residuals_of(rows) / (2.0 * size)
     np.testing.assert_allclose(exact[active], numeric[active], rtol=1e-3, atol=1e-3)
@@ -147,10 +147,10 @@ def test_cost_never_rises_and_ends_stay(holonomic):
     for seed in range(10):
         band, around = drawn(seed)
         before, settings = band.copy(), penalties(holonomic)
-        start = evaluate(band, settings, DISC, ENDS, around, make_rows(around))
-        cost, _ = solve(band, settings, DISC, ENDS, around, 20, 1e-4)
+        start = evaluate_terms(band, settings, DISC, ENDS, around, make_rows(around))
+        cost, _ = solve_band(band, settings, DISC, ENDS, around, 20, 1e-4)
         assert cost < start
-        assert cost == pytest.approx(evaluate(band, settings, DISC, ENDS, around, make_rows(around)))
+        assert cost == pytest.approx(evaluate_terms(band, settings, DISC, ENDS, around, make_rows(around)))
         assert (band[0, :3] == before[0, :3]).all()
         assert (band[-1, :2] == before[-1, :2]).all()
         assert (band[:-1, 3] > 0.0).all()
@@ -159,7 +159,7 @@ def test_cost_never_rises_and_ends_stay(holonomic):
 def test_held_heading_of_the_goal_stays():
     band, around = drawn(1)
     before = band[-1, 2]
-    solve(band, penalties(), DISC, ENDS._replace(heading_free=0.0), around, 10, 1e-4)
+    solve_band(band, penalties(), DISC, ENDS._replace(heading_free=0.0), around, 10, 1e-4)
     assert band[-1, 2] == before
 
 
@@ -177,7 +177,7 @@ def test_free_straight_band_becomes_as_fast_as_allowed():
         np.empty(0, int),
     )
     ends = Ends(np.array((0.5, 0.0, 0.0)), np.zeros(3), 0.0, 1.0, 0.0)
-    solve(band, penalties()._replace(root_path=0.0), DISC, ends, nothing, 100, 1e-6)
+    solve_band(band, penalties()._replace(root_path=0.0), DISC, ends, nothing, 100, 1e-6)
     assert band[:-1, 3].sum() == pytest.approx(2.0, rel=0.05)
 
 
@@ -186,6 +186,6 @@ def test_scipy_finds_little_to_improve():
     better = 0
     for seed in range(20):
         band, around = drawn(seed, 30, 5, 0.005)
-        cost, _ = solve(band, penalties(), BOX, ENDS, around, 300, 1e-5)
+        cost, _ = solve_band(band, penalties(), BOX, ENDS, around, 300, 1e-5)
         better += polished(band, penalties(), BOX, ENDS, around) < 0.95 * cost
     assert better <= 2

@@ -3,7 +3,7 @@ import pytest
 from matplotlib.colors import to_rgb
 
 from arena_core import ArenaError, Footprint, OccupancyGrid, Path, Pose
-from arena_drawing.frames import FramePainter, FrameWindow, Scene, Stage
+from arena_drawing.frames import FramePainter, FrameWindow, SceneState, StaticScene
 from arena_drawing.painter import FREE_CELL, OBSTACLE, PERSON, ROBOT, WALL
 
 
@@ -12,13 +12,13 @@ def painter(footprint=None, origin=None):
     data[:, 80:] = 100
     grid = OccupancyGrid(data, 0.1, origin or Pose(-1.0, -1.0, 0.0))
     square = {"vertices_xy": np.array([[4.0, 3.0], [5.0, 3.0], [5.0, 4.0], [4.0, 4.0]]), "radius": 0.0}
-    stage = Stage(grid, [square], np.array((0.0, 0.0, 0.0)), np.array((6.0, 0.0, 0.0)), Path(np.zeros((2, 3))))
+    stage = StaticScene(grid, [square], np.array((0.0, 0.0, 0.0)), np.array((6.0, 0.0, 0.0)), Path(np.zeros((2, 3))))
     return FramePainter(stage, footprint or Footprint.polygon([[-0.4, -0.3], [0.4, -0.3], [0.4, 0.3], [-0.4, 0.3]]))
 
 
 def scene(x, y, theta=0.0, people=()):
     positions = np.array(people).reshape(-1, 2)
-    return Scene(np.array((x, y, theta)), positions, np.full(len(positions), 0.3), np.empty((0, 2)), 1.0)
+    return SceneState(np.array((x, y, theta)), positions, np.full(len(positions), 0.3), np.empty((0, 2)), 1.0)
 
 
 def colour_at(frame, x, y):

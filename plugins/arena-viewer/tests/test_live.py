@@ -13,7 +13,7 @@ import arena_core as arena
 from arena_core import ConfigurationError, InputFileError
 from arena_viewer.command import ReplayCommand
 from arena_viewer.document import read_document
-from arena_viewer.live import STALE, Watched
+from arena_viewer.live import STALE, LiveRuns
 from arena_viewer.page import live_page
 from arena_viewer.serving import PageServer
 
@@ -28,7 +28,7 @@ def folder(tmp_path_factory):
 
 
 def test_no_file_but_maps_of_the_run_is_read(folder):
-    watched = Watched(folder)
+    watched = LiveRuns(folder)
     watched.state({})
     for name in ("", "../0/worlds/00.npz", "worlds/../records/0000.npz", "records/0000.npz", "/etc/passwd"):
         with pytest.raises(InputFileError, match=r"allowed: worlds/HASH\.npz"):
@@ -51,7 +51,7 @@ def telling(folder):
 
 
 def test_nothing_is_there_before_the_run_begins(tmp_path):
-    assert state_of(Watched(tmp_path / "later")) == {"runs": [], "total": 0, "done": 0, "succeeded": 0, "left": None, "workers": 0}
+    assert state_of(LiveRuns(tmp_path / "later")) == {"runs": [], "total": 0, "done": 0, "succeeded": 0, "left": None, "workers": 0}
 
 
 def test_a_run_that_ended_leaves_no_live_files(folder):
@@ -59,7 +59,7 @@ def test_a_run_that_ended_leaves_no_live_files(folder):
 
 
 def test_finished_episodes_are_told(folder):
-    state = state_of(Watched(folder.parent))
+    state = state_of(LiveRuns(folder.parent))
     assert (state["total"], state["done"], state["left"]) == (2, 2, 0.0)
     (run,) = state["runs"]
     assert run["name"] == "0"
@@ -78,25 +78,25 @@ def test_time_left_follows_from_when_records_were_written_but_for_the_first(tmp_
         path = run / "records" / f"{episode:04d}.npz"
         path.touch()
         os.utime(path, (now - 28.0 + 4.0 * episode,) * 2)
-    state = state_of(Watched(run))
+    state = state_of(LiveRuns(run))
     assert 44.0 <= state["left"] <= 48.0
     assert set(state["runs"][0]) == {"number", "name", "total", "done", "succeeded", "rows", "running"}
     for episode in range(4, 8):
         (run / "records" / f"{episode:04d}.npz").unlink()
-    assert state_of(Watched(run))["left"] is None
+    assert state_of(LiveRuns(run))["left"] is None
 
 
 def test_running_episodes_are_told_while_they_tell(folder, telling):
-    (run,) = state_of(Watched(folder))["runs"]
+    (run,) = state_of(LiveRuns(folder))["runs"]
     assert [said["episode"] for said in run["running"]] == [7]
-    assert state_of(Watched(folder))["workers"] == 1
+    assert state_of(LiveRuns(folder))["workers"] == 1
     os.utime(telling, (0, telling.stat().st_mtime - 2 * STALE))
-    assert state_of(Watched(folder))["runs"][0]["running"] == []
+    assert state_of(LiveRuns(folder))["runs"][0]["running"] == []
 
 
 def test_half_of_a_live_file_is_no_error(folder, telling):
     telling.write_text('{"episode": 7')
-    assert state_of(Watched(folder))["runs"][0]["running"] == []
+    assert state_of(LiveRuns(folder))["runs"][0]["running"] == []
 
 
 def test_records_are_the_same_with_and_without(folder, tmp_path):
@@ -107,7 +107,7 @@ def test_records_are_the_same_with_and_without(folder, tmp_path):
 
 @pytest.fixture
 def server(folder):
-    watched = Watched(folder)
+    watched = LiveRuns(folder)
     more = {"/document": watched.document, "/state": watched.state, "/map": watched.map}
     server = PageServer(live_page("live"), b"", more=more)
     thread = threading.Thread(target=server.serve)

@@ -15,10 +15,10 @@ from PIL import Image
 import arena_core as arena
 from arena_core import ConfigurationError, EpisodeRecord, InputFileError
 from arena_viewer.command import ReplayCommand, read_request
-from arena_viewer.document import document, read_document, read_recorded, time_to_collision
-from arena_viewer.page import LIVE_MODULES, MODULES, page
+from arena_viewer.document import read_document, read_recorded, replay_document, time_to_collision
+from arena_viewer.page import LIVE_MODULES, MODULES, replay_page
 from arena_viewer.serving import PageServer
-from arena_viewer.stills import Moments, window_of
+from arena_viewer.stills import EpisodeStills, view_bounds
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +36,7 @@ def recorded(folder):
 
 
 def test_document_holds_the_record_to_half_a_millimetre(recorded):
-    header, arrays = read_document(document([recorded]))
+    header, arrays = read_document(replay_document([recorded]))
     record = recorded.record
     for name, of in (("pose", "pose"), ("people", "pedestrian_positions"), ("clearance", "clearance"), ("stamp", "stamp")):
         assert arrays[0, name].shape == record[of].shape
@@ -48,20 +48,20 @@ def test_document_holds_the_record_to_half_a_millimetre(recorded):
 
 
 def test_document_is_the_same_twice_and_small(recorded):
-    content = document([recorded])
-    assert content == document([recorded])
+    content = replay_document([recorded])
+    assert content == replay_document([recorded])
     assert len(content) < 60_000
 
 
 def test_episodes_of_one_world_share_its_map(recorded):
-    header, _ = read_document(document([recorded, recorded]))
+    header, _ = read_document(replay_document([recorded, recorded]))
     assert len(header["maps"]) == 1
     assert [episode["map"] for episode in header["episodes"]] == [0, 0]
     assert header["maps"][0]["cells"]["shape"] == list(recorded.grid.data.shape)
 
 
 def test_header_has_no_figure_that_json_does_not_know(recorded):
-    raw = gzip.decompress(document([recorded]))
+    raw = gzip.decompress(replay_document([recorded]))
     text = raw[8 : 8 + int.from_bytes(raw[4:8], "little")].decode()
     json.loads(text, parse_constant=lambda name: pytest.fail(name))
 
@@ -88,7 +88,7 @@ def test_nobody_is_hit_by_a_robot_that_drives_off(recorded):
 
 
 def test_page_has_all_that_it_needs_inside(recorded):
-    text = page("a <title>", document([recorded]))
+    text = replay_page("a <title>", replay_document([recorded]))
     assert "a &lt;title&gt;" in text
     assert all(f'"arena/{name}.js"' in text for name in MODULES)
     assert "http://" not in text.replace("http://www.w3.org", "")
@@ -105,7 +105,7 @@ def test_modules_of_the_page_are_all_there_are():
 
 @pytest.fixture
 def server(recorded):
-    server = PageServer(page("t", None), document([recorded]))
+    server = PageServer(replay_page("t", None), replay_document([recorded]))
     thread = threading.Thread(target=server.serve)
     thread.start()
     yield server
@@ -126,7 +126,7 @@ def asked(server, path, host=None):
 def test_server_gives_page_and_document_to_who_knows_the_token(server, recorded):
     query = urlsplit(server.address).query
     assert asked(server, f"/?{query}")[0] == 200
-    assert asked(server, f"/document?{query}") == (200, document([recorded]))
+    assert asked(server, f"/document?{query}") == (200, replay_document([recorded]))
 
 
 @pytest.mark.parametrize(
@@ -182,7 +182,7 @@ def changed(recorded, **changes):
 
 def test_pictures_hold_the_whole_drive_and_a_goal_wherever_it_is(recorded):
     for goal in ([30.0, 2.0], [-12.0, -9.0], [4.0, 50.0]):
-        left, right, bottom, top = window_of([changed(recorded, goal=goal)])
+        left, right, bottom, top = view_bounds([changed(recorded, goal=goal)])
         poses = recorded.record["pose"]
         for x, y in (goal, *poses[:, :2]):
             assert left + 1.0 < x < right - 1.0
@@ -193,7 +193,7 @@ def test_way_driven_and_contacts_until_then_are_drawn(recorded):
     stamp = recorded.record["stamp"]
     middle = recorded.record["pose"][len(stamp) // 2, :2] + (0.0, 1.0)
     touched = changed(recorded, contact_stamp=np.array([stamp[-2]]), contact_position=middle[None])
-    moments = Moments(touched, 300)
+    moments = EpisodeStills(touched, 300)
     first, last = moments.at(0.0), moments.at(float(stamp[-1]))
     red = [int((np.abs(frame.astype(int) - (215, 38, 61)).max(axis=2) < 12).sum()) for frame in (first, last)]
     blue = [int((np.abs(frame.astype(int) - (0, 114, 178)).max(axis=2) < 12).sum()) for frame in (first, last)]
@@ -203,15 +203,15 @@ def test_way_driven_and_contacts_until_then_are_drawn(recorded):
 
 def test_small_robot_is_drawn_large_enough_to_be_seen(recorded):
     far = changed(recorded, goal=[120.0, 4.0])
-    frame = Moments(far, 300).at(0.0)
+    frame = EpisodeStills(far, 300).at(0.0)
     blue = np.argwhere(np.abs(frame.astype(int) - (0, 114, 178)).max(axis=2) < 60)
     assert 9 <= max(np.ptp(blue, axis=0)) <= 20
 
 
 def test_member_of_a_switch_that_drives_is_named(recorded):
     events = [{"stamp": 0.0, "kind": "driver", "detail": "teb"}, {"stamp": 0.5, "kind": "driver", "detail": "rosnav"}]
-    moments = Moments(changed(recorded, events=events), 200, title="aio")
-    assert [moments._said(stamp) for stamp in (0.0, 0.4, 0.5, 3.0)] == ["aio (teb)", "aio (teb)", "aio (rosnav)", "aio (rosnav)"]
+    moments = EpisodeStills(changed(recorded, events=events), 200, title="aio")
+    assert [moments._title_text(stamp) for stamp in (0.0, 0.4, 0.5, 3.0)] == ["aio (teb)", "aio (teb)", "aio (rosnav)", "aio (rosnav)"]
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from PIL import Image
 
 from arena_core import InputFileError, OccupancyGrid, Pose
 from arena_core.commands import print_notice
-from arena_worlds.formats.merged import merged
+from arena_worlds.formats.map_merge import merge_maps
 from arena_worlds.formats.ros_map import load_map
 from arena_worlds.formats.site_file import read_site
 
@@ -89,7 +89,7 @@ def test_layers_of_other_places_and_cells_are_laid_over_each_other(tmp_path: Pat
 @settings(deadline=None)
 def test_a_map_merged_with_itself_is_itself(data: NDArray[np.int8]) -> None:
     grid = OccupancyGrid(data, 0.05, Pose(-1.3, 2.7, 0.4))
-    found = merged([grid, grid], "w")
+    found = merge_maps([grid, grid], "w")
     assert found.data.tolist() == data.tolist()
     assert found.origin.array() == pytest.approx(grid.origin.array(), abs=1e-6)
 
@@ -98,7 +98,7 @@ def test_a_map_merged_with_itself_is_itself(data: NDArray[np.int8]) -> None:
 @settings(deadline=None)
 def test_no_wall_of_any_layer_is_lost(first: NDArray[np.int8], second: NDArray[np.int8], pose: Pose, resolution: float) -> None:
     grids = [OccupancyGrid(first, 0.5, Pose(0.0, 0.0, 0.2)), OccupancyGrid(second, resolution, pose)]
-    found = merged(grids, "w")
+    found = merge_maps(grids, "w")
     for grid in grids:
         walls = found.cells(grid.positions(np.argwhere(grid.occupied)))
         assert found.contains(walls).all()
@@ -110,7 +110,7 @@ def test_layers_too_far_apart_are_one_line() -> None:
     grids = [OccupancyGrid(np.zeros((2, 2), np.int8), 0.05, Pose(x, 0.0)) for x in (0.0, 1e6)]
     grids.append(OccupancyGrid(np.zeros((2, 2), np.int8), 0.05, Pose(0.0, 1e3)))
     with pytest.raises(InputFileError, match=r"^far: its layers together have 20000002 x 20002 cells; allowed: 50000000 in all$"):
-        merged(grids, "far")
+        merge_maps(grids, "far")
 
 
 @pytest.mark.parametrize("ending", ["jpg", "jpeg", "gif", "tif", "webp", "bmp"])

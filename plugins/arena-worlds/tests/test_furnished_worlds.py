@@ -11,7 +11,7 @@ from arena_core.scenes import add_furniture
 from arena_core.testing import component, furniture, robot, room
 from arena_worlds.commands.generate import GenerateCommand
 from arena_worlds.formats.site_file import write_world
-from arena_worlds.reachable import places
+from arena_worlds.reachable import free_places
 
 
 def source(*overrides):
@@ -41,8 +41,8 @@ def test_furniture_stands_on_free_ground_and_parts_nothing(room):
     grid = world.grid
     free, left = ~grid.occupied, ~add_furniture(world).occupied
     assert left.sum() < free.sum()
-    before, _ = ndimage.label(places(free, grid.resolution, 0.35))
-    after, _ = ndimage.label(places(left, grid.resolution, 0.35))
+    before, _ = ndimage.label(free_places(free, grid.resolution, 0.35))
+    after, _ = ndimage.label(free_places(left, grid.resolution, 0.35))
     assert len(np.unique(after[after > 0])) <= len(np.unique(before[before > 0]))
 
 

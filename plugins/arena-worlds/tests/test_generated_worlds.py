@@ -13,7 +13,7 @@ from scipy import ndimage
 
 from arena_core import FREE, ConfigurationError, OccupancyGrid
 from arena_core.hosting import compose, load_registry
-from arena_worlds.generators.cellular import smoothed
+from arena_worlds.generators.cellular import smooth_cells
 from arena_worlds.generators.generated import Generated
 from arena_worlds.reachable import keep_reachable
 from arena_worlds.widths import widths_of
@@ -161,7 +161,7 @@ def test_automaton_keeps_clumps_and_clears_single_cells() -> None:
     cells[1, 1] = True
     cells[3:6, 3:6] = True
     cells[4, 4] = False
-    after = smoothed(cells)
+    after = smooth_cells(cells)
     assert not after[1, 1]
     assert after[4, 4]
     assert after[3:6, 3:6].all()

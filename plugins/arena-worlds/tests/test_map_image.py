@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from arena_core import InputFileError
-from arena_worlds.formats.map_image import occupancy
+from arena_worlds.formats.map_image import read_occupancy
 from arena_worlds.formats.map_yaml import MapFile, Mode
 
 EXACT = settings(derandomize=True, deadline=None, max_examples=80)
 
 
 def values(image: Path, mode: Mode = "trinary", negate: bool = False, occupied: float = 0.65, free: float = 0.196) -> NDArray[np.int8]:
-    return occupancy(MapFile(image, 1.0, (0.0, 0.0, 0.0), negate, occupied, free, mode))
+    return read_occupancy(MapFile(image, 1.0, (0.0, 0.0, 0.0), negate, occupied, free, mode))
 
 
 def grey_row(folder: Path, *greys: int) -> Path:

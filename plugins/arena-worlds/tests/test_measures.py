@@ -8,8 +8,8 @@ from scipy import ndimage, sparse
 from scipy.sparse import csgraph
 
 from arena_core import ConfigurationError, OccupancyGrid, Pose
+from arena_worlds.commands.grid_paths import DIAGONAL, STRAIGHT, UNREACHED, climb_clearance, join_levels, path_lengths
 from arena_worlds.commands.measures import SIGHT, measures_of
-from arena_worlds.commands.ways import DIAGONAL, STRAIGHT, UNREACHED, climb, join_levels, way_lengths
 
 EXACT = settings(derandomize=True, deadline=None, max_examples=40)
 SEEDS = st.integers(0, 2**31)
@@ -107,7 +107,7 @@ def test_ways_are_the_shortest(seed: int, share: float) -> None:
     room = np.pad(np.random.default_rng(seed).random((12, 15)) < share, 1)
     room[1, 1] = True
     exact = csgraph.dijkstra(steps_of(room), directed=False, indices=room.shape[1] + 1)
-    found = way_lengths(room.view(np.uint8), 1, 1).ravel().astype(float)
+    found = path_lengths(room.view(np.uint8), 1, 1).ravel().astype(float)
     assert (np.where(found >= UNREACHED, np.inf, found) == exact).all()
 
 
@@ -136,7 +136,7 @@ def test_one_place_has_no_ways() -> None:
 def test_climbing_ends_in_the_middle() -> None:
     rows, columns = np.mgrid[-4:5, -4:5]
     clearance = (5.0 - np.hypot(rows, columns)).astype(np.float32)
-    assert set(climb(clearance, np.flatnonzero(np.maximum(abs(rows), abs(columns)) < 4)).tolist()) == {40}
+    assert set(climb_clearance(clearance, np.flatnonzero(np.maximum(abs(rows), abs(columns)) < 4)).tolist()) == {40}
 
 
 def test_widths_are_those_of_a_corridor_and_a_square() -> None:

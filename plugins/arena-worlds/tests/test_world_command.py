@@ -11,8 +11,8 @@ from PIL import Image
 
 from arena_core.cli.main import main
 from arena_core.hosting import compose, load_registry
-from arena_worlds.commands.generate import parameters
-from arena_worlds.commands.portrait import LONG_SIDE, portrait
+from arena_worlds.commands.generate import world_parameters
+from arena_worlds.commands.portrait import LONG_SIDE, draw_portrait
 from arena_worlds.formats.map_writer import write_map
 from arena_worlds.formats.ros_map import load_map
 
@@ -32,7 +32,7 @@ def test_world_is_written_as_map_picture_and_measures(kind: str, tmp_path: Path,
     output = capsys.readouterr().out
     assert all(f"written: {tmp_path / name}" in output for name in names)
     assert "mean_clearance " in output
-    source = load_registry().build("world", parameters(kind, {"resolution": "0.1"}))
+    source = load_registry().build("world", world_parameters(kind, {"resolution": "0.1"}))
     assert (load_map(tmp_path / "map.yaml").data == source.world(3, 0).grid.data).all()
 
 
@@ -52,7 +52,7 @@ def test_barn_is_drawn_by_its_automaton(tmp_path: Path) -> None:
 @settings(derandomize=True, deadline=None, max_examples=12)
 @given(st.sampled_from(KINDS), st.integers(0, 2**31), st.floats(0.0, 1.0), st.sampled_from((0.05, 0.07, 0.1)))
 def test_generated_world_is_read_back_exactly(folder: Path, kind: str, seed: int, difficulty: float, resolution: float) -> None:
-    node = parameters(kind, {"resolution": str(resolution), "difficulty": str(difficulty), "width": "9", "height": "8"})
+    node = world_parameters(kind, {"resolution": str(resolution), "difficulty": str(difficulty), "width": "9", "height": "8"})
     grid = load_registry().build("world", node).world(seed, 0).grid
     write_map(folder / "map.yaml", grid)
     again = load_map(folder / "map.yaml")
@@ -61,7 +61,7 @@ def test_generated_world_is_read_back_exactly(folder: Path, kind: str, seed: int
 
 
 def test_defaults_are_those_of_a_run() -> None:
-    assert parameters("rooms", {}) == dict(compose(["world=rooms"]).world)
+    assert world_parameters("rooms", {}) == dict(compose(["world=rooms"]).world)
 
 
 def test_measuring_a_file_gives_what_generating_it_gave(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -72,8 +72,8 @@ def test_measuring_a_file_gives_what_generating_it_gave(tmp_path: Path, capsys: 
 
 
 def test_picture_is_large_and_its_right_way_up() -> None:
-    grid = load_registry().build("world", parameters("indoor", {"width": "12", "height": "6"})).world(0, 0).grid
-    picture = portrait(grid, "a title")
+    grid = load_registry().build("world", world_parameters("indoor", {"width": "12", "height": "6"})).world(0, 0).grid
+    picture = draw_portrait(grid, "a title")
     assert LONG_SIDE / 2 < picture.width < 2 * LONG_SIDE
     scale = (picture.width - 48) // grid.data.shape[1]
     below = np.asarray(picture.convert("L"))[46::scale, 24::scale][: grid.data.shape[0], : grid.data.shape[1]]
@@ -81,9 +81,9 @@ def test_picture_is_large_and_its_right_way_up() -> None:
 
 
 def test_large_maps_make_pictures_of_the_same_size() -> None:
-    grid = load_registry().build("world", parameters("empty", {"width": "100", "height": "50"})).world(0, 0).grid
-    assert isinstance(portrait(grid, ""), Image.Image)
-    assert portrait(grid, "").width == LONG_SIDE + 48
+    grid = load_registry().build("world", world_parameters("empty", {"width": "100", "height": "50"})).world(0, 0).grid
+    assert isinstance(draw_portrait(grid, ""), Image.Image)
+    assert draw_portrait(grid, "").width == LONG_SIDE + 48
 
 
 @pytest.mark.parametrize(

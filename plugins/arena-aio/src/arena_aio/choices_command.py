@@ -34,7 +34,7 @@ class ChoicesCommand(Command):
             raise ConfigurationError(f"planner is {benchmark.config['planner']['name']}; allowed: a switch, such as planner=aio")
         chosen: Counter[str] = Counter()
         collisions, successes, failed = [], [], 0
-        for episode, record in enumerate(_episodes(benchmark)):
+        for episode, record in enumerate(_run_episodes(benchmark)):
             if record.meta["outcome"] == "error":
                 print(f"episode {episode}: {record.meta['error']}", file=sys.stderr)
                 failed = 1
@@ -42,7 +42,7 @@ class ChoicesCommand(Command):
             chosen.update(planner.chosen)
             collisions.append(len(record["contact_stamp"]))
             successes.append(is_success(record))
-        print("\n".join(_lines(chosen, successes, collisions)))
+        print("\n".join(_report_lines(chosen, successes, collisions)))
         return failed
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
@@ -50,13 +50,13 @@ class ChoicesCommand(Command):
         return complete_overrides(words, word)
 
 
-def _episodes(benchmark: Benchmark) -> Iterator[EpisodeRecord]:
+def _run_episodes(benchmark: Benchmark) -> Iterator[EpisodeRecord]:
     with TemporaryDirectory() as folder:
         for episode in range(benchmark.settings.episodes):
             yield benchmark.run(episode, Path(folder))
 
 
-def _lines(chosen: Counter[str], successes: Sequence[bool], collisions: Sequence[int]) -> list[str]:
+def _report_lines(chosen: Counter[str], successes: Sequence[bool], collisions: Sequence[int]) -> list[str]:
     decisions, episodes = max(chosen.total(), 1), max(len(successes), 1)
     shares = [f"{name}: {count} of {decisions} decisions, {count / decisions:.3f}" for name, count in chosen.items()]
     success, hits = sum(successes) / episodes, sum(collisions) / episodes

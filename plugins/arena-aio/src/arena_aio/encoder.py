@@ -11,13 +11,13 @@ from arena_policies.encoding import (
     BoundedEncoder,
     Numbers,
     closeness_field,
-    sectors_shown,
+    sector_order,
     speed_scales,
+    write_bearing,
     write_closeness,
     write_speeds,
-    write_way,
 )
-from arena_policies.looking_back import beams_of
+from arena_policies.scan_history import beams_of
 
 
 class AioEncoder(BoundedEncoder):
@@ -38,7 +38,7 @@ class AioEncoder(BoundedEncoder):
     ) -> None:
         lidar = robot.lidar
         self._sectors = min(sectors, lidar.beams)
-        self._order = sectors_shown(self._sectors, 0, lidar)
+        self._order = sector_order(self._sectors, 0, lidar)
         self._beams, self._tolerance = beams_of(lidar), map_tolerance
         self._range_max = min(range_max, lidar.range_max)
         self._radius, self._decay = robot.footprint.radius, decay
@@ -49,8 +49,8 @@ class AioEncoder(BoundedEncoder):
         super().__init__(
             (
                 *(closeness_field(name, len(self._order), self._range_max, robot, decay, kind) for name, kind in kinds),
-                *_target("goal", goal_unit),
-                *_target("waypoint", waypoint_unit),
+                *_target_fields("goal", goal_unit),
+                *_target_fields("waypoint", waypoint_unit),
                 *(ObservationField(n, 1, "-", -1.5, 1.5, "measured, over the robot's greatest") for n in names),
             )
         )
@@ -64,12 +64,12 @@ class AioEncoder(BoundedEncoder):
         write_closeness(nearest, self._order, self._range_max, self._radius, self._decay, rows)
         state = 2 * len(self._order)
         for targets, unit in zip((observations.goals, observations.waypoints), self._units, strict=True):
-            write_way(targets, observations.poses, unit, state, rows)
+            write_bearing(targets, observations.poses, unit, state, rows)
             state += 3
         write_speeds(observations.twists, self._speeds, state, rows)
 
 
-def _target(name: str, unit: float) -> tuple[ObservationField, ...]:
+def _target_fields(name: str, unit: float) -> tuple[ObservationField, ...]:
     return (
         ObservationField(f"{name}_distance", 1, "-", 0.0, 4.0, f"over {unit:g} m"),
         ObservationField(f"{name}_cos", 1, "-", -1.0, 1.0, f"cosine of the {name}'s bearing"),

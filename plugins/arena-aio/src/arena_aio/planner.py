@@ -10,7 +10,7 @@ import numpy as np
 from arena_core import Candidate, ConfigurationError, EpisodeStart, Observation, Planner, Robot, Twist, random_generator
 from arena_core.hosting import load_registry
 from arena_core.parameters import PositiveInt
-from arena_policies.body import trained_otherwise
+from arena_policies.body import body_mismatch
 from arena_policies.members import Members, build_members, member_hash
 from arena_policies.planner import shipped_policy
 from arena_policies.policy import Switch, load_switch
@@ -42,12 +42,12 @@ class Aio(Planner):
         if every != self._switch.card.every:
             raise ConfigurationError(f"planner.every is {every}; allowed: {self._switch.card.every}, as the policy was trained")
         self._members = fitting_members(self._switch, members, robot)
-        body = trained_otherwise(recipe, self._switch.card.training, robot)
+        body = body_mismatch(recipe, self._switch.card.training, robot)
         self.untuned = body + self._members.untuned + changed_members(self._switch, members, self._members)
         self._every, self._at_random = every, choice == "random"
         self._random = random_generator(0, "aio", "switch")
         self._rehearsed = False
-        self._begin()
+        self._begin_episode()
 
     def reset(self, episode: EpisodeStart) -> None:
         """Begin at rest, with all members; raise ConfigurationError for another control period than the policy was trained with."""
@@ -59,9 +59,9 @@ class Aio(Planner):
         self._members.reset(episode)
         self._switch.begin()
         self._random = np.random.Generator(np.random.Philox(key=int(episode.random.integers(2**63))))  # apart from the members' stream
-        self._begin()
+        self._begin_episode()
 
-    def _begin(self) -> None:
+    def _begin_episode(self) -> None:
         self._steps, self._last, self._driving = 0, Twist(0.0), 0
         self.chosen = dict.fromkeys(self._members.names, 0)
 
@@ -69,12 +69,12 @@ class Aio(Planner):
         """Return the velocity of the member that drives; raise NoValidCommand where it has none, or the observation is no number."""
         if not self._rehearsed:
             self._rehearsed = True
-            self._members.rehearse(observation)
+            self._members.warm_up(observation)
         last, self._last = self._last, Twist(0.0)  # the brake, unless a member says otherwise
         if self._steps % self._every == 0:
-            self._driving = self._choose(observation, last)
+            self._driving = self._choose_member(observation, last)
         else:
-            self._switch.look(observation, last)
+            self._switch.observe(observation, last)
         self._steps += 1
         self._last = self._members.drive(self._driving, observation)
         return self._last
@@ -87,8 +87,8 @@ class Aio(Planner):
         """Return the name of the member that drives."""
         return self._members.names[self._driving]
 
-    def _choose(self, observation: Observation, last: Twist) -> int:
-        choice = self._switch.choice(observation, last)
+    def _choose_member(self, observation: Observation, last: Twist) -> int:
+        choice = self._switch.choose_member(observation, last)
         if self._at_random:
             choice = int(self._random.integers(len(self._members.names)))
         self.chosen[self._members.names[choice]] += 1

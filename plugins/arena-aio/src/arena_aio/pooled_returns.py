@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from arena_core import OccupancyGrid
 from arena_kernels.compiled import borrowing, inner
 from arena_kernels.distance import grid_distance
-from arena_policies.looking_back import Beams
+from arena_policies.scan_history import Beams
 
 Floats = NDArray[np.float64]
 

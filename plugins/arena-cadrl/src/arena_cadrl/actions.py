@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 
-from arena_cadrl.parameters import Choosing, Floats
+from arena_cadrl.parameters import ActionSettings, Floats
 from arena_core import Robot
 from arena_policies.actions import ActionRange
 
 
-def velocities(robot: Robot, range_: ActionRange, choosing: Choosing) -> Floats:
+def discrete_velocities(robot: Robot, range_: ActionRange, choosing: ActionSettings) -> Floats:
     """Return velocities (A, 3): of robots that cannot go sideways in ``base_link``; of others (speed, direction from the target, 0).
 
     The first one stands still.
@@ -25,7 +25,7 @@ def velocities(robot: Robot, range_: ActionRange, choosing: Choosing) -> Floats:
     return np.array([(0.0, 0.0, 0.0), *(each for each in (*forwards, *backwards) if any(each))])
 
 
-def commands(kinds: Floats, robot: Robot, vy_max: float, wz_max: float, theta: float, bearing: float) -> Floats:
+def velocity_commands(kinds: Floats, robot: Robot, vy_max: float, wz_max: float, theta: float, bearing: float) -> Floats:
     """Return the commands (A, 3) in ``base_link`` for velocities (A, 3), a robot's heading and the target's direction in ``map``, rad.
 
     A robot that can go sideways turns its front, where its scanner looks, to the target; its direction holds in the middle of a period.

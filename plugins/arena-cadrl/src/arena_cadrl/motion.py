@@ -6,17 +6,17 @@ import math
 
 from arena_cadrl.parameters import Floats, Limits
 from arena_kernels.compiled import borrowing
-from arena_kernels.window import Outline, Window, clearance
+from arena_kernels.costmap_window import CostmapWindow, Outline, outline_clearance
 
 LAPSE = 0.05  # s between two poses that are looked at
 MOST_LOOKS = 200
 FAR = 0.3  # m beyond which a gap to a person need not be exact
-Stand = tuple[float, float, float]  # x, y (m, map), heading (rad)
+PlanarPose = tuple[float, float, float]  # x, y (m, map), heading (rad)
 Velocity = tuple[float, float, float]  # vx, vy (m/s), wz (rad/s) in base_link
 
 
 @borrowing
-def toward(value: float, wanted: float, most: float) -> float:
+def step_towards(value: float, wanted: float, most: float) -> float:
     """Return ``value`` moved towards ``wanted`` by at most ``most``."""
     return value + min(max(wanted - value, -most), most)
 
@@ -25,14 +25,14 @@ def toward(value: float, wanted: float, most: float) -> float:
 def next_velocity(limits: Limits, velocity: Velocity, command: Velocity) -> Velocity:
     """Return the velocity ``LAPSE`` s on, led to ``command`` within the accelerations."""
     return (
-        toward(velocity[0], command[0], limits.ax_max * LAPSE),
-        toward(velocity[1], command[1], limits.ay_max * LAPSE),
-        toward(velocity[2], command[2], limits.alpha_max * LAPSE),
+        step_towards(velocity[0], command[0], limits.ax_max * LAPSE),
+        step_towards(velocity[1], command[1], limits.ay_max * LAPSE),
+        step_towards(velocity[2], command[2], limits.alpha_max * LAPSE),
     )
 
 
 @borrowing
-def next_stand(stand: Stand, velocity: Velocity) -> Stand:
+def next_pose(stand: PlanarPose, velocity: Velocity) -> PlanarPose:
     """Return where a robot with this velocity is ``LAPSE`` s on."""
     middle = stand[2] + 0.5 * velocity[2] * LAPSE
     cosine, sine = math.cos(middle), math.sin(middle)
@@ -44,14 +44,21 @@ def next_stand(stand: Stand, velocity: Velocity) -> Stand:
 
 
 @borrowing
-def wall_gap(window: Window, outline: Outline, stand: Stand, enough: float) -> float:
+def wall_gap(window: CostmapWindow, outline: Outline, stand: PlanarPose, enough: float) -> float:
     """Return how far the footprint is from what stands, m; beyond ``enough`` a lower bound will do."""
-    return clearance(window, outline, stand[0], stand[1], math.cos(stand[2]), math.sin(stand[2]), enough)
+    return outline_clearance(window, outline, stand[0], stand[1], math.cos(stand[2]), math.sin(stand[2]), enough)
 
 
 @borrowing
 def can_stop(
-    window: Window, outline: Outline, limits: Limits, stand: Stand, velocity: Velocity, command: Velocity, hold: float, gap: float
+    window: CostmapWindow,
+    outline: Outline,
+    limits: Limits,
+    stand: PlanarPose,
+    velocity: Velocity,
+    command: Velocity,
+    hold: float,
+    gap: float,
 ) -> bool:
     """Tell whether the footprint keeps ``gap`` m when ``command`` is held for ``hold`` s and then every axis braked."""
     held = round(hold / LAPSE)
@@ -59,14 +66,14 @@ def can_stop(
         velocity = next_velocity(limits, velocity, command if look < held else (0.0, 0.0, 0.0))
         if look >= held and velocity[0] == 0.0 and velocity[1] == 0.0 and velocity[2] == 0.0:
             break
-        stand = next_stand(stand, velocity)
+        stand = next_pose(stand, velocity)
         if wall_gap(window, outline, stand, gap) < gap:
             return False
     return True
 
 
 @borrowing
-def gap_to_disc(outline: Outline, stand: Stand, x: float, y: float, radius: float) -> float:
+def gap_to_disc(outline: Outline, stand: PlanarPose, x: float, y: float, radius: float) -> float:
     """Return how far the footprint is from a disc at (x, y), m, negative where they overlap; beyond ``FAR`` a lower bound will do."""
     dx, dy = x - stand[0], y - stand[1]
     apart = math.sqrt(dx * dx + dy * dy) - radius
@@ -82,7 +89,7 @@ def gap_to_disc(outline: Outline, stand: Stand, x: float, y: float, radius: floa
 
 
 @borrowing
-def gap_to_people(outline: Outline, stand: Stand, people: Floats, later: float) -> float:
+def gap_to_people(outline: Outline, stand: PlanarPose, people: Floats, later: float) -> float:
     """Return the least gap to ``people`` (K, 5: x, y, vx, vy, radius), who walk on for ``later`` s; infinite without any."""
     least = math.inf
     for k in range(len(people)):

@@ -24,7 +24,7 @@ OWN, PERSON = 7 + 1 + ROOM_POINTS, 7  # numbers of the robot and of each person
 
 
 @dataclass(frozen=True, slots=True)
-class Looking:
+class PerceptionSettings:
     """What is looked at: ``people`` nearest ones, walls ``room_radius`` m round the robot, the path up to ``lookahead`` m.
 
     Returns within ``erase_margin`` m of a tracked person are that person's, and no wall.
@@ -37,7 +37,7 @@ class Looking:
 
 
 @dataclass(frozen=True, slots=True)
-class Choosing:
+class ActionSettings:
     """Which velocities are chosen from, by shares of the greatest: ``speeds`` forwards; ``turns`` and ``backing_turns`` of robots that
     cannot go sideways; ``directions`` of those that can. An action is followed for ``horizon`` s.
     """
@@ -58,7 +58,7 @@ class Safety:
 
 
 @dataclass(frozen=True, slots=True)
-class Worth:
+class RewardSettings:
     """What a step is worth, in units of having reached the goal (docs/cadrl.md).
 
     ``discount`` a second; ``collision`` less at a contact with a person; ``discomfort`` less for touching, in proportion where less than
@@ -83,7 +83,7 @@ class Limits(NamedTuple):
 
 
 class Rules(NamedTuple):
-    """``Looking``, ``Choosing``, ``Safety`` and ``Worth`` as kernels take them."""
+    """``PerceptionSettings``, ``ActionSettings``, ``Safety`` and ``RewardSettings`` as kernels take them."""
 
     kinematics: int
     limits: Limits

@@ -7,7 +7,7 @@ from typing import ClassVar
 from arena_cadrl.policy import load_value_policy
 from arena_core import ConfigurationError, EpisodeStart, Observation, Planner, Robot, Twist
 from arena_core.parameters import NonNegative
-from arena_policies.body import trained_otherwise
+from arena_policies.body import body_mismatch
 from arena_policies.card import PolicyCard
 from arena_policies.planner import shipped_policy
 
@@ -22,7 +22,7 @@ class ValuePlanner(Planner):
     def __init__(self, name: str, robot: Robot, policy: str | None, margin: NonNegative) -> None:
         address = policy or shipped_policy(name, robot, f"pkg://arena_cadrl/{SHIPPED[name]}")
         self._name, self._policy = name, load_value_policy(address, name, robot, margin)
-        self.untuned = trained_otherwise(name, self._policy.card.training, robot)
+        self.untuned = body_mismatch(name, self._policy.card.training, robot)
 
     @property
     def card(self) -> PolicyCard:

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_cadrl.eyes import Eyes, StateSettings
+from arena_cadrl.perception import Perception, StateSettings
 from arena_core import ConfigurationError, InputFileError, NoValidCommand, Observation, Robot, Twist
 from arena_core.files import local_path
 from arena_core.parameters import read_settings
 from arena_policies.actions import ActionRange, ActionScale
-from arena_policies.card import PolicyCard, read_card, sha256
+from arena_policies.card import PolicyCard, content_sha256, read_card
 from arena_policies.network import Network, network_content, open_network
 from arena_policies.policy import check_layout
 
@@ -20,17 +20,17 @@ from arena_policies.policy import check_layout
 class ValuePolicy:
     """Observation to velocity: the action whose step and the value of what it leads to are worth most."""
 
-    def __init__(self, network: Network, eyes: Eyes, card: PolicyCard) -> None:
-        self._network, self._eyes = network, eyes
+    def __init__(self, network: Network, eyes: Perception, card: PolicyCard) -> None:
+        self._network, self._perception = network, eyes
         self.card = card
 
     def command(self, observation: Observation) -> Twist:
         """Return the best velocity that the safety layer allows; raise NoValidCommand where there is none."""
-        sight = self._eyes.look(observation)
+        sight = self._perception.observe(observation)
         values: NDArray[np.float32] = self._network.run(sight.ahead)[:, 0]
         if not np.isfinite(values).all():
             raise NoValidCommand(f"{self.card.planner}: the value network answered with values that are not finite")
-        chosen = sight.best(values)
+        chosen = sight.best_action(values)
         if chosen is None:
             raise NoValidCommand(f"{self.card.planner}: no velocity keeps the footprint clear of what stands around")
         return Twist(*sight.commands[chosen].tolist())
@@ -45,9 +45,9 @@ def load_value_policy(address: str, planner: str, robot: Robot, margin: float) -
     content = network_content(path)
     beside = path.with_suffix(".json")
     card = read_card(beside)
-    _check(path, beside, card, content, planner, robot)
+    _check_card(path, beside, card, content, planner, robot)
     range_ = read_settings(card.action_range, ActionRange, f"{beside}: action_range")
-    eyes = Eyes(robot, range_, read_settings(card.encoder, StateSettings, f"{beside}: encoder"), margin)
+    eyes = Perception(robot, range_, read_settings(card.encoder, StateSettings, f"{beside}: encoder"), margin)
     check_layout(beside, card.robot, card.layout, eyes.layout())
     ends = action_ends(robot, range_)
     if {name: tuple(limits) for name, limits in card.action.items()} != ends:
@@ -61,9 +61,9 @@ def action_ends(robot: Robot, range_: ActionRange) -> dict[str, tuple[float, flo
     return dict(zip(scale.names, zip(scale.low.tolist(), scale.high.tolist(), strict=True), strict=True))
 
 
-def _check(path: Path, beside: Path, card: PolicyCard, content: bytes, planner: str, robot: Robot) -> None:
+def _check_card(path: Path, beside: Path, card: PolicyCard, content: bytes, planner: str, robot: Robot) -> None:
     """Refuse a file that its card was not made for, and another planner's or kinematics' policy."""
-    made = sha256(content)
+    made = content_sha256(content)
     if made != card.sha256:
         raise InputFileError(f"{path}: sha256 is {made[:12]}…, its card says {card.sha256[:12]}…; allowed: the file the card was made for")
     if card.planner != planner:

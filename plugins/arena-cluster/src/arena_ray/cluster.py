@@ -26,7 +26,7 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class RayNode:
     """A machine as Ray knows it."""
 
     id: str
@@ -47,24 +47,24 @@ class Cluster:
         self.own = not ray.is_initialized()  # in a notebook somebody may have
         if self.own:
             own_ray = {"num_cpus": cpus or os.cpu_count() or 1, "include_dashboard": False}
-            with _signals_kept():
-                self._connect(**(own_ray if address is None else {"address": address}))
+            with _preserve_signals():
+                self._connect_ray(**(own_ray if address is None else {"address": address}))
 
-    def _connect(self, **words: Any) -> None:
+    def _connect_ray(self, **words: Any) -> None:
         try:
-            _knock(words.get("address", "auto"))
+            _check_reachable(words.get("address", "auto"))
             self._ray.init(configure_logging=False, log_to_driver=False, **words)
         except (OSError, RuntimeError, ValueError) as error:  # ConnectionError is an OSError
             where, reason = words.get("address", "null"), one_line(str(error), 200)
             allowed = "null, auto, HOST:PORT of a head"
             raise ConfigurationError(f"executor.address is {where}, and Ray cannot be reached: {reason}; allowed: {allowed}") from None
 
-    def places(self) -> list[Place]:
+    def alive_nodes(self) -> list[RayNode]:
         """Return the machines that are alive and have CPUs."""
         found = [node for node in self._ray.nodes() if node["Alive"] and node["Resources"].get("CPU", 0.0) >= 1.0]
-        return [Place(node["NodeID"], node.get("NodeManagerHostname", ""), int(node["Resources"]["CPU"])) for node in found]
+        return [RayNode(node["NodeID"], node.get("NodeManagerHostname", ""), int(node["Resources"]["CPU"])) for node in found]
 
-    def actor(self, kind: type, place: Place, cpus: int, *arguments: Any) -> Any:
+    def actor(self, kind: type, place: RayNode, cpus: int, *arguments: Any) -> Any:
         """Return an actor of a class on one machine and no other."""
         from ray.util.scheduling_strategies import NodeAffinitySchedulingStrategy
 
@@ -72,7 +72,7 @@ class Cluster:
         made = self._ray.remote(kind).options(num_cpus=min(cpus, place.cpus), scheduling_strategy=there, max_restarts=0)
         return made.remote(*arguments)
 
-    def ready(self, calls: list[Any], patience: float) -> list[Any]:
+    def ready_calls(self, calls: list[Any], patience: float) -> list[Any]:
         """Return those of some calls that are answered, as soon as one is, at most ``patience`` s later."""
         found: list[Any] = self._ray.wait(calls, num_returns=1, timeout=patience)[0] if calls else []
         return found
@@ -95,14 +95,14 @@ class Cluster:
     def close(self) -> None:
         """Leave Ray, and end it where it was begun here."""
         if self.own:
-            with _signals_kept():
+            with _preserve_signals():
                 self._ray.shutdown()
         for name in [name for name in os.environ if name.startswith(PREFIX)]:
             del os.environ[name]
         os.environ.update(self._before)
 
 
-def _knock(address: str) -> None:
+def _check_reachable(address: str) -> None:
     """Raise OSError or ValueError where nobody listens at HOST:PORT: Ray would try for minutes."""
     host, _, port = address.rpartition(":")
     if host and "://" not in address:
@@ -114,7 +114,7 @@ class LostMachine(Exception):
 
 
 @contextmanager
-def _signals_kept() -> Iterator[None]:
+def _preserve_signals() -> Iterator[None]:
     """Give signals back to whom they were: Ray takes SIGTERM for itself."""
     before = {number: signal.getsignal(number) for number in SIGNALS}
     hook = sys.excepthook

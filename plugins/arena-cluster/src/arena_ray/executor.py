@@ -25,7 +25,7 @@ from arena_core.hosting import (
     store_delivery,
 )
 from arena_core.parameters import Positive, PositiveInt, Workers
-from arena_ray.cluster import Cluster, LostMachine, Place
+from arena_ray.cluster import Cluster, LostMachine, RayNode
 from arena_ray.machine import THREADS, Machine
 
 T = TypeVar("T")
@@ -40,7 +40,7 @@ ENDED_WITHIN = 10.0  # s that machines may take to end their workers
 class Member:
     """A machine at work: its actor, the call that is out, since when (s), and its jobs with the how manieth attempt each is."""
 
-    place: Place
+    place: RayNode
     actor: Any
     workers: int
     call: Any
@@ -80,8 +80,8 @@ class RayExecutor(Executor):
         done = False
         try:
             while waiting or any(member.jobs for member in self._members.values()):
-                self._meet(self._cluster)
-                yield from self._turn(self._cluster, work, waiting)
+                self._join_machines(self._cluster)
+                yield from self._poll_machines(self._cluster, work, waiting)
                 interrupts.check()
             done = True
         finally:
@@ -94,19 +94,19 @@ class RayExecutor(Executor):
         if self._cluster is not None:
             ends = [member.actor.close.remote() for member in self._members.values()]
             until = monotonic() + ENDED_WITHIN
-            while (left := until - monotonic()) > 0.0 and (over := self._cluster.ready(ends, left)):
+            while (left := until - monotonic()) > 0.0 and (over := self._cluster.ready_calls(ends, left)):
                 ends = [end for end in ends if end not in over]
             for member in list(self._members.values()):
                 self._give_up(self._cluster, member)
             self._cluster.close()
             self._cluster = None
 
-    def _meet(self, cluster: Cluster) -> None:
+    def _join_machines(self, cluster: Cluster) -> None:
         """Put an actor on every machine that has joined."""
         if monotonic() - self._met < MEET_EVERY and self._members:
             return
         self._met = monotonic()
-        for place in cluster.places():
+        for place in cluster.alive_nodes():
             if place.id not in self._members and place.id not in self._left_out:
                 workers = self._workers or place.cpus
                 actor = cluster.actor(Machine, place, workers, workers, self._budgets, os.environ.get(THREADS))
@@ -114,42 +114,42 @@ class RayExecutor(Executor):
         if not self._members:
             raise RunStopped(f"no machine of Ray is left ({self._why}); finished episodes are kept, resume=true continues")
 
-    def _turn(self, cluster: Cluster, work: Callable[[Job], Any], waiting: deque[tuple[Job, int]]) -> Iterator[Any]:
+    def _poll_machines(self, cluster: Cluster, work: Callable[[Job], Any], waiting: deque[tuple[Job, int]]) -> Iterator[Any]:
         """Yield what has come home; give machines that have answered their next jobs."""
         by_call = {member.call: member for member in self._members.values()}
-        for call in cluster.ready(list(by_call), LOOK_EVERY):
+        for call in cluster.ready_calls(list(by_call), LOOK_EVERY):
             member = by_call[call]
             try:
-                deliveries = self._answer(cluster, member)
+                deliveries = self._read_answer(cluster, member)
             except (LostMachine, OtherCode, RunFolderError) as error:
-                yield from self._leave(cluster, member, error, waiting)
+                yield from self._drop_machine(cluster, member, error, waiting)
                 continue
             member.since = monotonic()
-            self._feed(member, work, waiting)
+            self._feed_machine(member, work, waiting)
             for delivery in deliveries:
                 yield store_delivery(delivery)
         for member in [one for one in self._members.values() if one.greeted and monotonic() - one.since > self._silence]:
             silent = LostMachine(f"it has said nothing for {self._silence:g} s")
-            yield from self._leave(cluster, member, silent, waiting)
+            yield from self._drop_machine(cluster, member, silent, waiting)
 
-    def _answer(self, cluster: Cluster, member: Member) -> list[Delivery]:
+    def _read_answer(self, cluster: Cluster, member: Member) -> list[Delivery]:
         """Return what a machine hands over; its first answer is its name."""
         answer = cluster.answer(member.call)
         if not member.greeted:
             member.greeted = True
             return []
         for delivery in answer:
-            member.jobs.pop(_key(delivery.job), None)
+            member.jobs.pop(_job_key(delivery.job), None)
         return list(answer)
 
-    def _feed(self, member: Member, work: Callable[[Job], Any], waiting: deque[tuple[Job, int]]) -> None:
+    def _feed_machine(self, member: Member, work: Callable[[Job], Any], waiting: deque[tuple[Job, int]]) -> None:
         """Ask a machine for its next turn, with so many new jobs that none of its workers waits."""
         room = AHEAD * member.workers - len(member.jobs)
         taken = [waiting.popleft() for _ in range(min(room, len(waiting)))]
-        member.jobs |= {_key(job): (job, attempt) for job, attempt in taken}
-        member.call = member.actor.turn.remote(work, [job for job, _ in taken], PATIENCE)
+        member.jobs |= {_job_key(job): (job, attempt) for job, attempt in taken}
+        member.call = member.actor.poll_work.remote(work, [job for job, _ in taken], PATIENCE)
 
-    def _leave(self, cluster: Cluster, member: Member, error: Exception, waiting: deque[tuple[Job, int]]) -> Iterator[Lost]:
+    def _drop_machine(self, cluster: Cluster, member: Member, error: Exception, waiting: deque[tuple[Job, int]]) -> Iterator[Lost]:
         """Go on without a machine: its jobs are done again, or lost where that was tried often enough."""
         self._why = str(error)
         left = "is lost" if isinstance(error, LostMachine) else "is left out"
@@ -169,5 +169,5 @@ class RayExecutor(Executor):
             cluster.end(member.actor)
 
 
-def _key(job: Job) -> tuple[str, int, int | None]:
+def _job_key(job: Job) -> tuple[str, int, int | None]:
     return job.folder, job.episode, job.stage

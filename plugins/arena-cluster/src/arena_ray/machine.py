@@ -30,7 +30,7 @@ class Machine:
         """Return what people call the machine; the answer says that the actor is there."""
         return platform.node()
 
-    def turn(self, work: Work, jobs: Sequence[Job], patience: float) -> list[Delivery]:
+    def poll_work(self, work: Work, jobs: Sequence[Job], patience: float) -> list[Delivery]:
         """Take on jobs, and return what is over as soon as anything is, else after ``patience`` s, with nothing.
 
         Raises OtherCode where the machine has not the code of a job's run, and what ``work`` raised.

@@ -28,7 +28,7 @@ Waiting = deque[tuple[Job, int]]
 
 
 @dataclass(slots=True, eq=False)
-class Sent:
+class SubmittedShare:
     """A share that a Slurm job is at: submitit's handle, the how manieth attempt each job is, and which answers are known."""
 
     share: Share
@@ -36,7 +36,7 @@ class Sent:
     attempts: Sequence[int]
     known: set[int] = field(default_factory=set)
 
-    def left(self) -> list[tuple[Job, int]]:
+    def remaining_jobs(self) -> list[tuple[Job, int]]:
         """Return the jobs without an answer, with their attempts."""
         return [(job, self.attempts[i]) for i, job in enumerate(self.share.jobs) if i not in self.known]
 
@@ -67,8 +67,8 @@ class SlurmExecutor(Executor):
         self._cluster, self._jobs, self._share, self._workers = cluster, jobs, share, workers
         self._attempts, self._budgets = attempts, budgets
         self._words = {"timeout_min": minutes, **options, **({"slurm_partition": partition} if partition else {})}
-        self._sent: list[Sent] = []
-        self._ending: list[Sent] = []
+        self._sent: list[SubmittedShare] = []
+        self._ending: list[SubmittedShare] = []
         self._folder: Path | None = None
         self._count = 0
         self._failed = False
@@ -89,24 +89,24 @@ class SlurmExecutor(Executor):
         try:
             while waiting or self._sent:
                 while waiting and len(self._sent) < self._jobs:
-                    self._send(work, [waiting.popleft() for _ in range(min(size, len(waiting)))])
+                    self._submit_share(work, [waiting.popleft() for _ in range(min(size, len(waiting)))])
                 for sent in list(self._sent):
-                    yield from self._look(sent, waiting)
+                    yield from self._collect_answers(sent, waiting)
                 interrupts.check()
                 sleep(LOOK_EVERY)
             done = True
         finally:
             if not done:
                 self._failed = True
-                self._cancel()
+                self._cancel_jobs()
 
     def close(self) -> None:
         """Cancel what is under way; remove what submitit wrote, unless something went wrong."""
-        self._cancel()
+        self._cancel_jobs()
         if self._folder is not None and not self._failed:
             shutil.rmtree(self._folder.parent, ignore_errors=True)
 
-    def _send(self, work: Callable[[Job], Any], taken: Sequence[tuple[Job, int]]) -> None:
+    def _submit_share(self, work: Callable[[Job], Any], taken: Sequence[tuple[Job, int]]) -> None:
         """Submit a share."""
         folder = self._own_folder(taken[0][0])
         self._count += 1
@@ -114,14 +114,14 @@ class SlurmExecutor(Executor):
         answers.mkdir(parents=True, exist_ok=True)
         jobs = [job for job, _ in taken]
         share = Share(work, jobs, self._workers, self._budgets, str(answers), starts_of({job.folder for job in jobs}))
-        submitter = self._submitter(folder)
+        submitter = self._make_submitter(folder)
         try:
             handle = submitter.submit(share)
         except Exception as error:  # FailedJobError where sbatch refuses, and whatever submitit makes of strange options
             raise RunStopped(f"Slurm takes no job: {describe_error(error)}; finished episodes are kept, resume=true continues") from error
-        self._sent.append(Sent(share, handle, [attempt for _, attempt in taken]))
+        self._sent.append(SubmittedShare(share, handle, [attempt for _, attempt in taken]))
 
-    def _look(self, sent: Sent, waiting: Waiting) -> Iterator[Any]:
+    def _collect_answers(self, sent: SubmittedShare, waiting: Waiting) -> Iterator[Any]:
         """Yield the answers that have come; where the Slurm job is over, put back what it has not done."""
         over = _is_over(sent.handle)  # before the answers are looked for: it may write one and end
         for _, answer in new_answers(sent.share, sent.known):
@@ -131,9 +131,9 @@ class SlurmExecutor(Executor):
             self._ending.append(sent)  # its answers are here, and it has only its workers to end
         elif over:
             self._sent.remove(sent)
-            yield from self._again(sent, waiting)
+            yield from self._requeue_jobs(sent, waiting)
 
-    def _again(self, sent: Sent, waiting: Waiting) -> Iterator[Lost]:
+    def _requeue_jobs(self, sent: SubmittedShare, waiting: Waiting) -> Iterator[Lost]:
         """Put the jobs of a Slurm job that ended early back, or lose them; raise what the work raised."""
         self._failed = True
         fault = fault_of(sent.share)
@@ -141,13 +141,13 @@ class SlurmExecutor(Executor):
             raise fault
         reason = str(fault) if fault is not None else f"job {sent.handle.job_id} ended early ({sent.handle.state})"
         print_notice(f"Slurm: {reason}; its episodes are begun again")
-        for job, attempt in reversed(sent.left()):
+        for job, attempt in reversed(sent.remaining_jobs()):
             if attempt >= self._attempts:
                 yield Lost(job, f"{reason}, {attempt} times; {sent.handle.paths.stderr} says more")
             else:
                 waiting.appendleft((job, attempt + 1))
 
-    def _submitter(self, folder: Path) -> Any:
+    def _make_submitter(self, folder: Path) -> Any:
         try:
             import submitit
 
@@ -167,7 +167,7 @@ class SlurmExecutor(Executor):
             self._folder = Path(job.folder or ".") / FOLDER / token_hex(8)
         return self._folder
 
-    def _cancel(self) -> None:
+    def _cancel_jobs(self) -> None:
         """End what is under way, and wait a while for what ends by itself."""
         for sent in self._sent:
             with suppress(Exception):  # it may be over, or the site's controller away

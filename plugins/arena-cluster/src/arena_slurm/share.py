@@ -37,15 +37,15 @@ class Share:
     def __call__(self) -> None:
         """Do it; what ends it is written down for the one who waits, unless no one does: then this ends without a word."""
         folder = Path(self.answers)
-        numbers = {_key(job): number for number, job in enumerate(self.jobs)}
+        numbers = {_job_key(job): number for number, job in enumerate(self.jobs)}
         try:
             with closing(Node(self.workers, self.budgets)) as node:
                 node.add(self.jobs)
                 while node.unfinished and self._is_awaited():
                     for one in node.look(self.work):
                         if self._is_awaited():
-                            text = json.dumps({**_bound(self, one.job), **_written(one.answer)})
-                            write_text_whole(folder / f"{numbers[_key(one.job)]:06d}.json", text)
+                            text = json.dumps({**_answer_identity(self, one.job), **_encode_answer(one.answer)})
+                            write_text_whole(folder / f"{numbers[_job_key(one.job)]:06d}.json", text)
         except Exception as error:
             if self._is_awaited():
                 write_text_whole(folder / FAULT, json.dumps({"kind": type(error).__name__, "text": describe_error(error)}))
@@ -76,7 +76,7 @@ def new_answers(share: Share, known: set[int]) -> Iterator[tuple[Job, Any]]:
         number = int(name.partition(".")[0])
         if number not in known and number < len(share.jobs):
             known.add(number)
-            yield share.jobs[number], _read(folder / name, share, share.jobs[number])
+            yield share.jobs[number], _read_answer(folder / name, share, share.jobs[number])
 
 
 def fault_of(share: Share) -> Exception | None:
@@ -89,16 +89,16 @@ def fault_of(share: Share) -> Exception | None:
     return ERRORS.get(str(told.get("kind")), RunStopped)(text)
 
 
-def _key(job: Job) -> tuple[str, int, int | None]:
+def _job_key(job: Job) -> tuple[str, int, int | None]:
     return job.folder, job.episode, job.stage
 
 
-def _bound(share: Share, job: Job) -> dict[str, Any]:
+def _answer_identity(share: Share, job: Job) -> dict[str, Any]:
     """Return what binds an answer to its start, run and job."""
-    return {"answers": share.answers, "job": list(_key(job)), "code": job.config.get("code")}
+    return {"answers": share.answers, "job": list(_job_key(job)), "code": job.config.get("code")}
 
 
-def _written(answer: Any) -> dict[str, Any]:
+def _encode_answer(answer: Any) -> dict[str, Any]:
     if isinstance(answer, Finished):
         return {"row": dict(answer.row), "succeeded": answer.succeeded}
     if isinstance(answer, Lost):
@@ -106,10 +106,10 @@ def _written(answer: Any) -> dict[str, Any]:
     return {"value": answer}
 
 
-def _read(path: Path, share: Share, job: Job) -> Any:
+def _read_answer(path: Path, share: Share, job: Job) -> Any:
     try:
         told = json.loads(path.read_bytes())  # NaN is a figure of a row
-        if any(told[key] != value for key, value in _bound(share, job).items()):
+        if any(told[key] != value for key, value in _answer_identity(share, job).items()):
             raise ValueError("it answers another job")
         if "row" in told:
             return Finished(job, told["row"], bool(told["succeeded"]))

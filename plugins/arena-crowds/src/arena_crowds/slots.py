@@ -27,8 +27,8 @@ def with_worlds(crowd: Crowd, worlds: Mapping[int, Pedestrians]) -> Crowd:
     """Return the crowd with other people in these slots; empty places are parked."""
     places = max([crowd.ids.shape[1], *(len(people.ids) for people in worlds.values())])
     counts = crowd.counts.copy()
-    ids, radii, states = grown(crowd.ids, places, -1), grown(crowd.radii, places, 0.0), grown(crowd.states, places, ABSENT)
-    positions, velocities = grown(crowd.positions, places, np.nan), grown(crowd.velocities, places, np.nan)
+    ids, radii, states = grow_array(crowd.ids, places, -1), grow_array(crowd.radii, places, 0.0), grow_array(crowd.states, places, ABSENT)
+    positions, velocities = grow_array(crowd.positions, places, np.nan), grow_array(crowd.velocities, places, np.nan)
     for slot, people in worlds.items():
         n = len(people.ids)
         counts[slot] = n
@@ -39,7 +39,7 @@ def with_worlds(crowd: Crowd, worlds: Mapping[int, Pedestrians]) -> Crowd:
     return Crowd(counts, ids, positions, velocities, radii, states)
 
 
-def grown(array: NDArray[Any], places: int, fill: Any, axis: int = 1) -> NDArray[Any]:
+def grow_array(array: NDArray[Any], places: int, fill: Any, axis: int = 1) -> NDArray[Any]:
     """Return a copy of an array with at least so many places along an axis, the new ones filled."""
     missing = max(places - array.shape[axis], 0)
     shape = (*array.shape[:axis], missing, *array.shape[axis + 1 :])

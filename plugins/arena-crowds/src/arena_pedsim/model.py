@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from arena_core import Crowd, Gait, PedestrianModel, RobotBatch, Scenario
 from arena_core.parameters import Positive, Step
 from arena_core.scenes import add_furniture, add_obstacles
-from arena_kernels.compiled import Entered
+from arena_kernels.compiled import TypedDispatch
 from arena_kernels.crowds import Crowds, Robots
-from arena_kernels.terrain import Terrain
+from arena_kernels.world_grids import WorldGrids
 from arena_pedsim.forces.crowd_step import step_crowds
 from arena_pedsim.parameters import (
     ForceFactors,
@@ -27,12 +27,12 @@ from arena_pedsim.parameters import (
     Wayfinding,
     parameter_record,
 )
-from arena_pedsim.routes.trips import grant_wishes
+from arena_pedsim.routes.trips import assign_routes
 from arena_pedsim.states.behaviour import Behaviour, check_behaviour
-from arena_pedsim.states.customs import Customs
+from arena_pedsim.states.person_defaults import CrowdDefaults
 from arena_pedsim.states.population import Population
-from arena_pedsim.states.presence import come_and_go
-from arena_pedsim.states.society import Society
+from arena_pedsim.states.social_state import SocialState
+from arena_pedsim.states.spawning import spawn_and_despawn
 from arena_pedsim.states.state_step import step_states
 from arena_pedsim.states.state_table import state_table
 
@@ -64,7 +64,7 @@ class SocialForceModel(PedestrianModel):
         gait: Gait,
     ) -> None:
         self.gait = gait if body == "legs" else None
-        self._customs = Customs(reaction, factors, reactions, types)
+        self._customs = CrowdDefaults(reaction, factors, reactions, types)
         self._cell = wayfinding.cell
         self._table = state_table()
         named = {
@@ -78,9 +78,9 @@ class SocialForceModel(PedestrianModel):
         self._parameters = parameter_record(relaxation_time, longest_step, self._table.rules.states, **named)
         self._behaviour = behaviour
         self._population = Population(0)
-        self._society = Society(0, behaviour)
-        self._terrain = Terrain(self._cell)
-        self._step_crowds = Entered(step_crowds)
+        self._society = SocialState(0, behaviour)
+        self._terrain = WorldGrids(self._cell)
+        self._step_crowds = TypedDispatch(step_crowds)
 
     def reset(self, slots: NDArray[np.int64], scenarios: Sequence[Scenario], total: int) -> Crowd:
         """Begin ``scenarios`` in these slots; worlds in other slots are returned as ``step`` left them.
@@ -89,15 +89,15 @@ class SocialForceModel(PedestrianModel):
         """
         if total != len(self._population):
             self._population = Population(total)
-            self._society = Society(total, self._behaviour)
-            self._terrain = Terrain(self._cell)
+            self._society = SocialState(total, self._behaviour)
+            self._terrain = WorldGrids(self._cell)
         grids = [add_obstacles(add_furniture(scenario.world), scenario.obstacles) for scenario in scenarios]
         self._terrain.replace(slots, grids, total)
         for slot, scenario, grid in zip(slots, scenarios, grids, strict=True):
             for spec in scenario.pedestrians:
                 check_behaviour(spec)
-            self._population.settle(int(slot), scenario, grid, self._customs)
-            self._society.settle(int(slot), scenario, self._population.crowd, self._population.people[slot])
+            self._population.begin_slots(int(slot), scenario, grid, self._customs)
+            self._society.begin_slots(int(slot), scenario, self._population.crowd, self._population.people[slot])
         self._grant_wishes(self._population.crowd)
         return self._population.crowd
 
@@ -126,11 +126,11 @@ class SocialForceModel(PedestrianModel):
         wishes = self._step_crowds(crowds, population.people, population.corners, land, moving, float(dt), self._parameters)
         population.crowd = Crowd(crowd.counts, crowd.ids, crowds.positions, crowds.velocities, crowd.radii, crowds.states)
         if wishes:
-            come_and_go(crowds, population.people, population.waypoints, moving, land, self._parameters)
+            spawn_and_despawn(crowds, population.people, population.waypoints, moving, land, self._parameters)
             self._grant_wishes(population.crowd)
         return population.crowd
 
     def _grant_wishes(self, crowd: Crowd) -> None:
         population, terrain = self._population, self._terrain
         crowds = Crowds(crowd.counts, crowd.positions, crowd.velocities, crowd.radii, crowd.states)
-        grant_wishes(crowds, population.people, population.routes, terrain.land, terrain.rooms, terrain.nodes, self._parameters)
+        assign_routes(crowds, population.people, population.routes, terrain.land, terrain.rooms, terrain.nodes, self._parameters)

@@ -73,15 +73,15 @@ PERSON = np.dtype(
 )
 
 
-def remember(spec: PedestrianSpec, factors: ForceFactors) -> np.void:
+def person_memory(spec: PedestrianSpec, factors: ForceFactors) -> np.void:
     """Return the memory of somebody who is about to start."""
     person: np.void = np.zeros(1, PERSON)[0]
     person["walking_speed"] = person["max_speed"] = spec.desired_speed
     share = 1.0 if factors.reference_speed is None else spec.desired_speed / factors.reference_speed
-    person["factor_desired"] = _factor(spec, "force_factor_desired", factors.desired)
-    person["factor_social"] = share * _factor(spec, "force_factor_social", factors.social)
-    person["factor_obstacle"] = share * _factor(spec, "force_factor_obstacle", factors.obstacle)
-    person["factor_robot"] = share * _factor(spec, "force_factor_robot", factors.robot)
+    person["factor_desired"] = _force_factor(spec, "force_factor_desired", factors.desired)
+    person["factor_social"] = share * _force_factor(spec, "force_factor_social", factors.social)
+    person["factor_obstacle"] = share * _force_factor(spec, "force_factor_obstacle", factors.obstacle)
+    person["factor_robot"] = share * _force_factor(spec, "force_factor_robot", factors.robot)
     for place in ("goal", "anchor", "start"):
         person[f"{place}_x"], person[f"{place}_y"] = spec.position_xy
     person["waypoints"] = len(spec.waypoints_xy)
@@ -92,5 +92,5 @@ def remember(spec: PedestrianSpec, factors: ForceFactors) -> np.void:
     return person
 
 
-def _factor(spec: PedestrianSpec, key: str, default: float) -> float:
+def _force_factor(spec: PedestrianSpec, key: str, default: float) -> float:
     return float(spec.behaviour.get(key, default))

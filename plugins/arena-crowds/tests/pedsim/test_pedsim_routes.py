@@ -9,10 +9,10 @@ from scipy.sparse.csgraph import dijkstra
 
 from arena_core import Crowd, OccupancyGrid, Pose
 from arena_kernels.grids import stack_grids
-from arena_kernels.ground import clearance, ground_of, layouts_of
-from arena_kernels.route_grid import rooms_of, stack_rooms
-from arena_kernels.routes import COST, DIAGONAL, STRAIGHT, _search, find_corners, nearest_room, nodes_for
-from arena_kernels.sliding import SIGHT, is_visible
+from arena_kernels.ground import ground_of, layouts_of, wall_clearance
+from arena_kernels.route_grid import coarse_grid_of, stack_coarse_grids
+from arena_kernels.routes import COST, DIAGONAL, STRAIGHT, _search_route, find_corners, nearest_room, nodes_for
+from arena_kernels.slide_along import SIGHT, is_visible
 
 
 def cheapest(room, radius, start):
@@ -41,14 +41,14 @@ def test_the_search_finds_the_cheapest_way(seed, clutter):
     nodes = np.zeros((room.size + 1, 5), np.int32)
     expected = cheapest(room, 0.3, start)[goal]
     for _ in range(2):  # the memory is used again
-        found = _search(room, int(start), int(goal), 0.3, nodes, np.full(16, -1, np.int32))
+        found = _search_route(room, int(start), int(goal), 0.3, nodes, np.full(16, -1, np.int32))
         assert found == np.isfinite(expected)
         assert not found or nodes[goal, COST] == expected
 
 
 def terrain(grid, cell=0.2):
-    stack, rooms = stack_grids([grid])[0], stack_rooms([grid], cell)
-    return ground_of(stack.distance, layouts_of(stack)[0]), rooms_of(rooms, 0), nodes_for(rooms)
+    stack, rooms = stack_grids([grid])[0], stack_coarse_grids([grid], cell)
+    return ground_of(stack.distance, layouts_of(stack)[0]), coarse_grid_of(rooms, 0), nodes_for(rooms)
 
 
 def route(grid, start, goal, radius=0.3):
@@ -73,7 +73,7 @@ def test_a_route_on_a_turned_map_leads_through_the_door(stage):
     turned = OccupancyGrid(plain.data, 0.05, Pose(3.0, -2.0, 0.8))
     start, goal = turned.positions([(40, 40), (40, 160)])
     way, ground = route(turned, tuple(start), tuple(goal))
-    assert all(clearance(ground, x, y) >= 0.27 for x, y in way)
+    assert all(wall_clearance(ground, x, y) >= 0.27 for x, y in way)
     assert turned.cells(way[1])[0] > 90
 
 

@@ -7,9 +7,9 @@ from collections import deque
 import numpy as np
 
 from arena_dwa.settings import Approach, Body, FieldArray
-from arena_dwa.trajectory import Stand, arc, moved
-from arena_kernels.compiled import Entered, borrowing, compiled
-from arena_kernels.window import Window, clearance
+from arena_dwa.trajectory import PlanarPose, compose_poses, pose_after_arc
+from arena_kernels.compiled import TypedDispatch, borrowing, compiled
+from arena_kernels.costmap_window import CostmapWindow, outline_clearance
 
 STEPS = 10  # that an arc is looked at, evenly over the critic's time
 
@@ -41,7 +41,7 @@ def closing_speed(
 
 @borrowing
 def approach_cost(
-    window: Window, body: Body, speeds: FieldArray, approach: Approach, start: Stand, sample: tuple[float, float, float]
+    window: CostmapWindow, body: Body, speeds: FieldArray, approach: Approach, start: PlanarPose, sample: tuple[float, float, float]
 ) -> float:
     """Return the mean over ``approach.time`` of how much more an arc lacks clearance once what approaches has come nearer.
 
@@ -50,22 +50,22 @@ def approach_cost(
     """
     vx, vy, wz = sample
     lapse = approach.time / STEPS
-    step = arc(vx, vy, wz, lapse)
+    step = pose_after_arc(vx, vy, wz, lapse)
     stand, total = start, 0.0
     for k in range(1, STEPS + 1):
-        stand = moved(stand, step)
+        stand = compose_poses(stand, step)
         row, column = int((stand[1] - window.origin_y) / window.resolution), int((stand[0] - window.origin_x) / window.resolution)
         if not (0 <= row < speeds.shape[0] and 0 <= column < speeds.shape[1]):
             break
         if speeds[row, column] > 0.0:
             nearer = speeds[row, column] * lapse * k
-            gap = clearance(window, body.outline, *stand, approach.margin + nearer)
-            total += lack(gap - nearer, approach.margin) - lack(gap, approach.margin)
+            gap = outline_clearance(window, body.outline, *stand, approach.margin + nearer)
+            total += clearance_shortfall(gap - nearer, approach.margin) - clearance_shortfall(gap, approach.margin)
     return total / STEPS
 
 
 @borrowing
-def lack(gap: float, margin: float) -> float:
+def clearance_shortfall(gap: float, margin: float) -> float:
     """Return the square of the share of ``margin`` that ``gap`` falls short of it."""
     return max(0.0, 1.0 - gap / margin) ** 2
 
@@ -74,8 +74,8 @@ class ClosingSpeeds:
     """Remembers the windows of the last ``lapse`` s, to compare the newest with the oldest."""
 
     def __init__(self, lapse: float, least: float, greatest: float) -> None:
-        self._fields: deque[tuple[float, Window]] = deque()
-        self._closing_speed = Entered(closing_speed)
+        self._fields: deque[tuple[float, CostmapWindow]] = deque()
+        self._closing_speed = TypedDispatch(closing_speed)
         self._lapse = lapse
         self._least = least
         self._greatest = greatest
@@ -84,7 +84,7 @@ class ClosingSpeeds:
         """Forget all."""
         self._fields.clear()
 
-    def update(self, stamp: float, window: Window) -> FieldArray:
+    def update(self, stamp: float, window: CostmapWindow) -> FieldArray:
         """Take in the window at ``stamp`` (s) and return the closing speed at each of its cells."""
         self._fields.append((stamp, window))
         while stamp - self._fields[0][0] > self._lapse + 1e-9:

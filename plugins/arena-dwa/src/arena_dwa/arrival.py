@@ -30,12 +30,12 @@ class Arrival:
         self._path: FloatArray | None = None
         self._there = self._turning = False
 
-    def velocity(self, pose: Pose, twist: NDArray[np.float64], path: FloatArray, heading: float, lapse: float) -> FloatArray | None:
+    def target_velocity(self, pose: Pose, twist: NDArray[np.float64], path: FloatArray, heading: float, lapse: float) -> FloatArray | None:
         """Return the velocity (3,) that stops or turns, None while the path (M, 3) is still to be driven.
 
         ``twist`` (3,) is the measured velocity, ``heading`` (rad) the goal's, ``lapse`` (s) the time in which speeds can change.
         """
-        if not self._arrived(pose, path):
+        if not self._has_arrived(pose, path):
             self._turning = False
             return None
         left = float(wrap_angle(heading - pose.theta))
@@ -43,9 +43,9 @@ class Arrival:
             return np.zeros(3)
         still = math.hypot(twist[0], twist[1]) <= STOPPED and abs(twist[2]) <= STOPPED
         self._turning = self._turning or still
-        return self._turned(left, float(twist[2]), lapse) if self._turning else self._braked(twist, lapse)
+        return self._turn_velocity(left, float(twist[2]), lapse) if self._turning else self._brake_velocity(twist, lapse)
 
-    def _arrived(self, pose: Pose, path: FloatArray) -> bool:
+    def _has_arrived(self, pose: Pose, path: FloatArray) -> bool:
         if self._goal.xy_tolerance is None:
             return False
         if path is not self._path:  # a new plan ends the latch, as move_base's do
@@ -54,12 +54,12 @@ class Arrival:
         self._there = (self._there and self._goal.latch_xy_tolerance) or pose.distance(end) <= self._goal.xy_tolerance
         return self._there
 
-    def _braked(self, twist: NDArray[np.float64], lapse: float) -> FloatArray:
+    def _brake_velocity(self, twist: NDArray[np.float64], lapse: float) -> FloatArray:
         limits = self._limits
         slower = np.array((limits.ax_max, limits.ay_max, limits.alpha_max)) * lapse
         return np.copysign(np.maximum(np.abs(twist) - slower, 0.0), twist)
 
-    def _turned(self, left: float, wz: float, lapse: float) -> FloatArray:
+    def _turn_velocity(self, left: float, wz: float, lapse: float) -> FloatArray:
         """Return a turn by ``left`` (rad): no faster than it could be braked, no slower than ``theta_min``."""
         limits = self._limits
         reached = min(max(abs(left), abs(wz) - limits.alpha_max * lapse), abs(wz) + limits.alpha_max * lapse)

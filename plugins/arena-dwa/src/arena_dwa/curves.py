@@ -10,9 +10,9 @@ import math
 import numpy as np
 
 from arena_dwa.settings import Body, FloatArray
-from arena_dwa.trajectory import Stand, moved
+from arena_dwa.trajectory import PlanarPose, compose_poses
 from arena_kernels.compiled import borrowing, compiled
-from arena_kernels.window import CLOSE, Window, clearance, keeps_from_walls
+from arena_kernels.costmap_window import CLOSE, CostmapWindow, keeps_from_walls, outline_clearance
 
 SPACING = 0.05  # m between two poses of a curve that are looked at: a usual cell
 LEAVING = 0.3  # m of way on which a robot that begins too near to something may get away from it
@@ -23,14 +23,14 @@ WHOLE = 2.0 * math.pi - 1e-6  # rad; a turn so long is none, but for rounding
 
 
 @borrowing
-def turn(angle: float) -> float:
+def wrap_turn(angle: float) -> float:
     """Return an angle from 0 to 2 pi, rad."""
     angle %= 2.0 * math.pi
     return angle if angle < WHOLE else 0.0
 
 
 @borrowing
-def dubins(x: float, y: float, theta: float, first: float, last: float) -> tuple[float, float, float]:
+def dubins_lengths(x: float, y: float, theta: float, first: float, last: float) -> tuple[float, float, float]:
     """Return turn (rad), straight way and turn (rad) from the origin to a pose, all lengths in turning radii; infinite: there is none.
 
     ``first`` and ``last`` are 1 for a turn to the left, -1 for one to the right.
@@ -43,11 +43,11 @@ def dubins(x: float, y: float, theta: float, first: float, last: float) -> tuple
             return math.inf, math.inf, math.inf
         straight = math.sqrt(apart * apart - 4.0)
         heading += first * math.asin(2.0 / apart)
-    return turn(first * heading), straight, turn(last * (theta - heading))
+    return wrap_turn(first * heading), straight, wrap_turn(last * (theta - heading))
 
 
 @borrowing
-def along(length: float, curvature: float) -> Stand:
+def pose_along_arc(length: float, curvature: float) -> PlanarPose:
     """Return the pose at the end of an arc, seen from where it begins; backwards where its ``length`` is negative."""
     angle = length * curvature
     c, s = math.cos(angle), math.sin(angle)
@@ -55,32 +55,32 @@ def along(length: float, curvature: float) -> Stand:
 
 
 @borrowing
-def stands_free(window: Window, body: Body, start: Stand, way: float, stand: Stand) -> bool:
+def is_pose_free(window: CostmapWindow, body: Body, start: PlanarPose, way: float, stand: PlanarPose) -> bool:
     """Tell whether a robot keeps its padding ``way`` m from ``start``; near it, where it may have less, what it keeps there."""
     if way < LEAVING:
         return keeps_from_walls(window, body.outline, start, stand, body.padding, CLOSE)
-    return clearance(window, body.outline, *stand, body.padding) >= body.padding
+    return outline_clearance(window, body.outline, *stand, body.padding) >= body.padding
 
 
 @borrowing
-def curve_is_free(window: Window, body: Body, start: Stand, way: float, stand: Stand, pieces: FloatArray) -> bool:
+def is_curve_free(window: CostmapWindow, body: Body, start: PlanarPose, way: float, stand: PlanarPose, pieces: FloatArray) -> bool:
     """Tell whether arcs (K, 2) of lengths and curvatures, one after the other, are free from ``stand``, ``way`` m from ``start``."""
     for piece in range(len(pieces)):
         length, curvature = pieces[piece, 0], pieces[piece, 1]
         parts = math.ceil(abs(length) / SPACING)
         if parts == 0:
             continue
-        step = along(length / parts, curvature)
+        step = pose_along_arc(length / parts, curvature)
         for _ in range(parts):
-            stand, way = moved(stand, step), way + abs(length) / parts
-            if not stands_free(window, body, start, way, stand):
+            stand, way = compose_poses(stand, step), way + abs(length) / parts
+            if not is_pose_free(window, body, start, way, stand):
                 return False
     return True
 
 
 @compiled
-def shortest_way(
-    window: Window, body: Body, start: Stand, ends: FloatArray, gear: float, radius: float, first: float, bends: FloatArray
+def shortest_dubins_path(
+    window: CostmapWindow, body: Body, start: PlanarPose, ends: FloatArray, gear: float, radius: float, first: float, bends: FloatArray
 ) -> FloatArray:
     """Return length (m, negative: backwards) and curvature (1/m) of the pieces of the shortest free way to one of ``ends``, (4, 2).
 
@@ -90,31 +90,33 @@ def shortest_way(
     best, least, pieces = np.zeros((4, 2)), LONGEST, np.zeros((4, 2))
     costs, first_costs = (1.0, BACK_COSTS) if gear > 0.0 else (BACK_COSTS, 1.0)
     for i in range(len(bends)):
-        stand, step = start, along(-gear * SPACING, bends[i])
+        stand, step = start, pose_along_arc(-gear * SPACING, bends[i])
         for k in range(int(first / SPACING) + 1):
             way = k * SPACING
             if k > 0:
-                stand = moved(stand, step)
-                if not stands_free(window, body, start, way, stand):
+                stand = compose_poses(stand, step)
+                if not is_pose_free(window, body, start, way, stand):
                     break
             elif i > 0:
                 continue
             pieces[0, 0], pieces[0, 1] = -gear * way, bends[i]
             for end in ends:
                 for word in range(4):
-                    length = join(stand, end, gear, radius, 1.0 - 2.0 * (word % 2), 1.0 - 2.0 * (word // 2), pieces[1:])
+                    length = fill_dubins_curve(stand, end, gear, radius, 1.0 - 2.0 * (word % 2), 1.0 - 2.0 * (word // 2), pieces[1:])
                     cost = first_costs * way + costs * length - TIGHT_COSTS * end[3]
-                    if cost < least and curve_is_free(window, body, start, way, stand, pieces[1:]):
+                    if cost < least and is_curve_free(window, body, start, way, stand, pieces[1:]):
                         best[:], least = pieces, cost
     return best
 
 
 @borrowing
-def join(stand: Stand, end: FloatArray, gear: float, radius: float, first: float, last: float, pieces: FloatArray) -> float:
+def fill_dubins_curve(
+    stand: PlanarPose, end: FloatArray, gear: float, radius: float, first: float, last: float, pieces: FloatArray
+) -> float:
     """Fill ``pieces`` (3, 2) with the curve of Dubins that leads in ``gear`` from ``stand`` to ``end``, and return its length, m."""
     dx, dy = gear * (end[0] - stand[0]) / radius, gear * (end[1] - stand[1]) / radius  # backwards: as a car that looks the other way
     x, y = stand[2] * dx + stand[3] * dy, stand[2] * dy - stand[3] * dx
-    turned, straight, turned_last = dubins(x, y, end[2] - math.atan2(stand[3], stand[2]), first, last)
+    turned, straight, turned_last = dubins_lengths(x, y, end[2] - math.atan2(stand[3], stand[2]), first, last)
     pieces[0, 0], pieces[0, 1] = gear * radius * turned, gear * first / radius
     pieces[1, 0], pieces[1, 1] = gear * radius * straight, 0.0
     pieces[2, 0], pieces[2, 1] = gear * radius * turned_last, gear * last / radius

@@ -8,8 +8,8 @@ import numpy as np
 
 from arena_dwa.settings import Body, FloatArray
 from arena_kernels.compiled import borrowing, compiled
+from arena_kernels.costmap_window import CostmapWindow, distance_at, outline_clearance
 from arena_kernels.paths import nearest_index
-from arena_kernels.window import Window, clearance, distance_at
 
 NEAREST, FARTHEST = 0.1, 1.0  # m along the path, between which its narrow place is looked for
 ENOUGH = 0.15  # m of gap, beyond which more is worth nothing
@@ -19,22 +19,22 @@ ASIDE = np.linspace(-0.06, 0.06, 7)  # m beside the path
 
 
 @compiled
-def poses_that_fit(
-    window: Window, body: Body, path: FloatArray, x: float, y: float, gear: float, headings: FloatArray, aside: FloatArray
+def fitting_poses(
+    window: CostmapWindow, body: Body, path: FloatArray, x: float, y: float, gear: float, headings: FloatArray, aside: FloatArray
 ) -> FloatArray:
     """Return x, y (m), heading (rad) and gap (m) of poses (K, 4) that keep the padding at the entrance ahead of (x, y).
 
     They lie ``aside`` (m) of ``path`` (M, 3), ``headings`` (rad) off its direction, or off the opposite one where ``gear`` is -1.
     """
-    place = entrance(window, body, path, x, y)
-    before, after = place_at(path, place, -SHARE), place_at(path, place, SHARE)
+    place = entrance_index(window, body, path, x, y)
+    before, after = index_at(path, place, -SHARE), index_at(path, place, SHARE)
     direction = math.atan2(gear * (path[after, 1] - path[before, 1]), gear * (path[after, 0] - path[before, 0]))
     ends, count = np.empty((len(headings) * len(aside), 4)), 0
     for off in aside:
         px, py = path[place, 0] - off * math.sin(direction), path[place, 1] + off * math.cos(direction)
         for turn in headings:
             theta = direction + turn
-            gap = clearance(window, body.outline, px, py, math.cos(theta), math.sin(theta), ENOUGH)
+            gap = outline_clearance(window, body.outline, px, py, math.cos(theta), math.sin(theta), ENOUGH)
             if gap >= body.padding:
                 ends[count] = px, py, theta, min(gap, ENOUGH)
                 count += 1
@@ -42,10 +42,10 @@ def poses_that_fit(
 
 
 @borrowing
-def entrance(window: Window, body: Body, path: FloatArray, x: float, y: float) -> int:
+def entrance_index(window: CostmapWindow, body: Body, path: FloatArray, x: float, y: float) -> int:
     """Return the index of the first place ahead on ``path`` (M, 3) that is about as narrow as any; the farthest where all are wide."""
     here = nearest_index(path, x, y)
-    first, last = place_at(path, here, NEAREST), place_at(path, here, FARTHEST)
+    first, last = index_at(path, here, NEAREST), index_at(path, here, FARTHEST)
     least = math.inf
     for i in range(first, last + 1):
         free = distance_at(window, path[i, 0], path[i, 1])
@@ -60,7 +60,7 @@ def entrance(window: Window, body: Body, path: FloatArray, x: float, y: float) -
 
 
 @borrowing
-def place_at(path: FloatArray, place: int, way: float) -> int:
+def index_at(path: FloatArray, place: int, way: float) -> int:
     """Return the first index of ``path`` (M, 3) that is ``way`` m beyond ``place``, or before it where that is negative; else its end."""
     step = 1 if way > 0.0 else -1
     left = abs(way)

@@ -10,11 +10,11 @@ import math
 import numpy as np
 
 from arena_core import Pose, wrap_angle
-from arena_dwa.curves import along, shortest_way
-from arena_dwa.entrance import ASIDE, HEADINGS, poses_that_fit
+from arena_dwa.curves import pose_along_arc, shortest_dubins_path
+from arena_dwa.entrance import ASIDE, HEADINGS, fitting_poses
 from arena_dwa.settings import Body, FloatArray, Limits
-from arena_dwa.trajectory import moved, stand_at
-from arena_dwa.way_out import Ground
+from arena_dwa.trajectory import compose_poses, planar_pose
+from arena_dwa.way_out import EscapeInputs
 
 BENDS = np.array((0.0, 0.5, -0.5, 1.0, -1.0))  # of the tightest curve, back
 ROOM_TO_STEER = 1.15  # turning radii on which a curve is planned: the rest leads back to it
@@ -49,42 +49,42 @@ class Manoeuvre:
         self._legs: list[tuple[float, FloatArray]] = []
         self._place, self._free_at = 0, 0.0
 
-    def _thinner(self, body: Body) -> Body:
+    def _with_less_padding(self, body: Body) -> Body:
         return body._replace(padding=min(body.padding, self.least))
 
     @property
-    def begun(self) -> bool:
+    def is_active(self) -> bool:
         """Whether a way is being driven."""
         return bool(self._legs)
 
-    def rehearse(self, pose: Pose, ground: Ground) -> None:
+    def warm_up(self, pose: Pose, ground: EscapeInputs) -> None:
         """Look for a way to nowhere, so that the search is compiled before a control step needs it."""
-        self._way(pose, ground, 1.0)
+        self._find_path(pose, ground, 1.0)
 
-    def begin(self, stamp: float, pose: Pose, ground: Ground) -> None:
+    def begin(self, stamp: float, pose: Pose, ground: EscapeInputs) -> None:
         """Look for a way from ``pose`` (``map``)."""
         if 0.0 <= stamp - self._failed < RETRY:  # stamps begin anew with an episode
             return
         if not 0.0 <= stamp - self._failed < FORGETFUL:
             self._failing_since = stamp
-        pieces = self._way(pose, ground, 1.0)
+        pieces = self._find_path(pose, ground, 1.0)
         if not pieces.any() and self._first > 0.0 and stamp - self._failing_since > RELUCTANT:
-            pieces = self._way(pose, ground, -1.0)
-        self._legs, self._place, self._free_at = legs(pose, pieces), 0, stamp
+            pieces = self._find_path(pose, ground, -1.0)
+        self._legs, self._place, self._free_at = path_segments(pose, pieces), 0, stamp
         self._failed = -math.inf if self._legs else stamp
 
-    def _way(self, pose: Pose, ground: Ground, gear: float) -> FloatArray:
+    def _find_path(self, pose: Pose, ground: EscapeInputs, gear: float) -> FloatArray:
         """Return the pieces (4, 2) of the shortest way in ``gear`` with the padding, of that with the least padding where there is none."""
-        start, bends = stand_at(pose.x, pose.y, pose.theta), BENDS / self._radius
+        start, bends = planar_pose(pose.x, pose.y, pose.theta), BENDS / self._radius
         pieces = np.zeros((4, 2))
-        for body in (ground.body, self._thinner(ground.body)):
-            ends = poses_that_fit(ground.window, body, ground.path, pose.x, pose.y, gear, HEADINGS, ASIDE)
-            pieces = shortest_way(ground.window, body, start, ends, gear, self._radius, self._first, bends)
+        for body in (ground.body, self._with_less_padding(ground.body)):
+            ends = fitting_poses(ground.window, body, ground.path, pose.x, pose.y, gear, HEADINGS, ASIDE)
+            pieces = shortest_dubins_path(ground.window, body, start, ends, gear, self._radius, self._first, bends)
             if pieces.any():
                 break
         return pieces
 
-    def velocity(self, stamp: float, pose: Pose, velocities: FloatArray, time: float) -> FloatArray | None:
+    def target_velocity(self, stamp: float, pose: Pose, velocities: FloatArray, time: float) -> FloatArray | None:
         """Return the velocity (3,) within the window ``velocities`` (3, 2) that follows the way; None when it is done."""
         while self._legs:
             sign, leg = self._legs[0]
@@ -97,17 +97,17 @@ class Manoeuvre:
             elif left * STEP < ARRIVED:
                 self._legs, self._place = self._legs[1:], 0
             else:
-                return self._following(pose, sign, leg, velocities)
+                return self._path_velocity(pose, sign, leg, velocities)
         return None
 
-    def unless_held(self, stamp: float, velocity: FloatArray, free: bool) -> FloatArray | None:
+    def hold_if_blocked(self, stamp: float, velocity: FloatArray, free: bool) -> FloatArray | None:
         """Return the velocity where it is ``free``; else stand for a while: a noisy scan marks a cell that the next one may clear."""
         if free:
             self._free_at = stamp
             return velocity
         return np.zeros(3) if stamp - self._free_at < PATIENCE else None
 
-    def _following(self, pose: Pose, sign: float, leg: FloatArray, velocities: FloatArray) -> FloatArray:
+    def _path_velocity(self, pose: Pose, sign: float, leg: FloatArray, velocities: FloatArray) -> FloatArray:
         x, y, theta, _ = leg[self._place].tolist()
         curvature = float(leg[min(self._place + LAG, len(leg) - 1), 3])
         aside, off = Pose(x, y, theta).relative(pose).y, float(wrap_angle(pose.theta - theta))
@@ -118,13 +118,13 @@ class Manoeuvre:
         return np.array((vx, 0.0, min(max(vx * curvature, float(velocities[2, 0])), float(velocities[2, 1]))))
 
 
-def legs(pose: Pose, pieces: FloatArray) -> list[tuple[float, FloatArray]]:
+def path_segments(pose: Pose, pieces: FloatArray) -> list[tuple[float, FloatArray]]:
     """Return the legs of a way of ``pieces`` (K, 2) from ``pose``: 1 or -1 for backwards, and poses with curvatures (N, 4), STEP apart."""
     found: list[tuple[float, FloatArray]] = []
-    stand = stand_at(pose.x, pose.y, pose.theta)
+    stand = planar_pose(pose.x, pose.y, pose.theta)
     for length, curvature in pieces.tolist():
         parts = round(abs(length) / STEP)
-        rows = [(*moved(stand, along(length * k / parts, curvature)), curvature) for k in range(1, parts + 1)]
+        rows = [(*compose_poses(stand, pose_along_arc(length * k / parts, curvature)), curvature) for k in range(1, parts + 1)]
         if not rows:
             continue
         x, y, cosine, sine, curvatures = np.array(rows).T
@@ -132,5 +132,5 @@ def legs(pose: Pose, pieces: FloatArray) -> list[tuple[float, FloatArray]]:
         if found and found[-1][0] == sign:
             leg = np.vstack((found.pop()[1], leg))
         found.append((sign, leg))
-        stand = moved(stand, along(length, curvature))
+        stand = compose_poses(stand, pose_along_arc(length, curvature))
     return found

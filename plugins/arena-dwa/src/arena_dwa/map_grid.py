@@ -9,15 +9,15 @@ from numpy.typing import NDArray
 
 from arena_dwa.settings import Body, FieldArray, FloatArray, MapGrids, Scales
 from arena_kernels.compiled import borrowing, compiled, inlined
+from arena_kernels.costmap_window import CostmapWindow
 from arena_kernels.paths import nearest_index
-from arena_kernels.window import Window
 
 UNSEEN = -1
 WALL = -2
 
 
 @borrowing
-def bordered_index(window: Window, x: float, y: float) -> int:
+def bordered_index(window: CostmapWindow, x: float, y: float) -> int:
     """Return the index of a position in the window's flat grid with a border of one cell; -1 outside the window."""
     rows, columns = window.distance.shape
     column = math.floor((x - window.origin_x) / window.resolution)
@@ -28,7 +28,7 @@ def bordered_index(window: Window, x: float, y: float) -> int:
 
 
 @borrowing
-def clamped_index(window: Window, x: float, y: float) -> int:
+def clamped_index(window: CostmapWindow, x: float, y: float) -> int:
     """Return the index of the window's cell nearest to a position, in the flat grid with its border."""
     rows, columns = window.distance.shape
     half = 0.5 * window.resolution
@@ -38,7 +38,7 @@ def clamped_index(window: Window, x: float, y: float) -> int:
 
 
 @compiled
-def path_cells(path: FloatArray, window: Window, x: float, y: float) -> tuple[NDArray[np.int64], bool]:
+def path_cells(path: FloatArray, window: CostmapWindow, x: float, y: float) -> tuple[NDArray[np.int64], bool]:
     """Return the cells that the path covers from abreast of (x, y) until it first leaves the window, and whether it ends inside."""
     first = nearest_index(path, x, y)
     cells, count = np.empty(window.distance.size, np.int64), 1
@@ -58,7 +58,7 @@ def path_cells(path: FloatArray, window: Window, x: float, y: float) -> tuple[ND
 
 
 @compiled
-def blocked_cells(window: Window, body: Body, x: float, y: float) -> NDArray[np.int32]:
+def blocked_cells(window: CostmapWindow, body: Body, x: float, y: float) -> NDArray[np.int32]:
     """Return the flat bordered grid: WALL where the robot's centre cannot be, UNSEEN elsewhere and under the robot itself."""
     rows, columns = window.distance.shape
     cells = np.full((rows + 2) * (columns + 2), WALL, np.int32)
@@ -78,7 +78,7 @@ def blocked_cells(window: Window, body: Body, x: float, y: float) -> NDArray[np.
 
 
 @borrowing
-def spread(steps: NDArray[np.int32], stride: int, seeds: NDArray[np.int64], queue: NDArray[np.int32]) -> int:
+def propagate_wavefront(steps: NDArray[np.int32], stride: int, seeds: NDArray[np.int64], queue: NDArray[np.int32]) -> int:
     """Number the UNSEEN cells of ``steps`` in place with their steps from the nearest seed and return the first number not used.
 
     Steps to four and to eight neighbours alternate, which makes the front an octagon: within 11 % of the Euclidean distance
@@ -96,21 +96,21 @@ def spread(steps: NDArray[np.int32], stride: int, seeds: NDArray[np.int64], queu
         ring += 1
         for i in range(begin, ring_end):
             cell = queue[i]
-            end = reach(steps, cell + 1, ring, queue, end)
-            end = reach(steps, cell - 1, ring, queue, end)
-            end = reach(steps, cell + stride, ring, queue, end)
-            end = reach(steps, cell - stride, ring, queue, end)
+            end = visit_cell(steps, cell + 1, ring, queue, end)
+            end = visit_cell(steps, cell - 1, ring, queue, end)
+            end = visit_cell(steps, cell + stride, ring, queue, end)
+            end = visit_cell(steps, cell - stride, ring, queue, end)
             if diagonal:
-                end = reach(steps, cell + stride + 1, ring, queue, end)
-                end = reach(steps, cell + stride - 1, ring, queue, end)
-                end = reach(steps, cell - stride + 1, ring, queue, end)
-                end = reach(steps, cell - stride - 1, ring, queue, end)
+                end = visit_cell(steps, cell + stride + 1, ring, queue, end)
+                end = visit_cell(steps, cell + stride - 1, ring, queue, end)
+                end = visit_cell(steps, cell - stride + 1, ring, queue, end)
+                end = visit_cell(steps, cell - stride - 1, ring, queue, end)
         begin = ring_end
     return ring
 
 
 @inlined
-def reach(steps: NDArray[np.int32], cell: int, ring: int, queue: NDArray[np.int32], end: int) -> int:
+def visit_cell(steps: NDArray[np.int32], cell: int, ring: int, queue: NDArray[np.int32], end: int) -> int:
     """Number an UNSEEN cell, and queue it; return how many are queued."""
     place = np.uint64(cell)  # no cell is negative
     if steps[place] != UNSEEN:
@@ -121,7 +121,7 @@ def reach(steps: NDArray[np.int32], cell: int, ring: int, queue: NDArray[np.int3
 
 
 @borrowing
-def open_inside(steps: NDArray[np.int32], stride: int) -> None:
+def clear_walls(steps: NDArray[np.int32], stride: int) -> None:
     """Make every cell but the border's UNSEEN."""
     for row in range(1, len(steps) // stride - 1):
         for i in range(row * stride + 1, row * stride + stride - 1):
@@ -135,17 +135,17 @@ def map_grid(blocked: NDArray[np.int32], stride: int, seeds: NDArray[np.int64], 
     Where the robot itself is cut off, walls are ignored, so that it comes near and waits.
     """
     steps = blocked.copy()
-    ring = spread(steps, stride, seeds, queue)
+    ring = propagate_wavefront(steps, stride, seeds, queue)
     if steps[robot] < 0:
-        open_inside(steps, stride)
-        ring = spread(steps, stride, seeds, queue)
+        clear_walls(steps, stride)
+        ring = propagate_wavefront(steps, stride, seeds, queue)
     for i in range(len(steps)):
         steps[i] = ring if steps[i] < 0 else steps[i]
     return steps
 
 
 @compiled
-def map_grids(window: Window, body: Body, path: FloatArray, x: float, y: float, forward_point_distance: float) -> MapGrids:
+def map_grids(window: CostmapWindow, body: Body, path: FloatArray, x: float, y: float, forward_point_distance: float) -> MapGrids:
     """Return the grids of a robot at (x, y).
 
     The front's goal lies ``forward_point_distance`` beyond the path's end, seen from the robot, as in ROS: else the robot would
@@ -166,7 +166,7 @@ def map_grids(window: Window, body: Body, path: FloatArray, x: float, y: float, 
 
 
 @compiled
-def cost_fields(grids: MapGrids, window: Window, scales: Scales, aligning: bool) -> tuple[FieldArray, FieldArray]:
+def cost_fields(grids: MapGrids, window: CostmapWindow, scales: Scales, aligning: bool) -> tuple[FieldArray, FieldArray]:
     """Return what the robot's place and the place of its front cost, (H, W) each: path and goal, alignment and goal-front critics.
 
     As in ROS each pair of critics shares its bias. ``aligning`` is false near the goal, where the front is past the path's end.
@@ -186,7 +186,7 @@ def cost_fields(grids: MapGrids, window: Window, scales: Scales, aligning: bool)
 
 
 @borrowing
-def interpolated(field: FieldArray, window: Window, x: float, y: float) -> float:
+def interpolate_field(field: FieldArray, window: CostmapWindow, x: float, y: float) -> float:
     """Return a field's value at a position, between the centres of the four cells around it; beyond the edge the edge's."""
     rows, columns = field.shape
     u, v = (x - window.origin_x) / window.resolution - 0.5, (y - window.origin_y) / window.resolution - 0.5

@@ -5,16 +5,16 @@ from __future__ import annotations
 import math
 
 from arena_dwa.settings import Body, Limits, RollOut
-from arena_dwa.trajectory import Stand, arc, moved
+from arena_dwa.trajectory import PlanarPose, compose_poses, pose_after_arc
 from arena_kernels.compiled import borrowing
-from arena_kernels.window import Window, allowed_gap, clearance, distance_at
+from arena_kernels.costmap_window import CostmapWindow, allowed_gap, distance_at, outline_clearance
 
 REJECTED = -1.0
 STEEPEST = 1.5  # by which distance between cells falls at most, per m of way: as they are interpolated, below the root of 2
 
 
 @borrowing
-def cell_cost(window: Window, x: float, y: float) -> float:
+def cell_cost(window: CostmapWindow, x: float, y: float) -> float:
     """Return the cost of the cell at a position inside the window."""
     return float(window.costs[int((y - window.origin_y) / window.resolution), int((x - window.origin_x) / window.resolution)])
 
@@ -35,7 +35,7 @@ def stopping_time(vx: float, vy: float, wz: float, limits: Limits) -> float:
 
 
 @borrowing
-def free_around(window: Window, body: Body, stand: Stand) -> float:
+def free_around(window: CostmapWindow, body: Body, stand: PlanarPose) -> float:
     """Return how much room there is about the circle round the outline, up to the nearest lethal cell and to the window's edge, m."""
     rows, columns = window.distance.shape
     east, north = stand[0] - window.origin_x, stand[1] - window.origin_y
@@ -45,12 +45,12 @@ def free_around(window: Window, body: Body, stand: Stand) -> float:
 
 @borrowing
 def obstacle_cost(
-    window: Window,
+    window: CostmapWindow,
     body: Body,
     limits: Limits,
     roll_out: RollOut,
     period: float,
-    stand: Stand,
+    stand: PlanarPose,
     sample: tuple[float, float, float],
     start_clearance: float,
     mean: bool,
@@ -67,14 +67,14 @@ def obstacle_cost(
     braking = 0.5 * stopping_time(vx, vy, wz, limits)  # at full speed as far as the robot comes while it brakes evenly
     time = max(roll_out.sim_time, period + braking + roll_out.stop_time_buffer)
     steps = max(1, math.ceil(max(speed * time / roll_out.sim_granularity, abs(wz) * time / roll_out.angular_sim_granularity)))
-    step, length = arc(vx, vy, wz, time / steps), speed * time / steps
+    step, length = pose_after_arc(vx, vy, wz, time / steps), speed * time / steps
     total, greatest, free = 0.0, 0.0, 0.0
     for _ in range(steps):
-        stand = moved(stand, step)
+        stand = compose_poses(stand, step)
         free -= STEEPEST * length
         if free <= 0.0:
             free = free_around(window, body, stand) - allowed
-            if free <= 0.0 and clearance(window, body.outline, *stand, allowed) < allowed:
+            if free <= 0.0 and outline_clearance(window, body.outline, *stand, allowed) < allowed:
                 return REJECTED
         cost = cell_cost(window, stand[0], stand[1])
         total += cost

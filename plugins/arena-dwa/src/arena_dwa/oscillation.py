@@ -15,7 +15,7 @@ FORWARD, LEFT, TURN = 0, 1, 2
 
 
 @borrowing
-def oscillates(only: NDArray[np.int8], vx: float, vy: float, wz: float) -> bool:
+def is_oscillating(only: NDArray[np.int8], vx: float, vy: float, wz: float) -> bool:
     """Tell whether a sample runs against a flag: ``only`` (3,) holds for vx, vy, wz the one sign allowed, or 0."""
     return bool(vx * only[FORWARD] < 0.0 or vy * only[LEFT] < 0.0 or wz * only[TURN] < 0.0)
 
@@ -38,16 +38,16 @@ class OscillationFlags:
         self._driven = np.zeros(3, np.int8)
         self._flagged: tuple[float, Pose] | None = None
 
-    def note(self, stamp: float, pose: Pose, command: Twist) -> None:
+    def record_command(self, stamp: float, pose: Pose, command: Twist) -> None:
         """Take in the command chosen at ``stamp`` s and ``pose``: raise flags at a reversal, drop them when they have done their work."""
-        self._turn_over(FORWARD, command.vx, stamp, pose)
+        self._record_direction(FORWARD, command.vx, stamp, pose)
         if abs(command.vx) <= self._still_below:
-            self._turn_over(LEFT, command.vy, stamp, pose)
-            self._turn_over(TURN, command.wz, stamp, pose)
+            self._record_direction(LEFT, command.vy, stamp, pose)
+            self._record_direction(TURN, command.wz, stamp, pose)
         if self._flagged is not None and self._is_over(*self._flagged, stamp, pose):
             self.clear()
 
-    def _turn_over(self, axis: int, speed: float, stamp: float, pose: Pose) -> None:
+    def _record_direction(self, axis: int, speed: float, stamp: float, pose: Pose) -> None:
         sign = int(np.sign(speed))
         if sign and self._driven[axis] == -sign:
             self.only[axis] = sign

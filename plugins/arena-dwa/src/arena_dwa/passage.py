@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from arena_dwa.settings import Body, FloatArray
 from arena_kernels.compiled import borrowing, compiled
-from arena_kernels.passage import KEPT, eased, room_along
-from arena_kernels.window import Outline, Window
+from arena_kernels.costmap_window import CostmapWindow, Outline
+from arena_kernels.passage import KEPT, reduced_gap, room_along
 
 
 @compiled
-def padding_along(window: Window, body: Body, path: FloatArray, x: float, y: float, ahead: float, least: float) -> float:
+def padding_along(window: CostmapWindow, body: Body, path: FloatArray, x: float, y: float, ahead: float, least: float) -> float:
     """Return the padding, m, with which a robot at (x, y) can drive the next ``ahead`` m of ``path`` (M, 3), at least ``least``."""
-    room = room_along(window, body.outline, path, x, y, ahead) - wider(body.outline)
-    return eased(body.padding, room, KEPT, least)
+    room = room_along(window, body.outline, path, x, y, ahead) - side_excess(body.outline)
+    return reduced_gap(body.padding, room, KEPT, least)
 
 
 @borrowing
-def wider(outline: Outline) -> float:
+def side_excess(outline: Outline) -> float:
     """Return how much farther, m, a robot's sides are than the circle inside its outline: a car's lies about its rear axle."""
     most = 0.0
     for i in range(len(outline.points_xy)):

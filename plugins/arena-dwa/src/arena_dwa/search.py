@@ -8,19 +8,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_dwa.approach import approach_cost
-from arena_dwa.map_grid import cost_fields, interpolated
+from arena_dwa.map_grid import cost_fields, interpolate_field
 from arena_dwa.obstacles import REJECTED, obstacle_cost
-from arena_dwa.oscillation import oscillates
+from arena_dwa.oscillation import is_oscillating
 from arena_dwa.settings import FieldArray, FloatArray, MapGrids, Settings
-from arena_dwa.trajectory import Stand, arc, bent, moved, stand_at, turned
-from arena_dwa.window import axis_samples, driven, turn_samples
+from arena_dwa.trajectory import PlanarPose, compose_poses, planar_pose, pose_after_arc, pose_from_turn, turn_rotations
+from arena_dwa.window import axis_samples, is_drivable, turn_samples
 from arena_kernels.compiled import borrowing, compiled
-from arena_kernels.window import Window, clearance
+from arena_kernels.costmap_window import CostmapWindow, outline_clearance
 
 
 @compiled
 def cheapest_sample(
-    window: Window,
+    window: CostmapWindow,
     grids: MapGrids,
     speeds: FieldArray,
     path: FloatArray,
@@ -36,20 +36,20 @@ def cheapest_sample(
     over obstacles first, and those that are left no chance never, which changes no choice because no critic is negative.
     """
     limits, roll_out, body, scales, approach = settings
-    start = stand_at(state[0], state[1], state[2])
-    gap = clearance(window, body.outline, *start, body.padding)
+    start = planar_pose(state[0], state[1], state[2])
+    gap = outline_clearance(window, body.outline, *start, body.padding)
     aligning = math.hypot(path[-1, 0] - state[0], path[-1, 1] - state[1]) > scales.forward_point_distance
     place, front = cost_fields(grids, window, scales, aligning)
     samples, lows = cheap_costs(window, place, front, start, velocities, settings, only)
     best, cheapest = np.array((0.0, 0.0, 0.0, np.inf)), -1
-    heap = heaped(lows)
+    heap = build_heap(lows)
     for left in range(len(heap), 0, -1):
         sample = heap[0]
         cost = lows[sample]
         if cost > best[3]:
             break
         heap[0] = heap[left - 1]
-        sink(heap, left - 1, 0, lows)
+        sift_down(heap, left - 1, 0, lows)
         velocity = samples[sample, 0], samples[sample, 1], samples[sample, 2]
         within = (best[3] - cost) / scales.occdist_scale if scales.occdist_scale > 0.0 else np.inf
         near = obstacle_cost(window, body, limits, roll_out, period, start, velocity, gap, scales.occdist_mean, within)
@@ -57,8 +57,8 @@ def cheapest_sample(
             continue
         cost += scales.occdist_scale * near
         if gap < body.padding:
-            end = moved(start, arc(velocity[0], velocity[1], velocity[2], roll_out.sim_time))
-            cost += scales.escape_scale * max(0.0, body.padding - clearance(window, body.outline, *end, body.padding))
+            end = compose_poses(start, pose_after_arc(velocity[0], velocity[1], velocity[2], roll_out.sim_time))
+            cost += scales.escape_scale * max(0.0, body.padding - outline_clearance(window, body.outline, *end, body.padding))
         if approach.scale > 0.0 and cost <= best[3]:
             cost += approach.scale * approach_cost(window, body, speeds, approach, start, velocity)
         if cost < best[3] or (cost == best[3] and sample < cheapest):
@@ -69,10 +69,10 @@ def cheapest_sample(
 
 @compiled
 def cheap_costs(
-    window: Window,
+    window: CostmapWindow,
     place: FieldArray,
     front: FieldArray,
-    start: Stand,
+    start: PlanarPose,
     velocities: FloatArray,
     settings: Settings,
     only: NDArray[np.int8],
@@ -84,21 +84,21 @@ def cheap_costs(
     aside = axis_samples(velocities[1, 0], velocities[1, 1], roll_out.vy_samples)
     turning, turns = axis_samples(velocities[2, 0], velocities[2, 1], roll_out.vth_samples), np.empty((0, 2))
     if limits.turn_radius == 0.0:  # all turn alike, whatever their speed
-        turns = turned(turning, roll_out.sim_time)
+        turns = turn_rotations(turning, roll_out.sim_time)
     most = len(along) * len(aside) * (max(roll_out.vth_samples, 1) + 1)
     samples, lows, count = np.empty((most, 3)), np.empty(most), 0
     for vx in along:
         if limits.turn_radius > 0.0:
             turning = turn_samples(vx, velocities, limits, roll_out.vth_samples)
-            turns = turned(turning, roll_out.sim_time)
+            turns = turn_rotations(turning, roll_out.sim_time)
         for vy in aside:
             for k in range(len(turning)):
                 wz = turning[k]
-                if not driven(vx, vy, wz, limits) or oscillates(only, vx, vy, wz):
+                if not is_drivable(vx, vy, wz, limits) or is_oscillating(only, vx, vy, wz):
                     continue
-                end = moved(start, bent(vx, vy, wz, roll_out.sim_time, turns[k, 0], turns[k, 1]))
-                front_x, front_y, _, _ = moved(end, ahead)
-                cost = interpolated(place, window, end[0], end[1]) + interpolated(front, window, front_x, front_y)
+                end = compose_poses(start, pose_from_turn(vx, vy, wz, roll_out.sim_time, turns[k, 0], turns[k, 1]))
+                front_x, front_y, _, _ = compose_poses(end, ahead)
+                cost = interpolate_field(place, window, end[0], end[1]) + interpolate_field(front, window, front_x, front_y)
                 cost += scales.twirling_scale * abs(wz) + scales.reverse_scale * max(0.0, -vx)
                 samples[count, 0], samples[count, 1], samples[count, 2], lows[count] = vx, vy, wz, cost
                 count += 1
@@ -106,16 +106,16 @@ def cheap_costs(
 
 
 @compiled
-def heaped(values: FloatArray) -> NDArray[np.int64]:
+def build_heap(values: FloatArray) -> NDArray[np.int64]:
     """Return the rows of ``values`` as a binary heap, the least value first."""
     heap = np.arange(len(values))
     for place in range(len(heap) // 2 - 1, -1, -1):
-        sink(heap, len(heap), place, values)
+        sift_down(heap, len(heap), place, values)
     return heap
 
 
 @borrowing
-def sink(heap: NDArray[np.int64], count: int, place: int, values: FloatArray) -> None:
+def sift_down(heap: NDArray[np.int64], count: int, place: int, values: FloatArray) -> None:
     """Let the row at a place of a heap of ``count`` sink below those with lesser values."""
     row = heap[place]
     while 2 * place + 1 < count:

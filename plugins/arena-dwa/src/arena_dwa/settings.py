@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from arena_core import ConfigurationError, Robot
 from arena_dwa.parameters import ApproachParameters, CriticParameters, FootprintParameters, LimitParameters, RollOutParameters
-from arena_kernels.window import Outline, footprint_outline
+from arena_kernels.costmap_window import Outline, footprint_outline
 
 FloatArray = NDArray[np.float64]
 FieldArray = NDArray[np.float32]
@@ -97,7 +97,7 @@ class MapGrids(NamedTuple):
     goal_front: NDArray[np.int32]
 
 
-def settings_of(
+def make_settings(
     robot: Robot,
     limits: LimitParameters,
     roll_out: RollOutParameters,
@@ -107,7 +107,7 @@ def settings_of(
 ) -> Settings:
     """Return the settings for a robot; raise ConfigurationError where parameters contradict each other."""
     return Settings(
-        _limits(robot, limits),
+        _make_limits(robot, limits),
         RollOut(
             sim_time=roll_out.sim_time,
             sim_granularity=roll_out.sim_granularity,
@@ -117,7 +117,7 @@ def settings_of(
             vy_samples=roll_out.vy_samples,
             vth_samples=roll_out.vth_samples,
         ),
-        _body(robot, footprint),
+        _make_body(robot, footprint),
         Scales(
             path_distance_bias=critics.path_distance_bias,
             goal_distance_bias=critics.goal_distance_bias,
@@ -132,7 +132,7 @@ def settings_of(
     )
 
 
-def _limits(robot: Robot, limits: LimitParameters) -> Limits:
+def _make_limits(robot: Robot, limits: LimitParameters) -> Limits:
     own = robot.limits_with(
         vx_min=limits.vx_min,
         vx_max=limits.vx_max,
@@ -161,5 +161,5 @@ def _limits(robot: Robot, limits: LimitParameters) -> Limits:
     return in_force
 
 
-def _body(robot: Robot, kept: FootprintParameters) -> Body:
+def _make_body(robot: Robot, kept: FootprintParameters) -> Body:
     return Body(footprint_outline(robot.footprint), kept.padding, kept.scaling_speed, kept.max_scaling_factor)

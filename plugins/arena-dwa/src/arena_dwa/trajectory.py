@@ -9,24 +9,24 @@ import numpy as np
 from arena_dwa.settings import FloatArray
 from arena_kernels.compiled import borrowing, compiled
 
-Stand = tuple[float, float, float, float]  # x, y (m, map) and cosine and sine of the heading
+PlanarPose = tuple[float, float, float, float]  # x, y (m, map) and cosine and sine of the heading
 
 
 @borrowing
-def stand_at(x: float, y: float, theta: float) -> Stand:
+def planar_pose(x: float, y: float, theta: float) -> PlanarPose:
     """Return a pose with its heading as cosine and sine."""
     return x, y, math.cos(theta), math.sin(theta)
 
 
 @borrowing
-def arc(vx: float, vy: float, wz: float, time: float) -> Stand:
+def pose_after_arc(vx: float, vy: float, wz: float, time: float) -> PlanarPose:
     """Return the pose after ``time`` s at constant velocity, seen from where it began (Fox, Burgard, Thrun 1997, eq. 10-12)."""
     turn = wz * time
-    return bent(vx, vy, wz, time, math.cos(turn), math.sin(turn))
+    return pose_from_turn(vx, vy, wz, time, math.cos(turn), math.sin(turn))
 
 
 @compiled
-def turned(speeds: FloatArray, time: float) -> FloatArray:
+def turn_rotations(speeds: FloatArray, time: float) -> FloatArray:
     """Return cosine and sine (K, 2) of how far turning speeds (K,) turn in ``time`` s."""
     turns = np.empty((len(speeds), 2))
     for k in range(len(speeds)):
@@ -35,7 +35,7 @@ def turned(speeds: FloatArray, time: float) -> FloatArray:
 
 
 @borrowing
-def bent(vx: float, vy: float, wz: float, time: float, c: float, s: float) -> Stand:
+def pose_from_turn(vx: float, vy: float, wz: float, time: float, c: float, s: float) -> PlanarPose:
     """Return the pose at the end of an arc whose turn has this cosine and sine."""
     if abs(wz * time) < 1e-6:
         return vx * time, vy * time, c, s
@@ -43,7 +43,7 @@ def bent(vx: float, vy: float, wz: float, time: float, c: float, s: float) -> St
 
 
 @borrowing
-def moved(stand: Stand, step: Stand) -> Stand:
+def compose_poses(stand: PlanarPose, step: PlanarPose) -> PlanarPose:
     """Return the pose that ``step``, seen from ``stand``, has in the frame of ``stand``."""
     x, y, c, s = stand
     along, aside, turn_c, turn_s = step

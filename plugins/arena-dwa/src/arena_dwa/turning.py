@@ -35,7 +35,7 @@ class TurnInPlace:
         """Tell whether ``path`` (M, 3) lies so far behind that a robot turns first, on the spot if it can."""
         return abs(path_bearing(pose, path, self._ahead)) > self._behind
 
-    def narrowed(self, velocities: FloatArray, pose: Pose, wz: float, path: FloatArray) -> FloatArray | None:
+    def turn_window(self, velocities: FloatArray, pose: Pose, wz: float, path: FloatArray) -> FloatArray | None:
         """Return the window (3, 2) that only turns towards ``path`` (M, 3), None when the robot faces it well enough.
 
         The turn goes the shorter way from where the robot, turning with ``wz`` now, could face at the earliest; it is as fast as the
@@ -56,13 +56,13 @@ class TurnInPlace:
 
 def path_bearing(pose: Pose, path: FloatArray, ahead: float) -> float:
     """Return the bearing, rad, of the point of a path that lies ``ahead`` m beyond the one nearest to ``pose``."""
-    x, y, _ = path[_place_ahead(path, pose.x, pose.y, ahead)].tolist()
+    x, y, _ = path[_index_ahead(path, pose.x, pose.y, ahead)].tolist()
     target = pose.relative(Pose(x, y))
     return math.atan2(target.y, target.x)
 
 
 @borrowing
-def _place_ahead(path: FloatArray, x: float, y: float, ahead: float) -> int:
+def _index_ahead(path: FloatArray, x: float, y: float, ahead: float) -> int:
     place, way = nearest_index(path, x, y), 0.0
     while place + 1 < len(path) and way < ahead:
         place += 1

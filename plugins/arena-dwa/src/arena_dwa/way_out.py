@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from arena_core import Pose, wrap_angle
 from arena_dwa.map_grid import bordered_index, clamped_index
 from arena_dwa.settings import Body, FloatArray, Limits
-from arena_dwa.trajectory import Stand, moved, stand_at
+from arena_dwa.trajectory import PlanarPose, compose_poses, planar_pose
 from arena_kernels.compiled import compiled
-from arena_kernels.window import Window, allowed_gap, clearance
+from arena_kernels.costmap_window import CostmapWindow, allowed_gap, outline_clearance
 
 DIRECTIONS = 32
 SPACING = 0.025  # m between two places of a line that are looked at: half a usual cell
@@ -31,7 +31,7 @@ TIME_LIMIT = 6.0  # s for turn and line: half a turn at the slowest robot's spee
 
 @compiled
 def best_line(
-    window: Window, body: Body, goal: NDArray[np.int32], start: Stand, reach: float, sideways: bool, backwards: bool
+    window: CostmapWindow, body: Body, goal: NDArray[np.int32], start: PlanarPose, reach: float, sideways: bool, backwards: bool
 ) -> tuple[float, float, float]:
     """Return (direction, heading, length) of the straight line that shortens the way to the local goal most; length 0: none.
 
@@ -39,7 +39,7 @@ def best_line(
     heading; a robot that goes ``sideways`` need not turn. Lines are at most ``reach`` (m) long and free of contact all along, and the turn
     before as well.
     """
-    gap = clearance(window, body.outline, *start, body.padding)
+    gap = outline_clearance(window, body.outline, *start, body.padding)
     allowed = allowed_gap(gap, body.padding, 0.0)
     here = goal[clamped_index(window, start[0], start[1])]
     best, direction, heading, length = WORTH, 0.0, 0.0, 0.0
@@ -47,24 +47,26 @@ def best_line(
         way = 2.0 * math.pi * k / DIRECTIONS
         for backward in range(2 if backwards and not sideways else 1):
             turn = 0.0 if sideways else (way + math.pi * backward + math.pi) % (2.0 * math.pi) - math.pi
-            steps, far = line(window, body, goal, moved(start, (0.0, 0.0, math.cos(turn), math.sin(turn))), way - turn, reach, allowed)
+            steps, far = evaluate_line(
+                window, body, goal, compose_poses(start, (0.0, 0.0, math.cos(turn), math.sin(turn))), way - turn, reach, allowed
+            )
             gain = (here - steps) * window.resolution - TURNING_COSTS * abs(turn) - BACKWARDS_COSTS * backward
-            if gain > best and turn_is_free(window, body, start, turn, allowed):
+            if gain > best and is_turn_free(window, body, start, turn, allowed):
                 best, direction, heading, length = gain, way, turn, far
     return direction, heading, length
 
 
 @compiled
-def line(
-    window: Window, body: Body, goal: NDArray[np.int32], stand: Stand, way: float, reach: float, allowed: float
+def evaluate_line(
+    window: CostmapWindow, body: Body, goal: NDArray[np.int32], stand: PlanarPose, way: float, reach: float, allowed: float
 ) -> tuple[float, float]:
     """Return the fewest steps from the local goal on a line that leads ``way`` (rad) off the heading, and how far along they are, m."""
     step = SPACING * math.cos(way), SPACING * math.sin(way), 1.0, 0.0
     fewest, far = math.inf, 0.0
     for k in range(1, int(reach / SPACING) + 1):
-        stand = moved(stand, step)
+        stand = compose_poses(stand, step)
         cell = bordered_index(window, stand[0], stand[1])
-        if cell < 0 or clearance(window, body.outline, *stand, allowed) < allowed:
+        if cell < 0 or outline_clearance(window, body.outline, *stand, allowed) < allowed:
             break
         if goal[cell] < fewest:
             fewest, far = float(goal[cell]), k * SPACING
@@ -72,20 +74,20 @@ def line(
 
 
 @compiled
-def turn_is_free(window: Window, body: Body, start: Stand, turn: float, allowed: float) -> bool:
+def is_turn_free(window: CostmapWindow, body: Body, start: PlanarPose, turn: float, allowed: float) -> bool:
     """Tell whether the robot may turn on the spot by ``turn`` (rad)."""
     parts = math.ceil(abs(turn) / TURN_SPACING)
     for k in range(1, parts + 1):
         angle = turn * k / parts
-        if clearance(window, body.outline, *moved(start, (0.0, 0.0, math.cos(angle), math.sin(angle))), allowed) < allowed:
+        if outline_clearance(window, body.outline, *compose_poses(start, (0.0, 0.0, math.cos(angle), math.sin(angle))), allowed) < allowed:
             return False
     return True
 
 
-class Ground(NamedTuple):
+class EscapeInputs(NamedTuple):
     """What a way out is looked for on: the window, the robot's body, its path (M, 3) and the steps from the local goal."""
 
-    window: Window
+    window: CostmapWindow
     body: Body
     path: FloatArray
     goal: NDArray[np.int32]
@@ -115,22 +117,22 @@ class WayOut:
         self._line: Line | None = None
 
     @property
-    def begun(self) -> bool:
+    def is_active(self) -> bool:
         """Whether a line is being driven."""
         return self._line is not None
 
-    def rehearse(self, pose: Pose, ground: Ground) -> None:
+    def warm_up(self, pose: Pose, ground: EscapeInputs) -> None:
         """Look for a line of no length, so that the search is compiled before a control step needs it."""
-        start = stand_at(pose.x, pose.y, pose.theta)
+        start = planar_pose(pose.x, pose.y, pose.theta)
         best_line(ground.window, ground.body, ground.goal, start, 0.0, self._sideways, False)
 
-    def begin(self, stamp: float, pose: Pose, ground: Ground) -> None:
+    def begin(self, stamp: float, pose: Pose, ground: EscapeInputs) -> None:
         """Look for a line from ``pose`` (``map``)."""
-        start, backwards = stand_at(pose.x, pose.y, pose.theta), self._limits.vx_min < 0.0
+        start, backwards = planar_pose(pose.x, pose.y, pose.theta), self._limits.vx_min < 0.0
         direction, turn, length = best_line(ground.window, ground.body, ground.goal, start, self._reach, self._sideways, backwards)
         self._line = Line(stamp, pose, pose.theta + turn, pose.theta + direction, length) if length > 0.0 else None
 
-    def velocity(self, stamp: float, pose: Pose, velocities: FloatArray, time: float) -> FloatArray | None:
+    def target_velocity(self, stamp: float, pose: Pose, velocities: FloatArray, time: float) -> FloatArray | None:
         """Return the velocity (3,) within the window ``velocities`` (3, 2) that turns to the line or drives it; None when it is done.
 
         It is slow enough that what is left of the line lasts for ``time`` (s).
@@ -142,13 +144,13 @@ class WayOut:
             self._line = None
             return None
         off = float(wrap_angle(self._line.heading - pose.theta))
-        wanted = self._turning(off) if abs(off) > FACING else self._driving(pose.theta, off, left / time)
+        wanted = self._turn_velocity(off) if abs(off) > FACING else self._line_velocity(pose.theta, off, left / time)
         return np.clip(wanted, velocities[:, 0], velocities[:, 1])
 
-    def _turning(self, off: float) -> FloatArray:
+    def _turn_velocity(self, off: float) -> FloatArray:
         return np.array((0.0, 0.0, math.copysign(math.sqrt(self._limits.alpha_max * abs(off)), off)))  # half of what braking allows
 
-    def _driving(self, theta: float, off: float, speed: float) -> FloatArray:
+    def _line_velocity(self, theta: float, off: float, speed: float) -> FloatArray:
         assert self._line is not None
         towards = self._line.direction - theta
         forwards, aside = math.cos(towards), math.sin(towards) if self._sideways else 0.0

@@ -14,7 +14,7 @@ TOLERANCE = 1e-4  # speeds this close to a minimum count as fast enough, as in R
 
 
 @borrowing
-def reachable(speed: float, low: float, high: float, acceleration: float, period: float) -> tuple[float, float]:
+def reachable_range(speed: float, low: float, high: float, acceleration: float, period: float) -> tuple[float, float]:
     """Return the least and greatest speed on one axis after ``period`` s; a speed beyond the limits is led back to them."""
     now = min(max(speed, low), high)
     return max(low, now - acceleration * period), min(high, now + acceleration * period)
@@ -28,9 +28,9 @@ def dynamic_window(twist: FloatArray, limits: Limits, period: float) -> FloatArr
     """
     window = np.empty((3, 2))
     excess = max(1.0, math.hypot(twist[0], twist[1]) / limits.trans_max)
-    window[0, 0], window[0, 1] = reachable(twist[0] / excess, limits.vx_min, limits.vx_max, limits.ax_max, period)
-    window[1, 0], window[1, 1] = reachable(twist[1] / excess, -limits.vy_max, limits.vy_max, limits.ay_max, period)
-    window[2, 0], window[2, 1] = reachable(twist[2], -limits.wz_max, limits.wz_max, limits.alpha_max, period)
+    window[0, 0], window[0, 1] = reachable_range(twist[0] / excess, limits.vx_min, limits.vx_max, limits.ax_max, period)
+    window[1, 0], window[1, 1] = reachable_range(twist[1] / excess, -limits.vy_max, limits.vy_max, limits.ay_max, period)
+    window[2, 0], window[2, 1] = reachable_range(twist[2], -limits.wz_max, limits.wz_max, limits.alpha_max, period)
     return window
 
 
@@ -65,7 +65,7 @@ def turn_samples(vx: float, window: FloatArray, limits: Limits, count: int) -> F
 
 
 @borrowing
-def driven(vx: float, vy: float, wz: float, limits: Limits) -> bool:
+def is_drivable(vx: float, vy: float, wz: float, limits: Limits) -> bool:
     """Tell whether a sample is neither too slow nor, along its direction, too fast."""
     speed = math.hypot(vx, vy)
     slow = speed + TOLERANCE < limits.trans_min and abs(wz) + TOLERANCE < limits.theta_min

@@ -51,13 +51,13 @@ class GringReward(Reward):
 
     def reward(self, transition: Transition) -> Floats:
         """Return the sum of the terms (N,)."""
-        total = self._of_waypoints(transition) - self._of_standing(transition)
-        total -= np.maximum(self._people * self._offended(transition), self._collision * transition.collided)
+        total = self._waypoint_reward(transition) - self._standing_cost(transition)
+        total -= np.maximum(self._people * self._disturbs_people(transition), self._collision * transition.collided)
         missing = 1.0 - transition.after.clearances_people / self._too_near_distance
         total -= self._too_near * np.maximum(missing, 0.0)
         return np.asarray(self._scale * (total + self._goal * transition.arrived))
 
-    def _of_waypoints(self, transition: Transition) -> Floats:
+    def _waypoint_reward(self, transition: Transition) -> Floats:
         """Reward the way to the goal, and the waypoints passed on the path; nothing so near a wall."""
         before, after = transition.before.path_lengths_left, transition.after.path_lengths_left
         passed = np.floor(before / self._spacing) - np.floor(after / self._spacing)
@@ -68,13 +68,13 @@ class GringReward(Reward):
         earned = np.where(gain > 0.0, self._nearer, self._farther) * gain + self._waypoint * passed
         return np.where(near_wall, 0.0, earned)
 
-    def _of_standing(self, transition: Transition) -> Floats:
+    def _standing_cost(self, transition: Transition) -> Floats:
         """Return what standing costs, more where the robot turns on the spot."""
         stands = transition.after.standing_times > 0.0
         turns = np.abs(transition.after.twists[:, 2]) > self._turning_from
         return np.where(stands, np.where(turns, self._turning, self._standing), 0.0)
 
-    def _offended(self, transition: Transition) -> NDArray[np.bool_]:
+    def _disturbs_people(self, transition: Transition) -> NDArray[np.bool_]:
         """Tell who is now too near to people without having stopped for them, and was not before."""
         before, after = (
             (seen.clearances_people < self._people_gap) & (seen.standing_times < self._stopped_for)

@@ -13,7 +13,7 @@ from arena_core import ConfigurationError, EarlierScans, ObservationBatch, Occup
 from arena_core.hosting import EpisodeLoop, Situation
 from arena_gym.building import Parts
 from arena_gym.episodes import Episode, EpisodeKey, draw_episode, draw_stage
-from arena_gym.guidance import Guidance, Guided, NavigatorGuidance, PathGuidance
+from arena_gym.guidance import Guidance, GuidanceOutput, NavigatorGuidance, PathGuidance
 from arena_gym.path_tracking import PathTracking
 from arena_gym.range_noise import RangeNoise
 from arena_gym.shared_guidance import SharedGuidance
@@ -61,7 +61,7 @@ class NavigationBatch:
         self._steps_of_action = parts.settings.every
         self._loop = EpisodeLoop(parts.simulator, parts.robot.control_period, worlds, parts.settings.collisions_to_end)
         self._stage_weights: tuple[float, ...] | None = None
-        self._guidance = _guidance(parts, worlds)
+        self._guidance = _make_guidance(parts, worlds)
         self.reward = parts.reward
         self._tracking = PathTracking(worlds)
         self._delays = np.zeros(worlds, np.int64)
@@ -86,26 +86,26 @@ class NavigationBatch:
 
     def reset(self, seeds: Sequence[int]) -> NDArray[np.float32]:
         """Begin the first episodes of these seeds, one a world; return the observations (N, D)."""
-        return self.begin_at([self._key(seed, 0) for seed in seeds])
+        return self.begin_at([self._episode_key(seed, 0) for seed in seeds])
 
     def begin_at(self, keys: Sequence[EpisodeKey]) -> NDArray[np.float32]:
         """Begin these episodes, one a world; return the observations (N, D)."""
         self.keys = list(keys)
-        self.episodes = [self._drawn(key) for key in self.keys]
+        self.episodes = [self._draw_episode(key) for key in self.keys]
         snapshot = self._loop.begin([episode.problem.scenario for episode in self.episodes])
-        return self._begin(np.arange(self.worlds), snapshot)
+        return self._begin_episodes(np.arange(self.worlds), snapshot)
 
     def restart(self, slots: Slots) -> NDArray[np.float32]:
         """Begin the next episodes of these K worlds, the others go on; return the observations (K, D)."""
         for slot in slots.tolist():
-            self.keys[slot] = self._key(self.keys[slot].seed, self.keys[slot].number + 1)
-            self.episodes[slot] = self._drawn(self.keys[slot])
+            self.keys[slot] = self._episode_key(self.keys[slot].seed, self.keys[slot].number + 1)
+            self.episodes[slot] = self._draw_episode(self.keys[slot])
         return self.begin_again(slots)
 
     def begin_again(self, slots: Slots) -> NDArray[np.float32]:
         """Begin the same episodes of these K worlds once more, the others go on; return the observations (K, D)."""
         scenarios = [self.episodes[slot].problem.scenario for slot in slots.tolist()]
-        return self._begin(slots, self._loop.begin(scenarios, slots))
+        return self._begin_episodes(slots, self._loop.begin(scenarios, slots))
 
     def set_stage(self, stage: int) -> None:
         """Let episodes that begin from now on be of this level of the task; raise ConfigurationError where there is none."""
@@ -118,21 +118,21 @@ class NavigationBatch:
 
     def step(self, actions: NDArray[Any]) -> Step:
         """Drive by actions (N, A) in [-1, 1] for as many control steps as one holds; rewards add up."""
-        total = self._control(actions, np.ones(self.worlds, bool))
+        total = self._drive_control_step(actions, np.ones(self.worlds, bool))
         for _ in range(self._steps_of_action - 1):
             goes_on = ~(total.terminated | total.truncated)
             if goes_on.any():
-                total = _joined(total, self._control(actions, goes_on), goes_on)
+                total = _join_steps(total, self._drive_control_step(actions, goes_on), goes_on)
         return total
 
-    def _velocities(self, actions: NDArray[Any], driving: Flags) -> Floats:
+    def _commanded_velocities(self, actions: NDArray[Any], driving: Flags) -> Floats:
         """Return the velocities (N, 3) that ``actions`` ask for at one control step, of use for those that are ``driving`` (N,)."""
         return self.parts.scale.commands(actions)
 
-    def _control(self, actions: NDArray[Any], driving: Flags) -> Step:
+    def _drive_control_step(self, actions: NDArray[Any], driving: Flags) -> Step:
         """Let the robots that are ``driving`` (N,) do so for one control step; return what came of it, of use for those alone."""
         steps, collisions = self.steps.copy(), self.collisions.copy()
-        step = self.drive(np.where(driving[:, None], self._velocities(actions, driving), 0.0))
+        step = self.drive(np.where(driving[:, None], self._commanded_velocities(actions, driving), 0.0))
         self.steps, self._loop.collisions = np.where(driving, self.steps, steps), np.where(driving, self.collisions, collisions)
         return step
 
@@ -142,37 +142,39 @@ class NavigationBatch:
         self._commands = commands
         snapshot = self._loop.drive(commands, self._delays)
         self.steps += 1
-        ranges = self._noise.disturbed(snapshot.ranges, self.steps)
+        ranges = self._noise.add_noise(snapshot.ranges, self.steps)
         guided = self._guidance.look(snapshot, ranges)
         if guided.new_paths:
-            self._tracking.change(guided.new_paths, snapshot.poses)
+            self._tracking.replace_paths(guided.new_paths, snapshot.poses)
         self._tracking.follow(snapshot.poses)
         self._nearest = ranges.min(axis=1).astype(np.float64)
-        self._standing = self._stood(snapshot)
-        self._situation = self._seen(snapshot)
+        self._standing = self._standing_times(snapshot)
+        self._situation = self._current_situation(snapshot)
         before = _on_new_paths(before, self._situation, guided)
         verdicts = self._loop.judge(guided.arrived)
         arrived, collided = verdicts.arrived, verdicts.collided
         timed_out = verdicts.timed_out | ((self._standing >= self._standing_to_end) & ~guided.arrived)
         terminated = arrived | verdicts.mistaken | verdicts.failed
         self._memory.remember(ranges, guided.poses)
-        self.seen = self._observed(snapshot, ranges, guided, self._memory.earlier())
+        self.seen = self._make_observations(snapshot, ranges, guided, self._memory.earlier())
         period = parts.robot.control_period
         rewards = self.reward.reward(
             Transition(before, self._situation, self._commands, last_commands, arrived, collided, timed_out, period)
         )
-        return Step(self._encoded(), rewards, arrived, verdicts.mistaken, collided, timed_out, terminated, timed_out & ~terminated)
+        return Step(
+            self._encode_observations(), rewards, arrived, verdicts.mistaken, collided, timed_out, terminated, timed_out & ~terminated
+        )
 
-    def _key(self, seed: int, number: int) -> EpisodeKey:
+    def _episode_key(self, seed: int, number: int) -> EpisodeKey:
         """Return what episode ``number`` of a seed is drawn from, as levels are now."""
         weights = self._stage_weights
         return EpisodeKey(seed, number, self.stage if weights is None else draw_stage(weights, seed, number))
 
-    def _drawn(self, key: EpisodeKey) -> Episode:
+    def _draw_episode(self, key: EpisodeKey) -> Episode:
         pool = self.parts.pool if key.stage is None else self.parts.pool.at_stage(key.stage)
         return draw_episode(pool, self.parts.randomization, key.seed, key.number)
 
-    def _begin(self, slots: Slots, snapshot: Snapshot) -> NDArray[np.float32]:
+    def _begin_episodes(self, slots: Slots, snapshot: Snapshot) -> NDArray[np.float32]:
         """Note how the episodes of these slots begin; return what is seen there."""
         begun = [self.episodes[slot] for slot in slots.tolist()]
         self._commands = self._commands.copy()
@@ -180,24 +182,24 @@ class NavigationBatch:
         self._tracking.begin(slots, [episode.problem for episode in begun])
         self._delays[slots] = [episode.latency * self._loop.ticks for episode in begun]
         self._noise.begin(slots, begun)
-        ranges = self._noise.disturbed(snapshot.ranges, self.steps)
+        ranges = self._noise.add_noise(snapshot.ranges, self.steps)
         self._nearest[slots], self._standing[slots] = ranges[slots].min(axis=1), 0.0
-        self._situation = self._seen(snapshot)
+        self._situation = self._current_situation(snapshot)
         guided = self._guidance.begin(slots, [episode.problem for episode in begun], snapshot, ranges)
         self._memory.begin(slots, ranges[slots], guided.poses)
         self._recalled[slots] = 0.0
-        self.seen = self._observed(snapshot, ranges, guided, self._memory.earlier(slots), slots)
-        return self._encoded(slots)
+        self.seen = self._make_observations(snapshot, ranges, guided, self._memory.earlier(slots), slots)
+        return self._encode_observations(slots)
 
-    def _encoded(self, slots: Slots | slice = slice(None)) -> NDArray[np.float32]:
+    def _encode_observations(self, slots: Slots | slice = slice(None)) -> NDArray[np.float32]:
         """Return the encoder's numbers for what these slots have just seen, and keep them where it recalls them a step later."""
         rows = self.parts.encoder.encode(self.seen)
         if self.parts.encoder.recurrent:
             self._recalled[slots] = rows
         return rows
 
-    def _observed(
-        self, snapshot: Snapshot, ranges: NDArray[np.float32], guided: Guided, earlier: EarlierScans, slots: Slots | None = None
+    def _make_observations(
+        self, snapshot: Snapshot, ranges: NDArray[np.float32], guided: GuidanceOutput, earlier: EarlierScans, slots: Slots | None = None
     ) -> ObservationBatch:
         """Return what the robots in these slots see, all of them where none are named."""
         rows = np.arange(self.worlds) if slots is None else slots
@@ -217,7 +219,7 @@ class NavigationBatch:
             guided.tracks,
         )
 
-    def _seen(self, snapshot: Snapshot) -> Situation:
+    def _current_situation(self, snapshot: Snapshot) -> Situation:
         """Return the truth that rewards see."""
         progress = self._tracking.progress.copy()
         return Situation(
@@ -232,13 +234,13 @@ class NavigationBatch:
             self._standing.copy(),
         )
 
-    def _stood(self, snapshot: Snapshot) -> Floats:
+    def _standing_times(self, snapshot: Snapshot) -> Floats:
         """Return for how long each robot has stood, s."""
         stands = np.hypot(snapshot.twists[:, 0], snapshot.twists[:, 1]) < STANDING
         return np.where(stands, self._standing + self.parts.robot.control_period, 0.0)
 
 
-def _guidance(parts: Parts, worlds: int) -> Guidance:
+def _make_guidance(parts: Parts, worlds: int) -> Guidance:
     """Return what leads the robots: their first paths, or guides, which share what they can.
 
     Raises ConfigurationError where the observation has tracks and nobody tracks.
@@ -250,12 +252,12 @@ def _guidance(parts: Parts, worlds: int) -> Guidance:
         )
     if parts.make_guide is None:
         return PathGuidance(parts.waypoints, worlds)
-    if SharedGuidance.suits(parts.make_guide()):
+    if SharedGuidance.can_share(parts.make_guide()):
         return SharedGuidance(parts.make_guide, parts.waypoints, worlds, parts.encoder.tracked)
     return NavigatorGuidance(parts.make_guide, worlds, parts.encoder.tracked)
 
 
-def _on_new_paths(before: Situation, after: Situation, guided: Guided) -> Situation:
+def _on_new_paths(before: Situation, after: Situation, guided: GuidanceOutput) -> Situation:
     """Return the situation before a step with the progress after it where the path is new: nobody gains by planning anew."""
     if not guided.new_paths:
         return before
@@ -270,7 +272,7 @@ def _map_of(episode: Episode) -> OccupancyGrid | None:
     return world.grid if world.known else None
 
 
-def _joined(first: Step, then: Step, goes_on: Flags) -> Step:
+def _join_steps(first: Step, then: Step, goes_on: Flags) -> Step:
     """Return two steps in a row as one, of which only those that go on took the second."""
     flags = {
         name: getattr(first, name) | (getattr(then, name) & goes_on)

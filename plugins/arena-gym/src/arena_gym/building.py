@@ -108,20 +108,20 @@ def build_parts(config: Mapping[str, Any], registry: Registry | None = None) -> 
     return Parts(
         config=config,
         robot=robot,
-        simulator=_simulator(config, registry, robot),
+        simulator=_build_simulator(config, registry, robot),
         waypoints=registry.build("waypoints", config["waypoints"], robot=robot),
-        pool=_pool(config, registry, robot, settings),
+        pool=_build_pool(config, registry, robot, settings),
         encoder=registry.build("observation_encoder", config["observation_encoder"], robot=robot),
         reward=registry.build("reward", config["reward"], robot=robot),
         scale=ActionScale.of(robot, read_settings(config["action"], ActionRange, "action")),
         settings=settings,
         randomization=read_settings(config["randomization"], Randomization, "randomization"),
-        switch=_switch(config, registry, robot),
-        make_guide=_guides(config, registry, robot),
+        switch=_build_switch(config, registry, robot),
+        make_guide=_guide_factory(config, registry, robot),
     )
 
 
-def _guides(config: Mapping[str, Any], registry: Registry, robot: Robot) -> Callable[[], Guide] | None:
+def _guide_factory(config: Mapping[str, Any], registry: Registry, robot: Robot) -> Callable[[], Guide] | None:
     """Return what makes a guide as a benchmark has them, one of which is made at once so that errors are said now; None without."""
     if config.get("guide") is None:
         return None
@@ -134,7 +134,7 @@ def _guides(config: Mapping[str, Any], registry: Registry, robot: Robot) -> Call
     return make_guide
 
 
-def _switch(config: Mapping[str, Any], registry: Registry, robot: Robot) -> SwitchParts | None:
+def _build_switch(config: Mapping[str, Any], registry: Registry, robot: Robot) -> SwitchParts | None:
     """Build the members once, so that whatever is wrong with one is said now; None where actions are velocities."""
     if config.get("switch") is None:
         return None
@@ -149,16 +149,16 @@ def _switch(config: Mapping[str, Any], registry: Registry, robot: Robot) -> Swit
     return SwitchParts(settings.every, settings.held, describe_members(settings.members, members, registry), make_driver)
 
 
-def _pool(config: Mapping[str, Any], registry: Registry, robot: Robot, settings: EnvironmentSettings) -> ProblemPool:
+def _build_pool(config: Mapping[str, Any], registry: Registry, robot: Robot, settings: EnvironmentSettings) -> ProblemPool:
     worlds = PooledWorlds(registry.build("world", config["world"]), settings.worlds)
     task = registry.build("task", config["task"], robot=robot, world=worlds)
     planner = registry.build("global_planner", config["global_planner"], robot=robot)
     waypoints = registry.build("waypoints", config["waypoints"], robot=robot)
     size = settings.worlds * settings.problems_per_world
-    return ProblemPool(task, planner, waypoints, _simulator(config, registry, robot), settings.seed, settings.worlds, size)
+    return ProblemPool(task, planner, waypoints, _build_simulator(config, registry, robot), settings.seed, settings.worlds, size)
 
 
-def _simulator(config: Mapping[str, Any], registry: Registry, robot: Robot) -> Simulator:
+def _build_simulator(config: Mapping[str, Any], registry: Registry, robot: Robot) -> Simulator:
     pedestrians = registry.build("pedestrians", config["pedestrians"])
     simulator: Simulator = registry.build("simulator", config["simulator"], robot=robot, pedestrians=pedestrians)
     return simulator

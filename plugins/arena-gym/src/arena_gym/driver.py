@@ -54,11 +54,11 @@ class Driver:
     def drive(self, chosen: int, seen: ObservationBatch, row: int) -> NDArray[np.float64]:
         """Return the velocity (3,) that this member wants, the brake where it has none."""
         try:
-            return self._members.drive(chosen, self._observation(seen, row)).array()
+            return self._members.drive(chosen, self._make_observation(seen, row)).array()
         except NoValidCommand:
             return np.zeros(3)
 
-    def _observation(self, seen: ObservationBatch, row: int) -> Observation:
+    def _make_observation(self, seen: ObservationBatch, row: int) -> Observation:
         pose, stamp = Pose.of(seen.poses[row]), float(seen.stamps[row])
         lidar = self._robot.lidar
         limits = lidar.angle_min, lidar.angle_increment, lidar.range_min, lidar.range_max

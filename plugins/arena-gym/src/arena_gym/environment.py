@@ -55,7 +55,7 @@ class NavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         else:
             observations = self.batch.restart(np.zeros(1, np.int64))
         self._begun = True
-        self._show()
+        self._show_frame()
         return observations[0], start_report(self.batch, 0)
 
     def set_stage(self, stage: int) -> None:
@@ -65,7 +65,7 @@ class NavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Drive for one control period."""
         step = self.batch.step(np.asarray(action)[None])
-        self._show()
+        self._show_frame()
         ended = bool(step.terminated[0] or step.truncated[0])
         info = final_report(self.batch, step, 0) if ended else {}
         return step.observations[0], float(step.rewards[0]), bool(step.terminated[0]), bool(step.truncated[0]), info
@@ -87,6 +87,6 @@ class NavigationEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         if self._renderer is not None:
             self._renderer.close()
 
-    def _show(self) -> None:
+    def _show_frame(self) -> None:
         if self._renderer is not None:
             self._renderer.show()

@@ -37,8 +37,8 @@ def draw_episode(pool: ProblemPool, randomization: Randomization, seed: int, num
     name = f"episode/{number}"
     random = random_generator(training_seed(seed), name, "environment")
     problem = pool.problem(int(random.integers(pool.size)))
-    scenario = _varied(problem.scenario, randomization, f"{problem.scenario.name}/{seed}.{number}", random)
-    noise = _drawn(randomization.lidar_noise, random)
+    scenario = _vary_scenario(problem.scenario, randomization, f"{problem.scenario.name}/{seed}.{number}", random)
+    noise = _draw_uniform(randomization.lidar_noise, random)
     latency = int(random.integers(randomization.latency.low, randomization.latency.high + 1))
     return Episode(replace(problem, scenario=scenario), noise, stream_key(training_seed(seed), name, "lidar"), latency)
 
@@ -50,31 +50,31 @@ def draw_stage(weights: Sequence[float], seed: int, number: int) -> int:
     return min(int(np.searchsorted(bounds, at, side="right")), len(bounds) - 1)
 
 
-def _varied(scenario: Scenario, randomization: Randomization, name: str, random: np.random.Generator) -> Scenario:
+def _vary_scenario(scenario: Scenario, randomization: Randomization, name: str, random: np.random.Generator) -> Scenario:
     """Return the scenario under a name of its own, so that each time it is met its sensors' noise differs."""
-    share = _drawn(randomization.speed_share, random)
-    people = _varied_people(scenario.pedestrians, randomization, random)
+    share = _draw_uniform(randomization.speed_share, random)
+    people = _vary_people(scenario.pedestrians, randomization, random)
     return replace(scenario, name=name, speed_share=scenario.speed_share * share, pedestrians=people)
 
 
-def _varied_people(
+def _vary_people(
     people: tuple[PedestrianSpec, ...], randomization: Randomization, random: np.random.Generator
 ) -> tuple[PedestrianSpec, ...]:
     number = len(people)
     if randomization.people is not None:
         number = min(int(random.integers(randomization.people.low, randomization.people.high + 1)), number)
-    factor = _drawn(randomization.people_speed, random)
-    kind = _kind(randomization, random)
+    factor = _draw_uniform(randomization.people_speed, random)
+    kind = _draw_crowd_kind(randomization, random)
     if kind is not None:
-        factor *= _drawn(kind.speed, random)
+        factor *= _draw_uniform(kind.speed, random)
     reaction = kind.reaction if kind is not None else None
     if number == len(people) and factor == 1.0 and reaction is None:
         return people  # the very same, which simulators may know by now
     chosen = np.sort(random.permutation(len(people))[:number]).tolist()
-    return tuple(_of_kind(people[i], factor, reaction) for i in chosen)
+    return tuple(_apply_kind(people[i], factor, reaction) for i in chosen)
 
 
-def _kind(randomization: Randomization, random: np.random.Generator) -> CrowdKind | None:
+def _draw_crowd_kind(randomization: Randomization, random: np.random.Generator) -> CrowdKind | None:
     """Draw the kind of people of an episode; None where there are no kinds."""
     if not randomization.crowds:
         return None
@@ -83,10 +83,10 @@ def _kind(randomization: Randomization, random: np.random.Generator) -> CrowdKin
     return kinds[int(np.searchsorted(shares, random.uniform(0.0, shares[-1]), side="right"))]
 
 
-def _of_kind(person: PedestrianSpec, factor: float, reaction: str | None) -> PedestrianSpec:
+def _apply_kind(person: PedestrianSpec, factor: float, reaction: str | None) -> PedestrianSpec:
     behaviour = person.behaviour if reaction is None else {**person.behaviour, "reaction": reaction}
     return replace(person, desired_speed=person.desired_speed * factor, behaviour=behaviour)
 
 
-def _drawn(span: Span, random: np.random.Generator) -> float:
+def _draw_uniform(span: Span, random: np.random.Generator) -> float:
     return float(random.uniform(span.low, span.high))

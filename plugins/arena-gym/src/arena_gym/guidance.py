@@ -20,7 +20,7 @@ Ranges = NDArray[np.float32]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Guided:
+class GuidanceOutput:
     """What K robots know of their way: estimated ``poses`` and ``waypoints`` (K, 3) in ``map``, and ``paths``.
 
     ``arrived`` (K,) is their belief; ``new_paths`` holds, by slot, the paths that were planned in this step; ``tracks`` (K), none where
@@ -39,11 +39,11 @@ class Guidance(ABC):
     """Leads N robots; slot k depends on its own episode alone."""
 
     @abstractmethod
-    def begin(self, slots: Slots, problems: Sequence[Problem], snapshot: Snapshot, ranges: Ranges) -> Guided:
+    def begin(self, slots: Slots, problems: Sequence[Problem], snapshot: Snapshot, ranges: Ranges) -> GuidanceOutput:
         """Begin episodes in K slots, whose ``snapshot`` and ``ranges`` (N, B) are the first; return what is known there."""
 
     @abstractmethod
-    def look(self, snapshot: Snapshot, ranges: Ranges) -> Guided:
+    def look(self, snapshot: Snapshot, ranges: Ranges) -> GuidanceOutput:
         """Return what all N robots know now."""
 
 
@@ -55,7 +55,7 @@ class PathGuidance(Guidance):
         self._problems: list[Problem | None] = [None] * worlds
         self._goals, self._radii = np.zeros((worlds, 2)), np.zeros(worlds)
 
-    def begin(self, slots: Slots, problems: Sequence[Problem], snapshot: Snapshot, ranges: Ranges) -> Guided:
+    def begin(self, slots: Slots, problems: Sequence[Problem], snapshot: Snapshot, ranges: Ranges) -> GuidanceOutput:
         """Begin at the start of each problem's path."""
         for slot, problem in zip(slots.tolist(), problems, strict=True):
             self._problems[slot] = problem
@@ -65,13 +65,13 @@ class PathGuidance(Guidance):
         self._waypoints.reset(slots, len(self._problems))
         waypoints = np.array([problem.waypoint for problem in problems])
         paths = PathBatch.of([problem.path for problem in problems])
-        return Guided(snapshot.poses[slots], waypoints, paths, np.zeros(len(slots), np.bool_), {})
+        return GuidanceOutput(snapshot.poses[slots], waypoints, paths, np.zeros(len(slots), np.bool_), {})
 
-    def look(self, snapshot: Snapshot, ranges: Ranges) -> Guided:
+    def look(self, snapshot: Snapshot, ranges: Ranges) -> GuidanceOutput:
         """Choose the next waypoints of all robots in one call."""
         waypoints = self._waypoints.next(self._paths, snapshot.poses, snapshot.stamps).poses
         off = np.hypot(snapshot.poses[:, 0] - self._goals[:, 0], snapshot.poses[:, 1] - self._goals[:, 1])
-        return Guided(snapshot.poses, waypoints, self._paths, off <= self._radii, {})
+        return GuidanceOutput(snapshot.poses, waypoints, self._paths, off <= self._radii, {})
 
 
 class NavigatorGuidance(Guidance):
@@ -83,19 +83,19 @@ class NavigatorGuidance(Guidance):
         self._problems: list[Problem | None] = [None] * worlds
         self._paths: list[Path | None] = [None] * worlds
 
-    def begin(self, slots: Slots, problems: Sequence[Problem], snapshot: Snapshot, ranges: Ranges) -> Guided:
+    def begin(self, slots: Slots, problems: Sequence[Problem], snapshot: Snapshot, ranges: Ranges) -> GuidanceOutput:
         """Tell each robot of its mission and let it look for the first time."""
         for slot, problem in zip(slots.tolist(), problems, strict=True):
             self._guides[slot].reset(mission_of(problem.scenario))
             self._problems[slot], self._paths[slot] = problem, problem.path
-        return self._seen(slots.tolist(), snapshot, ranges)
+        return self._update_robots(slots.tolist(), snapshot, ranges)
 
-    def look(self, snapshot: Snapshot, ranges: Ranges) -> Guided:
+    def look(self, snapshot: Snapshot, ranges: Ranges) -> GuidanceOutput:
         """Let one robot after the other look."""
-        return self._seen(range(len(self._guides)), snapshot, ranges)
+        return self._update_robots(range(len(self._guides)), snapshot, ranges)
 
-    def _seen(self, slots: Sequence[int], snapshot: Snapshot, ranges: Ranges) -> Guided:
-        views = {slot: self._view(slot, snapshot, ranges) for slot in slots}
+    def _update_robots(self, slots: Sequence[int], snapshot: Snapshot, ranges: Ranges) -> GuidanceOutput:
+        views = {slot: self._robot_view(slot, snapshot, ranges) for slot in slots}
         new = {slot: view.planned for slot, view in views.items() if view is not None and view.planned is not None}
         for slot, path in new.items():
             self._paths[slot] = path
@@ -104,12 +104,12 @@ class NavigatorGuidance(Guidance):
         waypoints = [self._first_waypoint(slot) if view is None else view.waypoint.array() for slot, view in views.items()]
         arrived = [view is not None and view.arrived for view in views.values()]
         tracks = tuple(map(_tracks_of, views.values())) if self._tracked else ()
-        return Guided(np.array(poses), np.array(waypoints), paths, np.array(arrived), new, tracks)
+        return GuidanceOutput(np.array(poses), np.array(waypoints), paths, np.array(arrived), new, tracks)
 
-    def _view(self, slot: int, snapshot: Snapshot, ranges: Ranges) -> View | None:
+    def _robot_view(self, slot: int, snapshot: Snapshot, ranges: Ranges) -> View | None:
         """Return what one robot knows; None where it finds no first path, as its estimate may lie too near to a wall."""
         try:
-            return self._guides[slot].look(seen_by(snapshot, slot, ranges))
+            return self._guides[slot].look(robot_sensors(snapshot, slot, ranges))
         except NoPath:
             return None
 
@@ -124,7 +124,7 @@ def _tracks_of(view: View | None) -> Tracks:
     return NO_TRACKS if view is None or view.tracks is None else view.tracks()
 
 
-def seen_by(snapshot: Snapshot, slot: int, ranges: Ranges) -> Sensors:
+def robot_sensors(snapshot: Snapshot, slot: int, ranges: Ranges) -> Sensors:
     """Return what the robot of world ``slot`` measures, with these ranges (N, B) instead of the simulator's."""
     sensors = snapshot.sensors(slot)
     return replace(sensors, scan=replace(sensors.scan, ranges=ranges[slot].copy()))

@@ -114,13 +114,13 @@ class ProblemPool:
         for place in range(index, index + worlds):
             first = place % self._worlds
             if first not in self._problems and first not in self._reasons:
-                self._try(first)
-            if first not in self._reasons and (place in self._problems or self._try(place)):
+                self._try_problem(first)
+            if first not in self._reasons and (place in self._problems or self._try_problem(place)):
                 return self._problems[place]
             reason = self._reasons[first if first in self._reasons else place]
         raise ImpossibleScenario(f"problem {index} and those of {worlds - 1} more worlds cannot be trained on: {reason}")
 
-    def _try(self, index: int) -> bool:
+    def _try_problem(self, index: int) -> bool:
         """Draw this problem, or the next one in its world that has a solution; keep it, or the reason why there is none."""
         if index in self._reasons:
             return False
@@ -128,14 +128,14 @@ class ProblemPool:
         for attempt in range(TRIES):
             number = index + attempt * self.size
             try:
-                self._problems[index] = self._draw(number if count is None else number % count)
+                self._problems[index] = self._draw_problem(number if count is None else number % count)
                 return True
             except (ImpossibleScenario, NoPath) as error:
                 reason = str(error)
         self._reasons[index] = reason
         return False
 
-    def _draw(self, index: int) -> Problem:
+    def _draw_problem(self, index: int) -> Problem:
         scenario = self._task.scenario(training_seed(self._seed), index)
         assert scenario.seed >= FIRST_TRAINING_SEED, f"{scenario.name} has seed {scenario.seed}, which evaluation may use"
         self._simulator.reset([scenario])

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from arena_core import Lidar
 from arena_gym.episodes import Episode
 from arena_kernels.compiled import borrowing
-from arena_kernels.random import normals
+from arena_kernels.random import fill_normals
 
 Ranges = NDArray[np.float32]
 
@@ -30,17 +30,17 @@ class RangeNoise:
         self._stds[slots] = [episode.noise for episode in episodes]
         self._keys[slots] = [episode.noise_key for episode in episodes]
 
-    def disturbed(self, ranges: Ranges, steps: NDArray[np.int64]) -> Ranges:
+    def add_noise(self, ranges: Ranges, steps: NDArray[np.int64]) -> Ranges:
         """Return the ranges (N, B) with noise; the same array where there is none."""
         if not self._stds.any():
             return ranges
         noisy = ranges.copy()
-        _disturb(noisy, steps, self._stds, self._keys, self._bounds, self._normals)
+        _add_noise(noisy, steps, self._stds, self._keys, self._bounds, self._normals)
         return noisy
 
 
 @borrowing
-def _disturb(
+def _add_noise(
     ranges: Ranges,
     steps: NDArray[np.int64],
     stds: NDArray[np.float64],
@@ -50,7 +50,7 @@ def _disturb(
 ) -> None:
     for k in range(len(ranges)):
         if stds[k] > 0.0:
-            normals(keys[k], steps[k], scratch)
+            fill_normals(keys[k], steps[k], scratch)
             for b in range(ranges.shape[1]):
                 if ranges[k, b] < math.inf:
                     ranges[k, b] = min(max(ranges[k, b] + stds[k] * scratch[b], bounds[0]), bounds[1])

@@ -51,26 +51,26 @@ class ReleaseReward(Reward):
 
     def reward(self, transition: Transition) -> Floats:
         """Return the sum of the rule's terms (N,)."""
-        total = self._of_driving(transition) + self._of_path(transition) + self._of_smoothness(transition)
+        total = self._driving_cost(transition) + self._path_reward(transition) + self._smoothness_cost(transition)
         total[transition.arrived] = self._goal
         total -= self._near * (transition.after.nearest_ranges < self._safe)
         total -= self._collision * transition.collided
         gain = transition.before.goal_distances - transition.after.goal_distances
-        return np.asarray(total + either_way(gain, self._progress, self._regress))
+        return np.asarray(total + weigh_gain(gain, self._progress, self._regress))
 
-    def _of_driving(self, transition: Transition) -> Floats:
+    def _driving_cost(self, transition: Transition) -> Floats:
         commands, weights = transition.commands, self._consumption
         return np.asarray(-(commands[:, 0] * weights[0] + commands[:, 2] * weights[2]))
 
-    def _of_path(self, transition: Transition) -> Floats:
+    def _path_reward(self, transition: Transition) -> Floats:
         """Reward driving on the path, and coming nearer to it where nothing is near."""
         before, after = transition.before, transition.after
         on_path = after.path_distances <= self._following_within
         free = (before.nearest_ranges > self._smooth_beyond) & (after.nearest_ranges > self._smooth_beyond)
-        nearer = either_way(before.path_distances - after.path_distances, self._nearer, self._farther)
+        nearer = weigh_gain(before.path_distances - after.path_distances, self._nearer, self._farther)
         return np.asarray(self._following * on_path * transition.commands[:, 0] + free * nearer)
 
-    def _of_smoothness(self, transition: Transition) -> Floats:
+    def _smoothness_cost(self, transition: Transition) -> Floats:
         """Punish sudden changes of the command and driving backwards, where nothing is near."""
         free = transition.after.nearest_ranges > self._smooth_beyond
         change = transition.commands - transition.last_commands
@@ -79,6 +79,6 @@ class ReleaseReward(Reward):
         return np.asarray(-1.0 * free * (jumps[:, 0] + jumps[:, 1] + jumps[:, 2] + self._reverse * (transition.commands[:, 0] < 0.0)))
 
 
-def either_way(gain: Floats, if_positive: float, if_negative: float) -> Floats:
+def weigh_gain(gain: Floats, if_positive: float, if_negative: float) -> Floats:
     """Return ``gain`` times the one weight or the other."""
     return np.where(gain > 0.0, if_positive, if_negative) * gain

@@ -13,7 +13,7 @@ from arena_gym.batch import NavigationBatch
 from arena_gym.episodes import Episode
 
 if TYPE_CHECKING:
-    from arena_drawing.frames import FramePainter, FrameWindow, Scene
+    from arena_drawing.frames import FramePainter, FrameWindow, SceneState
 
 Frame = NDArray[np.uint8]
 MODES = ("human", "rgb_array")
@@ -49,11 +49,11 @@ class Renderer:
         self.mode = mode
         self._batch = batch
         self._painters: dict[int, tuple[Episode, FramePainter]] = {}
-        self._window = self._open() if mode == "human" else None
+        self._window = self._open_window() if mode == "human" else None
 
     def frame(self, slot: int) -> Frame:
         """Return the picture of one world now."""
-        return self._painter(slot).frame(self._scene(slot))
+        return self._frame_painter(slot).frame(self._frame_scene(slot))
 
     def show(self) -> None:
         """Show the first world, in mode ``human``."""
@@ -65,13 +65,13 @@ class Renderer:
         if self._window is not None:
             self._window.close()
 
-    def _open(self) -> FrameWindow:
+    def _open_window(self) -> FrameWindow:
         from arena_drawing.frames import FrameWindow
 
         return FrameWindow("arena", 1.0 / self._batch.parts.robot.control_period)
 
-    def _painter(self, slot: int) -> FramePainter:
-        from arena_drawing.frames import FramePainter, Stage
+    def _frame_painter(self, slot: int) -> FramePainter:
+        from arena_drawing.frames import FramePainter, StaticScene
 
         episode = self._batch.episodes[slot]
         known = self._painters.get(slot)
@@ -79,12 +79,12 @@ class Renderer:
             scenario, path = episode.problem.scenario, episode.problem.path
             obstacles = [{"vertices_xy": one.vertices_xy, "radius": one.radius} for one in scenario.obstacles]
             obstacles += furniture_shapes(scenario.world.furniture)
-            stage = Stage(scenario.world.grid, obstacles, scenario.start.array(), scenario.goal.array(), path)
+            stage = StaticScene(scenario.world.grid, obstacles, scenario.start.array(), scenario.goal.array(), path)
             known = self._painters[slot] = (episode, FramePainter(stage, self._batch.parts.robot.footprint))
         return known[1]
 
-    def _scene(self, slot: int) -> Scene:
-        from arena_drawing.frames import Scene
+    def _frame_scene(self, slot: int) -> SceneState:
+        from arena_drawing.frames import SceneState
 
         now, lidar = self._batch.snapshot, self._batch.parts.robot.lidar
         people, pose = now.crowd.world(slot), now.poses[slot]
@@ -93,4 +93,4 @@ class Renderer:
         rays = now.ranges[slot][seen, None] * np.stack((np.cos(angles[seen]), np.sin(angles[seen])), axis=1)
         c, s = np.cos(pose[2]), np.sin(pose[2])
         returns = (rays + np.array((lidar.mount.x, lidar.mount.y))) @ np.array(((c, s), (-s, c))) + pose[:2]
-        return Scene(pose, people.positions, people.radii, returns, float(now.stamps[slot]))
+        return SceneState(pose, people.positions, people.radii, returns, float(now.stamps[slot]))

@@ -11,25 +11,25 @@ def start_report(batch: NavigationBatch, slot: int) -> dict[str, Any]:
     """Return the name of the problem, its people, the length of its path, m, and its level, if the task has any."""
     problem = batch.episodes[slot].problem
     report = {"scenario": problem.scenario.name, "people": len(problem.scenario.pedestrians), "path_length": float(problem.left[0])}
-    return report | _level(batch, slot)
+    return report | _stage_info(batch, slot)
 
 
 def final_report(batch: NavigationBatch, step: Step, slot: int) -> dict[str, Any]:
     """Return how an episode ended: outcome, collisions, control steps, and whether the goal was reached."""
     return {
-        "outcome": outcome(step, slot),
+        "outcome": episode_outcome(step, slot),
         "success": bool(step.arrived[slot]),
         "collisions": int(batch.collisions[slot]),
         "steps": int(batch.steps[slot]),
-    } | _level(batch, slot)
+    } | _stage_info(batch, slot)
 
 
-def _level(batch: NavigationBatch, slot: int) -> dict[str, int]:
+def _stage_info(batch: NavigationBatch, slot: int) -> dict[str, int]:
     stage = batch.episodes[slot].problem.scenario.stage
     return {} if stage is None else {"stage": stage}
 
 
-def outcome(step: Step, slot: int) -> str:
+def episode_outcome(step: Step, slot: int) -> str:
     """Return the outcome in the words of episodes.csv."""
     if step.arrived[slot]:
         return "goal_reached"

@@ -23,7 +23,7 @@ from arena_core import (
     random_generator,
 )
 from arena_core.hosting import REPLAN_REASONS, WAYPOINT_FOUND, Guide, mission_of, pose_at_scan
-from arena_gym.guidance import Floats, Guidance, Guided, Ranges, Slots
+from arena_gym.guidance import Floats, Guidance, GuidanceOutput, Ranges, Slots
 from arena_gym.pool import Problem
 
 
@@ -49,11 +49,11 @@ class SharedGuidance(Guidance):
         self._all = np.arange(worlds)
 
     @staticmethod
-    def suits(guide: Guide) -> bool:
+    def can_share(guide: Guide) -> bool:
         """Tell whether robots with such guides can be led so."""
         return isinstance(guide.localizer, ReferenceLocalizer) and not guide.rules.behaviours
 
-    def begin(self, slots: Slots, problems: Sequence[Problem], snapshot: Snapshot, ranges: Ranges) -> Guided:
+    def begin(self, slots: Slots, problems: Sequence[Problem], snapshot: Snapshot, ranges: Ranges) -> GuidanceOutput:
         """Plan each robot's first path from where it believes to stand."""
         for slot, problem in zip(slots.tolist(), problems, strict=True):
             scenario = problem.scenario
@@ -72,15 +72,17 @@ class SharedGuidance(Guidance):
         self._paths = PathBatch.of([guide.path for guide in self._guides if guide.path is not None])
         paths = PathBatch.of([guide.path for guide in (self._guides[slot] for slot in slots) if guide.path is not None])
         waypoints = self._waypoints.next(paths, poses, snapshot.stamps[slots], slots).poses
-        return Guided(poses, waypoints, paths, self._arrived(poses, slots), {}, self._tracks(slots, snapshot, ranges, poses))
+        return GuidanceOutput(
+            poses, waypoints, paths, self._has_arrived(poses, slots), {}, self._update_tracks(slots, snapshot, ranges, poses)
+        )
 
-    def look(self, snapshot: Snapshot, ranges: Ranges) -> Guided:
+    def look(self, snapshot: Snapshot, ranges: Ranges) -> GuidanceOutput:
         """Localise all robots, let those plan that have to, and choose the waypoints of all in one call."""
         poses = self._localizer.estimates(snapshot.poses, self._all)
-        arrived = self._arrived(poses, self._all)
+        arrived = self._has_arrived(poses, self._all)
         windows: dict[int, Callable[[], Window]] = {}
-        planned = self._plan_where_due(snapshot, ranges, poses, arrived, windows) if self._looks else []
-        self._renew(planned)
+        planned = self._replan_due(snapshot, ranges, poses, arrived, windows) if self._looks else []
+        self._renew_paths(planned)
         found = self._waypoints.next(self._paths, poses, snapshot.stamps)
         asking = np.flatnonzero((found.status != WAYPOINT_FOUND) & ~arrived) if self._rules.on_request else ()
         for slot in (int(slot) for slot in asking):
@@ -89,19 +91,19 @@ class SharedGuidance(Guidance):
             if not guide.may_replan(stamp):
                 continue
             before = guide.path
-            window = windows.get(slot) or self._window(slot, snapshot, ranges, poses)
+            window = windows.get(slot) or self._window_getter(slot, snapshot, ranges, poses)
             guide.plan_anew(Pose.of(poses[slot]), stamp, REPLAN_REASONS[int(found.status[slot])], window)
             if guide.path is not before:
                 planned.append(slot)
-                self._renew([slot])
+                self._renew_paths([slot])
             at = np.array((slot,))
             path = guide.path
             assert path is not None
             found.poses[slot] = self._waypoints.next(PathBatch.of([path]), poses[at], snapshot.stamps[at], at).poses[0]
         new = {slot: path for slot in planned if (path := self._guides[slot].path) is not None}
-        return Guided(poses, found.poses, self._paths, arrived, new, self._tracks(self._all, snapshot, ranges, poses))
+        return GuidanceOutput(poses, found.poses, self._paths, arrived, new, self._update_tracks(self._all, snapshot, ranges, poses))
 
-    def _arrived(self, poses: Floats, slots: Slots) -> NDArray[np.bool_]:
+    def _has_arrived(self, poses: Floats, slots: Slots) -> NDArray[np.bool_]:
         """Tell who believes to be within the goal's radius, as guides do."""
         offsets = poses[:, :2] - self._goals[slots]
         away = np.array([math.hypot(x, y) for x, y in offsets.tolist()])
@@ -114,14 +116,14 @@ class SharedGuidance(Guidance):
         except NoPath:  # its estimate may lie too near to a wall
             guide.follow(problem.path)
 
-    def _plan_where_due(
+    def _replan_due(
         self, snapshot: Snapshot, ranges: Ranges, poses: Floats, arrived: NDArray[np.bool_], windows: dict[int, Callable[[], Window]]
     ) -> list[int]:
         """Show each robot's local map the scan, and let those plan whose path is blocked or old; return who has a new path."""
         planned = []
         for slot in np.flatnonzero(~arrived).tolist():
             guide, pose, stamp = self._guides[slot], Pose.of(poses[slot]), float(snapshot.stamps[slot])
-            windows[slot] = window = self._window(slot, snapshot, ranges, poses)
+            windows[slot] = window = self._window_getter(slot, snapshot, ranges, poses)
             reason = guide.why_replan(pose, stamp, window)
             if reason is not None:
                 before = guide.path
@@ -130,11 +132,11 @@ class SharedGuidance(Guidance):
                     planned.append(slot)
         return planned
 
-    def _window(self, slot: int, snapshot: Snapshot, ranges: Ranges, poses: Floats) -> Callable[[], Window]:
+    def _window_getter(self, slot: int, snapshot: Snapshot, ranges: Ranges, poses: Floats) -> Callable[[], Window]:
         """Return what lets a robot's local map take in its scan, once, when it is asked for."""
         return cache(lambda: self._guides[slot].local_map.take_in(*_scan_of(slot, snapshot, ranges[slot], Pose.of(poses[slot]))))
 
-    def _tracks(self, slots: Slots, snapshot: Snapshot, ranges: Ranges, poses: Floats) -> tuple[Tracks, ...]:
+    def _update_tracks(self, slots: Slots, snapshot: Snapshot, ranges: Ranges, poses: Floats) -> tuple[Tracks, ...]:
         """Show the trackers of these slots, which believe to stand at poses (K, 3), their scans; nothing where nobody asks."""
         if not self._tracked:
             return ()
@@ -144,7 +146,7 @@ class SharedGuidance(Guidance):
             for slot, pose in places
         )
 
-    def _renew(self, slots: Sequence[int]) -> None:
+    def _renew_paths(self, slots: Sequence[int]) -> None:
         """Take these robots' new paths for theirs."""
         if slots:
             self._waypoints.reset(np.array(slots), len(self._guides))

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from arena_core import Reward, Robot, Transition
 from arena_core.parameters import NonNegative, Positive
-from arena_gym.release_reward import either_way
+from arena_gym.release_reward import weigh_gain
 
 Floats = NDArray[np.float64]
 
@@ -41,6 +41,6 @@ class SwitchReward(Reward):
         after = transition.after
         among = after.clearances_people < self._people_gap
         gain = transition.before.goal_distances - after.goal_distances
-        total = np.where(among, either_way(gain, *self._among_people), either_way(gain, *self._elsewhere))
+        total = np.where(among, weigh_gain(gain, *self._among_people), weigh_gain(gain, *self._elsewhere))
         total -= np.where(among, self._near * (after.nearest_ranges < self._safe), self._standing * (after.standing_times > 0.0))
         return np.asarray(total + self._goal * transition.arrived - self._collision * transition.collided)

@@ -23,7 +23,7 @@ class SwitchedBatch(NavigationBatch):
         self._drivers = [parts.switch.make_driver() for _ in range(worlds)]
         self._places: list[tuple[ObservationBatch, int] | None] = [None] * worlds
 
-    def _velocities(self, actions: NDArray[Any], driving: Flags) -> Floats:
+    def _commanded_velocities(self, actions: NDArray[Any], driving: Flags) -> Floats:
         """Let the members in the places ``actions`` (N,) say how, for those that are ``driving``."""
         chosen = np.asarray(actions).reshape(self.worlds)
         if not np.isin(chosen, np.arange(self._members)).all():
@@ -35,13 +35,13 @@ class SwitchedBatch(NavigationBatch):
             commands[slot] = self._drivers[slot].drive(int(chosen[slot]), *place)
         return commands
 
-    def _control(self, actions: NDArray[Any], driving: Flags) -> Step:
-        step = super()._control(actions, driving)
+    def _drive_control_step(self, actions: NDArray[Any], driving: Flags) -> Step:
+        step = super()._drive_control_step(actions, driving)
         self._places = [(self.seen, slot) for slot in range(self.worlds)]
         return step
 
-    def _begin(self, slots: Slots, snapshot: Snapshot) -> NDArray[np.float32]:
-        observations = super()._begin(slots, snapshot)
+    def _begin_episodes(self, slots: Slots, snapshot: Snapshot) -> NDArray[np.float32]:
+        observations = super()._begin_episodes(slots, snapshot)
         for row, slot in enumerate(slots.tolist()):
             self._drivers[slot].begin(self.episodes[slot].problem)
             self._places[slot] = (self.seen, row)

@@ -47,7 +47,7 @@ class TrainCommand(Command):
         from arena_gym.training.session import run_training
 
         for config in configs:
-            robot = _robot(words.overrides, config)
+            robot = _robot_name(words.overrides, config)
             folder = Path(words.keys.get("out", f"trainings/{config['planner']}_{robot}_{config['seed']}"))
             if len(configs) > 1 and "out" in words.keys:
                 folder = folder.with_name(f"{folder.name}_{config['seed']}")
@@ -55,7 +55,7 @@ class TrainCommand(Command):
                 print(f"seed {config['seed']}: {folder}", flush=True)
             if config["trainer"] is not None:
                 _check_unused(config)
-                _train_in_a_way_of_its_own(config, folder, RESUME[resume][0])
+                _run_trainer(config, folder, RESUME[resume][0])
             else:
                 run_training(config, folder, *RESUME[resume], robot)
         return 0
@@ -67,7 +67,7 @@ class TrainCommand(Command):
         return [*(f"{key}=" for key in OWN), "resume=true", "resume=force", *complete_overrides(words, word, primary="train")]
 
 
-def _train_in_a_way_of_its_own(config: Mapping[str, Any], folder: Path, resume: bool) -> None:
+def _run_trainer(config: Mapping[str, Any], folder: Path, resume: bool) -> None:
     try:
         load_registry().build("trainer", config["trainer"]).train(config, folder, resume)
     except KeyboardInterrupt as interrupt:
@@ -77,7 +77,7 @@ def _train_in_a_way_of_its_own(config: Mapping[str, Any], folder: Path, resume: 
         raise
 
 
-def _robot(overrides: Sequence[str], config: Mapping[str, Any]) -> str:
+def _robot_name(overrides: Sequence[str], config: Mapping[str, Any]) -> str:
     """Return the robot by the name of its file, which may derive from another's."""
     chosen = dict(map(key_value, overrides)).get("robot", "")
     return chosen if re.fullmatch(r"[\w-]+", chosen) else str(config["robot"]["name"])

@@ -62,9 +62,9 @@ class NavigationVectorEnv(VectorEnv[Observations, Observations, NDArray[Any]]):
     ) -> tuple[Observations, dict[str, Any]]:
         """Begin the first episodes of the seeds ``seed``, ``seed + 1``, ... or of those listed."""
         super().reset(seed=seed if isinstance(seed, int) else None)
-        observations = self.batch.reset(self._seeds(seed))
-        self._show()
-        return observations, self._beginnings(range(self.num_envs))
+        observations = self.batch.reset(self._episode_seeds(seed))
+        self._show_frame()
+        return observations, self._start_infos(range(self.num_envs))
 
     def set_stage(self, stage: int) -> None:
         """Let episodes that begin from now on be of this level of the task; raise ConfigurationError where there is none."""
@@ -75,7 +75,7 @@ class NavigationVectorEnv(VectorEnv[Observations, Observations, NDArray[Any]]):
         step = self.batch.step(actions)
         slots = np.flatnonzero(step.terminated | step.truncated)
         infos = self._begin_next(step, slots) if len(slots) else {}
-        self._show()
+        self._show_frame()
         return step.observations, step.rewards, step.terminated, step.truncated, infos
 
     def render(self) -> tuple[Frame, ...] | None:
@@ -89,7 +89,7 @@ class NavigationVectorEnv(VectorEnv[Observations, Observations, NDArray[Any]]):
         if self._renderer is not None:
             self._renderer.close()
 
-    def _show(self) -> None:
+    def _show_frame(self) -> None:
         if self._renderer is not None:
             self._renderer.show()
 
@@ -100,15 +100,15 @@ class NavigationVectorEnv(VectorEnv[Observations, Observations, NDArray[Any]]):
             end = {"final_obs": step.observations[slot].copy(), "final_info": final_report(self.batch, step, slot)}
             ends = self._add_info(ends, end, slot)
         step.observations[slots] = self.batch.restart(slots)
-        return ends | self._beginnings(slots.tolist())
+        return ends | self._start_infos(slots.tolist())
 
-    def _beginnings(self, slots: Sequence[int]) -> dict[str, Any]:
+    def _start_infos(self, slots: Sequence[int]) -> dict[str, Any]:
         infos: dict[str, Any] = {}
         for slot in slots:
             infos = self._add_info(infos, start_report(self.batch, slot), slot)
         return infos
 
-    def _seeds(self, seed: int | list[int | None] | None) -> list[int]:
+    def _episode_seeds(self, seed: int | list[int | None] | None) -> list[int]:
         if isinstance(seed, int):
             return [seed + k for k in range(self.num_envs)]
         given = [None] * self.num_envs if seed is None else seed

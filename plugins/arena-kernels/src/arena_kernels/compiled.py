@@ -1,6 +1,6 @@
 """How kernels are compiled, kept on disk and called: all that the suite asks of numba, beyond `njit`, stands here.
 
-The environment variable ``ARENA_KERNELS`` chooses: ``fast``; ``checked``, the same with every ``Entered`` call looked at; or ``plain``,
+The environment variable ``ARENA_KERNELS`` chooses: ``fast``; ``checked``, the same with every ``TypedDispatch`` call looked at; or ``plain``,
 numba's own ``njit(cache=True)`` for all of them.
 """
 
@@ -54,7 +54,7 @@ def compiled(kernel: Kernel) -> Kernel:
 
     A division that cannot raise lets the compiler drop much of the reference counting of array arguments.
     """
-    return _dispatcher(kernel, COMPILED)
+    return _make_dispatcher(kernel, COMPILED)
 
 
 def borrowing(kernel: Kernel) -> Kernel:
@@ -63,7 +63,7 @@ def borrowing(kernel: Kernel) -> Kernel:
     Counting is atomic, and was most of the time of short kernels that take whole named tuples of arrays. numba refuses to compile
     an allocation here. Such a kernel returns numbers only: arrays in a returned tuple would be released once too often.
     """
-    return _dispatcher(kernel, BORROWING)
+    return _make_dispatcher(kernel, BORROWING)
 
 
 def inner(kernel: Kernel) -> Kernel:
@@ -71,15 +71,15 @@ def inner(kernel: Kernel) -> Kernel:
 
     Such a kernel may return named tuples of borrowed arrays.
     """
-    return _dispatcher(kernel, INNER, InnerDispatcher)
+    return _make_dispatcher(kernel, INNER, InnerDispatcher)
 
 
 def inlined(kernel: Kernel) -> Kernel:
     """Compile a borrowing kernel into every caller, however large: loops over a call cannot run in vector registers."""
-    return _dispatcher(kernel, INLINED)
+    return _make_dispatcher(kernel, INLINED)
 
 
-class Entered(Generic[Arguments, Result]):
+class TypedDispatch(Generic[Arguments, Result]):
     """A kernel that is always called with arguments of the types of the first call: nothing checks them any more.
 
     numba tells the types anew before each call, which takes some 0.15 us for each number and array in named tuples, and more for tables
@@ -95,23 +95,23 @@ class Entered(Generic[Arguments, Result]):
     def __call__(self, *arguments: Arguments.args, **named: Arguments.kwargs) -> Result:
         """Call what the kernel is compiled to; arguments have no names here."""
         if self._code is None:
-            self._code = self._entry(arguments)
+            self._code = self._compile_entry(arguments)
         return self._code(*arguments, **named)
 
-    def _entry(self, arguments: tuple[Any, ...]) -> Callable[Arguments, Result]:
+    def _compile_entry(self, arguments: tuple[Any, ...]) -> Callable[Arguments, Result]:
         kernel: Any = self._kernel
         if MODE == "plain":
             return kernel  # type: ignore[no-any-return]
         code = kernel.compile(tuple(typeof(argument) for argument in arguments))  # type: ignore[no-untyped-call]
-        return code if MODE == "fast" else _checked(code, kernel.py_func.__qualname__, arguments)  # type: ignore[no-any-return]
+        return code if MODE == "fast" else _check_calls(code, kernel.py_func.__qualname__, arguments)  # type: ignore[no-any-return]
 
 
-def _checked(code: Any, name: str, first: tuple[Any, ...]) -> Any:
+def _check_calls(code: Any, name: str, first: tuple[Any, ...]) -> Any:
     """Return what raises TypeError for arguments of other types than the first ones, before it calls ``code``."""
-    expected = [kind(argument) for argument in first]
+    expected = [type_key(argument) for argument in first]
 
     def call(*arguments: Any) -> Any:
-        found = [kind(argument) for argument in arguments]
+        found = [type_key(argument) for argument in arguments]
         if found != expected:
             others = ((place, one, other) for place, (one, other) in enumerate(zip_longest(found, expected)) if one != other)
             raise TypeError("{}: argument {} is of type {}, at the first call {}".format(name, *next(others)))
@@ -120,14 +120,14 @@ def _checked(code: Any, name: str, first: tuple[Any, ...]) -> Any:
     return call
 
 
-def kind(value: Any) -> Any:
+def type_key(value: Any) -> Any:
     """Return what numba compiles for: the type of a value, of each in a tuple; whether an array can be written to is left out."""
     if isinstance(value, tuple):
-        return type(value).__name__, *map(kind, value)
+        return type(value).__name__, *map(type_key, value)
     return str(typeof(value)).removeprefix("readonly ")  # type: ignore[no-untyped-call]
 
 
-def _dispatcher(kernel: Kernel, options: dict[str, Any], made: type[KernelDispatcher] | None = None) -> Kernel:
+def _make_dispatcher(kernel: Kernel, options: dict[str, Any], made: type[KernelDispatcher] | None = None) -> Kernel:
     if MODE == "plain":
         return njit(cache=True, error_model="numpy")(kernel)  # type: ignore[return-value]
     dispatcher: Any = (made or KernelDispatcher)(py_func=kernel, targetoptions={"nopython": True, "boundscheck": None, **options})
@@ -150,11 +150,11 @@ class KernelDispatcher(CPUDispatcher):
 
     def compile(self, sig: Any) -> Any:
         """Load the kernel for a signature, or compile and keep it."""
-        with global_compiler_lock, self.alone():
+        with global_compiler_lock, self.lock_kernel():
             return super().compile(sig)
 
     @contextmanager
-    def alone(self) -> Iterator[None]:
+    def lock_kernel(self) -> Iterator[None]:
         """Keep other processes from this kernel, or go on beside them after a while: who holds it may be suspended."""
         file, byte = lock_file(self._cache.cache_path), crc32(f"{self.py_func.__module__}.{self.py_func.__qualname__}".encode())
         if file is None or not held(file, byte):
@@ -203,7 +203,7 @@ class _Stamped:
 
     def __init__(self, py_func: Callable[..., Any], py_file: str) -> None:
         super().__init__(py_func, py_file)  # type: ignore[call-arg]
-        self._stamp = tuple(sorted((folder.name, sources(folder)) for folder in packages_of(py_func)))
+        self._stamp = tuple(sorted((folder.name, sources_digest(folder)) for folder in packages_of(py_func)))
 
     def get_source_stamp(self) -> tuple[Any, ...]:
         """Return name and digest of each package."""
@@ -248,7 +248,7 @@ def _folder_of(package: str) -> Path | None:
 
 
 @cache
-def sources(place: Path) -> str:
+def sources_digest(place: Path) -> str:
     """Return a digest of all modules at or below a folder, or beside a file."""
     digest = hashlib.blake2b(digest_size=16)
     for file in sorted(place.rglob("*.py") if place.is_dir() else place.parent.glob("*.py")):

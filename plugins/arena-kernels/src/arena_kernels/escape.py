@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing, compiled
-from arena_kernels.window import CLOSE, Outline, Window, allowed_gap, clearance, keeps_from_walls
+from arena_kernels.costmap_window import CLOSE, CostmapWindow, Outline, allowed_gap, keeps_from_walls, outline_clearance
 
 FloatArray = NDArray[np.float64]
 
@@ -20,7 +20,7 @@ ENOUGH = 0.3  # m of clearance, beyond which more is worth nothing
 @compiled
 def escape_command(
     start: FloatArray,
-    window: Window,
+    window: CostmapWindow,
     outline: Outline,
     positions: FloatArray,
     velocities: FloatArray,
@@ -32,7 +32,7 @@ def escape_command(
 
     It keeps the ``wanted`` gap, m, or half of the one where it begins. Discs ``positions`` (K, 2) with ``radii`` move on at ``velocities``.
     """
-    here = clearance(window, outline, start[0], start[1], math.cos(start[2]), math.sin(start[2]), ENOUGH)
+    here = outline_clearance(window, outline, start[0], start[1], math.cos(start[2]), math.sin(start[2]), ENOUGH)
     least = allowed_gap(here, wanted, CLOSE)
     best, chosen = here + 0.005, -1
     for i in range(len(commands)):
@@ -43,7 +43,7 @@ def escape_command(
             x += dt * (commands[i, 0] * math.cos(heading) - commands[i, 1] * math.sin(heading))
             y += dt * (commands[i, 0] * math.sin(heading) + commands[i, 1] * math.cos(heading))
             theta += dt * commands[i, 2]
-            gap = clearance(window, outline, x, y, math.cos(theta), math.sin(theta), ENOUGH)
+            gap = outline_clearance(window, outline, x, y, math.cos(theta), math.sin(theta), ENOUGH)
             for j in range(len(radii)):
                 time = (step + 1) * dt
                 ox, oy = positions[j, 0] + time * velocities[j, 0] - x, positions[j, 1] + time * velocities[j, 1] - y
@@ -71,7 +71,7 @@ def escape_commands(least: FloatArray, most: FloatArray, share: float, turn_radi
 
 @borrowing
 def keeps_gap(
-    window: Window, outline: Outline, pose: FloatArray, velocity: FloatArray, time: float, turn_braking: float, wanted: float
+    window: CostmapWindow, outline: Outline, pose: FloatArray, velocity: FloatArray, time: float, turn_braking: float, wanted: float
 ) -> bool:
     """Return whether a robot at ``pose`` (3,) with a body ``velocity`` (3,) keeps the ``wanted`` gap, m, for ``time`` s.
 

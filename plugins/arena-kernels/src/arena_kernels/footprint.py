@@ -52,7 +52,7 @@ def disc_like(body: Body, radius: float) -> Body:
 
 
 @borrowing
-def place(body: Body, x: float, y: float, theta: float) -> None:
+def place_body(body: Body, x: float, y: float, theta: float) -> None:
     """Put a body at a pose."""
     body.at[0], body.at[1] = x, y
     c, s = (math.cos(theta), math.sin(theta)) if body.corners > 1 else (1.0, 0.0)
@@ -82,7 +82,7 @@ def gap_to_polygon(body: Body, sides: NDArray[np.float64]) -> Gap:
         found = gap_to_convex(body, sides[i])
         if found[0] < best[0]:
             best = found
-    if best[0] > -body.rounding and _inside(sides, body.points[1, 0, 0], body.points[1, 0, 1]):
+    if best[0] > -body.rounding and _is_inside(sides, body.points[1, 0, 0], body.points[1, 0, 1]):
         return -best[0] - 2.0 * body.rounding, -best[1], -best[2], best[3], best[4]
     return best
 
@@ -90,11 +90,11 @@ def gap_to_polygon(body: Body, sides: NDArray[np.float64]) -> Gap:
 @inner
 def hull_gap(hull: Points, rounding: float, other: Points) -> Gap:
     """Return the gap between two convex hulls: the separating axis if they overlap, else the nearest vertex and side."""
-    depth_a, ax, ay = _separation(hull, other)
-    depth_b, bx, by = _separation(other, hull)
+    depth_a, ax, ay = _widest_separation(hull, other)
+    depth_b, bx, by = _widest_separation(other, hull)
     if max(depth_a, depth_b) <= 0.0:
         depth, nx, ny = (depth_a, ax, ay) if depth_a > depth_b else (depth_b, -bx, -by)
-        i = _support(other, -nx, -ny)
+        i = _support_vertex(other, -nx, -ny)
         return depth - rounding, nx, ny, other[i, 0], other[i, 1]
     best = NOTHING
     for i in range(len(other)):
@@ -137,7 +137,7 @@ def point_gap(hull: Points, x: float, y: float) -> tuple[float, float, float]:
 
 
 @inner
-def _separation(hull: Points, other: Points) -> tuple[float, float, float]:
+def _widest_separation(hull: Points, other: Points) -> tuple[float, float, float]:
     """Return the widest separation of two hulls along the edge normals of the first, and that normal."""
     best, nx, ny = -np.inf, 0.0, 0.0
     for i in range(len(hull) if len(hull) > 2 else 2 * (len(hull) - 1)):  # a segment has a normal on either side, a point none
@@ -147,7 +147,7 @@ def _separation(hull: Points, other: Points) -> tuple[float, float, float]:
         if length == 0.0:
             continue
         ux, uy = ey / length, -ex / length
-        s = _support(other, -ux, -uy)
+        s = _support_vertex(other, -ux, -uy)
         separation = (other[s, 0] - hull[k, 0]) * ux + (other[s, 1] - hull[k, 1]) * uy
         if separation > best:
             best, nx, ny = separation, ux, uy
@@ -155,7 +155,7 @@ def _separation(hull: Points, other: Points) -> tuple[float, float, float]:
 
 
 @inner
-def _support(points: Points, nx: float, ny: float) -> int:
+def _support_vertex(points: Points, nx: float, ny: float) -> int:
     """Return which point lies farthest along (nx, ny)."""
     best, index = -np.inf, 0
     for i in range(len(points)):
@@ -166,7 +166,7 @@ def _support(points: Points, nx: float, ny: float) -> int:
 
 
 @inner
-def _inside(sides: NDArray[np.float64], x: float, y: float) -> bool:
+def _is_inside(sides: NDArray[np.float64], x: float, y: float) -> bool:
     """Tell whether a point lies inside a simple polygon (crossing number)."""
     inside = False
     for i in range(len(sides)):

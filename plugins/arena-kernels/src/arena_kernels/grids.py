@@ -12,7 +12,7 @@ from arena_kernels.compiled import borrowing, inlined
 from arena_kernels.distance import Grid, grid_distance
 from arena_kernels.scalars import Integer
 
-TILE = 8  # cells; ``in_tiles`` shifts by its binary logarithm
+TILE = 8  # cells; ``tile_index`` shifts by its binary logarithm
 LINE = 64  # bytes of a cache line: those of a tile
 
 
@@ -50,19 +50,19 @@ def stack_grids(grids: Sequence[PlacedGrid]) -> tuple[GridStack, NDArray[np.int6
     """Pack the distinct grids among those of N worlds; return them and which one each world uses, (N,)."""
     distinct = list({id(grid): grid for grid in grids}.values())
     place = {id(grid): index for index, grid in enumerate(distinct)}
-    return _pack(distinct), np.array([place[id(grid)] for grid in grids], np.int64)
+    return _pack_grids(distinct), np.array([place[id(grid)] for grid in grids], np.int64)
 
 
-def _pack(grids: Sequence[PlacedGrid]) -> GridStack:
+def _pack_grids(grids: Sequence[PlacedGrid]) -> GridStack:
     cells = [grid.derive(_flat_cells) for grid in grids]
     reaches = [grid.derive(quadrant_reach) for grid in grids]
     origins = np.array([(grid.origin.x, grid.origin.y, grid.origin.theta) for grid in grids], np.float64).reshape(-1, 3)
     return GridStack(
-        _join(cells),
-        _join([grid.derive(grid_distance).ravel() for grid in grids]),
+        _join_arrays(cells),
+        _join_arrays([grid.derive(grid_distance).ravel() for grid in grids]),
         _join_tiles(reaches),
-        _offsets(cells),
-        _offsets(reaches),
+        _part_offsets(cells),
+        _part_offsets(reaches),
         np.array([grid.occupied.shape for grid in grids], np.int64).reshape(-1, 2),
         np.array([grid.resolution for grid in grids], np.float64),
         origins,
@@ -70,7 +70,7 @@ def _pack(grids: Sequence[PlacedGrid]) -> GridStack:
     )
 
 
-def _join(parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
+def _join_arrays(parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
     """Concatenate flat arrays; a single one is shared, not copied."""
     return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
@@ -79,17 +79,17 @@ def _join_tiles(parts: Sequence[NDArray[np.uint8]]) -> NDArray[np.uint8]:
     """Concatenate tables of tiles, each tile in a cache line of its own; a single one is shared, not copied."""
     if len(parts) == 1:
         return parts[0]
-    return np.concatenate(parts, out=aligned(sum(len(part) for part in parts)))
+    return np.concatenate(parts, out=aligned_buffer(sum(len(part) for part in parts)))
 
 
-def aligned(length: int) -> NDArray[np.uint8]:
+def aligned_buffer(length: int) -> NDArray[np.uint8]:
     """Return room for so many bytes that begins with a cache line."""
     room = np.empty(length + LINE, np.uint8)
     start = -room.ctypes.data % LINE
     return room[start : start + length]
 
 
-def _offsets(parts: Sequence[NDArray[Any]]) -> NDArray[np.int64]:
+def _part_offsets(parts: Sequence[NDArray[Any]]) -> NDArray[np.int64]:
     return np.cumsum([0, *(len(part) for part in parts)], dtype=np.int64)[:-1]
 
 
@@ -102,17 +102,17 @@ def quadrant_reach(grid: Grid) -> NDArray[np.uint8]:
 
     Table q is of the grid mirrored in its columns if q & 1, in its rows if q & 2: a ray of any direction then runs to higher
     columns and rows. Occupied cells and the rim beyond the last column and row have 0; larger sides than 255 are cut. A table lies
-    in tiles of 8 x 8 cells, a cache line each: rays of many worlds wait for memory, and cross fewer tiles than rows (``in_tiles``).
+    in tiles of 8 x 8 cells, a cache line each: rays of many worlds wait for memory, and cross fewer tiles than rows (``tile_index``).
     """
     blocked = np.array(grid.occupied, dtype=np.uint8)
     table = np.zeros((4, blocked.shape[0] + 1, blocked.shape[1] + 1), np.uint8)
     for quadrant in range(4):
         mirrored = blocked[:: -1 if quadrant & 2 else 1, :: -1 if quadrant & 1 else 1]
         _largest_squares(np.ascontiguousarray(mirrored), table[quadrant])
-    return _join_tiles([_tiled(part) for part in table])
+    return _join_tiles([_tile_table(part) for part in table])
 
 
-def _tiled(table: NDArray[np.uint8]) -> NDArray[np.uint8]:
+def _tile_table(table: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """Return a table (H, W), padded with zeros, tile by tile."""
     rows, columns = (-(-size // TILE) for size in table.shape)
     padded = np.zeros((rows * TILE, columns * TILE), np.uint8)
@@ -127,7 +127,7 @@ def table_size(rows: Integer, columns: Integer) -> int:
 
 
 @inlined
-def in_tiles(row: Integer, column: Integer, strip: Integer) -> Integer:
+def tile_index(row: Integer, column: Integer, strip: Integer) -> Integer:
     """Return where a cell lies in a table whose strips of eight rows take so many bytes, column by column."""
     return (row >> 3) * strip + (column << 3) + (row & 7)
 

@@ -42,7 +42,7 @@ def layouts_of(stack: GridStack) -> NDArray[np.void]:
     return layouts
 
 
-class Land(NamedTuple):
+class GroundStack(NamedTuple):
     """The grids of N worlds: ``grids`` (N,) says which of the ``layouts`` each has, ``distance`` holds all of their cells."""
 
     grids: NDArray[np.int64]
@@ -51,7 +51,7 @@ class Land(NamedTuple):
 
 
 @compiled
-def ground_below(land: Land, world: int) -> Ground:
+def world_ground(land: GroundStack, world: int) -> Ground:
     """Return the grid of one world."""
     return ground_of(land.distance, land.layouts[land.grids[world]])
 
@@ -78,7 +78,7 @@ def in_map(ground: Ground, row: float, column: float) -> tuple[float, float]:
 
 
 @borrowing
-def clearance(ground: Ground, x: float, y: float) -> float:
+def wall_clearance(ground: Ground, x: float, y: float) -> float:
     """Return the distance to the nearest wall's surface, m."""
     return clearance_and_gradient(ground, x, y)[0]
 

@@ -14,7 +14,7 @@ POINT_X, POINT_Y, ALONG_X, ALONG_Y = 0, 1, 2, 3  # columns of a line: velocities
 
 
 @borrowing
-def way_out(px: float, py: float, vx: float, vy: float, radius: float, horizon: float, overlap_time: float) -> tuple[float, ...]:
+def smallest_change(px: float, py: float, vx: float, vy: float, radius: float, horizon: float, overlap_time: float) -> tuple[float, ...]:
     """Return (ux, uy, along_x, along_y): the least change of a relative velocity that leaves the velocity obstacle, and its tangent there.
 
     The other disc is at (px, py), both radii together are ``radius`` (m); the velocity (vx, vy) is relative to it. No collision
@@ -49,7 +49,7 @@ def put_person(
     other does the same, 1 where the other does nothing.
     """
     horizon, overlap_time, share = rules
-    ux, uy, ax, ay = way_out(place[0], place[1], own[0] - place[2], own[1] - place[3], radius, horizon, overlap_time)
+    ux, uy, ax, ay = smallest_change(place[0], place[1], own[0] - place[2], own[1] - place[3], radius, horizon, overlap_time)
     lines[row, POINT_X], lines[row, POINT_Y] = own[0] + share * ux, own[1] + share * uy
     lines[row, ALONG_X], lines[row, ALONG_Y] = ax, ay
 
@@ -62,6 +62,6 @@ def put_bound(lines: FloatArray, row: int, nx: float, ny: float, bound: float) -
 
 
 @borrowing
-def lack(line: FloatArray, x: float, y: float) -> float:
+def line_violation(line: FloatArray, x: float, y: float) -> float:
     """Return how far a velocity lies on the forbidden side of a line, negative on the allowed side."""
     return line[ALONG_X] * (line[POINT_Y] - y) - line[ALONG_Y] * (line[POINT_X] - x)  # type: ignore[no-any-return]

@@ -35,7 +35,7 @@ def step_length(gait: Gait, pace: float) -> float:
 
 
 @inner
-def settle(gait: Gait, velocity: Velocity, wanted: Velocity, dt: float) -> Velocity:
+def smooth_velocity(gait: Gait, velocity: Velocity, wanted: Velocity, dt: float) -> Velocity:
     """Return the velocity that the legs have taken up ``dt`` s later; it never vanishes, so that who stands looks somewhere."""
     share = 1.0 - math.exp(-dt / gait.settling)
     x, y = velocity[0] + share * (wanted[0] - velocity[0]), velocity[1] + share * (wanted[1] - velocity[1])
@@ -49,7 +49,7 @@ def settle(gait: Gait, velocity: Velocity, wanted: Velocity, dt: float) -> Veloc
 def legs_of(gait: Gait, x: float, y: float, radius: float, velocity: Velocity, steps: float) -> Legs:
     """Return the centres (x, y) of the left and of the right leg and their radius, m, all within the body's disc.
 
-    ``velocity`` is what the legs have taken up (``settle``), ``steps`` how many steps the person has walked.
+    ``velocity`` is what the legs have taken up (``smooth_velocity``), ``steps`` how many steps the person has walked.
     """
     pace = math.sqrt(velocity[0] * velocity[0] + velocity[1] * velocity[1])
     cosine, sine = velocity[0] / pace, velocity[1] / pace
@@ -57,12 +57,12 @@ def legs_of(gait: Gait, x: float, y: float, radius: float, velocity: Velocity, s
     narrow = min(pace / gait.step_width_from, 1.0)
     side = min(0.5 * (gait.stance_width + narrow * (gait.step_width - gait.stance_width)), radius - leg)
     room = math.sqrt((radius - leg) * (radius - leg) - side * side)
-    ahead = _wave(steps) * min(0.5 * gait.apart * step_length(gait, pace), room)
+    ahead = _leg_swing(steps) * min(0.5 * gait.apart * step_length(gait, pace), room)
     along_x, along_y, aside_x, aside_y = ahead * cosine, ahead * sine, -side * sine, side * cosine
     return x + along_x + aside_x, y + along_y + aside_y, x - along_x - aside_x, y - along_y - aside_y, leg
 
 
 @inner
-def _wave(steps: float) -> float:
+def _leg_swing(steps: float) -> float:
     """Return where the left leg is, 1 at the front after an even number of steps, -1 at the back after an odd one, straight between."""
     return abs(2.0 * (steps - 2.0 * math.floor(0.5 * steps)) - 2.0) - 1.0

@@ -8,14 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing
+from arena_kernels.costmap_window import CostmapWindow, distance_at
 from arena_kernels.paths import nearest_index
-from arena_kernels.window import Window, distance_at
 
 NEAR = 0.25  # of the lookahead, within which the path is followed whether it is seen or not
 
 
 @borrowing
-def in_sight(window: Window, x: float, y: float, to_x: float, to_y: float, needed: float, step: float) -> bool:
+def in_sight(window: CostmapWindow, x: float, y: float, to_x: float, to_y: float, needed: float, step: float) -> bool:
     """Tell whether a disc of radius ``needed`` fits along the straight line between two positions, looked at every ``step`` m."""
     parts = max(1, math.ceil(math.hypot(to_x - x, to_y - y) / step))
     for k in range(1, parts + 1):  # noqa: SIM110 - kernels know no generators
@@ -25,7 +25,9 @@ def in_sight(window: Window, x: float, y: float, to_x: float, to_y: float, neede
 
 
 @borrowing
-def farthest_in_sight(path: NDArray[np.float64], window: Window, needed: float, x: float, y: float, lookahead: float, step: float) -> int:
+def farthest_in_sight(
+    path: NDArray[np.float64], window: CostmapWindow, needed: float, x: float, y: float, lookahead: float, step: float
+) -> int:
     """Return the row of ``path`` (M, 2 or more) to drive to from (x, y): at most ``lookahead`` m on, and beyond NEAR all in sight."""
     first = nearest_index(path, x, y)
     found, along = first, 0.0

@@ -33,7 +33,7 @@ def all_pairs(positions: NDArray[np.float64], reach: float, pairs: NDArray[np.in
     found = 0
     for later in range(len(positions)):
         x, y = positions[later, 0], positions[later, 1]
-        pairs = _room(pairs, found + later)
+        pairs = _grow_pairs(pairs, found + later)
         for earlier in range(later):
             dx, dy = x - positions[earlier, 0], y - positions[earlier, 1]
             if dx * dx + dy * dy < reach * reach:
@@ -48,7 +48,7 @@ def pairs_by_cells(positions: NDArray[np.float64], reach: float, pairs: NDArray[
 
     Who is nowhere (NaN) is near nobody.
     """
-    low_x, low_y, extent = _box(positions)
+    low_x, low_y, extent = _bounding_square(positions)
     side = max(reach, extent / (_CELLS_A_SIDE - 1))
     width = int(extent / side) + 3  # a rim of empty cells on each side
     newest = np.empty(width * width, np.int32)
@@ -68,8 +68,8 @@ def pairs_by_cells(positions: NDArray[np.float64], reach: float, pairs: NDArray[
                 while earlier >= 0:
                     dx, dy = x - positions[earlier, 0], y - positions[earlier, 1]
                     if dx * dx + dy * dy < reach * reach:
-                        pairs = _room(pairs, found + 1)
-                        found = _insert(pairs, first, found, earlier, later)
+                        pairs = _grow_pairs(pairs, found + 1)
+                        found = _insert_pair(pairs, first, found, earlier, later)
                     earlier = int(older[earlier])
         older[later] = newest[home]
         newest[home] = later
@@ -77,7 +77,7 @@ def pairs_by_cells(positions: NDArray[np.float64], reach: float, pairs: NDArray[
 
 
 @compiled
-def _box(positions: NDArray[np.float64]) -> tuple[float, float, float]:
+def _bounding_square(positions: NDArray[np.float64]) -> tuple[float, float, float]:
     """Return the lower left corner of a square around all positions, and its side."""
     low_x, low_y, high_x, high_y = np.inf, np.inf, -np.inf, -np.inf
     for i in range(len(positions)):
@@ -89,7 +89,7 @@ def _box(positions: NDArray[np.float64]) -> tuple[float, float, float]:
 
 
 @borrowing
-def _insert(pairs: NDArray[np.int32], first: int, found: int, earlier: int, later: int) -> int:
+def _insert_pair(pairs: NDArray[np.int32], first: int, found: int, earlier: int, later: int) -> int:
     """Put a pair in its place among those of the same later person."""
     place = found
     while place > first and pairs[place - 1, 0] > earlier:
@@ -100,7 +100,7 @@ def _insert(pairs: NDArray[np.int32], first: int, found: int, earlier: int, late
 
 
 @compiled
-def _room(pairs: NDArray[np.int32], wanted: int) -> NDArray[np.int32]:
+def _grow_pairs(pairs: NDArray[np.int32], wanted: int) -> NDArray[np.int32]:
     if wanted <= len(pairs):
         return pairs
     grown = np.empty((2 * wanted, 2), np.int32)

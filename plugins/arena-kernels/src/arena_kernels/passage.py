@@ -8,15 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing
+from arena_kernels.costmap_window import CostmapWindow, Outline, distance_at
 from arena_kernels.paths import nearest_index
-from arena_kernels.window import Outline, Window, distance_at
 
 AHEAD = 0.5  # m of path on which a passage counts, at least
 KEPT = 0.7  # share of the room in a narrow passage that is kept: the rest is what a robot may be beside its path
 
 
 @borrowing
-def room_along(window: Window, outline: Outline, path: NDArray[np.float64], x: float, y: float, ahead: float) -> float:
+def room_along(window: CostmapWindow, outline: Outline, path: NDArray[np.float64], x: float, y: float, ahead: float) -> float:
     """Return the least gap, m, beside a robot that drives along ``path`` (M, 3), from its length behind (x, y) to ``ahead`` m beyond.
 
     It is that of the circle inside its outline: where the path bends, a robot need not. Negative where the path leads through an obstacle.
@@ -39,7 +39,7 @@ def room_along(window: Window, outline: Outline, path: NDArray[np.float64], x: f
 
 
 @borrowing
-def eased(wanted: float, room: float, share: float, least: float) -> float:
+def reduced_gap(wanted: float, room: float, share: float, least: float) -> float:
     """Return the gap, m, to keep on a path that leaves ``room`` m: what is ``wanted``, or a ``share`` of the room of at least ``least``.
 
     A path that leads through an obstacle asks for all that is wanted.

@@ -36,7 +36,7 @@ def lengths_left(poses: Floats, offsets: Integers, left: Floats) -> None:
 
 
 @borrowing
-def follow(poses: Floats, offsets: Integers, left: Floats, robots: Floats, reach: float, places: Integers, out: Floats) -> None:
+def update_progress(poses: Floats, offsets: Integers, left: Floats, robots: Floats, reach: float, places: Integers, out: Floats) -> None:
     """Move each robot's place, an index into its path, to the nearest segment within ``reach`` m of path from where it was.
 
     ``out`` (N, 2) gets the way left along the path from the nearest point, and the distance beside it, m; ``left`` is what

@@ -30,21 +30,21 @@ def philox(c0: Integer, c1: Integer, c2: Integer, c3: Integer, k0: Integer, k1: 
     """Return the four random 32-bit words (as uint64) of a counter of four and a key of two 32-bit words."""
     a, b, c, d, p, q = np.uint64(c0), np.uint64(c1), np.uint64(c2), np.uint64(c3), np.uint64(k0), np.uint64(k1)
     # written out: a loop in here would keep loops over blocks out of vector registers
-    a, b, c, d, p, q = _round(a, b, c, d, p, q)
-    a, b, c, d, p, q = _round(a, b, c, d, p, q)
-    a, b, c, d, p, q = _round(a, b, c, d, p, q)
-    a, b, c, d, p, q = _round(a, b, c, d, p, q)
-    a, b, c, d, p, q = _round(a, b, c, d, p, q)
-    a, b, c, d, p, q = _round(a, b, c, d, p, q)
-    a, b, c, d, p, q = _round(a, b, c, d, p, q)
-    a, b, c, d, p, q = _round(a, b, c, d, p, q)
-    a, b, c, d, p, q = _round(a, b, c, d, p, q)
-    a, b, c, d, p, q = _round(a, b, c, d, p, q)
+    a, b, c, d, p, q = _philox_round(a, b, c, d, p, q)
+    a, b, c, d, p, q = _philox_round(a, b, c, d, p, q)
+    a, b, c, d, p, q = _philox_round(a, b, c, d, p, q)
+    a, b, c, d, p, q = _philox_round(a, b, c, d, p, q)
+    a, b, c, d, p, q = _philox_round(a, b, c, d, p, q)
+    a, b, c, d, p, q = _philox_round(a, b, c, d, p, q)
+    a, b, c, d, p, q = _philox_round(a, b, c, d, p, q)
+    a, b, c, d, p, q = _philox_round(a, b, c, d, p, q)
+    a, b, c, d, p, q = _philox_round(a, b, c, d, p, q)
+    a, b, c, d, p, q = _philox_round(a, b, c, d, p, q)
     return a, b, c, d
 
 
 @inlined
-def _round(
+def _philox_round(
     a: np.uint64, b: np.uint64, c: np.uint64, d: np.uint64, p: np.uint64, q: np.uint64
 ) -> tuple[np.uint64, np.uint64, np.uint64, np.uint64, np.uint64, np.uint64]:
     """Mix the words once with the key's words p and q, and return them with the next key."""
@@ -54,13 +54,13 @@ def _round(
 
 
 @inlined
-def _block(key: Integer, tick: Integer, index: Integer, domain: np.uint64) -> Words:
+def _philox_block(key: Integer, tick: Integer, index: Integer, domain: np.uint64) -> Words:
     k, t, i = np.uint64(key), np.uint64(tick), np.uint64(index)
     return philox(i & _LOW, i >> _HALF, t & _LOW, (t >> _HALF) ^ domain, k & _LOW, k >> _HALF)
 
 
 @inner
-def _unit(high: np.uint64, low: np.uint64) -> float:
+def _unit_float(high: np.uint64, low: np.uint64) -> float:
     """Return a float in [0, 1) with 53 random bits."""
     return (float(high >> np.uint64(5)) * 67108864.0 + float(low >> np.uint64(6))) / 9007199254740992.0
 
@@ -68,29 +68,29 @@ def _unit(high: np.uint64, low: np.uint64) -> float:
 @borrowing
 def uniform(key: Integer, tick: Integer, index: Integer) -> float:
     """Return a uniform number in [0, 1)."""
-    a, b, _, _ = _block(key, tick, index, np.uint64(0))
-    return _unit(a, b)
+    a, b, _, _ = _philox_block(key, tick, index, np.uint64(0))
+    return _unit_float(a, b)
 
 
 @borrowing
 def normal(key: Integer, tick: Integer, index: Integer) -> float:
     """Return a standard normal number; indices 2 i and 2 i + 1 share one block."""
     i = np.int64(index)
-    a, b, c, d = _block(np.uint64(key), np.int64(tick), i >> 1, _NORMALS)
-    q = _centred(c, d) if i & 1 else _centred(a, b)
+    a, b, c, d = _philox_block(np.uint64(key), np.int64(tick), i >> 1, _NORMALS)
+    q = _centred_float(c, d) if i & 1 else _centred_float(a, b)
     return _middle_quantile(q) if abs(q) <= _MIDDLE else _tail_quantile(q)
 
 
 @borrowing
-def normals(key: Integer, tick: Integer, out: NDArray[np.float64]) -> None:
+def fill_normals(key: Integer, tick: Integer, out: NDArray[np.float64]) -> None:
     """Fill ``out`` (K,) with ``normal(key, tick, 0 .. K - 1)``, several times as fast: two of the loops run in vector registers."""
     k, t = np.uint64(key), np.int64(tick)
     for pair in range(len(out) // 2):
-        a, b, c, d = _block(k, t, np.int64(pair), _NORMALS)
-        out[2 * pair], out[2 * pair + 1] = _centred(a, b), _centred(c, d)
+        a, b, c, d = _philox_block(k, t, np.int64(pair), _NORMALS)
+        out[2 * pair], out[2 * pair + 1] = _centred_float(a, b), _centred_float(c, d)
     if len(out) % 2:
-        a, b, c, d = _block(k, t, np.int64(len(out) // 2), _NORMALS)
-        out[-1] = _centred(a, b)
+        a, b, c, d = _philox_block(k, t, np.int64(len(out) // 2), _NORMALS)
+        out[-1] = _centred_float(a, b)
     for i in range(len(out)):  # four times a rare q lies beyond all common quantiles, so that the next loop finds it
         out[i] = _middle_quantile(out[i]) if abs(out[i]) <= _MIDDLE else 4.0 * out[i]
     for i in range(len(out)):
@@ -99,7 +99,7 @@ def normals(key: Integer, tick: Integer, out: NDArray[np.float64]) -> None:
 
 
 @inner
-def _centred(high: np.uint64, low: np.uint64) -> float:
+def _centred_float(high: np.uint64, low: np.uint64) -> float:
     """Return a number in (-1/2, 1/2) with 52 random bits, never an end or the middle."""
     bits = (high << np.uint64(20)) ^ (low >> np.uint64(12))
     return (float(np.int64(bits)) + 0.5) * 2.0**-52 - 0.5

@@ -14,14 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing, inlined, inner
-from arena_kernels.grids import TILE, GridStack, in_tiles, table_size, to_grid
+from arena_kernels.grids import TILE, GridStack, table_size, tile_index, to_grid
 from arena_kernels.scalars import Integer
 
 LANES = 32  # beams that leap together: their arithmetic runs in vector registers, and their table is read while others are computed
 X, Y, DX, DY, INVERSE_X, INVERSE_Y, T, COLUMN, ROW = (k * LANES for k in range(9))  # where each is in the lanes' numbers
 
 
-class Lanes(NamedTuple):
+class RayLanes(NamedTuple):
     """Room for the rays that leap together, mirrored to run to higher columns and rows; lengths in cells.
 
     ``numbers`` (9 LANES,) has origin, direction, its inverse, and the distance, column and row where a ray is now, kind after kind.
@@ -45,13 +45,13 @@ class Beams(NamedTuple):
     angle_min: float
     angle_increment: float
     range_max: float
-    lanes: Lanes
+    lanes: RayLanes
 
 
 def make_beams(angle_min: float, angle_increment: float, count: int, range_max: float) -> Beams:
     """Return ``count`` beams from ``angle_min`` by ``angle_increment`` > 0."""
     angles = angle_min + angle_increment * np.arange(count)
-    lanes = Lanes(np.zeros(9 * LANES), np.zeros(LANES, np.int64), np.zeros(2 * LANES, np.int32))
+    lanes = RayLanes(np.zeros(9 * LANES), np.zeros(LANES, np.int64), np.zeros(2 * LANES, np.int32))
     return Beams(np.cos(angles), np.sin(angles), float(angle_min), float(angle_increment), float(range_max), lanes)
 
 
@@ -74,13 +74,13 @@ def cast_grid(stack: GridStack, g: Integer, x: float, y: float, theta: float, be
     now = lanes.numbers
     for first in range(0, len(ranges), LANES):
         count = min(LANES, len(ranges) - first)
-        _aim(beams, first, count, yaw, u, v, rows, columns)
+        _start_rays(beams, first, count, yaw, u, v, rows, columns)
         _find_tables(lanes, count, stack.reach_offsets[g], table_size(rows, columns))
         _find_places(lanes, count, strip)
         moved = True
         while moved:
             _read_squares(stack.reach, lanes, count)
-            moved = _leap(lanes, count, limit, strip)
+            moved = _leap_rays(lanes, count, limit, strip)
         for i in range(count):
             # a ray that ended within reach, but in no cell of the grid, has left it
             hit = now[T + i] < limit and now[COLUMN + i] < columns and now[ROW + i] < rows
@@ -89,7 +89,7 @@ def cast_grid(stack: GridStack, g: Integer, x: float, y: float, theta: float, be
 
 
 @inlined
-def _aim(beams: Beams, first: int, count: int, yaw: float, u: float, v: float, rows: Integer, columns: Integer) -> None:
+def _start_rays(beams: Beams, first: int, count: int, yaw: float, u: float, v: float, rows: Integer, columns: Integer) -> None:
     """Begin ``count`` rays from beam ``first`` on, seen from column u, row v; those from outside begin where they enter the grid."""
     c, s, numbers, cosines, sines = math.cos(yaw), math.sin(yaw), beams.lanes.numbers, beams.cosines, beams.sines
     column, row = float(np.int64(u)), float(np.int64(v))
@@ -103,23 +103,23 @@ def _aim(beams: Beams, first: int, count: int, yaw: float, u: float, v: float, r
         numbers[T + i] = 0.0
         numbers[COLUMN + i], numbers[ROW + i] = (columns - 1.0 - column if left else column), (rows - 1.0 - row if down else row)
     if not (0.0 <= u < columns and 0.0 <= v < rows):
-        _enter(beams.lanes, count, rows, columns)
+        _enter_grid(beams.lanes, count, rows, columns)
 
 
 @inner
-def _enter(lanes: Lanes, count: int, rows: Integer, columns: Integer) -> None:
+def _enter_grid(lanes: RayLanes, count: int, rows: Integer, columns: Integer) -> None:
     """Take rays from outside to where they enter the grid, or to the rim beyond its last column and row."""
     numbers = lanes.numbers
     for i in range(count):
         x, y = numbers[X + i], numbers[Y + i]
         t = max(-x * numbers[INVERSE_X + i] if x < 0.0 else 0.0, -y * numbers[INVERSE_Y + i] if y < 0.0 else 0.0)
         numbers[T + i] = t
-        numbers[COLUMN + i] = np.floor(_clamp(x + t * abs(numbers[DX + i]), 0.0, float(columns))) if t < np.inf else columns
-        numbers[ROW + i] = np.floor(_clamp(y + t * abs(numbers[DY + i]), 0.0, float(rows))) if t < np.inf else rows
+        numbers[COLUMN + i] = np.floor(_clamp_value(x + t * abs(numbers[DX + i]), 0.0, float(columns))) if t < np.inf else columns
+        numbers[ROW + i] = np.floor(_clamp_value(y + t * abs(numbers[DY + i]), 0.0, float(rows))) if t < np.inf else rows
 
 
 @inlined
-def _find_tables(lanes: Lanes, count: int, offset: Integer, size: int) -> None:
+def _find_tables(lanes: RayLanes, count: int, offset: Integer, size: int) -> None:
     """Note which of the four tables each ray reads; from here on all of them run to higher columns and rows."""
     numbers = lanes.numbers
     for i in range(count):
@@ -128,21 +128,21 @@ def _find_tables(lanes: Lanes, count: int, offset: Integer, size: int) -> None:
 
 
 @inlined
-def _find_places(lanes: Lanes, count: int, strip: Integer) -> None:
+def _find_places(lanes: RayLanes, count: int, strip: Integer) -> None:
     """Note where in their tables the cells lie that the rays are in."""
     for i in range(count):
-        lanes.places[i] = in_tiles(np.int32(lanes.numbers[ROW + i]), np.int32(lanes.numbers[COLUMN + i]), strip)
+        lanes.places[i] = tile_index(np.int32(lanes.numbers[ROW + i]), np.int32(lanes.numbers[COLUMN + i]), strip)
 
 
 @inlined
-def _read_squares(reach: NDArray[np.uint8], lanes: Lanes, count: int) -> None:
+def _read_squares(reach: NDArray[np.uint8], lanes: RayLanes, count: int) -> None:
     """Look up the side of the empty square before each ray: the one thing that takes each ray by itself."""
     for i in range(count):
         lanes.places[LANES + i] = reach[lanes.tables[i] + lanes.places[i]]
 
 
 @inlined
-def _leap(lanes: Lanes, count: int, limit: float, strip: Integer) -> bool:
+def _leap_rays(lanes: RayLanes, count: int, limit: float, strip: Integer) -> bool:
     """Take each ray out of its empty square, without branches; tell whether any moved. One that has ended (side 0) stays."""
     numbers, places, moved = lanes.numbers, lanes.places, 0
     for i in range(count):
@@ -153,19 +153,19 @@ def _leap(lanes: Lanes, count: int, limit: float, strip: Integer) -> bool:
         through_right = tx < ty
         leave = tx if through_right else ty
         # the cell after the leap touches the square: clamped, so that rounding and ties cannot cut a corner
-        new_column = right if through_right else _clamp(np.floor(numbers[X + i] + leave * numbers[DX + i]), column, right - 1.0)
-        new_row = _clamp(np.floor(numbers[Y + i] + leave * numbers[DY + i]), row, top - 1.0) if through_right else top
+        new_column = right if through_right else _clamp_value(np.floor(numbers[X + i] + leave * numbers[DX + i]), column, right - 1.0)
+        new_row = _clamp_value(np.floor(numbers[Y + i] + leave * numbers[DY + i]), row, top - 1.0) if through_right else top
         ended = side == 0.0
         new_column, new_row = (column if ended else new_column), (row if ended else new_row)
         numbers[T + i] = t if ended else leave
         numbers[COLUMN + i], numbers[ROW + i] = new_column, new_row
-        places[i] = in_tiles(np.int32(new_row), np.int32(new_column), strip)
+        places[i] = tile_index(np.int32(new_row), np.int32(new_column), strip)
         moved |= int(side)
     return moved != 0
 
 
 @inlined
-def _clamp(value: float, low: float, high: float) -> float:
+def _clamp_value(value: float, low: float, high: float) -> float:
     """Return a value within bounds; what is no number is the greatest."""
     below = value if value <= high else high
     return below if below >= low else low
@@ -220,13 +220,13 @@ def cast_disc(
     half = math.asin(radius / distance)
     bearing = math.atan2(py, px)
     for turn in range(-1, 2):
-        first, last = _window(beams, bearing - half + turn * 2.0 * math.pi, 2.0 * half)
+        first, last = _beam_range(beams, bearing - half + turn * 2.0 * math.pi, 2.0 * half)
         for i in range(first, last):
             along = px * beams.cosines[i] + py * beams.sines[i]
             across = px * beams.sines[i] - py * beams.cosines[i]
             chord = radius * radius - across * across
             if chord >= 0.0 and along > 0.0:
-                _shorten(ranges, i, along - math.sqrt(chord), beams.range_max)
+                _shorten_range(ranges, i, along - math.sqrt(chord), beams.range_max)
 
 
 @borrowing
@@ -242,18 +242,18 @@ def cast_segments(x: float, y: float, theta: float, beams: Beams, segments: NDAr
         spread = math.atan2(px * qy - py * qx, px * px + py * py + px * qx + py * qy)
         bearing = min(bearing, bearing + spread)
         for turn in range(-1, 2):
-            first, last = _window(beams, bearing + turn * 2.0 * math.pi, abs(spread))
+            first, last = _beam_range(beams, bearing + turn * 2.0 * math.pi, abs(spread))
             for i in range(first, last):
                 cross = beams.cosines[i] * qy - beams.sines[i] * qx
                 if cross == 0.0:
                     continue
                 share = (px * beams.sines[i] - py * beams.cosines[i]) / cross
                 if -1e-9 <= share <= 1.0 + 1e-9:  # neighbouring edges overlap by this much, so no beam slips through a corner
-                    _shorten(ranges, i, (px * qy - py * qx) / cross, beams.range_max)
+                    _shorten_range(ranges, i, (px * qy - py * qx) / cross, beams.range_max)
 
 
 @inner
-def _window(beams: Beams, start: float, width: float) -> tuple[int, int]:
+def _beam_range(beams: Beams, start: float, width: float) -> tuple[int, int]:
     """Return the half-open range of beams between the angles ``start`` and ``start + width``, a beam wider on both sides."""
     first = math.floor((start - beams.angle_min) / beams.angle_increment) - 1.0
     last = math.ceil((start + width - beams.angle_min) / beams.angle_increment) + 2.0
@@ -262,6 +262,6 @@ def _window(beams: Beams, start: float, width: float) -> tuple[int, int]:
 
 
 @inner
-def _shorten(ranges: NDArray[np.float32], i: int, t: float, range_max: float) -> None:
+def _shorten_range(ranges: NDArray[np.float32], i: int, t: float, range_max: float) -> None:
     if 0.0 <= t < range_max and t < ranges[i]:
         ranges[i] = t

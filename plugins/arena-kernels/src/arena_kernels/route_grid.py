@@ -14,7 +14,7 @@ from arena_kernels.distance import grid_distance
 from arena_kernels.grids import PlacedGrid
 
 
-class Rooms(NamedTuple):
+class CoarseGrid(NamedTuple):
     """A map in coarse cells of ``factor`` x ``factor`` of its own: ``room`` (h, w) m, ``place`` (h, w) the flat map cell that has it."""
 
     room: NDArray[np.float32]
@@ -22,7 +22,7 @@ class Rooms(NamedTuple):
     factor: int
 
 
-class RoomStack(NamedTuple):
+class CoarseGridStack(NamedTuple):
     """The coarse grids of a GridStack in its order, packed: cell (row, column) of g is at ``offsets[g] + row * shapes[g, 1] + column``."""
 
     room: NDArray[np.float32]
@@ -32,10 +32,10 @@ class RoomStack(NamedTuple):
     shapes: NDArray[np.int64]
 
 
-def stack_rooms(grids: Sequence[PlacedGrid], cell: float) -> RoomStack:
+def stack_coarse_grids(grids: Sequence[PlacedGrid], cell: float) -> CoarseGridStack:
     """Pack the coarse grids (cells of about ``cell`` m) of these distinct grids."""
-    rooms = [grid.derive(make_rooms(cell)) for grid in grids]
-    return RoomStack(
+    rooms = [grid.derive(coarse_grid_maker(cell)) for grid in grids]
+    return CoarseGridStack(
         np.concatenate([each.room.ravel() for each in rooms]),
         np.concatenate([each.place.ravel() for each in rooms]),
         np.array([each.factor for each in rooms], np.int64),
@@ -45,18 +45,18 @@ def stack_rooms(grids: Sequence[PlacedGrid], cell: float) -> RoomStack:
 
 
 @cache  # one function object for each cell size: it is the key under which a grid keeps the result
-def make_rooms(cell: float) -> Callable[[PlacedGrid], Rooms]:
+def coarse_grid_maker(cell: float) -> Callable[[PlacedGrid], CoarseGrid]:
     """Return the function that makes the coarse grid of a map."""
 
-    def rooms(grid: PlacedGrid) -> Rooms:
+    def rooms(grid: PlacedGrid) -> CoarseGrid:
         factor = max(round(cell / grid.resolution), 1)
-        return Rooms(*_roomiest(grid.derive(grid_distance), factor, 0.5 * grid.resolution), factor)
+        return CoarseGrid(*_roomiest_cells(grid.derive(grid_distance), factor, 0.5 * grid.resolution), factor)
 
     return rooms
 
 
 @compiled
-def _roomiest(distance: NDArray[np.float32], factor: int, half_cell: float) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+def _roomiest_cells(distance: NDArray[np.float32], factor: int, half_cell: float) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
     rows, columns = distance.shape
     shape = ((rows + factor - 1) // factor, (columns + factor - 1) // factor)
     room, place = np.full(shape, np.float32(-1.0)), np.zeros(shape, np.int32)
@@ -70,8 +70,8 @@ def _roomiest(distance: NDArray[np.float32], factor: int, half_cell: float) -> t
 
 
 @compiled
-def rooms_of(stack: Any, g: int) -> Rooms:
+def coarse_grid_of(stack: Any, g: int) -> CoarseGrid:
     """Return coarse grid ``g`` of a RoomStack."""
     rows, columns, first = stack.shapes[g, 0], stack.shapes[g, 1], stack.offsets[g]
     last = first + rows * columns
-    return Rooms(stack.room[first:last].reshape((rows, columns)), stack.place[first:last].reshape((rows, columns)), stack.factors[g])
+    return CoarseGrid(stack.room[first:last].reshape((rows, columns)), stack.place[first:last].reshape((rows, columns)), stack.factors[g])

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing, compiled
-from arena_kernels.ground import Ground, clearance, in_cells, in_map
-from arena_kernels.route_grid import Rooms, RoomStack
-from arena_kernels.sliding import SIGHT, is_visible
+from arena_kernels.ground import Ground, in_cells, in_map, wall_clearance
+from arena_kernels.route_grid import CoarseGrid, CoarseGridStack
+from arena_kernels.slide_along import SIGHT, is_visible
 
 STRAIGHT, DIAGONAL = 5, 7  # integer costs, 1 % off the square root of two, make the queue an array of lists
 _BUCKETS = 16  # more than cost + estimate can grow along one step, 2 * DIAGONAL
@@ -19,13 +19,13 @@ _NEAREST_ROOM = 1.0  # m, how far from a waypoint without room the nearest place
 COST, PARENT, NEXT, PREVIOUS, MARK = range(5)
 
 
-def nodes_for(rooms: RoomStack) -> NDArray[np.int32]:
+def nodes_for(rooms: CoarseGridStack) -> NDArray[np.int32]:
     """Return working memory for the largest of these grids."""
     return np.zeros((int(rooms.shapes.prod(axis=1).max()) + 1, 5), np.int32)
 
 
 @borrowing
-def nearest_room(ground: Ground, rooms: Rooms, x: float, y: float, radius: float) -> tuple[float, float, int]:
+def nearest_room(ground: Ground, rooms: CoarseGrid, x: float, y: float, radius: float) -> tuple[float, float, int]:
     """Return the nearest place where a body has room and its coarse cell, -1 when there is none near; never one behind a wall.
 
     From a position inside a wall every place counts.
@@ -34,7 +34,7 @@ def nearest_room(ground: Ground, rooms: Rooms, x: float, y: float, radius: float
     v, u = in_cells(ground, x, y)
     home_row, home_column = int(np.floor(v / rooms.factor)), int(np.floor(u / rooms.factor))
     reach = int(_NEAREST_ROOM / (ground.cell * rooms.factor)) + 1
-    walled_in = clearance(ground, x, y) <= 0.0
+    walled_in = wall_clearance(ground, x, y) <= 0.0
     best, best_squared, best_x, best_y = -1, np.inf, x, y
     for row in range(max(home_row - reach, 0), min(home_row + reach + 1, rows)):
         for column in range(max(home_column - reach, 0), min(home_column + reach + 1, columns)):
@@ -48,7 +48,7 @@ def nearest_room(ground: Ground, rooms: Rooms, x: float, y: float, radius: float
 
 
 @borrowing
-def place_of(ground: Ground, rooms: Rooms, cell: int) -> tuple[float, float]:
+def place_of(ground: Ground, rooms: CoarseGrid, cell: int) -> tuple[float, float]:
     """Return the roomiest position of a coarse cell, in ``map``."""
     coarse_columns, columns = rooms.room.shape[1], ground.field.shape[1]
     fine = rooms.place[cell // coarse_columns, cell % coarse_columns]
@@ -58,7 +58,7 @@ def place_of(ground: Ground, rooms: Rooms, cell: int) -> tuple[float, float]:
 @compiled
 def find_corners(
     ground: Ground,
-    rooms: Rooms,
+    rooms: CoarseGrid,
     start: tuple[float, float, int],
     goal: tuple[float, float, int],
     radius: float,
@@ -72,7 +72,7 @@ def find_corners(
     heads = np.empty(_BUCKETS, np.int32)
     for bucket in range(_BUCKETS):
         heads[bucket] = -1
-    if not _search(rooms.room, goal[2], start[2], radius, nodes, heads):
+    if not _search_route(rooms.room, goal[2], start[2], radius, nodes, heads):
         return -1
     found, cell = 0, start[2]
     from_x, from_y = start[0], start[1]
@@ -93,7 +93,9 @@ def find_corners(
 
 
 @borrowing
-def _search(room: NDArray[np.float32], start: int, goal: int, radius: float, nodes: NDArray[np.int32], heads: NDArray[np.int32]) -> bool:
+def _search_route(
+    room: NDArray[np.float32], start: int, goal: int, radius: float, nodes: NDArray[np.int32], heads: NDArray[np.int32]
+) -> bool:
     """Find the cheapest way over cells with room for a body (8 neighbours, no cut corners); parents then lead from goal to start.
 
     A* (Hart, Nilsson, Raphael 1968) with Dial's buckets (1969), each a doubly linked list, so that a cell can move when its cost falls.
@@ -103,9 +105,9 @@ def _search(room: NDArray[np.float32], start: int, goal: int, radius: float, nod
     mark = 2 * nodes[-1, COST]
     rows, columns = room.shape
     goal_row, goal_column = goal // columns, goal % columns
-    level = _estimate(start // columns - goal_row, start % columns - goal_column)
+    level = _octile_cost(start // columns - goal_row, start % columns - goal_column)
     nodes[start, COST], nodes[start, PARENT], nodes[start, MARK] = 0, start, mark
-    _push(nodes, heads, start, level)
+    _push_cell(nodes, heads, start, level)
     queued = 1
     while queued > 0:
         cell = int(heads[level % _BUCKETS])
@@ -114,7 +116,7 @@ def _search(room: NDArray[np.float32], start: int, goal: int, radius: float, nod
             continue
         if cell == goal:
             return True
-        _remove(nodes, heads, cell, level)
+        _remove_cell(nodes, heads, cell, level)
         queued -= 1
         nodes[cell, MARK] = mark + 1
         row, column = cell // columns, cell % columns
@@ -124,27 +126,27 @@ def _search(room: NDArray[np.float32], start: int, goal: int, radius: float, nod
                 if nodes[neighbour, MARK] == mark + 1 or room[r, c] < radius or room[r, column] < radius or room[row, c] < radius:
                     continue
                 cost = nodes[cell, COST] + (DIAGONAL if r != row and c != column else STRAIGHT)
-                estimate = _estimate(r - goal_row, c - goal_column)
+                estimate = _octile_cost(r - goal_row, c - goal_column)
                 if nodes[neighbour, MARK] != mark:
                     queued += 1
                 elif nodes[neighbour, COST] <= cost:
                     continue
                 else:
-                    _remove(nodes, heads, neighbour, nodes[neighbour, COST] + estimate)
+                    _remove_cell(nodes, heads, neighbour, nodes[neighbour, COST] + estimate)
                 nodes[neighbour, COST], nodes[neighbour, PARENT], nodes[neighbour, MARK] = cost, cell, mark
-                _push(nodes, heads, neighbour, cost + estimate)
+                _push_cell(nodes, heads, neighbour, cost + estimate)
     return False
 
 
 @borrowing
-def _estimate(rows: int, columns: int) -> int:
+def _octile_cost(rows: int, columns: int) -> int:
     """Return the cost of an unhindered way over this many rows and columns."""
     rows, columns = abs(rows), abs(columns)
     return STRAIGHT * max(rows, columns) + (DIAGONAL - STRAIGHT) * min(rows, columns)
 
 
 @borrowing
-def _push(nodes: NDArray[np.int32], heads: NDArray[np.int32], cell: int, level: int) -> None:
+def _push_cell(nodes: NDArray[np.int32], heads: NDArray[np.int32], cell: int, level: int) -> None:
     first = heads[level % _BUCKETS]
     nodes[cell, PREVIOUS], nodes[cell, NEXT] = -1, first
     if first >= 0:
@@ -153,7 +155,7 @@ def _push(nodes: NDArray[np.int32], heads: NDArray[np.int32], cell: int, level: 
 
 
 @borrowing
-def _remove(nodes: NDArray[np.int32], heads: NDArray[np.int32], cell: int, level: int) -> None:
+def _remove_cell(nodes: NDArray[np.int32], heads: NDArray[np.int32], cell: int, level: int) -> None:
     before, after = nodes[cell, PREVIOUS], nodes[cell, NEXT]
     if before >= 0:
         nodes[before, NEXT] = after

@@ -21,7 +21,7 @@ def push_apart(
     touching = False
     for pair in range(found):
         i, j = pairs[pair, 0], pairs[pair, 1]
-        depth, ux, uy = overlap(positions, radii, i, j)
+        depth, ux, uy = body_overlap(positions, radii, i, j)
         if depth <= 0.0:
             continue
         if not touching:
@@ -37,7 +37,7 @@ def push_apart(
 
 
 @borrowing
-def overlap(positions: NDArray[np.float64], radii: NDArray[np.float64], i: int, j: int) -> tuple[float, float, float]:
+def body_overlap(positions: NDArray[np.float64], radii: NDArray[np.float64], i: int, j: int) -> tuple[float, float, float]:
     """Return by how much two bodies overlap (0 if they do not), and the unit vector from the first to the second."""
     dx, dy = positions[j, 0] - positions[i, 0], positions[j, 1] - positions[i, 1]
     reach = radii[i] + radii[j]

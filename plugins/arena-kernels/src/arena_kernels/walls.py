@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing, inner
+from arena_kernels.costmap_window import HALF_DIAGONAL
 from arena_kernels.footprint import NOTHING, Body, Gap, Points, hull_gap
 from arena_kernels.grids import GridStack
 from arena_kernels.scalars import Integer
-from arena_kernels.window import HALF_DIAGONAL
 
 
 class Walls(NamedTuple):
@@ -58,7 +58,7 @@ def gap_to_walls(walls: Walls, body: Body, within: float) -> Gap:
     nearest, away = _nearest_centre(walls, u, v)
     if nearest - away - HALF_DIAGONAL >= (within + body.radius) / walls.resolution:
         return NOTHING
-    return _search(walls, body, u, v, min(within / walls.resolution, nearest + away + 1e-6))
+    return _search_cells(walls, body, u, v, min(within / walls.resolution, nearest + away + 1e-6))
 
 
 @inner
@@ -85,7 +85,7 @@ def _to_cells(walls: Walls, x: float, y: float) -> tuple[float, float]:
 
 
 @inner
-def _search(walls: Walls, body: Body, u: float, v: float, within: float) -> Gap:
+def _search_cells(walls: Walls, body: Body, u: float, v: float, within: float) -> Gap:
     """Walk the rows outwards from (u, v), and each row outwards, leaping by the distance field; lengths in cells."""
     radius, rounding = body.radius / walls.resolution, body.rounding / walls.resolution
     hull = body.points[2, : body.corners]

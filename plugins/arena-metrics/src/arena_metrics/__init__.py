@@ -16,7 +16,7 @@ def register_commands(register: Register) -> None:
     """Offer ``arena report``, ``arena query`` and ``arena compare-real``."""
     register("report", "arena_metrics.pages.report:ReportCommand")
     register("query", "arena_metrics.tables.query:QueryCommand")
-    register("compare-real", "arena_metrics.pages.reality:CompareRealCommand")
+    register("compare-real", "arena_metrics.pages.sim_to_real:CompareRealCommand")
 
 
 @hookimpl

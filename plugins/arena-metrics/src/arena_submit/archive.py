@@ -50,7 +50,7 @@ class Archive:
 
     def __init__(self, path: Path, archive: zipfile.ZipFile) -> None:
         self._path, self._archive = path, archive
-        self._members = _checked(path, archive.infolist())
+        self._members = _check_members(path, archive.infolist())
 
     @property
     def names(self) -> list[str]:
@@ -83,7 +83,7 @@ class Archive:
 
 
 @contextmanager
-def opened(path: Path) -> Iterator[Archive]:
+def open_archive(path: Path) -> Iterator[Archive]:
     """Open an archive to be read; raise InputFileError where it is none, or holds what none of ours does."""
     try:
         if not stat.S_ISREG(path.stat().st_mode):
@@ -96,19 +96,19 @@ def opened(path: Path) -> Iterator[Archive]:
         yield Archive(path, archive)
 
 
-def _checked(path: Path, members: list[zipfile.ZipInfo]) -> dict[str, zipfile.ZipInfo]:
+def _check_members(path: Path, members: list[zipfile.ZipInfo]) -> dict[str, zipfile.ZipInfo]:
     """Return the members by name; raise InputFileError for the first that is not to be there."""
     if len(members) > MOST_FILES or sum(member.file_size for member in members) > MOST_BYTES:
         raise InputFileError(f"{path}: holds too much; allowed: up to {MOST_FILES} files of {MOST_BYTES} bytes together")
     found: dict[str, zipfile.ZipInfo] = {}
     for member in members:
-        if wrong := _fault(member, found):
+        if wrong := _member_fault(member, found):
             raise InputFileError(f"{path}: {one_line(member.filename, 100)} {wrong}; allowed: {ALLOWED}")
         found[member.filename] = member
     return found
 
 
-def _fault(member: zipfile.ZipInfo, before: Mapping[str, zipfile.ZipInfo]) -> str:
+def _member_fault(member: zipfile.ZipInfo, before: Mapping[str, zipfile.ZipInfo]) -> str:
     """Return what is wrong with a member, empty where nothing is."""
     most = next((size for pattern, size in NAMES.items() if pattern.fullmatch(member.filename)), None)
     if most is None or member.orig_filename != member.filename:

@@ -11,8 +11,8 @@ from tempfile import TemporaryDirectory
 from arena_core.commands import align_columns
 from arena_core.statistics import Estimate, estimate
 from arena_metrics.pooling.cells import Cell, Cells, cells_of
-from arena_metrics.pooling.problems import labels
-from arena_metrics.pooling.runs import Column, metric_columns, pooled, read_runs
+from arena_metrics.pooling.problems import problem_keys
+from arena_metrics.pooling.runs import Column, metric_columns, pool_episodes, read_runs
 from arena_submit.packing import Pack
 from arena_submit.standing import planner_of
 
@@ -20,7 +20,7 @@ HEAD = ["", "episodes", "success", "95 %", "no collision", "collisions", "time t
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Card:
+class ScoreCard:
     """A pack's planner with its cells; ``code`` and ``digest`` say whose they are."""
 
     planner: str
@@ -32,15 +32,15 @@ class Card:
         """Estimate the share of successes over cells, by problem and within scenarios; an error is no success."""
         chosen = list(self.cells if cells is None else cells)
         values = [value if math.isfinite(value) else 0.0 for cell in chosen for value in cell.values("success")]
-        worlds = [_scenario(cell) for cell in chosen for _ in cell.episodes]
-        problems = [(_scenario(cell), label) for cell in chosen for label in labels(cell)]
+        worlds = [_scenario_name(cell) for cell in chosen for _ in cell.episodes]
+        problems = [(_scenario_name(cell), label) for cell in chosen for label in problem_keys(cell)]
         return estimate(values, True, problems, worlds)
 
     def parts(self, by: str) -> dict[str, list[Cell]]:
         """Return the cells by ``robot``, or by ``situation``: the scenario without its density."""
         found: dict[str, list[Cell]] = {}
         for cell in self.cells:
-            found.setdefault(cell.factors["robot"] if by == "robot" else _scenario(cell).rpartition("_")[0], []).append(cell)
+            found.setdefault(cell.factors["robot"] if by == "robot" else _scenario_name(cell).rpartition("_")[0], []).append(cell)
         return dict(sorted(found.items()))
 
     def row(self, name: str, cells: Sequence[Cell]) -> list[str]:
@@ -48,9 +48,9 @@ class Card:
         success = self.success(cells)
         interval = f"{100 * success.low:.0f}–{100 * success.high:.0f}" if success.has_interval else "–"
         return [
-            *(name, str(success.n), f"{100 * success.mean:.0f} %", interval, _percent(_mean(cells, "strict_success"))),
-            *(_figure(_mean(cells, "collisions"), ".2f"), _figure(_mean_of_successes(cells, "time_to_goal"), ".1f", " s")),
-            _figure(_mean(cells, "planning_cpu_mean"), ".1f", " ms"),
+            *(name, str(success.n), f"{100 * success.mean:.0f} %", interval, _percent_text(_finite_mean(cells, "strict_success"))),
+            *(_value_text(_finite_mean(cells, "collisions"), ".2f"), _value_text(_mean_of_successes(cells, "time_to_goal"), ".1f", " s")),
+            _value_text(_finite_mean(cells, "planning_cpu_mean"), ".1f", " ms"),
         ]
 
     def rows(self) -> list[list[str]]:
@@ -60,15 +60,15 @@ class Card:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Read:
+class CardSet:
     """The cards of packs, in the packs' order, and what they have in common for comparisons."""
 
-    cards: Sequence[Card]
+    cards: Sequence[ScoreCard]
     cells: Cells
     columns: Mapping[str, Column]
 
 
-def read_together(packs: Sequence[Pack]) -> Read:
+def read_card_set(packs: Sequence[Pack]) -> CardSet:
     """Read the tables of packs into cards whose cells can be compared."""
     with TemporaryDirectory(prefix="arena-cards-") as place:
         for number, pack in enumerate(packs):
@@ -76,32 +76,32 @@ def read_together(packs: Sequence[Pack]) -> Read:
             pack.archive.unpack(tables, Path(place, str(number)))
         runs = read_runs([Path(place)])
         columns = {column.name: column for column in metric_columns(runs)}
-        cells = cells_of(pooled(runs)[0])
-        cards = [_card(pack, Path(place, str(number)).resolve(), cells) for number, pack in enumerate(packs)]
-    return Read(cards, cells, columns)
+        cells = cells_of(pool_episodes(runs)[0])
+        cards = [_make_card(pack, Path(place, str(number)).resolve(), cells) for number, pack in enumerate(packs)]
+    return CardSet(cards, cells, columns)
 
 
-def read_cards(packs: Sequence[Pack]) -> Sequence[Card]:
+def read_cards(packs: Sequence[Pack]) -> Sequence[ScoreCard]:
     """Return the cards of packs, in their order."""
-    return read_together(packs).cards
+    return read_card_set(packs).cards
 
 
-def card_text(card: Card) -> str:
+def card_text(card: ScoreCard) -> str:
     """Return a card for the terminal."""
     return "\n".join(align_columns([[card.planner, *HEAD[1:]], *card.rows()]))
 
 
-def _card(pack: Pack, folder: Path, cells: Cells) -> Card:
+def _make_card(pack: Pack, folder: Path, cells: Cells) -> ScoreCard:
     own = [cell for cell in cells.cells if cell.episodes[0].run.folder.resolve().is_relative_to(folder)]
     codes = sorted({cell.code for cell in own})
-    return Card(planner_of(pack.runs[0]), ", ".join(codes), pack.digest, own)
+    return ScoreCard(planner_of(pack.runs[0]), ", ".join(codes), pack.digest, own)
 
 
-def _scenario(cell: Cell) -> str:
+def _scenario_name(cell: Cell) -> str:
     return cell.factors["scenario"].rpartition("/")[2]
 
 
-def _mean(cells: Sequence[Cell], column: str) -> float:
+def _finite_mean(cells: Sequence[Cell], column: str) -> float:
     values = [value for cell in cells for value in cell.values(column) if math.isfinite(value)]
     return sum(values) / len(values) if values else math.nan
 
@@ -112,9 +112,9 @@ def _mean_of_successes(cells: Sequence[Cell], column: str) -> float:
     return sum(values) / len(values) if values else math.nan
 
 
-def _percent(share: float) -> str:
+def _percent_text(share: float) -> str:
     return f"{100 * share:.0f} %" if math.isfinite(share) else "–"
 
 
-def _figure(value: float, form: str, unit: str = "") -> str:
+def _value_text(value: float, form: str, unit: str = "") -> str:
     return f"{value:{form}}{unit}" if math.isfinite(value) else "–"

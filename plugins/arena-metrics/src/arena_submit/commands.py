@@ -14,7 +14,7 @@ from arena_core.hosting import compose, load_registry, to_plain
 from arena_core.parameters import NonNegativeInt, PositiveInt
 
 if TYPE_CHECKING:
-    from arena_submit.verifying import Verdict
+    from arena_submit.verification import Verification
 
 SUBMIT = "arena submit RUN... --to FILE.zip"
 VERIFY = "arena verify FILE.zip [sample=20] [seed=N] [executor.workers=N]"
@@ -23,7 +23,7 @@ SAMPLE = 20  # episodes that are driven anew
 SHOWN = 20  # lines of what is wrong
 
 
-def _help(arguments: Sequence[str], usage: str) -> bool:
+def _print_help(arguments: Sequence[str], usage: str) -> bool:
     wanted = not arguments or any(word in ("-h", "--help") for word in arguments)
     if wanted:
         print(f"usage: {usage}")
@@ -41,7 +41,7 @@ class SubmitCommand(Command):
         from arena_submit.packing import read_pack, write_pack
         from arena_submit.standing import benchmark_of, check_standing
 
-        if _help(arguments, SUBMIT):
+        if _print_help(arguments, SUBMIT):
             return 0
         words = read_words(SUBMIT, arguments, names=None, keys=("to",))
         target = Path(words.required("to"))
@@ -67,9 +67,9 @@ class VerifyCommand(Command):
     def run(self, arguments: Sequence[str]) -> int:
         """Print what was found; return 1 where the pack does not hold."""
         from arena_submit.packing import read_pack
-        from arena_submit.verifying import verify
+        from arena_submit.verification import verify_pack
 
-        if _help(arguments, VERIFY):
+        if _print_help(arguments, VERIFY):
             return 0
         words = read_words(VERIFY, arguments, names=1, keys=("sample", "seed"), overrides=("executor",))
         sample = words.value("sample", PositiveInt, SAMPLE)
@@ -77,16 +77,16 @@ class VerifyCommand(Command):
         executor = to_plain(compose(words.overrides))["executor"]
         with read_pack(Path(words.names[0])) as pack:
             print(f"digest {pack.digest}")
-            found = verify(pack, sample, seed, executor, load_registry())
-        print("\n".join(told(found, seed)))
-        return 0 if found.holds else 1
+            found = verify_pack(pack, sample, seed, executor, load_registry())
+        print("\n".join(verification_lines(found, seed)))
+        return 0 if found.is_valid else 1
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
         """Return the executor's keys; files are the shell's."""
         return complete_overrides(words, word) if word.startswith("executor") else ()
 
 
-def told(found: Verdict, seed: int) -> list[str]:
+def verification_lines(found: Verification, seed: int) -> list[str]:
     """Return a verification's lines for a reader; the last one is the verdict."""
     lines = [f"rows: {found.rows - len(found.wrong_rows)} of {found.rows} are those of the records", *found.wrong_rows[:SHOWN]]
     same = sum(one.same for one in found.repeated)
@@ -94,8 +94,8 @@ def told(found: Verdict, seed: int) -> list[str]:
     lines.append(f"driven anew: {len(found.repeated)} episodes (seed={seed}), {same} the same bit for bit, {agreeing} alike in success")
     lines += [f"{one.drawn.name}: {one.told}" for one in found.repeated if not one.same][:SHOWN]
     lines += [f"here is {line}" for line in found.elsewhere]
-    how = f"by outcome: {found.needed} of {len(found.repeated)} have to end alike" if found.elsewhere else "bit for bit"
-    return [*lines, f"verified {how}" if found.holds else f"not verified {how}"]
+    how = f"by outcome: {found.required_count} of {len(found.repeated)} have to end alike" if found.elsewhere else "bit for bit"
+    return [*lines, f"verified {how}" if found.is_valid else f"not verified {how}"]
 
 
 class LeaderboardCommand(Command):
@@ -107,14 +107,14 @@ class LeaderboardCommand(Command):
         """Write or print the table, in Markdown."""
         from contextlib import ExitStack
 
-        from arena_submit.leaderboard import leaderboard
+        from arena_submit.leaderboard import leaderboard_page
         from arena_submit.packing import read_pack
 
-        if _help(arguments, LEADERBOARD):
+        if _print_help(arguments, LEADERBOARD):
             return 0
         words = read_words(LEADERBOARD, arguments, names=None, keys=("to",))
         with ExitStack() as stack:
-            text = leaderboard([stack.enter_context(read_pack(Path(name))) for name in words.names], load_registry())
+            text = leaderboard_page([stack.enter_context(read_pack(Path(name))) for name in words.names], load_registry())
         if "to" not in words.keys:
             print(text, end="")
             return 0

@@ -9,8 +9,8 @@ from arena_core import InputFileError
 from arena_core.hosting import Registry
 from arena_core.statistics import after_holm
 from arena_metrics.pooling.runs import Column
-from arena_metrics.tables.pairs import Pair, comparison, pairs
-from arena_submit.cards import HEAD, Card, read_together
+from arena_metrics.tables.pairs import Pair, compare_pairs, metric_pairs
+from arena_submit.cards import HEAD, ScoreCard, read_card_set
 from arena_submit.packing import Pack
 from arena_submit.standing import Standing, benchmark_of, check_standing
 
@@ -25,14 +25,14 @@ planner alone, on whatever machine drove it.
 """
 
 
-def leaderboard(packs: Sequence[Pack], registry: Registry) -> str:
+def leaderboard_page(packs: Sequence[Pack], registry: Registry) -> str:
     """Return the page in Markdown; raise InputFileError where a pack is not whole, or packs are of different benchmarks."""
-    wanted = _common(packs)
+    wanted = _common_standing(packs)
     for pack in packs:
         check_standing(pack, wanted, registry)
-    together = read_together(packs)
+    together = read_card_set(packs)
     cards = sorted(together.cards, key=lambda card: (-card.success().mean, card.planner, card.digest))
-    ranks = _ranks(cards, together.columns["success"])
+    ranks = _card_ranks(cards, together.columns["success"])
     lines = [
         INTRODUCTION.format(
             name=wanted.experiment,
@@ -41,7 +41,7 @@ def leaderboard(packs: Sequence[Pack], registry: Registry) -> str:
             robots=" and ".join(wanted.robots),
             scenarios=len(wanted.scenarios),
         ),
-        *_table(
+        *_markdown_table(
             RANKED,
             [
                 [str(rank), *_without_count(card.row(card.planner, card.cells)), card.code, card.digest[:12]]
@@ -50,11 +50,11 @@ def leaderboard(packs: Sequence[Pack], registry: Registry) -> str:
         ),
     ]
     for card in cards:
-        lines += ["", f"## {card.planner} ({card.digest[:12]})", "", *_table(HEAD, card.rows())]
+        lines += ["", f"## {card.planner} ({card.digest[:12]})", "", *_markdown_table(HEAD, card.rows())]
     return "\n".join(lines) + "\n"
 
 
-def _common(packs: Sequence[Pack]) -> Standing:
+def _common_standing(packs: Sequence[Pack]) -> Standing:
     if not packs:
         raise InputFileError("no pack given; allowed: files that `arena submit` wrote")
     found = {pack.path: benchmark_of(pack) for pack in packs}
@@ -71,10 +71,10 @@ def _common(packs: Sequence[Pack]) -> Standing:
     return first
 
 
-def _ranks(cards: Sequence[Card], success: Column) -> list[int]:
+def _card_ranks(cards: Sequence[ScoreCard], success: Column) -> list[int]:
     """Return the rank of each card, the best first: one that is not told apart from the first of a rank shares it."""
     couples = list(combinations(range(len(cards)), 2))
-    found = after_holm([comparison(_pairs(cards[i], cards[j], success), success) for i, j in couples])
+    found = after_holm([compare_pairs(_success_pairs(cards[i], cards[j], success), success) for i, j in couples])
     apart = {couple: one.told_apart for couple, one in zip(couples, found, strict=True)}
     ranks, leader = [1], 0
     for i in range(1, len(cards)):
@@ -84,16 +84,16 @@ def _ranks(cards: Sequence[Card], success: Column) -> list[int]:
     return ranks[: len(cards)]
 
 
-def _pairs(first: Card, second: Card, success: Column) -> list[Pair]:
+def _success_pairs(first: ScoreCard, second: ScoreCard, success: Column) -> list[Pair]:
     theirs = {(cell.factors["robot"], cell.factors["scenario"]): cell for cell in second.cells}
     both = [(cell, theirs[cell.factors["robot"], cell.factors["scenario"]]) for cell in first.cells]
-    return [pair for cell, base in both for pair in pairs(cell, base, success)]
+    return [pair for cell, base in both for pair in metric_pairs(cell, base, success)]
 
 
 def _without_count(row: Sequence[str]) -> list[str]:
     return [row[0], *row[2:]]
 
 
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+def _markdown_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
     lines = [head, ["---"] * len(head), *rows]
     return [f"| {' | '.join(cell.replace('|', '/') for cell in line)} |" for line in lines]

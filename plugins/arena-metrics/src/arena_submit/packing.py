@@ -15,7 +15,7 @@ from arena_core import InputFileError
 from arena_core.commands import one_line
 from arena_core.files import check_inside, read_json, read_table
 from arena_core.records import find_runs, read_provenance, record_paths, timing_paths
-from arena_submit.archive import ALLOWED, FACTS, Archive, opened, write_archive
+from arena_submit.archive import ALLOWED, FACTS, Archive, open_archive, write_archive
 
 FORMAT, VERSION = "arena-submission", 1
 TABLES = ("episodes.csv", "provenance.json")
@@ -55,7 +55,7 @@ def write_pack(folders: Sequence[Path], target: Path) -> str:
     """Pack all runs at or below the folders; return the pack's digest. Raises InputFileError where a run is not finished."""
     contents: dict[str, Path | bytes] = {}
     for number, run in enumerate(sorted({run.resolve() for folder in folders for run in find_runs(folder)})):
-        contents |= {f"runs/{number}/{path.relative_to(run).as_posix()}": path for path in _files(run)}
+        contents |= {f"runs/{number}/{path.relative_to(run).as_posix()}": path for path in _run_files(run)}
     digests = {name: sha256(path.read_bytes()).hexdigest() for name, path in contents.items() if isinstance(path, Path)}
     facts = {"format": FORMAT, "version": VERSION, "digest": digest_of(digests), "files": digests}
     write_archive(target, {FACTS: (json.dumps(facts, indent=1, sort_keys=True) + "\n").encode(), **contents})
@@ -70,17 +70,17 @@ def digest_of(digests: Mapping[str, str]) -> str:
 @contextmanager
 def read_pack(path: Path) -> Iterator[Pack]:
     """Open a pack, hold each file against its digest, and read its tables; raise InputFileError for whatever is not as it was packed."""
-    with opened(path) as archive, TemporaryDirectory(prefix="arena-pack-") as folder:
+    with open_archive(path) as archive, TemporaryDirectory(prefix="arena-pack-") as folder:
         tables = [name for name in archive.names if name == FACTS or name.rpartition("/")[2] in TABLES]
         archive.unpack(tables, Path(folder))
         digest = _check_digests(path, archive, read_json(Path(folder, FACTS), ALLOWED) if FACTS in tables else None)
         names = sorted({name.rpartition("/")[0] for name in tables if name != FACTS}, key=lambda name: int(name.rpartition("/")[2]))
         if not names:
             raise InputFileError(f"{path}: holds no run; allowed: {ALLOWED}")
-        yield Pack(path, archive, digest, [_run(path, archive, Path(folder), name) for name in names])
+        yield Pack(path, archive, digest, [_read_run(path, archive, Path(folder), name) for name in names])
 
 
-def _files(run: Path) -> list[Path]:
+def _run_files(run: Path) -> list[Path]:
     """Return the files of a finished run that belong in a pack: tables first."""
     facts = read_provenance(run)
     rows, wanted = read_table(run / "episodes.csv", "a table that `arena run` wrote")[1], facts["config"].get("episodes")
@@ -106,7 +106,7 @@ def _check_digests(path: Path, archive: Archive, facts: Any) -> str:
     return str(facts["digest"])
 
 
-def _run(path: Path, archive: Archive, folder: Path, name: str) -> PackedRun:
+def _read_run(path: Path, archive: Archive, folder: Path, name: str) -> PackedRun:
     place = folder / name
     lacking = [file for file in TABLES if not (place / file).exists()]
     if lacking:

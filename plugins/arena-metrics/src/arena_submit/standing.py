@@ -38,7 +38,7 @@ class Standing:
         return [(robot, scenario) for robot in self.robots for scenario in self.scenarios]
 
 
-def standing(name: str) -> Standing:
+def read_standing(name: str) -> Standing:
     """Return a standing benchmark by its experiment's name."""
     with as_file(files("arena_submit") / "benchmarks" / f"{name}.yaml") as path:
         return read_settings(read_yaml(path, "a standing benchmark"), Standing, name)
@@ -48,15 +48,15 @@ def benchmark_of(pack: Pack) -> Standing | None:
     """Return the standing benchmark that a pack's runs say they are of, None where they are of none."""
     names = {str(run.config.get("choices", {}).get("experiment")) for run in pack.runs}
     known = {path.name.removesuffix(".yaml") for path in (files("arena_submit") / "benchmarks").iterdir() if path.name.endswith(".yaml")}
-    return standing(names.pop()) if len(names) == 1 and names <= known else None
+    return read_standing(names.pop()) if len(names) == 1 and names <= known else None
 
 
 def check_standing(pack: Pack, wanted: Standing, registry: Registry) -> None:
     """Raise InputFileError where a pack is not the whole benchmark, of one planner and by its rules."""
     faced: dict[Condition, PackedRun] = {}
     for run in pack.runs:
-        condition = _condition(run)
-        if fault := _fault(run, wanted, registry) or ("is there twice" if condition in faced else ""):
+        condition = _run_condition(run)
+        if fault := _run_fault(run, wanted, registry) or ("is there twice" if condition in faced else ""):
             raise InputFileError(
                 f"{pack.path}: {run.name} ({' '.join(condition)}) {fault}; allowed: runs of experiment={wanted.experiment} as it is here"
             )
@@ -76,14 +76,14 @@ def planner_of(run: PackedRun) -> str:
     return one_line(str(config.get("choices", {}).get("planner") or config["planner"]["name"]), 60)
 
 
-def _condition(run: PackedRun) -> Condition:
+def _run_condition(run: PackedRun) -> Condition:
     choices = run.config.get("choices", {})
     return one_line(str(choices.get("robot")), 60), one_line(str(choices.get("scenario")), 60)
 
 
-def _fault(run: PackedRun, wanted: Standing, registry: Registry) -> str:
+def _run_fault(run: PackedRun, wanted: Standing, registry: Registry) -> str:
     """Return in what a run is not of the benchmark; empty where it is."""
-    robot, scenario = _condition(run)
+    robot, scenario = _run_condition(run)
     if robot not in wanted.robots or scenario not in wanted.scenarios:
         return "is no condition of it"
     if (run.seed, run.config.get("episodes")) != (wanted.seed, wanted.episodes):
@@ -92,14 +92,14 @@ def _fault(run: PackedRun, wanted: Standing, registry: Registry) -> str:
         return "has not every episode once"
     if any(row.get("scenario_hash") != wanted.scenarios[scenario] for row in run.rows if row.get("scenario_hash")):
         return "is of another version of the scenario"
-    expected = {**_rules(wanted.experiment, robot), **_paths(scenario, registry)}
-    own = dict(_flat({key: value for key, value in run.config.items() if key not in FREE}))
-    wrong = [_difference(key, own, expected) for key in {**expected, **own} if own.get(key) != expected.get(key)]
+    expected = {**_fixed_values(wanted.experiment, robot), **_scenario_paths(scenario, registry)}
+    own = dict(_flatten_json({key: value for key, value in run.config.items() if key not in FREE}))
+    wrong = [_key_difference(key, own, expected) for key in {**expected, **own} if own.get(key) != expected.get(key)]
     more = [f"{len(wrong) - NAMED} more differ"] if len(wrong) > NAMED else []
     return ", ".join([*wrong[:NAMED], *more])
 
 
-def _difference(key: str, own: Mapping[str, str], expected: Mapping[str, str]) -> str:
+def _key_difference(key: str, own: Mapping[str, str], expected: Mapping[str, str]) -> str:
     """Return in what a key of a run is not as the benchmark has it in this version of the suite; packs of others may lack some."""
     name, value = one_line(key, 60), one_line(own.get(key, ""), 60)
     if key not in own:
@@ -108,24 +108,24 @@ def _difference(key: str, own: Mapping[str, str], expected: Mapping[str, str]) -
 
 
 @lru_cache(maxsize=16)
-def _rules(experiment: str, robot: str) -> Mapping[str, str]:
+def _fixed_values(experiment: str, robot: str) -> Mapping[str, str]:
     """Return all that the benchmark fixes but the paths of its scenarios, as JSON by dotted key."""
-    first = next(iter(standing(experiment).scenarios))
+    first = next(iter(read_standing(experiment).scenarios))
     config = to_plain(compose([f"experiment={experiment}", f"robot={robot}", f"scenario={first}"]))
-    return {key: value for key, value in _flat({k: v for k, v in config.items() if k not in FREE}) if key not in OF_THE_SCENARIO}
+    return {key: value for key, value in _flatten_json({k: v for k, v in config.items() if k not in FREE}) if key not in OF_THE_SCENARIO}
 
 
-def _paths(scenario: str, registry: Registry) -> Mapping[str, str]:
+def _scenario_paths(scenario: str, registry: Registry) -> Mapping[str, str]:
     """Return what a scenario's option says of map and file."""
     with as_file(option_files("scenario", registry.manager)[scenario]) as path:
         option = read_yaml(path, "an option of the group scenario")
     return {key: json.dumps(option[key.partition(".")[0]]["path"]) for key in OF_THE_SCENARIO}
 
 
-def _flat(node: Any, prefix: str = "") -> Iterator[tuple[str, str]]:
+def _flatten_json(node: Any, prefix: str = "") -> Iterator[tuple[str, str]]:
     """Yield every value of nested mappings as JSON, by its dotted key."""
     if isinstance(node, Mapping):
         for key, value in node.items():
-            yield from _flat(value, f"{prefix}{key}.")
+            yield from _flatten_json(value, f"{prefix}{key}.")
     else:
         yield prefix.rstrip("."), json.dumps(node, sort_keys=True)

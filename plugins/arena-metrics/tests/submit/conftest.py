@@ -9,7 +9,7 @@ import pytest
 import arena_submit.standing
 from arena_core import run as run_benchmark
 from arena_submit.packing import write_pack
-from arena_submit.standing import Standing, standing
+from arena_submit.standing import Standing, read_standing
 
 ROOM = ("planner=pure_pursuit", "robot=jackal", "world=empty", "world.width=6", "world.height=6", "task.pedestrians=1")
 QUIET = ("executor=serial", "report=false")
@@ -39,7 +39,7 @@ def packed(finished: Path, tmp_path: Path) -> Path:
 @pytest.fixture(scope="session")
 def small_standing() -> Standing:
     """Return arena_v1 with one robot, one scenario and five episodes."""
-    whole = standing("arena_v1")
+    whole = read_standing("arena_v1")
     return Standing("arena_v1", 5, 0, ["jackal"], {"arena/warehouse_05": whole.scenarios["arena/warehouse_05"]})
 
 
@@ -63,6 +63,6 @@ def faced(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
 @pytest.fixture
 def small(monkeypatch: pytest.MonkeyPatch, small_standing: Standing) -> Standing:
     """Have arena_v1 be the small one."""
-    monkeypatch.setattr(arena_submit.standing, "standing", lambda name: small_standing)
-    arena_submit.standing._rules.cache_clear()
+    monkeypatch.setattr(arena_submit.standing, "read_standing", lambda name: small_standing)
+    arena_submit.standing._fixed_values.cache_clear()
     return small_standing

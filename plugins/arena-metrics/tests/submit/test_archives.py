@@ -6,12 +6,12 @@ import zipfile
 import pytest
 
 from arena_core import InputFileError
-from arena_submit.archive import opened, write_archive
+from arena_submit.archive import open_archive, write_archive
 from arena_submit.packing import read_pack, write_pack
 
 
 def names(path):
-    with opened(path) as archive:
+    with open_archive(path) as archive:
         return archive.names
 
 
@@ -64,7 +64,7 @@ def test_a_size_that_is_not_true_is_found_out(tmp_path):
     write_archive(tmp_path / "a.zip", {"pack.json": b"0123456789" * 10})
     content = (tmp_path / "a.zip").read_bytes().replace((100).to_bytes(4, "little"), (50).to_bytes(4, "little"))
     (tmp_path / "a.zip").write_bytes(content)
-    with opened(tmp_path / "a.zip") as archive, pytest.raises(InputFileError, match=r"pack\.json (is damaged|has not the size)"):
+    with open_archive(tmp_path / "a.zip") as archive, pytest.raises(InputFileError, match=r"pack\.json (is damaged|has not the size)"):
         archive.read("pack.json")
 
 

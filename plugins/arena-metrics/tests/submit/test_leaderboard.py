@@ -13,13 +13,13 @@ from arena_core.files import option_files
 from arena_core.hosting import load_registry
 from arena_core.records import read_record
 from arena_submit.commands import LeaderboardCommand, SubmitCommand
-from arena_submit.leaderboard import leaderboard
+from arena_submit.leaderboard import leaderboard_page
 from arena_submit.packing import read_pack, write_pack
-from arena_submit.standing import benchmark_of, check_standing, standing
+from arena_submit.standing import benchmark_of, check_standing, read_standing
 
 
 def test_the_first_version_has_every_scenario_of_the_pack_on_two_robots():
-    found = standing("arena_v1")
+    found = read_standing("arena_v1")
     registry = load_registry()
     assert set(found.scenarios) == set(option_files("scenario", registry.manager))
     assert len(found.conditions) * found.episodes == 300
@@ -33,7 +33,7 @@ def test_the_hashes_are_those_of_the_scenarios_that_are_driven(scenario):
     config = to_plain(compose(["experiment=arena_v1", "robot=jackal", f"scenario={scenario}"]))
     robot = registry.build("robot", config["robot"])
     task = registry.build("task", config["task"], robot=robot, world=registry.build("world", config["world"]))
-    assert task.scenario(0, 0).content_hash == standing("arena_v1").scenarios[scenario]
+    assert task.scenario(0, 0).content_hash == read_standing("arena_v1").scenarios[scenario]
 
 
 def test_a_pack_of_no_standing_benchmark_is_not_ranked(packed, capsys):
@@ -123,7 +123,7 @@ def test_planners_are_ranked_with_their_cards(faced, small, tmp_path):
 
 def test_a_pack_given_twice_is_refused(faced, small):
     with read_pack(faced()) as pack, pytest.raises(InputFileError, match="a pack is given twice"):
-        leaderboard([pack, pack], load_registry())
+        leaderboard_page([pack, pack], load_registry())
 
 
 def test_submitting_the_whole_benchmark_prints_its_card(faced, small, tmp_path, capsys):

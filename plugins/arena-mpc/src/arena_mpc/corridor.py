@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import compiled, inner
-from arena_kernels.window import LETHAL, Window, distance_at
+from arena_kernels.costmap_window import LETHAL, CostmapWindow, distance_at
 from arena_mpc.arrays import FloatArray
 
 FREE = -1e3  # offset of a half-plane that holds everything, m
@@ -43,7 +43,7 @@ def boundary_cells(costs: NDArray[np.uint8], resolution: float, origin_x: float,
 
 @compiled
 def half_planes(
-    window: Window, cells: FloatArray, centres: FloatArray, radius: float, wanted: float, cutoff: float, count: int
+    window: CostmapWindow, cells: FloatArray, centres: FloatArray, radius: float, wanted: float, cutoff: float, count: int
 ) -> FloatArray:
     """Return (Q, ``count``, 3) half-planes n . p >= b that keep discs at ``centres`` (Q, 2) of ``radius`` m ``wanted`` m off ``cells``.
 
@@ -94,13 +94,13 @@ def half_planes(
 
 
 @inner
-def ease_passage(window: Window, planes: FloatArray, x: float, y: float, radius: float, wanted: float) -> None:
+def ease_passage(window: CostmapWindow, planes: FloatArray, x: float, y: float, radius: float, wanted: float) -> None:
     """Where half-planes that face each other leave no room about (x, y), move them apart until its middle lies in both.
 
     In a passage that is narrower than the ``wanted`` gap on both sides, the gap gives way. The planes become parallel to each other: else
     those round the posts of a door would push a plan back out of it.
     """
-    other = facing(window, planes, x, y, radius, wanted)
+    other = facing_plane(window, planes, x, y, radius, wanted)
     if other == 0:
         return
     first, second = planes[0], planes[other]
@@ -120,7 +120,7 @@ def ease_passage(window: Window, planes: FloatArray, x: float, y: float, radius:
 
 
 @inner
-def facing(window: Window, planes: FloatArray, x: float, y: float, radius: float, wanted: float) -> int:
+def facing_plane(window: CostmapWindow, planes: FloatArray, x: float, y: float, radius: float, wanted: float) -> int:
     """Return the first half-plane that bounds a passage with the first of all, 0 if none does.
 
     A disc fits between their cells, and nothing stands nearer to the middle between them than they do, as it does in a corner.

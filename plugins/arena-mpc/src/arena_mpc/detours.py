@@ -9,14 +9,16 @@ import numpy as np
 
 from arena_core import Tracks
 from arena_kernels.compiled import borrowing, inner
-from arena_kernels.window import Window, distance_at
+from arena_kernels.costmap_window import CostmapWindow, distance_at
 from arena_mpc.arrays import FloatArray
 
 SPACING = 0.1  # m, between two places beside the path that are tried
 SLOPE = 1.0  # m aside for each metre along the path, on the way out and back
 
 
-def detours(path: FloatArray, window: Window, tracks: Tracks, radius: float, gap: float, speed: float, most: float) -> Iterator[FloatArray]:
+def path_detours(
+    path: FloatArray, window: CostmapWindow, tracks: Tracks, radius: float, gap: float, speed: float, most: float
+) -> Iterator[FloatArray]:
     """Yield ``path`` (M, 3) led round what blocks it by at most ``most`` m, the shorter way first; nothing where it is free.
 
     A disc of ``radius`` m must not touch what stands, nor come nearer than ``gap`` m to the tracks as they are when it comes by at
@@ -40,7 +42,7 @@ def lead_aside(
     path: FloatArray,
     along: FloatArray,
     side: float,
-    window: Window,
+    window: CostmapWindow,
     movers: FloatArray,
     radius: float,
     speed: float,
@@ -54,7 +56,7 @@ def lead_aside(
     """
     for i in range(len(path)):
         nx, ny, time = -side * math.sin(path[i, 2]), side * math.cos(path[i, 2]), along[i] / speed
-        while needed[i] <= most and _taken(path[i, 0] + needed[i] * nx, path[i, 1] + needed[i] * ny, time, window, movers, radius):
+        while needed[i] <= most and _is_blocked(path[i, 0] + needed[i] * nx, path[i, 1] + needed[i] * ny, time, window, movers, radius):
             needed[i] += SPACING
     for i in range(len(path)):
         for j in range(len(path)):
@@ -62,7 +64,7 @@ def lead_aside(
 
 
 @inner
-def _taken(x: float, y: float, time: float, window: Window, movers: FloatArray, radius: float) -> bool:
+def _is_blocked(x: float, y: float, time: float, window: CostmapWindow, movers: FloatArray, radius: float) -> bool:
     """Tell whether a disc of ``radius`` m at (x, y) touches what stands, or one of ``movers`` (P, 5: x, y, vx, vy, reach) in ``time`` s."""
     if distance_at(window, x, y) < radius:
         return True

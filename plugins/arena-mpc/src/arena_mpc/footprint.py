@@ -9,7 +9,7 @@ import numpy as np
 
 from arena_core import Footprint
 from arena_kernels.compiled import borrowing
-from arena_kernels.window import Outline, Window, clearance
+from arena_kernels.costmap_window import CostmapWindow, Outline, outline_clearance
 from arena_mpc.arrays import FloatArray
 
 CHECK_SPACING = 0.05  # m, between two poses that are checked
@@ -38,7 +38,7 @@ def covering_discs(footprint: Footprint, count: int | None) -> Discs:
     return Discs(centres, math.hypot(0.5 * piece, 0.5 * sides[1 - longer]))
 
 
-def placed(discs: Discs, poses: FloatArray) -> FloatArray:
+def place_discs(discs: Discs, poses: FloatArray) -> FloatArray:
     """Return where the discs' centres lie at ``poses`` (N, 3): (N, C, 2)."""
     c, s = np.cos(poses[:, 2])[:, None], np.sin(poses[:, 2])[:, None]
     x, y = discs.centres_xy.T
@@ -46,7 +46,7 @@ def placed(discs: Discs, poses: FloatArray) -> FloatArray:
 
 
 @borrowing
-def free_until(window: Window, outline: Outline, poses: FloatArray, allowed: float) -> float:
+def free_until(window: CostmapWindow, outline: Outline, poses: FloatArray, allowed: float) -> float:
     """Return how many stages of ``poses`` (N + 1, 3), parts included, are driven before the outline is nearer than ``allowed`` m."""
     for k in range(len(poses) - 1):
         dx, dy, turn = poses[k + 1, 0] - poses[k, 0], poses[k + 1, 1] - poses[k, 1], poses[k + 1, 2] - poses[k, 2]
@@ -54,7 +54,9 @@ def free_until(window: Window, outline: Outline, poses: FloatArray, allowed: flo
         for i in range(1, parts + 1):
             share = i / parts
             theta = poses[k, 2] + share * turn
-            gap = clearance(window, outline, poses[k, 0] + share * dx, poses[k, 1] + share * dy, math.cos(theta), math.sin(theta), allowed)
+            gap = outline_clearance(
+                window, outline, poses[k, 0] + share * dx, poses[k, 1] + share * dy, math.cos(theta), math.sin(theta), allowed
+            )
             if gap < allowed:
                 return float(k + share)
     return float(len(poses) - 1)

@@ -14,7 +14,7 @@ AHEAD = 0.4  # m, how far along the path the drive steers to
 
 
 @compiled
-def shifted(states: FloatArray, step: float, elapsed: float, end: FloatArray, stages: int, new_step: float) -> FloatArray:
+def shift_plan(states: FloatArray, step: float, elapsed: float, end: FloatArray, stages: int, new_step: float) -> FloatArray:
     """Return a plan (N + 1, S) as it looks ``elapsed`` s later, in ``stages`` intervals of ``new_step`` s.
 
     Past its end it goes to ``end``.

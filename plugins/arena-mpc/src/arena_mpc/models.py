@@ -17,10 +17,10 @@ LEAST_SPAN = 1e-3  # of a bounded variable: an interior point needs an interior
 def velocity_bounds(model: ModelName, drive: Drive) -> tuple[FloatArray, FloatArray]:
     """Return least and greatest velocities of a state."""
     if model == "bicycle":
-        return _spanned((drive.vx_min, -drive.steering_max), (drive.vx_max, drive.steering_max))
+        return _widen_bounds((drive.vx_min, -drive.steering_max), (drive.vx_max, drive.steering_max))
     if model == "unicycle":
-        return _spanned((drive.vx_min, -drive.wz_max), (drive.vx_max, drive.wz_max))
-    return _spanned((drive.vx_min, -drive.vy_max, -drive.wz_max), (drive.vx_max, drive.vy_max, drive.wz_max))
+        return _widen_bounds((drive.vx_min, -drive.wz_max), (drive.vx_max, drive.wz_max))
+    return _widen_bounds((drive.vx_min, -drive.vy_max, -drive.wz_max), (drive.vx_max, drive.vy_max, drive.wz_max))
 
 
 def control_bounds(model: ModelName, drive: Drive) -> tuple[FloatArray, FloatArray]:
@@ -31,10 +31,10 @@ def control_bounds(model: ModelName, drive: Drive) -> tuple[FloatArray, FloatArr
         most = (drive.ax_max, drive.alpha_max)
     else:
         most = (drive.ax_max, drive.ay_max, drive.alpha_max)  # type: ignore[assignment]
-    return _spanned(tuple(-m for m in most), most)
+    return _widen_bounds(tuple(-m for m in most), most)
 
 
-def _spanned(low: tuple[float, ...], high: tuple[float, ...]) -> tuple[FloatArray, FloatArray]:
+def _widen_bounds(low: tuple[float, ...], high: tuple[float, ...]) -> tuple[FloatArray, FloatArray]:
     lows, highs = np.array(low), np.array(high)
     narrow = highs - lows < LEAST_SPAN
     return np.where(narrow, lows - LEAST_SPAN, lows), np.where(narrow, highs + LEAST_SPAN, highs)

@@ -23,7 +23,7 @@ def body_speeds(model: int, wheelbase: float, velocities: FloatArray) -> tuple[f
 
 
 @inner
-def move(model: int, wheelbase: float, state: FloatArray, control: FloatArray, following: FloatArray) -> None:
+def integrate_motion(model: int, wheelbase: float, state: FloatArray, control: FloatArray, following: FloatArray) -> None:
     """Write where ``state`` (x, y, theta, velocities, h) is after h s at the velocities ``control`` to ``following``."""
     vx, vy, omega = body_speeds(model, wheelbase, control)
     h = state[-1]
@@ -38,10 +38,10 @@ def move(model: int, wheelbase: float, state: FloatArray, control: FloatArray, f
 
 
 @inner
-def differentiate(
+def differentiate_motion(
     model: int, wheelbase: float, state: FloatArray, control: FloatArray, by_state: FloatArray, by_control: FloatArray
 ) -> None:
-    """Write the derivatives of ``move`` to ``by_state`` (S, S) and ``by_control`` (S, U)."""
+    """Write the derivatives of ``integrate_motion`` to ``by_state`` (S, S) and ``by_control`` (S, U)."""
     vx, vy, omega = body_speeds(model, wheelbase, control)
     h, last = state[-1], len(state) - 1
     middle = state[2] + 0.5 * h * omega

@@ -23,7 +23,7 @@ def relevant_movers(tracks: Tracks, positions: FloatArray, step: float, distance
 
     Position k is reached ``k * step`` s from now. Rows without a track stand far away.
     """
-    return _movers(tracks.positions, tracks.velocities, tracks.radii, positions, step, distance, count)
+    return _nearest_movers(tracks.positions, tracks.velocities, tracks.radii, positions, step, distance, count)
 
 
 def first_hit(tracks: Tracks, plan: Plan, discs: Discs, deeper: float) -> float:
@@ -35,7 +35,7 @@ def first_hit(tracks: Tracks, plan: Plan, discs: Discs, deeper: float) -> float:
 
 
 @compiled
-def _movers(
+def _nearest_movers(
     positions: FloatArray, velocities: FloatArray, radii: FloatArray, places: FloatArray, step: float, distance: float, count: int
 ) -> FloatArray:
     """Return the movers among tracks (K, 2), (K, 2), (K,), the one that comes nearest first."""
@@ -78,7 +78,7 @@ def _first_hit(
     duration = (len(states) - 1) * step
     first, moments = (states[0, 0], states[0, 1], states[0, 2]), math.ceil((duration + 1e-9) / SPACING)
     hit = moments  # that of the tracks looked at so far
-    driven = _reach(states, centres) + radius + NEAR
+    driven = _plan_reach(states, centres) + radius + NEAR
     for track in range(len(radii)):
         away = math.hypot(positions[track, 0] - first[0], positions[track, 1] - first[1]) - radii[track]
         if away - math.hypot(velocities[track, 0], velocities[track, 1]) * duration > driven:
@@ -87,16 +87,16 @@ def _first_hit(
         for moment in range(hit):
             time = moment * SPACING
             x, y = positions[track, 0] + time * velocities[track, 0], positions[track, 1] + time * velocities[track, 1]
-            standing = _apart(x, y, first, centres) - touched
+            standing = _disc_distance(x, y, first, centres) - touched
             allowed = 0.0 if standing > 0.0 else standing - deeper
-            if _apart(x, y, _pose_at(states, step, time), centres) - touched < allowed:
+            if _disc_distance(x, y, _pose_at(states, step, time), centres) - touched < allowed:
                 hit = moment
                 break
     return hit * SPACING if hit < moments else math.inf
 
 
 @borrowing
-def _reach(states: FloatArray, centres: FloatArray) -> float:
+def _plan_reach(states: FloatArray, centres: FloatArray) -> float:
     """Return how far a plan leads away from its beginning, and how far the outermost disc's centre is from the robot's, m, together."""
     driven, outermost = 0.0, 0.0
     for k in range(len(states)):
@@ -125,7 +125,7 @@ def _pose_at(states: FloatArray, step: float, time: float) -> tuple[float, float
 
 
 @borrowing
-def _apart(x: float, y: float, pose: tuple[float, float, float], centres: FloatArray) -> float:
+def _disc_distance(x: float, y: float, pose: tuple[float, float, float], centres: FloatArray) -> float:
     """Return how far (x, y) is from the nearest disc's centre of a robot at a pose, m."""
     c, s, nearest = math.cos(pose[2]), math.sin(pose[2]), math.inf
     for i in range(len(centres)):

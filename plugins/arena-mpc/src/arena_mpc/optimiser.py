@@ -9,13 +9,13 @@ import numpy as np
 
 from arena_mpc.arrays import FloatArray
 from arena_mpc.corridor import half_planes, nearest_cells
-from arena_mpc.footprint import Discs, placed
+from arena_mpc.footprint import Discs, place_discs
 from arena_mpc.models import control_bounds, velocity_bounds
 from arena_mpc.motion import NUMBER
 from arena_mpc.moving import relevant_movers
 from arena_mpc.parameters import Drive, Form, Grid, ModelName, Obstacles, SolverSettings, Weights
 from arena_mpc.plan import Plan, Room, Solution
-from arena_mpc.reference import Reference, beside, nearest_stages
+from arena_mpc.reference import Reference, nearest_path_points, nearest_stages
 from arena_mpc.resizing import reachable_sizes
 from arena_mpc.scene import Scene
 from arena_mpc.solvers import Solver, solvers_of
@@ -48,7 +48,7 @@ class Optimiser:
         self._weights = np.array([getattr(weights, name) for name in WEIGHTS])
         turn = drive.wz_max if model == "bicycle" else 1.0
         self._room = Room(*velocity_bounds(model, drive), control_bounds(model, drive)[1], grid.step_min, grid.step_max, turn)
-        self._solvers: tuple[Solver, ...] = solvers_of(solver, _constrained(obstacles, fixed_end), self._shape)
+        self._solvers: tuple[Solver, ...] = solvers_of(solver, _constraint_names(obstacles, fixed_end), self._problem_shape)
 
     def prepare(self) -> None:
         """Build the problems that resizing may ask for, unless they are many, so that no later control step waits for them."""
@@ -64,7 +64,7 @@ class Optimiser:
             best = Solution(None, math.inf, 0)
             for _ in range(self._grid.outer_iterations):
                 beginning = guess if best.plan is None else best.plan
-                found = solver.solve(self._terms(scene, reference, beginning), state, beginning, self._room, left - used)
+                found = solver.solve(self._problem_terms(scene, reference, beginning), state, beginning, self._room, left - used)
                 if found is None:
                     break
                 best, used = found, used + found.iterations
@@ -74,14 +74,14 @@ class Optimiser:
                 return best._replace(iterations=used)
         return Solution(None, math.inf, used)
 
-    def _shape(self, stages: int) -> Shape:
+    def _problem_shape(self, stages: int) -> Shape:
         from arena_mpc.problem import Shape
 
         obstacles = self._obstacles
         sizes = (len(self._discs.centres_xy), obstacles.planes, obstacles.moving)
         return Shape(self._model, self._form, stages, *sizes, obstacles.association == "cells", obstacles.hard, self._fixed_end)
 
-    def _terms(self, scene: Scene, reference: Reference, guess: Plan) -> Terms:
+    def _problem_terms(self, scene: Scene, reference: Reference, guess: Plan) -> Terms:
         """Return the numbers of the problem in the neighbourhood of a guess."""
         obstacles = self._obstacles
         distance = self._discs.radius + obstacles.moving_distance
@@ -93,7 +93,7 @@ class Optimiser:
             growth=obstacles.moving_growth,
             speed_distance=obstacles.speed_distance,
             goal_heading=float(not reference.final),
-            goal=_turned_to(reference.goal, guess.states[-1, 2]),
+            goal=_unwrap_heading(reference.goal, guess.states[-1, 2]),
             weights=self._weights,
             discs_xy=self._discs.centres_xy,
             movers=relevant_movers(scene.tracks, guess.states[:, :2], guess.step, distance, obstacles.moving),
@@ -104,15 +104,15 @@ class Optimiser:
         """Return the path beside each stage of the guess, its via point, and the obstacles round it."""
         count, obstacles = len(states), self._obstacles
         rows = np.zeros((count, STAGE_HEAD + PLANE * len(self._discs.centres_xy) * obstacles.planes))
-        rows[:, :5] = beside(reference.path, states[:, :2])
+        rows[:, :5] = nearest_path_points(reference.path, states[:, :2])
         rows[:, 5] = 1.0
         rows[:, 6:STAGE_HEAD] = nearest_stages(reference.via_points, states[:, :2])
-        rows[:, STAGE_HEAD:] = self._round(scene, states).reshape(count, -1)
+        rows[:, STAGE_HEAD:] = self._stage_obstacles(scene, states).reshape(count, -1)
         return rows
 
-    def _round(self, scene: Scene, states: FloatArray) -> FloatArray:
+    def _stage_obstacles(self, scene: Scene, states: FloatArray) -> FloatArray:
         """Return the half-planes or cells round every stage and disc."""
-        obstacles, centres = self._obstacles, placed(self._discs, states).reshape(-1, 2)
+        obstacles, centres = self._obstacles, place_discs(self._discs, states).reshape(-1, 2)
         radius, wanted = self._discs.radius, obstacles.min_distance
         if obstacles.association == "half_planes":
             return half_planes(scene.window, scene.cells, centres, radius, wanted, obstacles.cutoff, obstacles.planes)
@@ -122,14 +122,14 @@ class Optimiser:
         )
 
 
-def _turned_to(goal: FloatArray, heading: float) -> FloatArray:
+def _unwrap_heading(goal: FloatArray, heading: float) -> FloatArray:
     """Return a goal (3,) whose heading is counted on from ``heading``, rad."""
     turned = goal.copy()
     turned[2] += 2.0 * np.pi * round((heading - goal[2]) / (2.0 * np.pi))
     return turned
 
 
-def _constrained(obstacles: Obstacles, fixed_end: bool) -> str:
+def _constraint_names(obstacles: Obstacles, fixed_end: bool) -> str:
     """Return which settings only an interior-point method can hold, as an error names them; empty when there are none."""
     asked = {"obstacles.hard=true": obstacles.hard, "obstacles.association=cells": obstacles.association == "cells"}
     asked["final_state_fixed=true"] = fixed_end

@@ -11,20 +11,20 @@ import numpy as np
 
 from arena_core import Candidate, EpisodeStart, NoValidCommand, Observation, Planner, Robot, Twist
 from arena_core.parameters import Fraction, NonNegativeInt, Positive
+from arena_kernels.costmap_window import CLOSE, allowed_gap, footprint_outline, outline_clearance
 from arena_kernels.escape import escape_command, escape_commands, keeps_gap
-from arena_kernels.passage import AHEAD, KEPT, eased, room_along
-from arena_kernels.window import CLOSE, allowed_gap, clearance, footprint_outline
+from arena_kernels.passage import AHEAD, KEPT, reduced_gap, room_along
 from arena_mpc.arrays import FloatArray
-from arena_mpc.detours import detours
+from arena_mpc.detours import path_detours
 from arena_mpc.footprint import covering_discs, free_until
-from arena_mpc.guess import drive_along, shifted
+from arena_mpc.guess import drive_along, shift_plan
 from arena_mpc.models import state_of, twist_of, velocity_bounds
 from arena_mpc.moving import first_hit
 from arena_mpc.optimiser import Optimiser
 from arena_mpc.parameters import Form, Grid, Limits, ModelName, Obstacles, SolverSettings, Weights, drive_of, model_of
 from arena_mpc.plan import Plan, Solution
-from arena_mpc.reference import PathProgress, Reference, ahead, cut_where_blocked
-from arena_mpc.resizing import resized
+from arena_mpc.reference import PathProgress, Reference, cut_where_blocked, local_reference
+from arena_mpc.resizing import resize_grid
 from arena_mpc.scene import Scene, scene_of
 
 ARRIVED = 0.4  # m, from its goal that a plan may end: it waits for somebody who crosses, or keeps off a goal beside a wall
@@ -40,14 +40,14 @@ class Counts:
     refused: int = 0
 
 
-class Rated(NamedTuple):
+class RatedPlan(NamedTuple):
     """A safe plan: the share of it that is free of what stands, and what it costs."""
 
     plan: Plan
     share: float
     cost: float
 
-    def better(self, other: Rated | None) -> bool:
+    def is_better(self, other: RatedPlan | None) -> bool:
         """Tell whether more of this plan is free, or it is cheaper."""
         return other is None or (self.share, -self.cost) > (other.share, -other.cost)
 
@@ -85,24 +85,24 @@ class MpcPlanner(Planner):
         self._turn_braking = robot.limits.alpha_max
         self._discs = covering_discs(robot.footprint, discs)
         self._optimiser = Optimiser(self._model, form, self._drive, self._discs, final_state_fixed, grid, weights, obstacles, solver)
-        self._escapes = None if escape_speed is None else self._slow_ways(robot, escape_speed)
+        self._escapes = None if escape_speed is None else self._slow_commands(robot, escape_speed)
         self._via_separation, self._iterations = via_separation, solver.max_iterations
         self._period = robot.control_period
         self._progress = PathProgress()
         self._gap = obstacles.least_gap
         self._prepared = False
-        self._forget()
+        self._forget_plan()
 
     def reset(self, episode: EpisodeStart) -> None:
         """Forget the last plan; compiled problems stay."""
         self._period = episode.control_period
-        self._forget()
+        self._forget_plan()
 
     def considered(self) -> list[Candidate]:
         """Return the plans that were optimised, with what they cost; those that are not safe are refused."""
         return [Candidate(plan.states[:, :2], cost, plan is self._plan) for plan, cost in self._weighed]
 
-    def _forget(self) -> None:
+    def _forget_plan(self) -> None:
         self._progress.clear()
         self._plan: Plan | None = None
         self._planned_at = 0.0
@@ -113,43 +113,43 @@ class MpcPlanner(Planner):
     def compute_velocity(self, observation: Observation) -> Twist:
         """Return the beginning of the optimal plan, or of the last one while that is safe; raise NoValidCommand when neither is."""
         self._weighed = []
-        self._check(observation)
+        self._check_observation(observation)
         scene = scene_of(observation, self._obstacles.moving > 0, self._obstacles.moving_margin)
-        reference = self._reference(observation, scene)
+        reference = self._local_reference(observation, scene)
         self._gap = self._gap_to_keep(scene, reference, observation)
-        self._prepare(scene, reference)
+        self._prepare_problems(scene, reference)
         state = state_of(self._model, self._drive, self._bounds, observation.pose, observation.twist, self._steering)
         last = self._last_plan(reference, state, observation.stamp)
         plan = self._freest_plan(scene, reference, state, last)
         if plan is not None and self._keeps_gap(plan, scene, observation):
             self.counts.optimised += 1
-            return self._driven(plan, observation.stamp)
-        if last is not None and self._safe(last, scene, self._free_for(last, scene)) and self._keeps_gap(last, scene, observation):
+            return self._record_plan(plan, observation.stamp)
+        if last is not None and self._is_safe(last, scene, self._free_for(last, scene)) and self._keeps_gap(last, scene, observation):
             self._weighed.append((last, math.nan))
             self.counts.shifted += 1
-            return self._driven(last, observation.stamp)
+            return self._record_plan(last, observation.stamp)
         self.counts.refused += 1
         self._plan = None
-        return self._escape(scene, observation)
+        return self._escape_command(scene, observation)
 
     def _gap_to_keep(self, scene: Scene, reference: Reference, observation: Observation) -> float:
         """Return the gap to what stands that the robot keeps here, m: less where its path has no more room."""
         x, y = observation.pose.x, observation.pose.y
-        return eased(self._obstacles.least_gap, room_along(scene.window, self._outline, reference.path, x, y, AHEAD), KEPT, 0.0)
+        return reduced_gap(self._obstacles.least_gap, room_along(scene.window, self._outline, reference.path, x, y, AHEAD), KEPT, 0.0)
 
     def _keeps_gap(self, plan: Plan, scene: Scene, observation: Observation) -> bool:
         """Return whether the command that a plan begins with keeps the gap for a control period."""
         if self._gap == 0.0:
             return True
-        command = self._command(plan).array()
+        command = self._plan_command(plan).array()
         return keeps_gap(scene.window, self._outline, observation.pose.array(), command, self._period, self._turn_braking, self._gap)
 
-    def _slow_ways(self, robot: Robot, share: float) -> FloatArray:
+    def _slow_commands(self, robot: Robot, share: float) -> FloatArray:
         drive = self._drive
         least, most = np.array((drive.vx_min, -drive.vy_max, -drive.wz_max)), np.array((drive.vx_max, drive.vy_max, drive.wz_max))
         return escape_commands(least, most, share, robot.turn_radius, robot.holonomic)
 
-    def _escape(self, scene: Scene, observation: Observation) -> Twist:
+    def _escape_command(self, scene: Scene, observation: Observation) -> Twist:
         """Return a slow way to more room; raise NoValidCommand where there is none."""
         if self._escapes is not None:
             tracks = scene.tracks
@@ -159,43 +159,45 @@ class MpcPlanner(Planner):
                 return Twist.of(found[0])
         raise NoValidCommand("mpc: neither a new plan nor the last one is free of collisions")
 
-    def _beginnings(self, scene: Scene, reference: Reference, state: FloatArray, last: Plan | None) -> Iterator[tuple[Reference, Plan]]:
+    def _initial_guesses(
+        self, scene: Scene, reference: Reference, state: FloatArray, last: Plan | None
+    ) -> Iterator[tuple[Reference, Plan]]:
         """Yield what to aim at and where to begin: the last plan, the path, the ways round what blocks it, the path up to there."""
         if last is not None:
             yield reference, last
         yield reference, self._plan_along(reference.path, state)
-        for path in self._detours(scene, reference):
+        for path in self._path_detours(scene, reference):
             yield reference, self._plan_along(path, state)
         blocked = cut_where_blocked(reference, scene.window, self._outline.inscribed_radius)
         if blocked is not reference:
             yield blocked, self._plan_along(blocked.path, state)
 
-    def _detours(self, scene: Scene, reference: Reference) -> Iterator[FloatArray]:
+    def _path_detours(self, scene: Scene, reference: Reference) -> Iterator[FloatArray]:
         """Return the path led round what stands and walks on it, if that is wanted."""
         radius, gap = self._outline.inscribed_radius, self._obstacles.moving_distance
         if self._detour is None:
             return iter(())
-        return detours(reference.path, scene.window, scene.tracks, radius, gap, self._drive.vx_max, self._detour)
+        return path_detours(reference.path, scene.window, scene.tracks, radius, gap, self._drive.vx_max, self._detour)
 
-    def _prepare(self, scene: Scene, reference: Reference) -> None:
+    def _prepare_problems(self, scene: Scene, reference: Reference) -> None:
         """Build problems when the first command is asked for, which may be a rehearsal, and load the kernels that only trouble asks for."""
         if not self._prepared:
             self._optimiser.prepare()
-            list(self._detours(scene, reference))
+            list(self._path_detours(scene, reference))
             cut_where_blocked(reference, scene.window, self._outline.inscribed_radius)
             self._prepared = True
 
-    def _check(self, observation: Observation) -> None:
+    def _check_observation(self, observation: Observation) -> None:
         """Raise NoValidCommand for what nobody can plan with."""
         if len(observation.path.poses) == 0:
             raise NoValidCommand("mpc: the path is empty")
         if not np.isfinite((*observation.pose.array(), *observation.twist.array())).all():
             raise NoValidCommand("mpc: pose or twist is not finite")
 
-    def _reference(self, observation: Observation, scene: Scene) -> Reference:
+    def _local_reference(self, observation: Observation, scene: Scene) -> Reference:
         pose = observation.pose
-        rest = self._progress.pruned(observation.path.poses, np.array((pose.x, pose.y)))
-        return ahead(rest, self._look_ahead, self._via_separation, scene.window)
+        rest = self._progress.prune_path(observation.path.poses, np.array((pose.x, pose.y)))
+        return local_reference(rest, self._look_ahead, self._via_separation, scene.window)
 
     def _last_plan(self, reference: Reference, state: FloatArray, stamp: float) -> Plan | None:
         """Return the last plan as it looks now, resized; None when there is none or the local goal has jumped."""
@@ -204,14 +206,14 @@ class MpcPlanner(Planner):
             return None
         if math.dist(plan.states[-1, :2], reference.goal[:2]) > self._reinit_distance:
             return None
-        stages, step = (len(plan.states) - 1, plan.step) if self._form == "quadratic" else resized(plan, self._grid)
+        stages, step = (len(plan.states) - 1, plan.step) if self._form == "quadratic" else resize_grid(plan, self._grid)
         end = plan.states[-1].copy()
         if self._form == "minimum_time":
             end[:2] = reference.goal[:2]
-        states = shifted(plan.states, plan.step, elapsed, end, stages, step)
+        states = shift_plan(plan.states, plan.step, elapsed, end, stages, step)
         states[:, 2] += 2.0 * math.pi * round((state[2] - states[0, 2]) / (2.0 * math.pi))
         states[0] = state
-        slack = shifted(plan.slack[:, None], plan.step, elapsed, plan.slack[-1:], stages, step)[:, 0]
+        slack = shift_plan(plan.slack[:, None], plan.step, elapsed, plan.slack[-1:], stages, step)[:, 0]
         return Plan(states, step, slack)
 
     def _plan_along(self, path: FloatArray, state: FloatArray) -> Plan:
@@ -232,69 +234,69 @@ class MpcPlanner(Planner):
 
     def _freest_plan(self, scene: Scene, reference: Reference, state: FloatArray, last: Plan | None) -> Plan | None:
         """Return the first free plan that arrives, else the cheapest free one, else the one free longest; None: none is safe."""
-        best: Rated | None = None
+        best: RatedPlan | None = None
         left = self._iterations
-        for aim, guess in self._beginnings(scene, reference, state, last):
+        for aim, guess in self._initial_guesses(scene, reference, state, last):
             if best is not None and best.share == 1.0 and aim is not reference:
                 break
             found = self._optimiser.optimise(scene, aim, state, guess, left)
             left -= found.iterations
-            rated = self._rated(found, scene)
+            rated = self._rate_plan(found, scene)
             if found.plan is not None:
                 self._weighed.append((found.plan, math.inf if rated is None else found.cost))
             if rated is None:
                 continue
-            if rated.better(best):
+            if rated.is_better(best):
                 best = rated
-            if rated.share == 1.0 and self._arrives(rated.plan, aim):
+            if rated.share == 1.0 and self._reaches_goal(rated.plan, aim):
                 break
         return None if best is None else best.plan
 
-    def _rated(self, found: Solution, scene: Scene) -> Rated | None:
+    def _rate_plan(self, found: Solution, scene: Scene) -> RatedPlan | None:
         """Return a plan that is safe with the share of it that touches nothing that stands."""
         if found.plan is None:
             return None
         free = self._free_for(found.plan, scene)
-        if not self._safe(found.plan, scene, free):
+        if not self._is_safe(found.plan, scene, free):
             return None
         share = free / found.plan.duration
-        return Rated(found.plan, 1.0 if share >= 1.0 - 1e-9 else share, found.cost)
+        return RatedPlan(found.plan, 1.0 if share >= 1.0 - 1e-9 else share, found.cost)
 
-    def _arrives(self, plan: Plan, aim: Reference) -> bool:
+    def _reaches_goal(self, plan: Plan, aim: Reference) -> bool:
         """Tell whether a plan ends near enough to where it should: one that ends before is stopped by something."""
         return math.dist(plan.states[-1, :2], aim.goal[:2]) < ARRIVED
 
-    def _safe(self, plan: Plan, scene: Scene, free: float) -> bool:
+    def _is_safe(self, plan: Plan, scene: Scene, free: float) -> bool:
         """Tell whether the robot touches nothing that stands, and nobody who keeps walking, on this plan until it could have stopped.
 
         For ``free`` s it touches nothing that stands.
         """
-        needed = min(self._braking(plan), plan.duration) - 1e-9
+        needed = min(self._braking_time(plan), plan.duration) - 1e-9
         return free >= needed and first_hit(scene.tracks, plan, self._discs, DEEPER) >= needed
 
     def _free_for(self, plan: Plan, scene: Scene) -> float:
         """Return for how long the robot's outline touches nothing that stands on this plan, s."""
         x, y, theta = plan.states[0, :3].tolist()
-        now = clearance(scene.window, self._outline, x, y, math.cos(theta), math.sin(theta), 0.1)
+        now = outline_clearance(scene.window, self._outline, x, y, math.cos(theta), math.sin(theta), 0.1)
         return free_until(scene.window, self._outline, plan.states[:, :3].copy(), allowed_gap(now, self._gap, CLOSE)) * plan.step
 
-    def _braking(self, plan: Plan) -> float:
+    def _braking_time(self, plan: Plan) -> float:
         """Return how long the robot drives the plan at least, s: one control period, and braking."""
         twist, drive = twist_of(self._model, self._drive, plan.states[1, 3:]), self._drive
         sideways = abs(twist.vy) / drive.ay_max if drive.ay_max > 0.0 else 0.0
         return self._period + max(abs(twist.vx) / drive.ax_max, sideways)
 
-    def _driven(self, plan: Plan, stamp: float) -> Twist:
+    def _record_plan(self, plan: Plan, stamp: float) -> Twist:
         """Remember the plan and return the mean of its velocities over the control period."""
         self._plan, self._planned_at = plan, stamp
         if self._model == "bicycle":
-            self._steering = float(self._velocities(plan)[1])
-        return self._command(plan)
+            self._steering = float(self._mean_velocities(plan)[1])
+        return self._plan_command(plan)
 
-    def _command(self, plan: Plan) -> Twist:
-        return twist_of(self._model, self._drive, self._velocities(plan))
+    def _plan_command(self, plan: Plan) -> Twist:
+        return twist_of(self._model, self._drive, self._mean_velocities(plan))
 
-    def _velocities(self, plan: Plan) -> FloatArray:
+    def _mean_velocities(self, plan: Plan) -> FloatArray:
         ends = np.minimum(np.arange(1, len(plan.states)) * plan.step, self._period)
         shares = np.diff(ends, prepend=0.0) / self._period
         return np.asarray(shares @ plan.states[1:, 3:] + (1.0 - shares.sum()) * plan.states[-1, 3:])

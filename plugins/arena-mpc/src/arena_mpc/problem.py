@@ -85,9 +85,9 @@ class Problem(NamedTuple):
     upper: FloatArray
 
 
-def formulate(shape: Shape) -> Problem:
+def formulate_problem(shape: Shape) -> Problem:
     """Write the problem down: states and controls in turn, the gap of each interval before its stage's constraints."""
-    head, rows = _parameters(shape)
+    head, rows = _make_parameters(shape)
     variables, constraints = [], _Constraints()
     state, objective = ca.SX.sym("x0", shape.states), ca.SX(0)
     for k in range(shape.stages + 1):
@@ -98,18 +98,18 @@ def formulate(shape: Shape) -> Problem:
         step = state[-1] if shape.form == "minimum_time" else head.step
         if not last:
             following = ca.SX.sym(f"x{k + 1}", shape.states)
-            constraints.equal(following - _followed(shape, state, control, step, head))
+            constraints.add_equality(following - _next_state(shape, state, control, step, head))
             objective += _interval_cost(shape, state, control, step, head)
-        objective += _weight(head, "slack") * slack + _weight(head, "slack_squared") * slack**2
+        objective += _weight_symbol(head, "slack") * slack + _weight_symbol(head, "slack_squared") * slack**2
         if k == 0:
-            constraints.equal(state[: shape.pose_and_velocities] - head.initial)
+            constraints.add_equality(state[: shape.pose_and_velocities] - head.initial)
         else:
-            constraints.at_least_zero(_distances(shape, state, rows[k], head, k * step) + slack)
+            constraints.add_nonnegative(_stage_distances(shape, state, rows[k], head, k * step) + slack)
             objective += _stage_cost(shape, state, rows[k], head)
         if shape.model == "bicycle" and k > 0:
-            constraints.within_one(state[3] * ca.tan(state[4]) / head.wheelbase)
+            constraints.add_unit_range(state[3] * ca.tan(state[4]) / head.wheelbase)
         if last and shape.fixed_end:
-            constraints.equal(state[:3] - head.goal)
+            constraints.add_equality(state[:3] - head.goal)
         if not last:
             state = following
     objective += _terminal_cost(state, head)
@@ -126,16 +126,16 @@ class _Constraints:
         self.lower: list[float] = []
         self.upper: list[float] = []
 
-    def equal(self, rows: Symbol) -> None:
-        self._add(rows, True, 0.0, 0.0)
+    def add_equality(self, rows: Symbol) -> None:
+        self._add_rows(rows, True, 0.0, 0.0)
 
-    def at_least_zero(self, rows: Symbol) -> None:
-        self._add(rows, False, 0.0, np.inf)
+    def add_nonnegative(self, rows: Symbol) -> None:
+        self._add_rows(rows, False, 0.0, np.inf)
 
-    def within_one(self, rows: Symbol) -> None:
-        self._add(rows, False, -1.0, 1.0)
+    def add_unit_range(self, rows: Symbol) -> None:
+        self._add_rows(rows, False, -1.0, 1.0)
 
-    def _add(self, rows: Symbol, equality: bool, lower: float, upper: float) -> None:
+    def _add_rows(self, rows: Symbol, equality: bool, lower: float, upper: float) -> None:
         count = rows.numel()
         self.rows.append(rows)
         self.equality += [equality] * count
@@ -143,7 +143,7 @@ class _Constraints:
         self.upper += [upper] * count
 
 
-def _parameters(shape: Shape) -> tuple[Head, list[Symbol]]:
+def _make_parameters(shape: Shape) -> tuple[Head, list[Symbol]]:
     head = Head(
         ca.SX.sym("initial", shape.pose_and_velocities),
         ca.SX.sym("goal", 3),
@@ -159,21 +159,21 @@ def _parameters(shape: Shape) -> tuple[Head, list[Symbol]]:
     return head, [ca.SX.sym(f"row{k}", shape.stage_row) for k in range(shape.stages + 1)]
 
 
-def _followed(shape: Shape, state: Symbol, control: Symbol, step: Symbol, head: Head) -> Symbol:
+def _next_state(shape: Shape, state: Symbol, control: Symbol, step: Symbol, head: Head) -> Symbol:
     moved = DYNAMICS[shape.model](state, control, step, head.wheelbase)
     return ca.vertcat(moved, step) if shape.form == "minimum_time" else moved
 
 
-def _weight(head: Head, name: str) -> Symbol:
+def _weight_symbol(head: Head, name: str) -> Symbol:
     return head.weights[WEIGHTS.index(name)]
 
 
 def _interval_cost(shape: Shape, state: Symbol, control: Symbol, step: Symbol, head: Head) -> Symbol:
     """Return what an interval costs: its time, or the squares of controls; and the effort of accelerating."""
     linear, angular = ca.sumsqr(control[: shape.velocities - 1]), control[shape.velocities - 1] ** 2
-    cost = head.step * (_weight(head, "acceleration_linear") * linear + _weight(head, "acceleration_angular") * angular)
+    cost = head.step * (_weight_symbol(head, "acceleration_linear") * linear + _weight_symbol(head, "acceleration_angular") * angular)
     if shape.form == "minimum_time":
-        return cost + _weight(head, "time") * step
+        return cost + _weight_symbol(head, "time") * step
     return cost
 
 
@@ -181,22 +181,24 @@ def _stage_cost(shape: Shape, state: Symbol, row: Symbol, head: Head) -> Symbol:
     """Return what a stage costs: distance beside the path, heading; in quadratic form distance to the goal and speed."""
     aside = (state[0] - row[0]) * row[2] + (state[1] - row[1]) * row[3]
     turned = row[5] * angle_error(state[2], row[4])
-    cost = head.step * (_weight(head, "path") * aside**2 + _weight(head, "path_heading") * turned)
-    cost += row[8] * _weight(head, "via_points") * ca.sumsqr(state[:2] - row[6:8])
+    cost = head.step * (_weight_symbol(head, "path") * aside**2 + _weight_symbol(head, "path_heading") * turned)
+    cost += row[8] * _weight_symbol(head, "via_points") * ca.sumsqr(state[:2] - row[6:8])
     if shape.form == "minimum_time":
         return cost
     away = ca.sumsqr(state[:2] - head.goal[:2])
     speeds = state[3 : shape.pose_and_velocities]
-    cost += _weight(head, "state_position") * away
-    cost += head.goal_heading * _weight(head, "state_heading") * angle_error(state[2], head.goal[2])
-    return cost + _weight(head, "control_linear") * ca.sumsqr(speeds[:-1]) + _weight(head, "control_angular") * speeds[-1] ** 2
+    cost += _weight_symbol(head, "state_position") * away
+    cost += head.goal_heading * _weight_symbol(head, "state_heading") * angle_error(state[2], head.goal[2])
+    return (
+        cost + _weight_symbol(head, "control_linear") * ca.sumsqr(speeds[:-1]) + _weight_symbol(head, "control_angular") * speeds[-1] ** 2
+    )
 
 
 def _terminal_cost(state: Symbol, head: Head) -> Symbol:
     """Return what the end of the plan costs: missing the local goal."""
     away = ca.sumsqr(state[:2] - head.goal[:2])
     turned = head.goal_heading * angle_error(state[2], head.goal[2])
-    return _weight(head, "goal_position") * away + _weight(head, "goal_heading") * turned
+    return _weight_symbol(head, "goal_position") * away + _weight_symbol(head, "goal_heading") * turned
 
 
 def angle_error(angle: Symbol, wanted: Symbol) -> Symbol:
@@ -204,7 +206,7 @@ def angle_error(angle: Symbol, wanted: Symbol) -> Symbol:
     return 2.0 * (1.0 - ca.cos(angle - wanted))
 
 
-def _distances(shape: Shape, state: Symbol, row: Symbol, head: Head, time: Symbol) -> Symbol:
+def _stage_distances(shape: Shape, state: Symbol, row: Symbol, head: Head, time: Symbol) -> Symbol:
     """Return how far each disc of the footprint is from its half-planes and from each moving obstacle ``time`` s ahead.
 
     What the robot's speed asks for beyond the constant gap is taken off.
@@ -217,7 +219,7 @@ def _distances(shape: Shape, state: Symbol, row: Symbol, head: Head, time: Symbo
         ahead, left = head.circles_xy[2 * i], head.circles_xy[2 * i + 1]
         x, y = state[0] + c * ahead - s * left, state[1] + s * ahead + c * left
         own = range(i * shape.planes, (i + 1) * shape.planes)
-        distances += [_distance(shape, planes[:, j], x, y) for j in own]
+        distances += [_obstacle_distance(shape, planes[:, j], x, y) for j in own]
         for m in range(shape.movers):
             dx, dy = x - movers[0, m] - time * movers[2, m], y - movers[1, m] - time * movers[3, m]
             distances.append(ca.sqrt(dx**2 + dy**2 + SMOOTH) - movers[4, m] - time * head.growth)
@@ -225,7 +227,7 @@ def _distances(shape: Shape, state: Symbol, row: Symbol, head: Head, time: Symbo
     return ca.vertcat(*distances) - head.speed_distance * speed
 
 
-def _distance(shape: Shape, obstacle: Symbol, x: Symbol, y: Symbol) -> Symbol:
+def _obstacle_distance(shape: Shape, obstacle: Symbol, x: Symbol, y: Symbol) -> Symbol:
     """Return how far (x, y) is inside a half-plane, or from a cell beyond the distance to keep from it."""
     if shape.cells:
         return ca.sqrt((x - obstacle[0]) ** 2 + (y - obstacle[1]) ** 2 + SMOOTH) - obstacle[2]

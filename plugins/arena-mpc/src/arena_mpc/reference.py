@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from arena_kernels.compiled import borrowing, compiled, inner
-from arena_kernels.window import BORDER, Window, distance_at
+from arena_kernels.costmap_window import BORDER, CostmapWindow, distance_at
 from arena_mpc.arrays import FloatArray
 
 SEARCH = 3.0  # m, how far along its path the robot may have come since it was last asked
@@ -41,7 +41,7 @@ class PathProgress:
         self._path: FloatArray | None = None
         self._place = 0
 
-    def pruned(self, path: FloatArray, position: FloatArray) -> FloatArray:
+    def prune_path(self, path: FloatArray, position: FloatArray) -> FloatArray:
         """Return the rest of ``path`` (M, 3) from the pose that is nearest to ``position`` (2,)."""
         if path is not self._path:
             self._path, self._place = path, nearest_pose(path, 0, math.inf, *position.tolist())
@@ -64,23 +64,23 @@ def nearest_pose(path: FloatArray, place: int, search: float, x: float, y: float
     return nearest
 
 
-def ahead(rest: FloatArray, look_ahead: float, via_separation: float | None, window: Window) -> Reference:
+def local_reference(rest: FloatArray, look_ahead: float, via_separation: float | None, window: CostmapWindow) -> Reference:
     """Cut the rest of a path (M, 3) at ``look_ahead`` m or where it leaves the window; headings become those of its pieces.
 
     Every ``via_separation`` m of it is a via point; None: there are none.
     """
-    path, along = cut(rest, look_ahead, window)
+    path, along = cut_path(rest, look_ahead, window)
     return Reference(path, len(path) == len(rest), _via_points(path, along, via_separation))
 
 
 @compiled
-def cut(rest: FloatArray, look_ahead: float, window: Window) -> tuple[FloatArray, FloatArray]:
+def cut_path(rest: FloatArray, look_ahead: float, window: CostmapWindow) -> tuple[FloatArray, FloatArray]:
     """Return the poses (N, 3), at least one, of the first ``look_ahead`` m that lie within the window, and how far along each is, m."""
     along, count = np.zeros(len(rest)), 0
     while count < len(rest):
         if count > 0:
             along[count] = along[count - 1] + math.hypot(rest[count, 0] - rest[count - 1, 0], rest[count, 1] - rest[count - 1, 1])
-        if not (along[count] < look_ahead + 1e-9 and within(window, rest[count, 0], rest[count, 1])):
+        if not (along[count] < look_ahead + 1e-9 and is_within(window, rest[count, 0], rest[count, 1])):
             break
         count += 1
     path = rest[: max(count, 1)].copy()
@@ -99,14 +99,14 @@ def _via_points(path: FloatArray, along: FloatArray, separation: float | None) -
     return path[places[places < len(path) - 1], :2]
 
 
-def cut_where_blocked(reference: Reference, window: Window, radius: float) -> Reference:
+def cut_where_blocked(reference: Reference, window: CostmapWindow, radius: float) -> Reference:
     """Cut a reference before the first pose at which a disc of ``radius`` m would touch something."""
     count = free_poses(window, reference.path, radius)
     return reference if count == len(reference.path) else reference._replace(path=reference.path[: max(count, 1)], final=False)
 
 
 @borrowing
-def free_poses(window: Window, path: FloatArray, radius: float) -> int:
+def free_poses(window: CostmapWindow, path: FloatArray, radius: float) -> int:
     """Return how many poses of ``path`` (M, 3) come before the first, other than the robot's, with less than ``radius`` m of room."""
     for i in range(1, len(path)):
         if distance_at(window, path[i, 0], path[i, 1]) < radius:
@@ -115,7 +115,7 @@ def free_poses(window: Window, path: FloatArray, radius: float) -> int:
 
 
 @inner
-def within(window: Window, x: float, y: float) -> bool:
+def is_within(window: CostmapWindow, x: float, y: float) -> bool:
     """Tell whether a position lies inside the window, ``BORDER`` m from its sides."""
     rows, columns = window.costs.shape
     u, v = x - window.origin_x, y - window.origin_y
@@ -123,7 +123,7 @@ def within(window: Window, x: float, y: float) -> bool:
 
 
 @compiled
-def beside(path: FloatArray, positions: FloatArray) -> FloatArray:
+def nearest_path_points(path: FloatArray, positions: FloatArray) -> FloatArray:
     """Return (N, 5) for each of ``positions`` (N, 2): the nearest point of ``path`` (M, 3), its normal there and its heading, rad."""
     found = np.zeros((len(positions), 5))
     for k in range(len(positions)):

@@ -6,7 +6,7 @@ from arena_mpc.parameters import Grid
 from arena_mpc.plan import Plan
 
 
-def resized(plan: Plan, grid: Grid) -> tuple[int, float]:
+def resize_grid(plan: Plan, grid: Grid) -> tuple[int, float]:
     """Return number and length (s) of the intervals to divide a plan into, its duration kept (Rösmann et al. 2021, section IV).
 
     The number changes by ``resize_by`` when the length is off by more than the hysteresis, so few problems need be compiled.

@@ -11,14 +11,14 @@ import numpy as np
 
 from arena_kernels.compiled import borrowing, inner
 from arena_mpc.arrays import FloatArray
-from arena_mpc.motion import differentiate
+from arena_mpc.motion import differentiate_motion
 from arena_mpc.plan import Room
 from arena_mpc.terms import Slopes, Terms, differentiate_interval, differentiate_stage
 
 SWEEPS = 12  # of coordinate descent over two or three velocities, to find which are at a limit
 
 
-class Pass(NamedTuple):
+class BackwardPass(NamedTuple):
     """What a backward pass finds: ``offsets`` (N, U) and ``gains`` (N, U, S) of the velocities; and its scratch."""
 
     offsets: FloatArray
@@ -39,15 +39,15 @@ class Pass(NamedTuple):
     held: FloatArray
 
 
-def make_pass(stages: int, states: int, controls: int) -> Pass:
+def make_pass(stages: int, states: int, controls: int) -> BackwardPass:
     """Return room for a backward pass."""
     s, u = states, controls
     sizes = ((stages, u), (stages, u, s), (s, s), (s, u), s, (s, s), (s, s), s, u, (s, s), (u, u), (u, s), s, u, u, u)
-    return Pass(*(np.zeros(size) for size in sizes))
+    return BackwardPass(*(np.zeros(size) for size in sizes))
 
 
 @inner
-def limits(room: Room, state: FloatArray, low: FloatArray, high: FloatArray) -> None:
+def velocity_limits(room: Room, state: FloatArray, low: FloatArray, high: FloatArray) -> None:
     """Write the least and greatest velocities that can be had one interval after ``state`` to ``low`` and ``high`` (U,)."""
     h = state[-1]
     for i in range(len(low)):
@@ -56,23 +56,25 @@ def limits(room: Room, state: FloatArray, low: FloatArray, high: FloatArray) -> 
 
 
 @borrowing
-def backward(terms: Terms, room: Room, states: FloatArray, controls: FloatArray, damping: float, slopes: Slopes, found: Pass) -> float:
+def backward_pass(
+    terms: Terms, room: Room, states: FloatArray, controls: FloatArray, damping: float, slopes: Slopes, found: BackwardPass
+) -> float:
     """Fill ``found`` for the plan of ``states`` (N + 1, S) and ``controls`` (N, U); return the change of the intervals' length, s."""
     found.value[:] = 0.0
     found.curvature[:] = 0.0
     for k in range(len(controls) - 1, -1, -1):
-        _clear(slopes)
+        _clear_slopes(slopes)
         differentiate_stage(terms, k + 1, states[k + 1], slopes)
         for i in range(len(found.value)):
             found.value[i] += slopes.state[i]
             for j in range(len(found.value)):
                 found.curvature[i, j] += slopes.state_state[i, j]
-        _clear(slopes)
+        _clear_slopes(slopes)
         differentiate_interval(terms, states[k], controls[k], slopes)
-        differentiate(terms.model, terms.wheelbase, states[k], controls[k], found.by_state, found.by_control)
-        _expand(slopes, found)
-        _choose(room, states[k], controls[k], damping, found.offsets[k], found.gains[k], found)
-        _pass_on(found.offsets[k], found.gains[k], found)
+        differentiate_motion(terms.model, terms.wheelbase, states[k], controls[k], found.by_state, found.by_control)
+        _expand_cost(slopes, found)
+        _choose_controls(room, states[k], controls[k], damping, found.offsets[k], found.gains[k], found)
+        _propagate_value(found.offsets[k], found.gains[k], found)
     if not terms.timed:
         return 0.0
     h, last = states[0, -1], len(found.value) - 1
@@ -81,7 +83,7 @@ def backward(terms: Terms, room: Room, states: FloatArray, controls: FloatArray,
 
 
 @inner
-def _clear(slopes: Slopes) -> None:
+def _clear_slopes(slopes: Slopes) -> None:
     slopes.state[:] = 0.0
     slopes.control[:] = 0.0
     slopes.state_state[:] = 0.0
@@ -90,7 +92,7 @@ def _clear(slopes: Slopes) -> None:
 
 
 @inner
-def _expand(slopes: Slopes, found: Pass) -> None:
+def _expand_cost(slopes: Slopes, found: BackwardPass) -> None:
     """Write the quadratic model of an interval's cost and of all that follows, by state and control.
 
     Only the heading and the interval's length move anything but themselves, and no velocity outlasts its interval: the other entries of
@@ -118,7 +120,7 @@ def _expand(slopes: Slopes, found: Pass) -> None:
 
 
 @inner
-def _expand_state(slopes: Slopes, found: Pass) -> None:
+def _expand_state(slopes: Slopes, found: BackwardPass) -> None:
     """Write the model by the state, its lower half, and the product of curvature and motion: columns 0 to 2 and the last."""
     last, a, p, q = len(found.value) - 1, found.by_state, found.curvature, found.product
     x_turn, y_turn, x_time, y_time, turn_time = a[0, 2], a[1, 2], a[0, last], a[1, last], a[2, last]
@@ -144,9 +146,11 @@ def _expand_state(slopes: Slopes, found: Pass) -> None:
 
 
 @inner
-def _choose(room: Room, state: FloatArray, control: FloatArray, damping: float, offset: FloatArray, gain: FloatArray, found: Pass) -> None:
+def _choose_controls(
+    room: Room, state: FloatArray, control: FloatArray, damping: float, offset: FloatArray, gain: FloatArray, found: BackwardPass
+) -> None:
     """Write the best change of the velocities within their limits to ``offset`` (U,), and how it follows the state to ``gain`` (U, S)."""
-    limits(room, state, found.low, found.high)
+    velocity_limits(room, state, found.low, found.high)
     q, count = found.q_control_control, len(control)
     for i in range(count):
         q[i, i] += damping
@@ -176,7 +180,7 @@ def _choose(room: Room, state: FloatArray, control: FloatArray, damping: float, 
 
 
 @inner
-def _follow_limits(room: Room, found: Pass, gain: FloatArray) -> None:
+def _follow_limits(room: Room, found: BackwardPass, gain: FloatArray) -> None:
     """Write the gains of velocities at a limit: none at the greatest speed, the limit's own where acceleration is what limits."""
     gain[:] = 0.0
     for i in range(len(gain)):
@@ -187,7 +191,7 @@ def _follow_limits(room: Room, found: Pass, gain: FloatArray) -> None:
 
 
 @inner
-def _follow_freely(found: Pass, gain: FloatArray) -> None:
+def _follow_freely(found: BackwardPass, gain: FloatArray) -> None:
     """Write the gains of the velocities that are at no limit, by Gauss-Seidel sweeps over at most three of them."""
     q, count, columns, sums = found.q_control_control, len(gain), gain.shape[1], found.q_row
     for _ in range(SWEEPS):
@@ -205,7 +209,7 @@ def _follow_freely(found: Pass, gain: FloatArray) -> None:
 
 
 @inner
-def _pass_on(offset: FloatArray, gain: FloatArray, found: Pass) -> None:
+def _propagate_value(offset: FloatArray, gain: FloatArray, found: BackwardPass) -> None:
     """Write value and curvature of what follows the stage's beginning, with the velocities as chosen."""
     states, controls, inside = len(found.value), len(offset), found.product
     for c in range(controls):

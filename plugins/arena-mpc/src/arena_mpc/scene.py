@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from arena_core import NO_TRACKS, Observation, Tracks
-from arena_kernels.window import Window, window_of, without_discs
+from arena_kernels.costmap_window import CostmapWindow, window_of, without_discs
 from arena_mpc.arrays import FloatArray
 from arena_mpc.corridor import boundary_cells
 
@@ -15,7 +15,7 @@ from arena_mpc.corridor import boundary_cells
 class Scene(NamedTuple):
     """The window without what moves, the centres (P, 2) of its obstacles' outermost cells, and what moves."""
 
-    window: Window
+    window: CostmapWindow
     cells: FloatArray
     tracks: Tracks
 

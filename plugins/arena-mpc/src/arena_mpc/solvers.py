@@ -9,7 +9,7 @@ from arena_core import ConfigurationError
 from arena_mpc.arrays import FloatArray
 from arena_mpc.parameters import SolverSettings
 from arena_mpc.plan import Plan, Room, Solution
-from arena_mpc.shooting import solve
+from arena_mpc.shooting import solve_shooting
 from arena_mpc.terms import Terms
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ class Shooting:
     def solve(self, terms: Terms, state: FloatArray, guess: Plan, room: Room, left: int) -> Solution | None:
         """Return what the iterations make of the guess."""
         iterations = min(left, self._settings.solution_iterations)
-        return solve(terms, state, guess, room, iterations, self._settings.tolerance) if iterations > 0 else None
+        return solve_shooting(terms, state, guess, room, iterations, self._settings.tolerance) if iterations > 0 else None
 
 
 class InteriorPoint:
@@ -74,8 +74,8 @@ def solvers_of(wanted: SolverSettings, constrained: str, shape_of: Callable[[int
         raise ConfigurationError(f"mpc: solver.name is shooting; allowed with {constrained}: fatrop, ipopt")
     if wanted.name == "shooting":
         return (Shooting(wanted),)
-    from arena_mpc.interior_point import available
+    from arena_mpc.interior_point import has_solver
 
     ipopt = SolverSettings("ipopt", wanted.max_iterations, wanted.solution_iterations, wanted.tolerance)
-    names = (wanted, ipopt) if wanted.name != "ipopt" and available(wanted.name) else (ipopt,)
+    names = (wanted, ipopt) if wanted.name != "ipopt" and has_solver(wanted.name) else (ipopt,)
     return tuple(InteriorPoint(settings, shape_of) for settings in names)

@@ -12,25 +12,25 @@ from arena_mpc.parameters import ModelName
 Symbol = Any  # casadi's SX, which has no types
 
 
-def unicycle(state: Symbol, control: Symbol, step: Symbol, wheelbase: Symbol) -> Symbol:
+def unicycle_step(state: Symbol, control: Symbol, step: Symbol, wheelbase: Symbol) -> Symbol:
     """Move (x, y, theta, v, omega) under accelerations (a, alpha)."""
     v, omega = state[3] + step * control[0], state[4] + step * control[1]
-    return _moved(state, v, 0.0, omega, step, v, omega)
+    return _integrate_pose(state, v, 0.0, omega, step, v, omega)
 
 
-def bicycle(state: Symbol, control: Symbol, step: Symbol, wheelbase: Symbol) -> Symbol:
+def bicycle_step(state: Symbol, control: Symbol, step: Symbol, wheelbase: Symbol) -> Symbol:
     """Move (x, y, theta, v, steering angle), referred to the rear axle, under an acceleration and a steering rate."""
     v, steering = state[3] + step * control[0], state[4] + step * control[1]
-    return _moved(state, v, 0.0, v * ca.tan(steering) / wheelbase, step, v, steering)
+    return _integrate_pose(state, v, 0.0, v * ca.tan(steering) / wheelbase, step, v, steering)
 
 
-def omnidirectional(state: Symbol, control: Symbol, step: Symbol, wheelbase: Symbol) -> Symbol:
+def omnidirectional_step(state: Symbol, control: Symbol, step: Symbol, wheelbase: Symbol) -> Symbol:
     """Move (x, y, theta, vx, vy, omega) under accelerations (ax, ay, alpha)."""
     vx, vy, omega = (state[3 + i] + step * control[i] for i in range(3))
-    return _moved(state, vx, vy, omega, step, vx, vy, omega)
+    return _integrate_pose(state, vx, vy, omega, step, vx, vy, omega)
 
 
-def _moved(state: Symbol, vx: Symbol, vy: Symbol, omega: Symbol, step: Symbol, *velocities: Symbol) -> Symbol:
+def _integrate_pose(state: Symbol, vx: Symbol, vy: Symbol, omega: Symbol, step: Symbol, *velocities: Symbol) -> Symbol:
     """Integrate with the heading of the interval's middle, which is exact up to the arc's sagitta."""
     middle = state[2] + 0.5 * step * omega
     c, s = ca.cos(middle), ca.sin(middle)
@@ -38,7 +38,7 @@ def _moved(state: Symbol, vx: Symbol, vy: Symbol, omega: Symbol, step: Symbol, *
 
 
 DYNAMICS: dict[ModelName, Callable[[Symbol, Symbol, Symbol, Symbol], Symbol]] = {
-    "unicycle": unicycle,
-    "bicycle": bicycle,
-    "omnidirectional": omnidirectional,
+    "unicycle": unicycle_step,
+    "bicycle": bicycle_step,
+    "omnidirectional": omnidirectional_step,
 }

@@ -112,17 +112,17 @@ def stage_cost(terms: Terms, k: int, state: FloatArray, slopes: Slopes) -> float
     """Return what it costs to be at ``state`` (S,) at stage ``k`` > 0; the last stage is the plan's end."""
     weights, row, goal = terms.weights, terms.rows[k], terms.goal
     aside = (state[0] - row[0]) * row[2] + (state[1] - row[1]) * row[3]
-    cost = terms.step * (weights[PATH] * aside * aside + weights[PATH_HEADING] * row[5] * _chord(state[2] - row[4]))
+    cost = terms.step * (weights[PATH] * aside * aside + weights[PATH_HEADING] * row[5] * _squared_chord(state[2] - row[4]))
     cost += row[8] * weights[VIA_POINTS] * ((state[0] - row[6]) ** 2 + (state[1] - row[7]) ** 2)
-    away, turned = (state[0] - goal[0]) ** 2 + (state[1] - goal[1]) ** 2, terms.goal_heading * _chord(state[2] - goal[2])
+    away, turned = (state[0] - goal[0]) ** 2 + (state[1] - goal[1]) ** 2, terms.goal_heading * _squared_chord(state[2] - goal[2])
     if not terms.timed:
         cost += weights[STATE_POSITION] * away + weights[STATE_HEADING] * turned
         for i in range(3, len(state) - 1):
             cost += weights[CONTROL_ANGULAR if i == len(state) - 2 else CONTROL_LINEAR] * state[i] * state[i]
     if k == len(terms.rows) - 1:
         cost += weights[GOAL_POSITION] * away + weights[GOAL_HEADING] * turned
-    distances(terms, k, state, slopes, False)
-    slack = _shortfall(slopes.gaps)
+    write_distances(terms, k, state, slopes, False)
+    slack = _smooth_shortfall(slopes.gaps)
     return float(cost + weights[SLACK] * slack + weights[SLACK_SQUARED] * slack * slack)
 
 
@@ -146,12 +146,12 @@ def differentiate_stage(terms: Terms, k: int, state: FloatArray, slopes: Slopes)
     _add_square(slopes, 1.0, 0.0, state[0] - goal[0], position)
     _add_square(slopes, 0.0, 1.0, state[1] - goal[1], position)
     _add_chord(slopes, state[2] - goal[2], terms.goal_heading * heading)
-    distances(terms, k, state, slopes, True)
+    write_distances(terms, k, state, slopes, True)
     _add_slack(slopes, weights[SLACK], weights[SLACK_SQUARED])
 
 
 @inner
-def _chord(angle: float) -> float:
+def _squared_chord(angle: float) -> float:
     return 2.0 * (1.0 - math.cos(angle))
 
 
@@ -172,7 +172,7 @@ def _add_square(slopes: Slopes, nx: float, ny: float, residual: float, weight: f
 
 
 @inner
-def distances(terms: Terms, k: int, state: FloatArray, slopes: Slopes, derived: bool) -> None:
+def write_distances(terms: Terms, k: int, state: FloatArray, slopes: Slopes, derived: bool) -> None:
     """Write how far each disc is from its half-planes and from each moving obstacle, less what speed asks for; if asked, derived."""
     c, s, time = math.cos(state[2]), math.sin(state[2]), k * state[-1]
     planes = (terms.rows.shape[1] - STAGE_HEAD) // (PLANE * len(terms.discs_xy))
@@ -216,7 +216,7 @@ def _derive_gap(
 
 
 @inner
-def _shortfall(gaps: FloatArray) -> float:
+def _smooth_shortfall(gaps: FloatArray) -> float:
     """Return the greatest shortfall of any distance, or none, rounded off: the logarithm of a sum of exponentials."""
     worst = -FAR_OFF
     for i in range(len(gaps)):
@@ -236,7 +236,7 @@ def _shortfall(gaps: FloatArray) -> float:
 def _add_slack(slopes: Slopes, weight: float, weight_squared: float) -> None:
     """Add the derivatives of the price of the slack; its curvature is that of a convex function of the distances, taken as linear."""
     gaps, rows, mean = slopes.gaps, slopes.gap_state, slopes.mean
-    slack = _shortfall(gaps)
+    slack = _smooth_shortfall(gaps)
     if slack == 0.0:
         return
     price, bend = weight + 2.0 * weight_squared * slack, 2.0 * weight_squared

@@ -41,11 +41,11 @@ def chassis_of(robot: Robot, model: MotionModel, limits: SpeedLimits, turning_ra
         np.float32(own.ay_max * dt if sideways else 0.0),
         np.float32(own.alpha_max * dt),
         np.float32(0.0 if model == "Ackermann" else math.inf),
-        np.float32(_curvature(robot, turning_radius) if model == "Ackermann" else 0.0),
+        np.float32(_max_curvature(robot, turning_radius) if model == "Ackermann" else 0.0),
     )
 
 
-def _curvature(robot: Robot, turning_radius: float | None) -> float:
+def _max_curvature(robot: Robot, turning_radius: float | None) -> float:
     """Return the greatest curvature, 1/m, of the steering or of ``turning_radius``, whichever is less."""
     steering = math.tan(robot.steering_max) / robot.wheelbase if robot.kinematics == "ackermann" else math.inf
     if not turning_radius and math.isinf(steering):

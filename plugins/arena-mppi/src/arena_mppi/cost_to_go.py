@@ -16,7 +16,7 @@ SETTLED = np.float32(1e-3)  # m
 
 
 @borrowing
-def slownesses(gaps: Floats, radius: float, comfort_gap: float, comfort_cost: float, blocked_cost: float, slow: Floats) -> None:
+def fill_slowness(gaps: Floats, radius: float, comfort_gap: float, comfort_cost: float, blocked_cost: float, slow: Floats) -> None:
     """Fill ``slow`` (h, w): what a metre costs, 1 in the open, more within ``comfort_gap`` of walls, ``blocked_cost`` where none fits.
 
     The robot fits where it fits in one cell of the window: a gap hardly wider than the robot lies across the field's larger ones.
@@ -36,7 +36,7 @@ def slownesses(gaps: Floats, radius: float, comfort_gap: float, comfort_cost: fl
 
 
 @borrowing
-def sweep(left: Floats, slow: Floats, side: float) -> int:
+def fast_sweep(left: Floats, slow: Floats, side: float) -> int:
     """Lower ``left`` (h, w) to the solution of abs(gradient) = ``slow`` with its least value as the source; return the rounds taken.
 
     Zhao, A Fast Sweeping Method for Eikonal Equations, Mathematics of Computation 74, 2005. ``side`` of a cell in m.
@@ -49,7 +49,7 @@ def sweep(left: Floats, slow: Floats, side: float) -> int:
                 row = i if order < 2 else rows - 1 - i
                 for j in range(columns):
                     column = j if order % 2 == 0 else columns - 1 - j
-                    value = arrival(left, row, column, slow[row, column] * np.float32(side))
+                    value = upwind_value(left, row, column, slow[row, column] * np.float32(side))
                     if value < left[row, column]:
                         change = max(change, left[row, column] - value)
                         left[row, column] = value
@@ -59,7 +59,7 @@ def sweep(left: Floats, slow: Floats, side: float) -> int:
 
 
 @inner
-def arrival(left: Floats, row: int, column: int, pace: np.float32) -> np.float32:
+def upwind_value(left: Floats, row: int, column: int, pace: np.float32) -> np.float32:
     """Return the value of a cell that follows from its neighbours' (Godunov's upwind difference)."""
     rows, columns = left.shape
     a = min(left[row, max(column - 1, 0)], left[row, min(column + 1, columns - 1)])

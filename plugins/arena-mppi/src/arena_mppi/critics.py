@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from arena_kernels.compiled import inlined, inner
-from arena_kernels.window import OUTLINE_SPACING, clearance, distance_at
+from arena_kernels.costmap_window import OUTLINE_SPACING, distance_at, outline_clearance
 from arena_mppi.parameters import Body, Critics, Floats, Scene
 from arena_mppi.rollout import COLUMN, COSINE, COST, GAP, HALF, HIT, LANES, ONE, RIGHT, ROW, SINE, SPEED, TRAVELLED, UP, ZERO, X, Y
 
@@ -20,7 +20,7 @@ FEW = 48  # lanes up to which each is judged by itself instead of all side by si
 
 
 @inlined
-def interpolated(field: Floats, u: np.float32, v: np.float32) -> np.float32:
+def interpolate_field(field: Floats, u: np.float32, v: np.float32) -> np.float32:
     """Return a field's value at column ``u`` and row ``v`` counted between cell centres, which must be inside."""
     rows, columns = field.shape
     column, row = min(max(int(u), 0), columns - 2), min(max(int(v), 0), rows - 2)
@@ -51,13 +51,13 @@ def find_cells(lanes: Floats, scene: Scene, at_x: np.float32, at_y: np.float32) 
 
 
 @inlined
-def left_at(scene: Scene, x: np.float32, y: np.float32) -> np.float32:
+def cost_to_go_at(scene: Scene, x: np.float32, y: np.float32) -> np.float32:
     """Return what is left of the way from a position; beyond the window's edge the way back to it comes on top."""
     rows, columns = scene.left.shape
     u, v = (x - scene.left_x) / scene.left_resolution - HALF, (y - scene.left_y) / scene.left_resolution - HALF
     inside_u, inside_v = min(max(u, ZERO), np.float32(columns - 1)), min(max(v, ZERO), np.float32(rows - 1))
     beyond = np.sqrt((u - inside_u) * (u - inside_u) + (v - inside_v) * (v - inside_v))
-    return interpolated(scene.left, inside_u, inside_v) + beyond * scene.left_resolution  # type: ignore[no-any-return]
+    return interpolate_field(scene.left, inside_u, inside_v) + beyond * scene.left_resolution  # type: ignore[no-any-return]
 
 
 @inner
@@ -70,7 +70,7 @@ def cover_radius(body: Body) -> np.float32:
 
 
 @inner
-def judge_static(lanes: Floats, scene: Scene, body: Body, critics: Critics, least: float, share: np.float32) -> None:
+def add_static_cost(lanes: Floats, scene: Scene, body: Body, critics: Critics, least: float, share: np.float32) -> None:
     """Add what lanes near walls cost: repulsion by the square of the missing gap, and for the first contact COLLISION_COST and its speed's.
 
     To a fast lane walls are nearer, by its speed times ``critics.reaction_time``. The discs that cover the footprint tell the gap within
@@ -100,13 +100,13 @@ def judge_static(lanes: Floats, scene: Scene, body: Body, critics: Critics, leas
         if felt < critics.near_collision_gap:
             cost += critics.critical * (ONE - felt / critics.near_collision_gap)
         lanes[COST + k] += share * cost
-        if gap < least and collides(lanes, k, scene, body, least):
+        if gap < least and lane_collides(lanes, k, scene, body, least):
             lanes[HIT + k] = ONE
             lanes[COST + k] += COLLISION_COST * (ONE + lanes[SPEED + k])
 
 
 @inner
-def collides(lanes: Floats, k: int, scene: Scene, body: Body, least: float) -> bool:
+def lane_collides(lanes: Floats, k: int, scene: Scene, body: Body, least: float) -> bool:
     """Tell whether the outline of lane ``k`` is nearer to a wall than ``least`` m; what reaches beyond the window counts as free.
 
     Points of the outline are not looked at where one before them is so far from walls that they cannot be near: no distance changes by
@@ -118,7 +118,7 @@ def collides(lanes: Floats, k: int, scene: Scene, body: Body, least: float) -> b
     right, top = window.origin_x + columns * window.resolution, window.origin_y + rows * window.resolution
     edge = min(min(x - window.origin_x, right - x), min(y - window.origin_y, top - y))
     if edge <= outline.radius + window.resolution:
-        gap = clearance(window, outline, x, y, c, s, least)
+        gap = outline_clearance(window, outline, x, y, c, s, least)
         return bool(-100.0 < gap < least)
     centre, count = distance_at(window, x, y), len(outline.points_xy)
     if count == 0 or centre - outline.radius > least:
@@ -136,7 +136,7 @@ def collides(lanes: Floats, k: int, scene: Scene, body: Body, least: float) -> b
 
 
 @inner
-def judge_moving(
+def add_moving_cost(
     lanes: Floats, scene: Scene, body: Body, critics: Critics, t: int, fastest: np.float32, cover: np.float32, dt: np.float32
 ) -> None:
     """Add what lanes cost that come near to where a moving obstacle is expected at step ``t``; none drives faster than ``fastest``.
@@ -159,17 +159,17 @@ def judge_moving(
         if near > FEW:
             for d in range(len(body.discs)):
                 for k in range(LANES):
-                    add_moving(lanes, k, body, d, other_x, other_y, other_radius, critics, weight, contact)
+                    add_disc_cost(lanes, k, body, d, other_x, other_y, other_radius, critics, weight, contact)
         elif near > 0:
             for k in range(LANES):
                 dx, dy = lanes[X + k] - other_x, lanes[Y + k] - other_y
                 if dx * dx + dy * dy < squared:
                     for d in range(len(body.discs)):
-                        add_moving(lanes, k, body, d, other_x, other_y, other_radius, critics, weight, contact)
+                        add_disc_cost(lanes, k, body, d, other_x, other_y, other_radius, critics, weight, contact)
 
 
 @inlined
-def add_moving(
+def add_disc_cost(
     lanes: Floats,
     k: int,
     body: Body,
@@ -190,7 +190,7 @@ def add_moving(
 
 
 @inner
-def judge_alignment(lanes: Floats, scene: Scene, weight: np.float32) -> None:
+def add_alignment_cost(lanes: Floats, scene: Scene, weight: np.float32) -> None:
     """Add the distance of each lane from the path point as far along the path as the lane has travelled."""
     last = len(scene.path) - 1
     for k in range(LANES):
@@ -200,15 +200,15 @@ def judge_alignment(lanes: Floats, scene: Scene, weight: np.float32) -> None:
 
 
 @inner
-def judge_progress(lanes: Floats, scene: Scene, weight: np.float32) -> None:
+def add_progress_cost(lanes: Floats, scene: Scene, weight: np.float32) -> None:
     """Add what each lane has left of the way."""
     for k in range(LANES):
         if lanes[HIT + k] == ZERO:
-            lanes[COST + k] += weight * left_at(scene, lanes[X + k], lanes[Y + k])
+            lanes[COST + k] += weight * cost_to_go_at(scene, lanes[X + k], lanes[Y + k])
 
 
 @inner
-def judge_goal(lanes: Floats, scene: Scene, weight: np.float32, angle_weight: np.float32) -> None:
+def add_goal_cost(lanes: Floats, scene: Scene, weight: np.float32, angle_weight: np.float32) -> None:
     """Add the distance of each lane from the goal, and how far its heading is off the goal's (1 - cosine)."""
     goal_x, goal_y, goal_c, goal_s = scene.goal[0], scene.goal[1], scene.goal[2], scene.goal[3]
     for k in range(LANES):

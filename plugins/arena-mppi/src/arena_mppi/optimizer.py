@@ -7,11 +7,21 @@ import math
 import numpy as np
 
 from arena_kernels.compiled import borrowing, inner
+from arena_kernels.costmap_window import outline_clearance
 from arena_kernels.scalars import Integer
-from arena_kernels.window import clearance
-from arena_mppi.critics import COLLIDED, FAR, SPACING, cover_radius, judge_alignment, judge_goal, judge_moving, judge_progress, judge_static
+from arena_mppi.critics import (
+    COLLIDED,
+    FAR,
+    SPACING,
+    add_alignment_cost,
+    add_goal_cost,
+    add_moving_cost,
+    add_progress_cost,
+    add_static_cost,
+    cover_radius,
+)
 from arena_mppi.parameters import Body, Chassis, Critics, Floats, Sampling, Scene, Workspace
-from arena_mppi.rollout import COSINE, COST, LANES, ONE, SINE, ZERO, X, Y, draw_noise, drive_lanes, start_lanes, towards
+from arena_mppi.rollout import COSINE, COST, LANES, ONE, SINE, ZERO, X, Y, draw_noise, drive_lanes, start_lanes, step_towards
 
 PATH_STRIDE = 4  # steps between two looks at the path, as in Nav2
 BELIEVED = np.float32(0.3)  # least belief in a predicted contact that the chosen sequence must not run into
@@ -41,10 +51,10 @@ def control_step(
     for iteration in range(sampling.iterations):
         for block in range(len(work.costs) // LANES):
             roll_out(work, scene, body, chassis, sampling, critics, state, least, key, tick * sampling.iterations + iteration, block)
-        judge_ends(work, scene, sampling, critics, state)
-        free = weigh(work, sampling)
-        average(work, sampling)
-        steps = choose(work, scene, body, chassis, sampling, state, least, free)
+        add_end_costs(work, scene, sampling, critics, state)
+        free = update_weights(work, sampling)
+        average_rollouts(work, sampling)
+        steps = choose_sequence(work, scene, body, chassis, sampling, state, least, free)
     return steps
 
 
@@ -74,17 +84,17 @@ def roll_out(
         elif t >= sampling.tied:
             draw_noise(lanes, work.normals, key, tick, block * steps + t, sampling.kept, sampling.renewed)
         drive_lanes(lanes, work.velocities[block, t], work.mean[max(t, sampling.tied - 1)], chassis, sampling, critics)
-        judge_static(lanes, scene, body, critics, least, dt)
-        judge_moving(lanes, scene, body, critics, t, fastest, cover, dt)
+        add_static_cost(lanes, scene, body, critics, least, dt)
+        add_moving_cost(lanes, scene, body, critics, t, fastest, cover, dt)
         if critics.goal + critics.goal_angle > ZERO:
-            judge_goal(lanes, scene, critics.goal * dt, critics.goal_angle * dt)
+            add_goal_cost(lanes, scene, critics.goal * dt, critics.goal_angle * dt)
         if t % PATH_STRIDE == PATH_STRIDE - 1:
             if critics.align > ZERO:
-                judge_alignment(lanes, scene, critics.align * dt * np.float32(PATH_STRIDE))
+                add_alignment_cost(lanes, scene, critics.align * dt * np.float32(PATH_STRIDE))
             if share > ZERO:
-                judge_progress(lanes, scene, share)
+                add_progress_cost(lanes, scene, share)
     if critics.progress > ZERO:
-        judge_progress(lanes, scene, critics.end_share * critics.progress)
+        add_progress_cost(lanes, scene, critics.end_share * critics.progress)
     begin = block * LANES
     for k in range(LANES):
         work.costs[begin + k] = lanes[COST + k]
@@ -93,7 +103,7 @@ def roll_out(
 
 
 @inner
-def judge_ends(work: Workspace, scene: Scene, sampling: Sampling, critics: Critics, state: Floats) -> None:
+def add_end_costs(work: Workspace, scene: Scene, sampling: Sampling, critics: Critics, state: Floats) -> None:
     """Add the distance of each end from a point ahead of the farthest path point that any end reaches, and its bearing from there."""
     if critics.follow <= ZERO and critics.angle <= ZERO:
         return
@@ -103,18 +113,18 @@ def judge_ends(work: Workspace, scene: Scene, sampling: Sampling, critics: Criti
             reached = max(reached, nearest_point(scene.path, reached, work.ends[0, k], work.ends[1, k]))
     last = len(scene.path) - 1
     follow, ahead = min(reached + int(critics.follow_ahead / SPACING), last), min(reached + int(critics.angle_ahead / SPACING), last)
-    turning = abs(bearing(state[0], state[1], scene.path[ahead, 0], scene.path[ahead, 1])) > critics.angle_tolerance
+    turning = abs(bearing_to(state[0], state[1], scene.path[ahead, 0], scene.path[ahead, 1])) > critics.angle_tolerance
     for k in range(sampling.batch_size):
         x, y = work.ends[0, k], work.ends[1, k]
         dx, dy = scene.path[follow, 0] - x, scene.path[follow, 1] - y
         work.costs[k] += critics.follow * np.sqrt(dx * dx + dy * dy)
         if turning:
             dx, dy = scene.path[ahead, 0] - x, scene.path[ahead, 1] - y
-            work.costs[k] += critics.angle * abs(bearing(work.ends[2, k], work.ends[3, k], dx, dy))
+            work.costs[k] += critics.angle * abs(bearing_to(work.ends[2, k], work.ends[3, k], dx, dy))
 
 
 @inner
-def bearing(cosine: np.float32, sine: np.float32, x: np.float32, y: np.float32) -> np.float32:
+def bearing_to(cosine: np.float32, sine: np.float32, x: np.float32, y: np.float32) -> np.float32:
     """Return the angle from a heading to a direction, rad."""
     return np.float32(math.atan2(cosine * y - sine * x, cosine * x + sine * y))
 
@@ -132,7 +142,7 @@ def nearest_point(path: Floats, first: int, x: np.float32, y: np.float32) -> int
 
 
 @inner
-def weigh(work: Workspace, sampling: Sampling) -> int:
+def update_weights(work: Workspace, sampling: Sampling) -> int:
     """Fill the weights, the softmax of minus cost over temperature, and return how many roll-outs are free of collision."""
     least, free, total = np.inf, 0, 0.0
     for k in range(sampling.batch_size):
@@ -148,7 +158,7 @@ def weigh(work: Workspace, sampling: Sampling) -> int:
 
 
 @inner
-def average(work: Workspace, sampling: Sampling) -> None:
+def average_rollouts(work: Workspace, sampling: Sampling) -> None:
     """Set the mean to the weighted average of the velocities reached, which no acceleration limit breaks: the limits are convex."""
     for t in range(sampling.time_steps):
         for axis in range(3):
@@ -165,7 +175,9 @@ def average(work: Workspace, sampling: Sampling) -> None:
 
 
 @inner
-def choose(work: Workspace, scene: Scene, body: Body, chassis: Chassis, sampling: Sampling, state: Floats, least: float, free: int) -> int:
+def choose_sequence(
+    work: Workspace, scene: Scene, body: Body, chassis: Chassis, sampling: Sampling, state: Floats, least: float, free: int
+) -> int:
     """Keep in ``work.mean`` the smoothed mean, the mean or the cheapest roll-out: the first that stays free as long as the last does.
 
     The average of two ways round an obstacle may lead into it. Return all steps when any roll-out is free of walls, else those of the
@@ -175,23 +187,23 @@ def choose(work: Workspace, scene: Scene, body: Body, chassis: Chassis, sampling
     for k in range(sampling.batch_size):
         if work.costs[k] < work.costs[best]:
             best = k
-    smooth(work, sampling)
+    smooth_sequence(work, sampling)
     for t in range(sampling.time_steps):
         for axis in range(3):
             work.cheapest[t, axis] = work.velocities[best // LANES, t, axis * LANES + best % LANES]
     wanted = free_steps(work.cheapest, scene, body, chassis, sampling, state, least)
     if free == 0:
-        copy(work.cheapest, work.mean)
+        copy_sequence(work.cheapest, work.mean)
         return min(wanted, sampling.time_steps - 1)
     if sampling.smoothing and free_steps(work.smoothed, scene, body, chassis, sampling, state, least) >= wanted:
-        copy(work.smoothed, work.mean)
+        copy_sequence(work.smoothed, work.mean)
     elif free_steps(work.mean, scene, body, chassis, sampling, state, least) < wanted:
-        copy(work.cheapest, work.mean)
+        copy_sequence(work.cheapest, work.mean)
     return sampling.time_steps
 
 
 @inner
-def copy(source: Floats, target: Floats) -> None:
+def copy_sequence(source: Floats, target: Floats) -> None:
     """Copy a sequence (T, 3): assigning slices would allocate."""
     for t in range(len(source)):
         for axis in range(3):
@@ -199,7 +211,7 @@ def copy(source: Floats, target: Floats) -> None:
 
 
 @inner
-def smooth(work: Workspace, sampling: Sampling) -> None:
+def smooth_sequence(work: Workspace, sampling: Sampling) -> None:
     """Fit parabolas to nine velocities each (Savitzky, Golay 1964), those of the past and the last one repeated at the ends."""
     steps = sampling.time_steps
     for t in range(steps):
@@ -219,22 +231,22 @@ def free_steps(velocities: Floats, scene: Scene, body: Body, chassis: Chassis, s
     for t in range(sampling.time_steps):
         sent = velocities[max(t, sampling.tied - 1)]
         old_x, old_y, old_w = vx, vy, wz
-        vx, vy = towards(vx, sent[0], chassis.vx_change), towards(vy, sent[1], chassis.vy_change)
-        wz = towards(wz, sent[2], chassis.wz_change)
+        vx, vy = step_towards(vx, sent[0], chassis.vx_change), step_towards(vy, sent[1], chassis.vy_change)
+        wz = step_towards(wz, sent[2], chassis.wz_change)
         middle = np.float32(0.25) * sampling.dt * (old_w + wz)
         along, aside = np.float32(0.5) * sampling.dt * (old_x + vx), np.float32(0.5) * sampling.dt * (old_y + vy)
         turn_c, turn_s = np.float32(math.cos(middle)), np.float32(math.sin(middle))
         c, s = c * turn_c - s * turn_s, s * turn_c + c * turn_s
         x, y = x + c * along - s * aside, y + s * along + c * aside
         c, s = c * turn_c - s * turn_s, s * turn_c + c * turn_s
-        gap = clearance(scene.window, body.outline, scene.x + float(x), scene.y + float(y), float(c), float(s), least)
-        if (gap < least and gap > -float(FAR)) or (scene.belief[t] > BELIEVED and met(scene, body, t, x, y, c, s)):
+        gap = outline_clearance(scene.window, body.outline, scene.x + float(x), scene.y + float(y), float(c), float(s), least)
+        if (gap < least and gap > -float(FAR)) or (scene.belief[t] > BELIEVED and hits_moving(scene, body, t, x, y, c, s)):
             return t
     return sampling.time_steps
 
 
 @inner
-def met(scene: Scene, body: Body, t: int, x: np.float32, y: np.float32, c: np.float32, s: np.float32) -> bool:
+def hits_moving(scene: Scene, body: Body, t: int, x: np.float32, y: np.float32, c: np.float32, s: np.float32) -> bool:
     """Tell whether a robot at a pose touches where a moving obstacle is expected at step ``t``."""
     for n in range(scene.moving.shape[1]):
         for d in range(len(body.discs)):

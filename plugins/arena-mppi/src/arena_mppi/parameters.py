@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_kernels.window import Outline, Window
+from arena_kernels.costmap_window import CostmapWindow, Outline
 
 Floats = NDArray[np.float32]
 Doubles = NDArray[np.float64]
@@ -100,7 +100,7 @@ class Scene(NamedTuple):
     belief: Floats
     path: Floats
     goal: Floats
-    window: Window
+    window: CostmapWindow
     x: float
     y: float
 

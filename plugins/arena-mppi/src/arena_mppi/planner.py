@@ -9,18 +9,18 @@ import numpy as np
 
 from arena_core import Candidate, EpisodeStart, NoValidCommand, Observation, Planner, Pose, Robot, Twist
 from arena_core.parameters import Fraction, NonNegative, NonNegativeInt, Positive, PositiveInt
-from arena_kernels.window import allowed_gap, clearance
+from arena_kernels.costmap_window import allowed_gap, outline_clearance
+from arena_mppi.candidates import rollout_candidates
 from arena_mppi.chassis import MotionModel, chassis_of, motion_model_of
-from arena_mppi.considered import considered
-from arena_mppi.guide import CREEP, guide
 from arena_mppi.optimizer import control_step
 from arena_mppi.parameters import Critics, Floats, Scene
 from arena_mppi.passage import eased_static, room_ahead
-from arena_mppi.patience import Patience
-from arena_mppi.sampling import sampling_of, workspace
-from arena_mppi.scene import body_of, scene_of, standing_window
-from arena_mppi.sequence import Sequence
+from arena_mppi.path_following import CREEP, follow_path
+from arena_mppi.sampling import make_workspace, sampling_of
+from arena_mppi.scene import body_of, scene_of, static_window
+from arena_mppi.sequence import ControlSequence
 from arena_mppi.settings import Goal, Motion, Moving, Noise, PathCritics, Progress, SpeedLimits, Static
+from arena_mppi.stuck_detection import StuckDetector
 from arena_mppi.weights import critics_of
 
 THROUGH = 0.4  # part of the greatest speed at which the guide leads through a passage
@@ -60,10 +60,10 @@ class MppiPlanner(Planner):
         model = motion_model_of(robot, motion_model)
         self._chassis = chassis_of(robot, model, limits, turning_radius, model_dt)
         self._sampling = sampling_of(self._chassis, noise, batch_size, time_steps, model_dt, iterations, temperature, gamma, smoothing)
-        self._work = workspace(self._sampling, self._chassis, arcs)
-        self._sequence = Sequence(time_steps, model_dt, velocity_feedback)
+        self._work = make_workspace(self._sampling, self._chassis, arcs)
+        self._sequence = ControlSequence(time_steps, model_dt, velocity_feedback)
         self._body = body_of(robot.footprint)
-        self._patience = Patience(patience)
+        self._patience = StuckDetector(patience)
         self._retries = retry_attempt_limit
         self._own_static = self._static = static
         self._moving, self._goal, self._path = moving, goal, path
@@ -86,28 +86,28 @@ class MppiPlanner(Planner):
 
     def considered(self) -> list[Candidate]:
         """Return some roll-outs of the last batch with what they cost, and the sequence that is driven."""
-        return [] if self._began is None else considered(self._work, self._sampling, *self._began, self._drives)
+        return [] if self._began is None else rollout_candidates(self._work, self._sampling, *self._began, self._drives)
 
     def compute_velocity(self, observation: Observation) -> Twist:
         """Return the velocity that the sequence has at the end of the coming period; raise NoValidCommand when all collide within it."""
         self._began = None
-        self._check(observation)
-        scene = self._scene(observation)
-        self._static = eased_static(self._own_static, self._room(observation, scene))
+        self._check_observation(observation)
+        scene = self._build_scene(observation)
+        self._static = eased_static(self._own_static, self._path_clearance(observation, scene))
         twist = observation.twist
         sideways = twist.vy if self._chassis.vy_max > 0.0 else 0.0
-        now = self._sequence.velocity(np.array((twist.vx, sideways, twist.wz), np.float32), observation.stamp)
+        now = self._sequence.velocity_at(np.array((twist.vx, sideways, twist.wz), np.float32), observation.stamp)
         self._began, self._drives = (observation.pose, now), False
         work = self._work
-        work.history[:] = self._sequence.past(now, observation.stamp)
-        work.mean[:] = self._sequence.ahead(now, observation.stamp)
+        work.history[:] = self._sequence.past_velocities(now, observation.stamp)
+        work.mean[:] = self._sequence.shifted_sequence(now, observation.stamp)
         if self._free_steps(observation, scene, now) <= self._sampling.tied:
             self._sequence.clear()
             raise NoValidCommand("mppi: every roll-out collides before the next command")
         self._drives = True
-        return self._command(self._sequence.keep(work.mean, now, observation.stamp, self._period))
+        return self._make_command(self._sequence.store_sequence(work.mean, now, observation.stamp, self._period))
 
-    def _command(self, velocity: Floats) -> Twist:
+    def _make_command(self, velocity: Floats) -> Twist:
         """Return a velocity as a command; the average of two bends may be a bend that no car can drive."""
         vx, vy, wz = velocity.tolist()
         tightest = float(self._chassis.turn_at_rest) + float(self._chassis.curvature) * abs(vx)
@@ -115,64 +115,64 @@ class MppiPlanner(Planner):
 
     def _free_steps(self, observation: Observation, scene: Scene, now: Floats) -> int:
         """Improve the sequence, once more from rest when every roll-out collides; return for how many steps it is free."""
-        steps = self._improve(observation, scene, now)
+        steps = self._improve_sequence(observation, scene, now)
         for _ in range(self._retries):
             if steps == self._sampling.time_steps:
                 break
             self._work.mean[:] = 0.0
-            steps = self._improve(observation, scene, now)
+            steps = self._improve_sequence(observation, scene, now)
         if self._static is not self._own_static:
-            steps = self._guided(observation, scene, now, steps, THROUGH * float(self._chassis.vx_max))
-        if self._patience.left(observation.pose, observation.stamp) < 1.0:
-            steps = self._guided(observation, scene, now, steps, CREEP)
+            steps = self._improve_along_path(observation, scene, now, steps, THROUGH * float(self._chassis.vx_max))
+        if self._patience.clearance_scale(observation.pose, observation.stamp) < 1.0:
+            steps = self._improve_along_path(observation, scene, now, steps, CREEP)
         return steps
 
-    def _guided(self, observation: Observation, scene: Scene, now: Floats, steps: int, speed: float) -> int:
+    def _improve_along_path(self, observation: Observation, scene: Scene, now: Floats, steps: int, speed: float) -> int:
         """Improve the guide as well, and keep the cheaper sequence; return for how many steps it is free."""
         work, sampling = self._work, self._sampling
         mean, least = work.mean.copy(), work.costs[: sampling.batch_size].min()
         theta, radius = observation.pose.theta, self._body.outline.inscribed_radius
         state = np.array((math.cos(theta), math.sin(theta), *now), np.float32)
-        work.mean[:] = guide(scene, radius, self._chassis, state, speed, float(sampling.dt), sampling.time_steps)
-        guided = self._improve(observation, scene, now)
+        work.mean[:] = follow_path(scene, radius, self._chassis, state, speed, float(sampling.dt), sampling.time_steps)
+        guided = self._improve_sequence(observation, scene, now)
         if work.costs[: sampling.batch_size].min() < least:
             return guided
         work.mean[:] = mean
         return steps
 
-    def _improve(self, observation: Observation, scene: Scene, now: Floats) -> int:
+    def _improve_sequence(self, observation: Observation, scene: Scene, now: Floats) -> int:
         """Run one control step and return for how many steps its sequence is free."""
         pose = observation.pose
         c, s = math.cos(pose.theta), math.sin(pose.theta)
-        wanted = self._static.collision_gap * max(TIGHTEST, self._patience.left(pose, observation.stamp))
-        gap = clearance(scene.window, self._body.outline, pose.x, pose.y, c, s, wanted)
+        wanted = self._static.collision_gap * max(TIGHTEST, self._patience.clearance_scale(pose, observation.stamp))
+        gap = outline_clearance(scene.window, self._body.outline, pose.x, pose.y, c, s, wanted)
         least = allowed_gap(gap, wanted, 0.0) if math.isfinite(gap) else wanted
         state = np.array((c, s, *now), np.float32)
-        critics = self._critics(observation)
+        critics = self._weighted_critics(observation)
         self._steps += 1
         return control_step(
             self._work, scene, self._body, self._chassis, self._sampling, critics, state, float(least), self._key, self._steps
         )
 
-    def _room(self, observation: Observation, scene: Scene) -> float:
+    def _path_clearance(self, observation: Observation, scene: Scene) -> float:
         """Return the room that the path leaves on either side over the next metre, inf where that is more than walls are near."""
         path = np.ascontiguousarray(observation.path.poses, np.float64)
         return room_ahead(scene.window, self._body.outline, path, scene.x, scene.y, self._own_static.near_collision_gap)
 
-    def _scene(self, observation: Observation) -> Scene:
-        window = standing_window(observation, self._moving.speed_min)
+    def _build_scene(self, observation: Observation) -> Scene:
+        window = static_window(observation, self._moving.speed_min)
         dt, steps = float(self._sampling.dt), self._sampling.time_steps
         reach = float(max(self._chassis.vx_max, self._chassis.vy_max)) * dt * steps + self._path.follow_ahead + self._path.angle_ahead
         return scene_of(observation, window, self._body, self._moving, self._progress, dt, steps, reach)
 
-    def _critics(self, observation: Observation) -> Critics:
+    def _weighted_critics(self, observation: Observation) -> Critics:
         distance = observation.pose.distance(observation.goal)
-        patience = self._patience.left(observation.pose, observation.stamp)
+        patience = self._patience.clearance_scale(observation.pose, observation.stamp)
         speed = float(max(self._chassis.vx_max, self._chassis.vy_max))
         return critics_of(self._static, self._moving, self._goal, self._path, self._progress, self._motion, speed, distance, patience)
 
     @staticmethod
-    def _check(observation: Observation) -> None:
+    def _check_observation(observation: Observation) -> None:
         """Raise NoValidCommand unless there are a path and finite numbers."""
         pose, twist, poses = observation.pose, observation.twist, observation.path.poses
         if len(poses) == 0:

@@ -72,9 +72,9 @@ def drive_lanes(lanes: Floats, out: Floats, mean: Floats, chassis: Chassis, samp
         wanted_y = follows * mean_y + noisy * std_y * lanes[NOISE_Y + k] + lanes[FIXED_Y + k]
         wanted_w = follows * mean_w + noisy * std_w * lanes[NOISE_W + k] + lanes[FIXED_W + k]
         old_x, old_y, old_w = lanes[VX + k], lanes[VY + k], lanes[WZ + k]
-        vx = towards(old_x, min(max(wanted_x, chassis.vx_min), chassis.vx_max), chassis.vx_change)
-        vy = towards(old_y, min(max(wanted_y, -chassis.vy_max), chassis.vy_max), chassis.vy_change)
-        wz = towards(old_w, min(max(wanted_w, -chassis.wz_max), chassis.wz_max), chassis.wz_change)
+        vx = step_towards(old_x, min(max(wanted_x, chassis.vx_min), chassis.vx_max), chassis.vx_change)
+        vy = step_towards(old_y, min(max(wanted_y, -chassis.vy_max), chassis.vy_max), chassis.vy_change)
+        wz = step_towards(old_w, min(max(wanted_w, -chassis.wz_max), chassis.wz_max), chassis.wz_change)
         tightest = chassis.turn_at_rest + chassis.curvature * abs(vx)
         wz = min(max(wz, -tightest), tightest)
         lanes[VX + k], lanes[VY + k], lanes[WZ + k] = vx, vy, wz
@@ -104,6 +104,6 @@ def drive_lanes(lanes: Floats, out: Floats, mean: Floats, chassis: Chassis, samp
 
 
 @inlined
-def towards(value: np.float32, wanted: np.float32, change: np.float32) -> np.float32:
+def step_towards(value: np.float32, wanted: np.float32, change: np.float32) -> np.float32:
     """Return ``wanted``, or what comes nearest to it with this change."""
     return value + min(max(wanted - value, -change), change)

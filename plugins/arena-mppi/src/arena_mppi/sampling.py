@@ -45,7 +45,7 @@ def sampling_of(
     )
 
 
-def workspace(sampling: Sampling, chassis: Chassis, arcs: float) -> Workspace:
+def make_workspace(sampling: Sampling, chassis: Chassis, arcs: float) -> Workspace:
     """Return the memory of a control step; a part ``arcs`` of the batch tries constant velocities."""
     blocks, steps = -(-sampling.batch_size // LANES), sampling.time_steps
     lanes = blocks * LANES

@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from arena_core import NO_TRACKS, Footprint, Observation, Tracks
-from arena_kernels.window import Outline, Window, footprint_outline, window_of, without_discs
-from arena_mppi.cost_to_go import STEP, UNREACHED, last_inside, nearest_row, slownesses, sweep
+from arena_kernels.costmap_window import CostmapWindow, Outline, footprint_outline, window_of, without_discs
+from arena_mppi.cost_to_go import STEP, UNREACHED, fast_sweep, fill_slowness, last_inside, nearest_row
 from arena_mppi.critics import FAR, SPACING
 from arena_mppi.parameters import Body, Doubles, Floats, Scene
 from arena_mppi.settings import Moving, Progress
@@ -32,7 +32,7 @@ def body_of(footprint: Footprint) -> Body:
     return Body(outline, np.column_stack((centres, np.full(count, radius))).astype(np.float32))
 
 
-def standing_window(observation: Observation, speed_min: float) -> Window:
+def static_window(observation: Observation, speed_min: float) -> CostmapWindow:
     """Return the local map without the cells of tracked obstacles that move."""
     window, tracks = window_of(observation.local_map), observation.tracks
     moves = np.hypot(*tracks.velocities.T) >= speed_min
@@ -40,13 +40,13 @@ def standing_window(observation: Observation, speed_min: float) -> Window:
 
 
 def scene_of(
-    observation: Observation, window: Window, body: Body, moving: Moving, progress: Progress, dt: float, steps: int, reach: float
+    observation: Observation, window: CostmapWindow, body: Body, moving: Moving, progress: Progress, dt: float, steps: int, reach: float
 ) -> Scene:
     """Return the scene of an observation, for roll-outs of ``steps`` steps of ``dt`` s that come ``reach`` m far."""
     x, y = observation.pose.x, observation.pose.y
     gaps = np.minimum(window.distance - np.float32(0.5 * window.resolution), FAR)
     route = observation.path.poses
-    left = way_left(window, gaps, route, x, y, body.outline, progress)
+    left = compute_cost_to_go(window, gaps, route, x, y, body.outline, progress)
     corner_x, corner_y = np.float32(window.origin_x - x), np.float32(window.origin_y - y)
     goal, here = observation.goal, observation.pose
     facing = (goal.x - x, goal.y - y, math.cos(goal.theta), math.sin(goal.theta))
@@ -60,9 +60,9 @@ def scene_of(
         corner_x,
         corner_y,
         np.float32(STEP * window.resolution),
-        expected(observation.tracks if moving.weight + moving.contact_cost > 0.0 else NO_TRACKS, here.x, here.y, times, moving),
+        predict_tracks(observation.tracks if moving.weight + moving.contact_cost > 0.0 else NO_TRACKS, here.x, here.y, times, moving),
         np.exp(-times / moving.belief_time).astype(np.float32),
-        even_path(route, nearest_row(route, x, y), x, y, reach),
+        resample_path(route, nearest_row(route, x, y), x, y, reach),
         np.array(facing, np.float32),
         window,
         x,
@@ -70,11 +70,13 @@ def scene_of(
     )
 
 
-def way_left(window: Window, gaps: Floats, route: Doubles, x: float, y: float, outline: Outline, progress: Progress) -> Floats:
+def compute_cost_to_go(
+    window: CostmapWindow, gaps: Floats, route: Doubles, x: float, y: float, outline: Outline, progress: Progress
+) -> Floats:
     """Return what is left of the way to where ``route`` (M, 3) leaves the window, in metres of open ground, (h, w)."""
     rows, columns = ((n + STEP - 1) // STEP for n in gaps.shape)
     slow, left = np.empty((rows, columns), np.float32), np.full((rows, columns), UNREACHED, np.float32)
-    slownesses(gaps, outline.inscribed_radius, progress.comfort_gap, progress.comfort_cost, progress.blocked_cost, slow)
+    fill_slowness(gaps, outline.inscribed_radius, progress.comfort_gap, progress.comfort_cost, progress.blocked_cost, slow)
     side = STEP * window.resolution
     low_x, low_y = window.origin_x + side, window.origin_y + side
     high_x, high_y = window.origin_x + (columns - 1) * side, window.origin_y + (rows - 1) * side
@@ -82,11 +84,11 @@ def way_left(window: Window, gaps: Floats, route: Doubles, x: float, y: float, o
     place_x, place_y = min(max(end[0], low_x), high_x - 1e-6), min(max(end[1], low_y), high_y - 1e-6)
     row, column = int((place_y - window.origin_y) / side), int((place_x - window.origin_x) / side)
     left[row, column] = 0.0
-    sweep(left, slow, side)
+    fast_sweep(left, slow, side)
     return left
 
 
-def even_path(route: Doubles, first: int, x: float, y: float, reach: float) -> Floats:
+def resample_path(route: Doubles, first: int, x: float, y: float, reach: float) -> Floats:
     """Return points every SPACING along ``reach`` m of ``route`` (M, 3) from row ``first`` on, seen from (x, y): (N, 2)."""
     rest = route[first:, :2] - (x, y)
     along = np.concatenate(((0.0,), np.cumsum(np.hypot(*np.diff(rest, axis=0).T))))
@@ -94,7 +96,7 @@ def even_path(route: Doubles, first: int, x: float, y: float, reach: float) -> F
     return np.column_stack([np.interp(places, along, rest[:, axis]) for axis in (0, 1)]).astype(np.float32)
 
 
-def expected(tracks: Tracks, x: float, y: float, times: Doubles, moving: Moving) -> Floats:
+def predict_tracks(tracks: Tracks, x: float, y: float, times: Doubles, moving: Moving) -> Floats:
     """Return where tracks are expected at ``times`` (T,), seen from (x, y), and how large with their uncertainty, (T, N, 3)."""
     nearest = np.argsort(np.hypot(*(tracks.positions - (x, y)).T) - tracks.radii, kind="stable")[:TRACKS_MAX]
     ahead = times[:, None]

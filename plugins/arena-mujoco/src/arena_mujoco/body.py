@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from arena_core import ConfigurationError, Robot
 from arena_core.parameters import Bounds, NonNegative, Positive
-from arena_mujoco.own_model import NO_JOINTS, Joints, OwnModel, read_own_model
+from arena_mujoco.robot_file import NO_JOINTS, Joints, RobotFile, read_robot_file
 
 DENSITY = 100.0  # kg/m2 of footprint
 FEWEST = {"differential": 2, "omnidirectional": 3, "ackermann": 3}  # wheels
@@ -68,7 +68,7 @@ class Body:
     casters: Points
     inertia: tuple[float, float, float]
     centre_xy: tuple[float, float]
-    own: OwnModel | None = None
+    own: RobotFile | None = None
 
     @property
     def chassis_mass(self) -> float:
@@ -82,13 +82,13 @@ def body_of(robot: Robot, figures: BodyFigures) -> Body:
         figures = UNKNOWN
     if figures.model is not None:
         return _body_of_file(robot, figures, figures.model)
-    low, high = _extent(robot)
+    low, high = _footprint_bounds(robot)
     length, width = (high - low).tolist()
-    mass = figures.mass or DENSITY * _area(robot)
+    mass = figures.mass or DENSITY * _footprint_area(robot)
     height = figures.height or robot.footprint.radius
     wheels = figures.wheels or _wheels_beneath(robot, mass, height)
     casters = figures.casters if figures.casters is not None else _casters_beneath(robot, wheels)
-    _check(robot, mass, wheels, casters)
+    _check_body(robot, mass, wheels, casters)
     chassis = mass - wheels.mass * len(wheels.places)
     solid = height * height, length * length, width * width
     inertia = tuple(chassis * (a + b) / 12.0 for a, b in ((solid[2], solid[0]), (solid[1], solid[0]), (solid[1], solid[2])))
@@ -102,13 +102,13 @@ def body_of(robot: Robot, figures: BodyFigures) -> Body:
         wheels,
         casters,
         inertia,
-        _between(wheels.places, casters),
+        _support_centre(wheels.places, casters),
     )
 
 
 def _body_of_file(robot: Robot, figures: BodyFigures, model: str) -> Body:
     """Return the body that a file describes; of the figures count the lidar's height, where the file names none, and the track factor."""
-    own = read_own_model(model, figures.joints, robot)
+    own = read_robot_file(model, figures.joints, robot)
     radius = max((wheel.radius for wheel in own.wheels), default=0.0)
     width = max((2.0 * wheel.half for wheel in own.wheels), default=0.0)
     torque = figures.joints.torque or own.mass * 9.81 * max(radius, 0.01)
@@ -142,7 +142,7 @@ def check_wheels(robot: Robot, body: Body) -> None:
         raise ConfigurationError("simulator.body.joints.steering is empty; allowed for ackermann kinematics: 1 joint at least")
 
 
-def _extent(robot: Robot) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _footprint_bounds(robot: Robot) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the lower and the upper corner of the footprint's bounding box, m."""
     footprint = robot.footprint
     if footprint.is_circle:
@@ -150,7 +150,7 @@ def _extent(robot: Robot) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     return footprint.vertices_xy.min(axis=0), footprint.vertices_xy.max(axis=0)
 
 
-def _area(robot: Robot) -> float:
+def _footprint_area(robot: Robot) -> float:
     if robot.footprint.is_circle:
         return math.pi * robot.footprint.radius**2
     x, y = robot.footprint.vertices_xy.T
@@ -178,7 +178,7 @@ def _casters_beneath(robot: Robot, wheels: Wheels) -> Points:
     return [[inside, 0.0], [-inside, 0.0]]
 
 
-def _between(places: Points, casters: Points) -> tuple[float, float]:
+def _support_centre(places: Points, casters: Points) -> tuple[float, float]:
     """Return the centre of what the body stands on: where its own centre of mass is taken to be, but two thirds on its driving axle."""
     supports = np.array([*places, *casters])
     x, y = (supports.max(axis=0) + supports.min(axis=0)) / 2.0
@@ -187,7 +187,7 @@ def _between(places: Points, casters: Points) -> tuple[float, float]:
     return float(x), float(y)
 
 
-def _check(robot: Robot, mass: float, wheels: Wheels, casters: Points) -> None:
+def _check_body(robot: Robot, mass: float, wheels: Wheels, casters: Points) -> None:
     """Raise ConfigurationError unless the wheels are as many as the kinematics need, and weigh less than all."""
     if any(len(place) != 2 for place in (*wheels.places, *casters)):
         raise ConfigurationError("simulator.body: wheels.places and casters; allowed: pairs [x, y] (m)")

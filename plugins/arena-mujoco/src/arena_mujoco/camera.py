@@ -12,7 +12,7 @@ from arena_core import ConfigurationError, DepthImage, Pose, Robot
 from arena_core.parameters import Bounds, NonNegative, Positive
 from arena_core.scenes import camera_rays
 from arena_kernels.compiled import borrowing
-from arena_kernels.random import normals
+from arena_kernels.random import fill_normals
 from arena_mujoco.body import Body
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ class DepthCamera:
         self._noise, self._normals = figures.noise, np.zeros(len(rays))
         self._geoms, self._distances = np.zeros(len(rays), np.int32), np.zeros(len(rays))
 
-    def take(self, model: mujoco.MjModel, data: mujoco.MjData, key: np.uint64, tick: int, image: NDArray[np.float32]) -> None:
+    def take_image(self, model: mujoco.MjModel, data: mujoco.MjData, key: np.uint64, tick: int, image: NDArray[np.float32]) -> None:
         """Fill ``image`` (H, W): +inf where a pixel has no return in range. Noise is drawn from ``key`` and ``tick``."""
         import mujoco
 
@@ -77,11 +77,13 @@ class DepthCamera:
         sizes = len(self._geoms), self._farthest
         mujoco.mj_multiRay(model, data, origin, beams, SEEN, 1, robot.id, self._geoms, self._distances, None, *sizes)
         head = self.header
-        _develop(self._distances, self._depths, key, tick, self._noise, self._normals, head.range_min, head.range_max, image.reshape(-1))
+        _write_depths(
+            self._distances, self._depths, key, tick, self._noise, self._normals, head.range_min, head.range_max, image.reshape(-1)
+        )
 
 
 @borrowing
-def _develop(
+def _write_depths(
     distances: NDArray[np.float64],
     depths: NDArray[np.float64],
     key: np.uint64,
@@ -94,7 +96,7 @@ def _develop(
 ) -> None:
     """Turn distances into depths, with noise that grows with their square; -1 is a miss."""
     if noise > 0.0:
-        normals(key, tick, drawn)
+        fill_normals(key, tick, drawn)
     for i in range(len(image)):
         depth = distances[i] * depths[i]
         if distances[i] < 0.0 or depth < range_min or depth > range_max:

@@ -61,13 +61,13 @@ def model_text(robot: Robot, body: Body, scenario: Scenario, radii: NDArray[np.f
     """Return the MJCF of one world: the body ``map`` with all that stands, the body ``robot``, and a mocap body for each person."""
     root = ElementTree.Element("mujoco", model="arena")
     ElementTree.SubElement(root, "compiler", angle="radian")
-    option = ElementTree.SubElement(root, "option", timestep=numbers(physics.timestep), integrator="implicitfast")
+    option = ElementTree.SubElement(root, "option", timestep=format_numbers(physics.timestep), integrator="implicitfast")
     if physics.drive == "wheels":
         option.set("cone", "elliptic")  # tyres hold alike in all directions
     # with several contacts for two bodies (multiccd), MuJoCo 4.0 takes the wrong side of a sharp edge: they sink into each other
     ElementTree.SubElement(option, "flag", autoreset="disable", multiccd="disable", sleep="enable")
     default = ElementTree.SubElement(root, "default")
-    friction = numbers(physics.wall_friction, 0.005, 0.0001)
+    friction = format_numbers(physics.wall_friction, 0.005, 0.0001)
     ElementTree.SubElement(default, "geom", friction=friction, solref="0.004 2", solimp="0.95 0.99 0.001", priority="0")
     assets = ElementTree.SubElement(root, "asset")
     world = ElementTree.SubElement(root, "worldbody")
@@ -87,14 +87,16 @@ def model_text(robot: Robot, body: Body, scenario: Scenario, radii: NDArray[np.f
 def add_scene(world: Element, assets: Element, scene: Scene, name: str = "map", **looks: str) -> None:
     """Add all that stands in a world, as geoms of one body at the map's origin that is called ``name``."""
     place = scene.origin
-    body = ElementTree.SubElement(world, "frame", name=name, pos=numbers(place.x, place.y, 0.0), euler=numbers(0.0, 0.0, place.theta))
+    body = ElementTree.SubElement(
+        world, "frame", name=name, pos=format_numbers(place.x, place.y, 0.0), euler=format_numbers(0.0, 0.0, place.theta)
+    )
     for x, y, yaw, length, width, bottom, top in scene.boxes.tolist():
-        size = numbers(0.5 * length, 0.5 * width, 0.5 * (top - bottom))
-        turn = {"euler": numbers(0.0, 0.0, yaw)} if yaw else {}
-        _add_geom(body, STANDS, "box", size, pos=numbers(x, y, 0.5 * (bottom + top)), **turn, **looks)
+        size = format_numbers(0.5 * length, 0.5 * width, 0.5 * (top - bottom))
+        turn = {"euler": format_numbers(0.0, 0.0, yaw)} if yaw else {}
+        _add_geom(body, STANDS, "box", size, pos=format_numbers(x, y, 0.5 * (bottom + top)), **turn, **looks)
     for x, y, radius, bottom, top in scene.cylinders.tolist():
-        size = numbers(radius, 0.5 * (top - bottom))
-        _add_geom(body, STANDS, "cylinder", size, pos=numbers(x, y, 0.5 * (bottom + top)), **looks)
+        size = format_numbers(radius, 0.5 * (top - bottom))
+        _add_geom(body, STANDS, "cylinder", size, pos=format_numbers(x, y, 0.5 * (bottom + top)), **looks)
     for number, prism in enumerate(scene.prisms):
         for part, corners in enumerate(convex_parts(prism.vertices_xy)):
             add_prism(body, assets, f"prism_{number}_{part}", STANDS, Prism(corners, prism.bottom, prism.top), **looks)
@@ -102,19 +104,21 @@ def add_scene(world: Element, assets: Element, scene: Scene, name: str = "map", 
 
 def add_person(world: Element, number: int, radius: float, gait: Gait | None, filmed: bool) -> None:
     """Add a person: an upright cylinder that robots touch, and below the hips two legs that lidars see, where it walks."""
-    body = ElementTree.SubElement(world, "body", name=f"person_{number}", mocap="true", pos=numbers(AWAY, AWAY - number, 0.0))
+    body = ElementTree.SubElement(world, "body", name=f"person_{number}", mocap="true", pos=format_numbers(AWAY, AWAY - number, 0.0))
     half = 0.5 * PERSON_HEIGHT
     group = SEEN if gait is None else UNSEEN
-    _add_geom(body, STANDS, "cylinder", numbers(radius, half), pos=numbers(0.0, 0.0, half), group=group)
+    _add_geom(body, STANDS, "cylinder", format_numbers(radius, half), pos=format_numbers(0.0, 0.0, half), group=group)
     if gait is None:
         return
     if filmed:
         tall = 0.5 * (PERSON_HEIGHT - HIP_HEIGHT)
-        _add_geom(body, NOTHING, "cylinder", numbers(radius, tall), pos=numbers(0.0, 0.0, PERSON_HEIGHT - tall), group=FILMED)
+        _add_geom(body, NOTHING, "cylinder", format_numbers(radius, tall), pos=format_numbers(0.0, 0.0, PERSON_HEIGHT - tall), group=FILMED)
     for side in ("left", "right"):
-        leg = ElementTree.SubElement(world, "body", name=f"person_{number}_{side}", mocap="true", pos=numbers(AWAY, AWAY - number, 0.0))
-        size = numbers(min(gait.leg_radius, 0.5 * radius), 0.5 * HIP_HEIGHT)
-        _add_geom(leg, NOTHING, "cylinder", size, pos=numbers(0.0, 0.0, 0.5 * HIP_HEIGHT), group=SEEN)
+        leg = ElementTree.SubElement(
+            world, "body", name=f"person_{number}_{side}", mocap="true", pos=format_numbers(AWAY, AWAY - number, 0.0)
+        )
+        size = format_numbers(min(gait.leg_radius, 0.5 * radius), 0.5 * HIP_HEIGHT)
+        _add_geom(leg, NOTHING, "cylinder", size, pos=format_numbers(0.0, 0.0, 0.5 * HIP_HEIGHT), group=SEEN)
 
 
 def _add_planar(world: Element, assets: Element, actuators: Element, robot: Robot, body: Body) -> None:
@@ -125,9 +129,11 @@ def _add_planar(world: Element, assets: Element, actuators: Element, robot: Robo
     torque = PUSH * inertia * limits.alpha_max
     for name, kind, axis, most in (("x", "slide", "1 0 0", force), ("y", "slide", "0 1 0", force), ("yaw", "hinge", "0 0 1", torque)):
         ElementTree.SubElement(base, "joint", name=name, type=kind, axis=axis)
-        ElementTree.SubElement(actuators, "motor", name=name, joint=name, ctrllimited="true", ctrlrange=numbers(-most, most))
-    spread = numbers(inertia, inertia, inertia)
-    ElementTree.SubElement(base, "inertial", pos=numbers(0.0, 0.0, body.centre_height), mass=numbers(body.mass), diaginertia=spread)
+        ElementTree.SubElement(actuators, "motor", name=name, joint=name, ctrllimited="true", ctrlrange=format_numbers(-most, most))
+    spread = format_numbers(inertia, inertia, inertia)
+    ElementTree.SubElement(
+        base, "inertial", pos=format_numbers(0.0, 0.0, body.centre_height), mass=format_numbers(body.mass), diaginertia=spread
+    )
     _add_hull(base, assets, robot.footprint, body.clearance, body.height)
 
 
@@ -139,22 +145,22 @@ def planar_inertia(robot: Robot, body: Body) -> float:
 def _add_hull(base: Element, assets: Element, footprint: Footprint, bottom: float, top: float) -> None:
     """Add what of the robot touches others: its footprint, upright."""
     if footprint.is_circle:
-        size = numbers(footprint.radius, 0.5 * (top - bottom))
-        _add_geom(base, MOVES, "cylinder", size, name="hull", pos=numbers(0.0, 0.0, 0.5 * (bottom + top)), group=UNSEEN, mass="0")
+        size = format_numbers(footprint.radius, 0.5 * (top - bottom))
+        _add_geom(base, MOVES, "cylinder", size, name="hull", pos=format_numbers(0.0, 0.0, 0.5 * (bottom + top)), group=UNSEEN, mass="0")
     else:
         add_prism(base, assets, "hull", MOVES, Prism(footprint.vertices_xy, bottom, top), name="hull", group=UNSEEN, mass="0")
 
 
 def _add_wheeled(world: Element, assets: Element, actuators: Element, robot: Robot, body: Body, physics: Physics) -> None:
     """Add a robot that stands on its wheels on the floor, each turned by a motor at a velocity, with a limited torque."""
-    grip = numbers(physics.floor_friction, 0.005, 0.0001)
+    grip = format_numbers(physics.floor_friction, 0.005, 0.0001)
     touch = {"contype": "4", "conaffinity": "4", "solref": "0.02 1"}
     ElementTree.SubElement(world, "geom", touch, name="floor", type="plane", size="0 0 1", friction=grip, group=SEEN)
     base = ElementTree.SubElement(world, "body", name="robot", sleep="never")
     ElementTree.SubElement(base, "freejoint", name="base")
-    centre, spread = numbers(*body.centre_xy, body.centre_height), numbers(*body.inertia)
+    centre, spread = format_numbers(*body.centre_xy, body.centre_height), format_numbers(*body.inertia)
     if body.own is None:
-        ElementTree.SubElement(base, "inertial", pos=centre, mass=numbers(body.chassis_mass), diaginertia=spread)
+        ElementTree.SubElement(base, "inertial", pos=centre, mass=format_numbers(body.chassis_mass), diaginertia=spread)
     _add_hull(base, assets, robot.footprint, body.clearance, body.height)
     if body.own is not None:
         return  # its wheels and its mass come from a file
@@ -169,7 +175,9 @@ def _add_wheeled(world: Element, assets: Element, actuators: Element, robot: Rob
 def _add_slider(base: Element, x: float, y: float, radius: float, touch: dict[str, str]) -> None:
     """Add a support that slides without friction: the larger of two frictions would count, so it has priority."""
     free = {"friction": "0 0 0", "condim": "1", "priority": "1"}
-    ElementTree.SubElement(base, "geom", touch | free, type="sphere", size=numbers(radius), pos=numbers(x, y, radius), group=UNSEEN)
+    ElementTree.SubElement(
+        base, "geom", touch | free, type="sphere", size=format_numbers(radius), pos=format_numbers(x, y, radius), group=UNSEEN
+    )
 
 
 def _add_omniwheels(base: Element, actuators: Element, body: Body, physics: Physics) -> None:
@@ -178,10 +186,12 @@ def _add_omniwheels(base: Element, actuators: Element, body: Body, physics: Phys
     load = body.mass * 9.81 / len(wheels.places)
     most = min(wheels.torque / wheels.radius, physics.floor_friction * load)
     for number, (x, y) in enumerate(wheels.places):
-        ElementTree.SubElement(base, "site", name=f"wheel_{number}", pos=numbers(x, y, 0.0), euler=numbers(0.0, 0.0, rim_angle(x, y)))
+        ElementTree.SubElement(
+            base, "site", name=f"wheel_{number}", pos=format_numbers(x, y, 0.0), euler=format_numbers(0.0, 0.0, rim_angle(x, y))
+        )
         gain = body.mass * GRIP
-        reach = {"forcelimited": "true", "forcerange": numbers(-most, most), "gear": "1 0 0 0 0 0"}
-        ElementTree.SubElement(actuators, "velocity", reach, name=f"wheel_{number}", site=f"wheel_{number}", kv=numbers(gain))
+        reach = {"forcelimited": "true", "forcerange": format_numbers(-most, most), "gear": "1 0 0 0 0 0"}
+        ElementTree.SubElement(actuators, "velocity", reach, name=f"wheel_{number}", site=f"wheel_{number}", kv=format_numbers(gain))
         touch = {"contype": "4", "conaffinity": "4", "solref": "0.02 1"}
         _add_slider(base, x, y, wheels.radius, touch)
 
@@ -195,22 +205,22 @@ def _add_rolling_wheels(base: Element, actuators: Element, robot: Robot, body: B
     rotor = ROTOR * load if slips else load
     for number, (x, y) in enumerate(wheels.places):
         name, steered = f"wheel_{number}", robot.kinematics == "ackermann" and x > STEERED
-        hub = ElementTree.SubElement(base, "body", name=name, pos=numbers(x, y, wheels.radius))
+        hub = ElementTree.SubElement(base, "body", name=name, pos=format_numbers(x, y, wheels.radius))
         if steered:
             ElementTree.SubElement(hub, "joint", name=f"steer_{number}", type="hinge", axis="0 0 1", damping="0.2", armature="0.02")
             servo = {"kp": "60", "kv": "2", "forcelimited": "true", "forcerange": "-20 20"}
             ElementTree.SubElement(actuators, "position", servo, name=f"steer_{number}", joint=f"steer_{number}")
-        turns = {"armature": numbers(rotor)} if not steered else {}
+        turns = {"armature": format_numbers(rotor)} if not steered else {}
         ElementTree.SubElement(hub, "joint", turns, name=name, type="hinge", axis="0 1 0")
         rim = 0.5 * spin + wheels.mass * wheels.width**2 / 12.0
-        ElementTree.SubElement(hub, "inertial", pos="0 0 0", mass=numbers(wheels.mass), diaginertia=numbers(rim, spin, rim))
-        size = numbers(wheels.radius, 0.5 * wheels.width, wheels.radius)
+        ElementTree.SubElement(hub, "inertial", pos="0 0 0", mass=format_numbers(wheels.mass), diaginertia=format_numbers(rim, spin, rim))
+        size = format_numbers(wheels.radius, 0.5 * wheels.width, wheels.radius)
         touch = {"contype": "4", "conaffinity": "4", "solref": "0.02 1"}
         ElementTree.SubElement(hub, "geom", touch, type="ellipsoid", size=size, friction=grip, condim="3", group=UNSEEN)
         if not steered:
-            reach = {} if slips else {"forcelimited": "true", "forcerange": numbers(-wheels.torque, wheels.torque)}
+            reach = {} if slips else {"forcelimited": "true", "forcerange": format_numbers(-wheels.torque, wheels.torque)}
             gain = (spin + load + rotor) * 10.0 * GRIP
-            ElementTree.SubElement(actuators, "velocity", reach, name=name, joint=name, kv=numbers(gain))
+            ElementTree.SubElement(actuators, "velocity", reach, name=name, joint=name, kv=format_numbers(gain))
 
 
 def rim_angle(x: float, y: float) -> float:
@@ -227,13 +237,13 @@ def add_prism(body: Element, assets: Element, mesh: str, touches: Sequence[str],
     """Add a convex prism, as the mesh of its corners."""
     corners = np.vstack([np.column_stack((prism.vertices_xy, np.full(len(prism.vertices_xy), z))) for z in (prism.bottom, prism.top)])
     middle = corners.mean(axis=0)
-    ElementTree.SubElement(assets, "mesh", name=mesh, vertex=numbers(*(corners - middle).ravel().tolist()), inertia="convex")
+    ElementTree.SubElement(assets, "mesh", name=mesh, vertex=format_numbers(*(corners - middle).ravel().tolist()), inertia="convex")
     contype, conaffinity = touches
     # MuJoCo moves a mesh to its centre of mass; a geom's pose then is that of the mesh as it was given
     attributes = {"type": "mesh", "mesh": mesh, "contype": contype, "conaffinity": conaffinity, **attributes}
-    ElementTree.SubElement(body, "geom", {"pos": numbers(*middle.tolist()), **attributes})
+    ElementTree.SubElement(body, "geom", {"pos": format_numbers(*middle.tolist()), **attributes})
 
 
-def numbers(*values: float) -> str:
+def format_numbers(*values: float) -> str:
     """Return numbers as the text of an attribute."""
     return " ".join(f"{value + 0.0:.12g}" for value in values)

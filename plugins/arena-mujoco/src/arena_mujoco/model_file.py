@@ -47,7 +47,7 @@ class _Check:
 
         def start(tag: str, attributes: dict[str, str]) -> None:
             place = f"{path}: line {parser.CurrentLineNumber}"
-            stack.append(stack[-1] * max(1, _count(attributes.get("count", "1"))) if tag == "replicate" else stack[-1])
+            stack.append(stack[-1] * max(1, _numbers_product(attributes.get("count", "1"))) if tag == "replicate" else stack[-1])
             self._things += stack[-1]
             if self._things > MOST_THINGS or len(stack) > LIMITS.xml_depth:
                 raise InputFileError(
@@ -68,10 +68,10 @@ class _Check:
         except (expat.ExpatError, ValueError, LookupError) as error:
             raise InputFileError(f"{path}: is no XML ({one_line(str(error), 120)}); allowed: {FORMATS}") from None
         for tag, name, often in named:
-            for file in _places(path, folders, name):
-                self._take(tag, file, often)
+            for file in _candidate_paths(path, folders, name):
+                self._check_named_file(tag, file, often)
 
-    def _take(self, tag: str, file: Path, times: int) -> None:
+    def _check_named_file(self, tag: str, file: Path, times: int) -> None:
         """Check a file that a model names: another model, a mesh or a picture."""
         if tag in ("include", "model"):
             self.read(file, times)
@@ -86,7 +86,7 @@ class _Check:
             _check_cells(str(file), "width x height", width * height)
 
 
-def _places(path: Path, folders: set[str], name: str) -> Iterator[Path]:
+def _candidate_paths(path: Path, folders: set[str], name: str) -> Iterator[Path]:
     """Yield the files that a name may stand for."""
     for folder in sorted(folders):
         try:
@@ -103,8 +103,8 @@ def _check_counts(place: str, tag: str, attributes: Mapping[str, str]) -> None:
         own = {name: text for name, text in attributes.items() if name.startswith("n") or (tag == "numeric" and name == "size")}
         for name, text in own.items():
             if name != "name":
-                _check_cells(place, name, _count(text))
-    _check_cells(place, "its size", math.prod(max(1, _count(text)) for name, text in attributes.items() if name in COUNTS))
+                _check_cells(place, name, _numbers_product(text))
+    _check_cells(place, "its size", math.prod(max(1, _numbers_product(text)) for name, text in attributes.items() if name in COUNTS))
 
 
 def _check_cells(place: str, what: str, cells: int) -> None:
@@ -112,7 +112,7 @@ def _check_cells(place: str, what: str, cells: int) -> None:
         raise InputFileError(f"{place}: {what} is {cells:.4g}; allowed: {MOST_CELLS}")
 
 
-def _count(text: str) -> int:
+def _numbers_product(text: str) -> int:
     """Return the product of the whole numbers that a text holds; 1 where it holds none: MuJoCo says what is wrong."""
     try:
         found = [float(word) for word in text.split()]

@@ -25,7 +25,7 @@ class Rays:
         self._range_max = lidar.range_max
         self._geoms, self._distances = np.zeros(lidar.beams, np.int32), np.zeros(lidar.beams)
 
-    def cast(self, model: mujoco.MjModel, data: mujoco.MjData, ranges: NDArray[np.float32]) -> None:
+    def cast_rays(self, model: mujoco.MjModel, data: mujoco.MjData, ranges: NDArray[np.float32]) -> None:
         """Fill ``ranges`` (B,): +inf where a beam meets nothing in range."""
         import mujoco
 

@@ -14,25 +14,25 @@ from numpy.typing import NDArray
 from arena_core import ConfigurationError, ImpossibleScenario, OccupancyGrid, PedestrianModel, Robot, Scenario, Snapshot, stream_key
 from arena_core.parameters import Bounds, Positive, Step
 from arena_core.scenes import wall_boxes
-from arena_kernels.compiled import Entered
-from arena_mujoco.attaching import wheeled_model
+from arena_kernels.compiled import TypedDispatch
 from arena_mujoco.body import BodyFigures, body_of, check_wheels
+from arena_mujoco.body_attachment import wheeled_model
 from arena_mujoco.camera import CameraFigures, DepthCamera
+from arena_mujoco.contact_filter import ContactFilter
 from arena_mujoco.model import Drive, Physics, compile_model, model_text
 from arena_mujoco.rays import Rays
 from arena_mujoco.ticking import (
     RUNS,
     TIPPED,
-    Motion,
+    PhysicsArrays,
     after_tick,
     before_tick,
     disturb_scan,
-    own_gears,
+    file_gears,
     planar_gears,
     show_people,
     wheel_gears,
 )
-from arena_mujoco.touching import Touching
 from arena_sim2d.bodies import Floats
 from arena_sim2d.obstacles import Reach
 from arena_sim2d.simulator import Sim2d
@@ -47,13 +47,13 @@ UNSTABLE_TEXT = "UnstablePhysics: positions or speeds are no longer finite; a sm
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Physical:
+class WorldPhysics:
     """One world's model and state, and the arrays of both that kernels read and write."""
 
     model: mujoco.MjModel
-    touching: Touching
+    touching: ContactFilter
     data: mujoco.MjData
-    motion: Motion
+    motion: PhysicsArrays
 
 
 class MujocoSimulator(Sim2d):
@@ -80,7 +80,7 @@ class MujocoSimulator(Sim2d):
         self._body = body_of(robot, body)
         super().__init__(robot, pedestrians, inner_step, crowd_period, self._body.lidar_height, self._body.height)
         self._reach = Reach(self._body.lidar_height, self._body.clearance, self._body.height)
-        self._coarse = _steps(inner_step, timestep)
+        self._coarse = _physics_steps(inner_step, timestep)
         self._fine_way = fine_way
         if self._body.lidar_height >= wall_height:
             raise ConfigurationError(
@@ -92,12 +92,12 @@ class MujocoSimulator(Sim2d):
         self._gears = planar_gears(robot, self._body)
         if drive == "wheels":
             check_wheels(robot, self._body)
-            make = wheel_gears if self._body.own is None else own_gears
+            make = wheel_gears if self._body.own is None else file_gears
             self._gears = make(robot, self._body, floor_friction, tip_angle)
         self._rays = Rays(robot.lidar, self._body.lidar_height) if lidar == "rays" else None
-        self._before, self._after, self._show_people = Entered(before_tick), Entered(after_tick), Entered(show_people)
-        self._models: OrderedDict[tuple[Any, ...], tuple[OccupancyGrid, mujoco.MjModel, Touching]] = OrderedDict()
-        self._physical: list[Physical | None] = []
+        self._before, self._after, self._show_people = TypedDispatch(before_tick), TypedDispatch(after_tick), TypedDispatch(show_people)
+        self._models: OrderedDict[tuple[Any, ...], tuple[OccupancyGrid, mujoco.MjModel, ContactFilter]] = OrderedDict()
+        self._physical: list[WorldPhysics | None] = []
         self._images = np.empty((0, 0, 0), np.float32)
         self._image_keys, self._image_ticks = np.zeros(0, np.uint64), np.zeros(0, np.int64)
 
@@ -108,23 +108,23 @@ class MujocoSimulator(Sim2d):
             self._image_keys, self._image_ticks = np.zeros(len(scenarios), np.uint64), np.zeros(len(scenarios), np.int64)
         super()._reset_all(scenarios)
 
-    def _begin(self, slots: NDArray[np.int64]) -> None:
-        super()._begin(slots)
+    def _begin_worlds(self, slots: NDArray[np.int64]) -> None:
+        super()._begin_worlds(slots)
         for slot in slots.tolist():
             self._physical[slot] = self._physical_of(slot)
             if self._rays is not None:
-                self._cast(slot, 0)
+                self._cast_scan(slot, 0)
             if self._camera is not None:
                 scenario = self._scenarios[slot]
                 self._image_keys[slot] = stream_key(scenario.seed, scenario.name, "depth")
-                self._film(slot, 0)
+                self._take_image(slot, 0)
 
-    def _physical_of(self, slot: int) -> Physical:
+    def _physical_of(self, slot: int) -> WorldPhysics:
         """Return the physics of a world that begins."""
         import mujoco
 
         scenario = self._scenarios[slot]
-        model, touching = self._model(scenario, self._crowd.radii[slot, : self._crowd.counts[slot]])
+        model, touching = self._world_model(scenario, self._crowd.radii[slot, : self._crowd.counts[slot]])
         data = mujoco.MjData(model)
         start = scenario.start
         if self._gears.wheeled:
@@ -133,11 +133,11 @@ class MujocoSimulator(Sim2d):
             data.qpos[:3] = start.x, start.y, start.theta
         flags = np.full(1, RUNS), np.zeros(1, np.int64)
         views = data.qpos, data.qvel, data.ctrl, data.actuator_force, data.mocap_pos
-        motion = Motion(*views, np.zeros(3), np.zeros(3), np.zeros(3), data.qpos.copy(), *flags)
+        motion = PhysicsArrays(*views, np.zeros(3), np.zeros(3), np.zeros(3), data.qpos.copy(), *flags)
         self._show_people(self._worlds, slot, motion, self._legs)
-        return Physical(model, touching, data, motion)
+        return WorldPhysics(model, touching, data, motion)
 
-    def _model(self, scenario: Scenario, radii: Floats) -> tuple[mujoco.MjModel, Touching]:
+    def _world_model(self, scenario: Scenario, radii: Floats) -> tuple[mujoco.MjModel, ContactFilter]:
         """Return the model of a world, and what it is tested for; one that is like an earlier one's is not compiled again."""
         grid = scenario.world.grid
         things = tuple((obstacle.vertices_xy.tobytes(), obstacle.radius) for obstacle in scenario.obstacles)
@@ -148,26 +148,26 @@ class MujocoSimulator(Sim2d):
                 what = "walls and furniture" if scenario.world.furniture else "walls"
                 raise ImpossibleScenario(f"{scenario.name}: its {what} are {boxes} boxes; allowed with simulator=mujoco: {MOST_BOXES}")
             text = model_text(self._robot, self._body, scenario, radii, self._pedestrians.gait, self._physics)
-            model = self._compiled(text, scenario.name)
-            self._models[key] = grid, model, Touching(model)
+            model = self._compile_world(text, scenario.name)
+            self._models[key] = grid, model, ContactFilter(model)
             if len(self._models) > max(KEPT, 2 * len(self._scenarios)):
                 self._models.popitem(last=False)
         self._models.move_to_end(key)
         return self._models[key][1:]
 
-    def _compiled(self, text: str, name: str) -> mujoco.MjModel:
+    def _compile_world(self, text: str, name: str) -> mujoco.MjModel:
         own = self._body.own
         if own is None or self._physics.drive == "planar":
             return compile_model(text, name)
         return wheeled_model(text, name, own, self._robot, self._body, self._physics)
 
-    def _run(self, commands: Floats, ticks: int, scan_within: int) -> None:
+    def _advance_worlds(self, commands: Floats, ticks: int, scan_within: int) -> None:
         self._worlds.robots["contacts"] = 0
         for slot, physical in enumerate(self._physical):
             if physical is not None:
                 self._run_world(slot, physical, commands[slot], ticks, scan_within)
 
-    def _run_world(self, slot: int, physical: Physical, command: Floats, ticks: int, scan_within: int) -> None:
+    def _run_world(self, slot: int, physical: WorldPhysics, command: Floats, ticks: int, scan_within: int) -> None:
         """Step one world by some ticks; of the scans due within ``scan_within`` ticks only the newest is taken."""
         from mujoco import mj_step
 
@@ -181,33 +181,33 @@ class MujocoSimulator(Sim2d):
         for tick in range(first + 1, first + ticks + 1):
             steps = self._before(worlds, slot, self._chassis, self._gears, motion, command, self._legs, dt, self._coarse, self._fine_way)
             if steps:
-                touching.expect(motion.near[0] == 1)
+                touching.select_contacts(motion.near[0] == 1)
                 option.timestep = dt / steps
                 mj_step(model, data, steps)
             self._after(worlds, slot, self._chassis, self._gears, motion, self._wheels, self._scanner, self._ranges[slot], scan_tick, dt)
             if self._rays is not None and tick == due:
-                self._cast(slot, tick)
+                self._cast_scan(slot, tick)
             if tick == film_tick:
-                self._film(slot, tick)
+                self._take_image(slot, tick)
 
-    def _film(self, slot: int, tick: int) -> None:
+    def _take_image(self, slot: int, tick: int) -> None:
         """Take an image."""
         physical = self._physical[slot]
         if physical is not None and self._camera is not None:
-            self._camera.take(physical.model, physical.data, self._image_keys[slot], tick, self._images[slot])
+            self._camera.take_image(physical.model, physical.data, self._image_keys[slot], tick, self._images[slot])
             self._image_ticks[slot] = tick
 
-    def _cast(self, slot: int, tick: int) -> None:
+    def _cast_scan(self, slot: int, tick: int) -> None:
         """Take a scan by MuJoCo's rays."""
         physical = self._physical[slot]
         if physical is not None and self._rays is not None:
-            self._rays.cast(physical.model, physical.data, self._ranges[slot])
+            self._rays.cast_rays(physical.model, physical.data, self._ranges[slot])
             disturb_scan(self._worlds, slot, self._scanner, tick, self._ranges[slot])
 
-    def _snapshot(self) -> Snapshot:
+    def _take_snapshot(self) -> Snapshot:
         states = [RUNS if physical is None else int(physical.motion.state[0]) for physical in self._physical]
         failures = {slot: FAILURES.get(state, UNSTABLE_TEXT) for slot, state in enumerate(states) if state != RUNS}
-        seen = replace(super()._snapshot(), failures=failures)
+        seen = replace(super()._take_snapshot(), failures=failures)
         if self._camera is None:
             return seen
         stamps = np.asarray(self._image_ticks * self.inner_step, np.float64)
@@ -224,14 +224,14 @@ def _prepare_mujoco() -> None:
     except ImportError as error:
         raise ConfigurationError(f"simulator=mujoco needs MuJoCo ({error}); allowed: pip install mujoco") from None
     if mujoco.get_mju_user_warning() is None:
-        mujoco.set_mju_user_warning(_leave_unsaid)
+        mujoco.set_mju_user_warning(_ignore_message)
 
 
-def _leave_unsaid(_: str) -> None:
+def _ignore_message(_: str) -> None:
     pass
 
 
-def _steps(tick: float, timestep: float) -> int:
+def _physics_steps(tick: float, timestep: float) -> int:
     """Return how many steps of the physics a tick has; raise ConfigurationError unless it is a whole number of them."""
     steps = round(tick / timestep)
     if steps < 1 or abs(steps * timestep - tick) > 1e-9:

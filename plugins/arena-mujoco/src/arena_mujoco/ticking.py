@@ -10,18 +10,18 @@ from numpy.typing import NDArray
 
 from arena_core import Robot
 from arena_kernels.compiled import borrowing, inner
-from arena_kernels.footprint import place
-from arena_mujoco.attaching import driven_wheels
+from arena_kernels.footprint import place_body
 from arena_mujoco.body import STEERED, Body
+from arena_mujoco.body_attachment import driven_wheels
 from arena_mujoco.model import AWAY, planar_inertia, rim_angle
-from arena_mujoco.own_model import OwnModel
+from arena_mujoco.robot_file import RobotFile
 from arena_sim2d.bodies import Floats, Row, World, Worlds
+from arena_sim2d.clearances import gap_to_people, gap_to_things, is_clear
 from arena_sim2d.contact import note_overlaps, release_contacts
-from arena_sim2d.crossing import move_people
-from arena_sim2d.gaps import gap_to_people, gap_to_things, is_clear
-from arena_sim2d.motion import ACKERMANN, OMNIDIRECTIONAL, Chassis, Position, Velocity, drive, in_map, next_velocity, wrap
+from arena_sim2d.motion import ACKERMANN, OMNIDIRECTIONAL, Chassis, Position, Velocity, drive_arc, in_map, next_velocity, wrap_angle
+from arena_sim2d.motion_step import move_people
 from arena_sim2d.odometry import Wheels, measure_motion
-from arena_sim2d.scanning import Scanner, disturb, scan
+from arena_sim2d.scanning import Scanner, add_scan_noise, take_scan
 from arena_sim2d.ticking import world_of
 from arena_sim2d.walking import legs_now
 
@@ -53,7 +53,7 @@ class Gears(NamedTuple):
     inertia: float
 
 
-class Motion(NamedTuple):
+class PhysicsArrays(NamedTuple):
     """The arrays of one world's physics, and what is remembered of its robot: ``velocity`` (3,) is the set point, in ``base_link``.
 
     ``integrated`` (3,) is the pose in ``odom`` by the wheels, ``since`` (3,) what they turned since the last odometry. ``state`` (1,) tells
@@ -117,9 +117,9 @@ def wheel_gears(robot: Robot, body: Body, floor_friction: float, tip_angle: floa
     return Gears(True, gears, measures, places, steered, speeds, angles, limits, up, body.mass, body.inertia[2])
 
 
-def own_gears(robot: Robot, body: Body, floor_friction: float, tip_angle: float) -> Gears:
+def file_gears(robot: Robot, body: Body, floor_friction: float, tip_angle: float) -> Gears:
     """Return the gears of a file's body: driven wheels, then what steers; joints stand where the file has them."""
-    own: OwnModel = body.own  # type: ignore[assignment]  # asked for only where there is one
+    own: RobotFile = body.own  # type: ignore[assignment]  # asked for only where there is one
     where = {wheel.joint: speed for wheel, speed in zip(own.wheels, own.speeds, strict=True)}
     wheels = driven_wheels(own, robot)
     places = np.array([wheel.place for wheel in (*wheels, *own.steering)])
@@ -136,7 +136,16 @@ def own_gears(robot: Robot, body: Body, floor_friction: float, tip_angle: float)
 
 @borrowing
 def before_tick(
-    worlds: Worlds, k: int, chassis: Chassis, gears: Gears, motion: Motion, command: Floats, legs: bool, dt: float, coarse: int, way: float
+    worlds: Worlds,
+    k: int,
+    chassis: Chassis,
+    gears: Gears,
+    motion: PhysicsArrays,
+    command: Floats,
+    legs: bool,
+    dt: float,
+    coarse: int,
+    way: float,
 ) -> int:
     """Move people, set the motors, and return in how many steps the physics is to go through a tick of ``dt`` s.
 
@@ -152,8 +161,8 @@ def before_tick(
     for i in range(len(motion.qpos)):
         motion.kept[i] = motion.qpos[i]
     _set_motors(chassis, gears, motion, robot, command, dt)
-    speed = max(_speed(robot.vx, robot.vy, robot.wz, world.body.radius), _speed(*_set_point(motion), world.body.radius))
-    closing = _closing(world, robot, speed, dt)
+    speed = max(_point_speed(robot.vx, robot.vy, robot.wz, world.body.radius), _point_speed(*_set_point(motion), world.body.radius))
+    closing = _approach_distance(world, robot, speed, dt)
     if closing < 0.0:
         return coarse
     motion.near[0] = 1
@@ -161,34 +170,34 @@ def before_tick(
 
 
 @inner
-def _set_point(motion: Motion) -> Velocity:
+def _set_point(motion: PhysicsArrays) -> Velocity:
     return motion.velocity[0], motion.velocity[1], motion.velocity[2]
 
 
 @inner
-def _speed(vx: float, vy: float, wz: float, radius: float) -> float:
+def _point_speed(vx: float, vy: float, wz: float, radius: float) -> float:
     """Return how fast the fastest point of a body may be, m/s."""
     return math.sqrt(vx * vx + vy * vy) + abs(wz) * radius
 
 
 @inner
-def _closing(world: World, robot: Row, speed: float, dt: float) -> float:
+def _approach_distance(world: World, robot: Row, speed: float, dt: float) -> float:
     """Return how far the robot may go towards what it may touch in this tick, m; -1 where it touches nothing."""
     reach = speed * dt + SPARE
-    place(world.body, robot.x, robot.y, robot.theta)
+    place_body(world.body, robot.x, robot.y, robot.theta)
     things = not is_clear(world, robot.x, robot.y, world.body.radius + reach) and gap_to_things(world, world.body, reach)[0] < reach
     people = gap_to_people(world, world.body, reach) < reach
     return speed * dt if things or people else -1.0
 
 
 @borrowing
-def show_people(worlds: Worlds, k: int, motion: Motion, legs: bool) -> None:
+def show_people(worlds: Worlds, k: int, motion: PhysicsArrays, legs: bool) -> None:
     """Put the people of world k where they are, as before its first tick."""
     _place_people(worlds, world_of(worlds, k), motion, legs)
 
 
 @inner
-def _place_people(worlds: Worlds, world: World, motion: Motion, legs: bool) -> None:
+def _place_people(worlds: Worlds, world: World, motion: PhysicsArrays, legs: bool) -> None:
     """Put people's bodies, and their legs, where they are; who is not in the world is far away."""
     each = 3 if legs else 1
     for i in range(world.robots[world.k].people):
@@ -203,7 +212,7 @@ def _place_people(worlds: Worlds, world: World, motion: Motion, legs: bool) -> N
 
 
 @inner
-def _set_motors(chassis: Chassis, gears: Gears, motion: Motion, robot: Row, command: Floats, dt: float) -> None:
+def _set_motors(chassis: Chassis, gears: Gears, motion: PhysicsArrays, robot: Row, command: Floats, dt: float) -> None:
     """Give the motors their set points for a tick: the command, within the robot's limits of speed and acceleration.
 
     A planar base goes on from its own velocity, so that one that was stopped speeds up again, by the force that brings it to the set point
@@ -220,13 +229,13 @@ def _set_motors(chassis: Chassis, gears: Gears, motion: Motion, robot: Row, comm
         return
     for a in range(len(motion.ctrl)):
         if gears.steered[a]:
-            motion.ctrl[a] = _steering(chassis, gears, a, motion.ctrl[a], command)
+            motion.ctrl[a] = _steering_angle(chassis, gears, a, motion.ctrl[a], command)
         else:
             motion.ctrl[a] = gears.gears[a, 0] * wanted[0] + gears.gears[a, 1] * wanted[1] + gears.gears[a, 2] * wanted[2]
 
 
 @inner
-def _steering(chassis: Chassis, gears: Gears, a: int, angle: float, command: Floats) -> float:
+def _steering_angle(chassis: Chassis, gears: Gears, a: int, angle: float, command: Floats) -> float:
     """Return the angle of a steered wheel on the commanded arc, rad; a car that is to stand keeps its wheels as they are."""
     if command[0] == 0.0:
         return angle
@@ -240,7 +249,7 @@ def after_tick(
     k: int,
     chassis: Chassis,
     gears: Gears,
-    motion: Motion,
+    motion: PhysicsArrays,
     wheels: Wheels,
     device: Scanner,
     ranges: NDArray[np.float32],
@@ -253,32 +262,32 @@ def after_tick(
     tick = robot.tick + 1
     before = (robot.vx, robot.vy, robot.wz)
     if motion.state[0] == RUNS:
-        motion.state[0] = _look(gears, motion)
+        motion.state[0] = _check_state(gears, motion)
     if motion.state[0] == RUNS:
-        _read(gears, motion, robot)
+        _read_motion(gears, motion, robot)
     else:
         for i in range(len(motion.qpos)):
             motion.qpos[i] = motion.kept[i]
         motion.qvel[:] = 0.0
         robot.vx, robot.vy, robot.wz = 0.0, 0.0, 0.0
     if motion.near[0] == 1:
-        place(world.body, robot.x, robot.y, robot.theta)
+        place_body(world.body, robot.x, robot.y, robot.theta)
         led = _set_point(motion) if not gears.wheeled else before
         note_overlaps(world, tick, in_map(robot.theta, led))
     robot.contact_ticks += release_contacts(world)
     if gears.wheeled:
-        _roll(chassis, gears, motion, robot, dt)
+        _integrate_wheels(chassis, gears, motion, robot, dt)
         if tick % wheels.period == 0:
-            _tell_rolled(motion, robot, tick, dt)
+            _write_odometry(motion, robot, tick, dt)
     elif tick % wheels.period == 0:
         measure_motion(wheels, robot, tick, dt)
     if tick == scan_tick:
-        scan(worlds, device, k, tick, ranges)
+        take_scan(worlds, device, k, tick, ranges)
     robot.tick = tick
 
 
 @inner
-def _look(gears: Gears, motion: Motion) -> int:
+def _check_state(gears: Gears, motion: PhysicsArrays) -> int:
     """Tell how it is with a world after a tick."""
     for i in range(len(motion.qpos)):
         if not math.isfinite(motion.qpos[i]):
@@ -292,7 +301,7 @@ def _look(gears: Gears, motion: Motion) -> int:
 
 
 @inner
-def _read(gears: Gears, motion: Motion, robot: Row) -> None:
+def _read_motion(gears: Gears, motion: PhysicsArrays, robot: Row) -> None:
     """Read pose and velocity of the robot in the plane."""
     q, v = motion.qpos, motion.qvel
     robot.x, robot.y = q[0], q[1]
@@ -300,14 +309,14 @@ def _read(gears: Gears, motion: Motion, robot: Row) -> None:
         robot.theta = math.atan2(2.0 * (q[3] * q[6] + q[4] * q[5]), 1.0 - 2.0 * (q[5] * q[5] + q[6] * q[6]))
         robot.wz = v[5]
     else:
-        robot.theta = wrap(q[2])
+        robot.theta = wrap_angle(q[2])
         robot.wz = v[2]
     c, s = math.cos(robot.theta), math.sin(robot.theta)
     robot.vx, robot.vy = c * v[0] + s * v[1], c * v[1] - s * v[0]
 
 
 @inner
-def _roll(chassis: Chassis, gears: Gears, motion: Motion, robot: Row, dt: float) -> None:
+def _integrate_wheels(chassis: Chassis, gears: Gears, motion: PhysicsArrays, robot: Row, dt: float) -> None:
     """Integrate what the wheels have turned in a tick, as if none had slipped."""
     vx, vy, wz, steer = 0.0, 0.0, 0.0, 0.0
     for a in range(len(motion.ctrl)):
@@ -328,14 +337,14 @@ def _roll(chassis: Chassis, gears: Gears, motion: Motion, robot: Row, dt: float)
     if chassis.kinematics == ACKERMANN:
         wz = vx * steer / max(gears.steered.sum(), 1)
     pose: Position = (motion.integrated[0], motion.integrated[1], motion.integrated[2])
-    motion.integrated[0], motion.integrated[1], motion.integrated[2] = drive(pose, (vx, vy, wz), dt)
+    motion.integrated[0], motion.integrated[1], motion.integrated[2] = drive_arc(pose, (vx, vy, wz), dt)
     motion.since[0] += vx * dt
     motion.since[1] += vy * dt
     motion.since[2] += wz * dt
 
 
 @inner
-def _tell_rolled(motion: Motion, robot: Row, tick: int, dt: float) -> None:
+def _write_odometry(motion: PhysicsArrays, robot: Row, tick: int, dt: float) -> None:
     """Let odometry say what the wheels have turned; the twist is the mean over its period."""
     seconds = (tick - robot.odometry_tick) * dt
     robot.odometry_x, robot.odometry_y, robot.odometry_theta = motion.integrated[0], motion.integrated[1], motion.integrated[2]
@@ -352,5 +361,5 @@ def _tell_rolled(motion: Motion, robot: Row, tick: int, dt: float) -> None:
 def disturb_scan(worlds: Worlds, k: int, device: Scanner, tick: int, ranges: NDArray[np.float32]) -> None:
     """Add the noise of the lidar to a scan that was taken elsewhere."""
     robot = worlds.robots[k]
-    disturb(device, robot, tick, ranges)
+    add_scan_noise(device, robot, tick, ranges)
     robot.scan_tick = tick

@@ -54,7 +54,7 @@ class GaussMarkovLocalizer(ReferenceLocalizer):
     def estimates(self, poses: Floats, slots: Slots) -> Floats:
         """Return the poses (K, 3) with the errors that these robots have now."""
         estimates = np.empty((len(slots), 3))
-        _wander(self._state, slots, poses, self._std, self._length, self._turn, estimates)
+        _advance_errors(self._state, slots, poses, self._std, self._length, self._turn, estimates)
         return estimates
 
     def covariance(self, pose: Floats) -> Floats:
@@ -66,7 +66,7 @@ class GaussMarkovLocalizer(ReferenceLocalizer):
 
 
 @borrowing
-def _wander(state: _State, slots: Slots, poses: Floats, std: Floats, length: Floats, turn: float, estimates: Floats) -> None:
+def _advance_errors(state: _State, slots: Slots, poses: Floats, std: Floats, length: Floats, turn: float, estimates: Floats) -> None:
     """Move each robot's error on by the way that it drove since it was last asked for."""
     for k in range(len(slots)):
         slot = slots[k]

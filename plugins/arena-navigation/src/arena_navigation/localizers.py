@@ -44,11 +44,11 @@ class OdometryLocalizer(Localizer):
             self._origin, self._last = odometry, (sensors.stamp, odometry)
         pose = self._start.compose(self._origin.relative(odometry))
         before = self._start.compose(self._origin.relative(self._last[1]))
-        self._covariance = self._grown(before, before.relative(pose), sensors.stamp - self._last[0])
+        self._covariance = self._next_covariance(before, before.relative(pose), sensors.stamp - self._last[0])
         self._last = (sensors.stamp, odometry)
         return PoseEstimate(pose, self._covariance)
 
-    def _grown(self, pose: Pose, step: Pose, duration: float) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
+    def _next_covariance(self, pose: Pose, step: Pose, duration: float) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
         """Return the covariance after one more ``step``, to first order.
 
         Probabilistic Robotics, table 5.6, whose variances are those of one message: n messages of a step each report a n-th of it, so

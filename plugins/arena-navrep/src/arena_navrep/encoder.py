@@ -48,10 +48,10 @@ class NavrepEncoder(BoundedEncoder):
         seen = self._scans.encode(observations)
         rows[:, : self._code] = self._vision.run(np.ascontiguousarray(seen[:, : self._beams]))
         if self._memory is not None:
-            rows[:, self._code : self._state] = self._remembered(self._memory, observations.recalled, seen)
+            rows[:, self._code : self._state] = self._update_memory(self._memory, observations.recalled, seen)
         rows[:, self._state :] = seen[:, self._beams :]
 
-    def _remembered(self, memory: Part, before: Numbers, seen: Numbers) -> Numbers:
+    def _update_memory(self, memory: Part, before: Numbers, seen: Numbers) -> Numbers:
         """Return h (N, H) from what was recalled of the step ``before`` and the command given since."""
         code, hidden = before[:, : self._code], before[:, self._code : self._state]
         numbers = np.concatenate((code, before[:, self._measured], seen[:, self._commanded], hidden), axis=1)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import ObservationField
-from arena_policies.encoding import columns
+from arena_policies.encoding import field_columns
 
 AXES = ("vx", "vy", "wz")
 Columns = NDArray[np.int64]
@@ -18,6 +18,6 @@ def motion_columns(state: Sequence[ObservationField]) -> tuple[Columns, Columns]
     """Return the columns of measured speeds and of the last command in a state of these fields."""
     there = {field.name for field in state}
     measured, commanded = (
-        np.r_[tuple(columns(state, name) for name in names if name in there)] for names in (AXES, [f"last_{axis}" for axis in AXES])
+        np.r_[tuple(field_columns(state, name) for name in names if name in there)] for names in (AXES, [f"last_{axis}" for axis in AXES])
     )
     return measured, commanded

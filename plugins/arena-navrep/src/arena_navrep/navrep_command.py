@@ -81,10 +81,10 @@ def _show_evidence(words: Sequence[str]) -> int:
         raise ConfigurationError(f"policy and out are missing; allowed: {EVIDENCE}")
     episodes, seed = given.value("episodes", PAIRS, 200), given.value("seed", NonNegativeInt, 1000)
     require_extra("arena navrep evidence", ["arena_gym"], "arena-navrep[train]")
-    from arena_navrep.evidence import foresight, worth_of_memory
+    from arena_navrep.evidence import memory_ablation, prediction_report
 
     if "out" in given.keys:
-        print(foresight(Path(given.keys["out"])))
+        print(prediction_report(Path(given.keys["out"])))
     if "policy" in given.keys:
-        print(worth_of_memory(given.keys["policy"], episodes, seed))
+        print(memory_ablation(given.keys["policy"], episodes, seed))
     return 0

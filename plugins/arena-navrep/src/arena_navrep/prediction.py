@@ -35,8 +35,8 @@ def sequences_of(recorded: Rollouts, vision: Part, layout: Sequence[ObservationF
     flat = recorded.scans.reshape(-1, recorded.scans.shape[2])
     codes = np.concatenate([vision.run(flat[k : k + BLOCK]) for k in range(0, len(flat), BLOCK)]).reshape(*recorded.begins.shape, -1)
     measured, commanded = motion_columns(layout[1:])
-    speeds, commands = _a_step_before(recorded.states[:, :, measured], recorded.begins), recorded.states[:, :, commanded]
-    return Sequences(codes, _a_step_before(codes, recorded.begins), np.concatenate((speeds, commands), axis=2), recorded.begins)
+    speeds, commands = _shift_steps(recorded.states[:, :, measured], recorded.begins), recorded.states[:, :, commanded]
+    return Sequences(codes, _shift_steps(codes, recorded.begins), np.concatenate((speeds, commands), axis=2), recorded.begins)
 
 
 def prediction_errors(sequences: Sequences, memory: Callable[[Numbers], Numbers], hidden: int) -> dict[str, float]:
@@ -57,7 +57,7 @@ def prediction_errors(sequences: Sequences, memory: Callable[[Numbers], Numbers]
     return {"prediction": expected, "persistence": persistence}
 
 
-def _a_step_before(numbers: Numbers, begins: NDArray[np.bool_]) -> Numbers:
+def _shift_steps(numbers: Numbers, begins: NDArray[np.bool_]) -> Numbers:
     """Return numbers (T, N, D) moved on by a step, zero where an episode begins."""
     before = np.concatenate((np.zeros_like(numbers[:1]), numbers[:-1]))
     before[begins] = 0.0

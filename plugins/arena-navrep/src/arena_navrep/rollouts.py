@@ -27,7 +27,7 @@ class Rollouts:
     begins: NDArray[np.bool_]
 
 
-def file_of(folder: Path, kind: str, index: int) -> Path:
+def rollout_file(folder: Path, kind: str, index: int) -> Path:
     """Return where roll-outs ``index`` of a kind, train or test, lie."""
     return folder / FOLDER / f"{kind}_{index:02}.npz"
 
@@ -41,12 +41,12 @@ def write_rollouts(path: Path, rollouts: Rollouts) -> None:
 
 def read_rollouts(folder: Path, kind: str, files: int) -> Rollouts:
     """Return all roll-outs of a kind side by side; raise InputFileError where there are none or one is damaged."""
-    arrays = [_read(file_of(folder, kind, index)) for index in range(files)]
+    arrays = [_read_file(rollout_file(folder, kind, index)) for index in range(files)]
     joined = {name: np.concatenate([one[name] for one in arrays], axis=1) for name in ("scans", "states", "begins")}
     return Rollouts(joined["scans"].astype(np.float32), joined["states"].astype(np.float32), joined["begins"])
 
 
-def _read(path: Path) -> dict[str, NDArray[Any]]:
+def _read_file(path: Path) -> dict[str, NDArray[Any]]:
     allowed = "a file that `arena navrep record` wrote"
     content = read_arrays(path, allowed)
     shapes = [content[name].shape[:2] for name in ARRAYS if name in content and content[name].ndim == DIMENSIONS[name]]

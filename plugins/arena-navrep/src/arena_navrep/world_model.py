@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from arena_core import ConfigurationError, InputFileError, ObservationField
 from arena_core.commands import one_line
 from arena_core.files import local_path, read_json, write_bytes_whole, write_text_whole
-from arena_policies.card import sha256
+from arena_policies.card import content_sha256
 from arena_policies.network import Network, network_content, open_network
 
 FORMAT, VERSION = "arena-world-model", 1
@@ -69,9 +69,9 @@ def load_part(address: str, part: str) -> Part:
     content, card = network_content(path), read_part_card(path.with_suffix(".json"))
     if card.part != part:
         raise InputFileError(f"{path.with_suffix('.json')}: part is {card.part}; allowed: {part}")
-    if sha256(content) != card.sha256:
+    if content_sha256(content) != card.sha256:
         raise InputFileError(
-            f"{path}: sha256 is {sha256(content)[:12]}…, its card says {card.sha256[:12]}…; allowed: the file the card was made for"
+            f"{path}: sha256 is {content_sha256(content)[:12]}…, its card says {card.sha256[:12]}…; allowed: the file the card was made for"
         )
     if card.writes != card.hidden + card.code or (part == "vision" and [card.reads] != [field.size for field in card.layout[:1]]):
         raise InputFileError(

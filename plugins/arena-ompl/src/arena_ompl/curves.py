@@ -23,7 +23,9 @@ _HALF, _WHOLE = 0.5 * math.pi, 2.0 * math.pi
 
 
 @borrowing
-def shortest(kind: int, radius: float, x0: float, y0: float, theta0: float, x1: float, y1: float, theta1: float, pieces: Pieces) -> float:
+def shortest_curve(
+    kind: int, radius: float, x0: float, y0: float, theta0: float, x1: float, y1: float, theta1: float, pieces: Pieces
+) -> float:
     """Write the shortest curve of a kind between two poses into ``pieces`` and return its heading at the start.
 
     A straight line has the heading of its direction, whatever the headings of its ends.
@@ -34,9 +36,9 @@ def shortest(kind: int, radius: float, x0: float, y0: float, theta0: float, x1: 
         pieces[0, 1] = math.hypot(dx, dy)
         return math.atan2(dy, dx)
     c, s = math.cos(theta0), math.sin(theta0)
-    x, y, phi = (c * dx + s * dy) / radius, (c * dy - s * dx) / radius, _wrapped(theta1 - theta0)
+    x, y, phi = (c * dx + s * dy) / radius, (c * dy - s * dx) / radius, _wrap_angle(theta1 - theta0)
     if kind == DUBINS:
-        _dubins(x, y, phi, pieces)
+        _write_dubins(x, y, phi, pieces)
     else:
         _reeds_shepp(x, y, phi, pieces)
     for i in range(5):
@@ -45,7 +47,7 @@ def shortest(kind: int, radius: float, x0: float, y0: float, theta0: float, x1: 
 
 
 @borrowing
-def along(radius: float, x: float, y: float, theta: float, turn: float, length: float) -> tuple[float, float, float]:
+def pose_along(radius: float, x: float, y: float, theta: float, turn: float, length: float) -> tuple[float, float, float]:
     """Return the pose after ``length`` m of a piece that begins at a pose."""
     if turn == 0.0:
         return x + length * math.cos(theta), y + length * math.sin(theta), theta
@@ -54,20 +56,20 @@ def along(radius: float, x: float, y: float, theta: float, turn: float, length: 
 
 
 @inlined
-def _wrapped(angle: float) -> float:
+def _wrap_angle(angle: float) -> float:
     """Return an angle in (-pi, pi]."""
     return angle - _WHOLE * math.ceil((angle - math.pi) / _WHOLE)
 
 
 @inlined
-def _positive(angle: float) -> float:
+def _wrap_positive(angle: float) -> float:
     """Return an angle in [0, 2 pi); what rounding keeps from 0 or 2 pi is 0."""
     angle -= _WHOLE * math.floor(angle / _WHOLE)
     return 0.0 if angle < _ROUNDING or angle > _WHOLE - _ROUNDING else angle
 
 
 @inner
-def _dubins(x: float, y: float, phi: float, pieces: Pieces) -> None:
+def _write_dubins(x: float, y: float, phi: float, pieces: Pieces) -> None:
     """Choose the shortest of Dubins' six words (formulas of Shkel and Lumelsky, Robotics and Autonomous Systems 34, 2001)."""
     d, theta = math.sqrt(x * x + y * y), math.atan2(y, x)
     a, b = -theta, phi - theta
@@ -76,32 +78,32 @@ def _dubins(x: float, y: float, phi: float, pieces: Pieces) -> None:
     for side in (1.0, -1.0):  # L S L, R S R
         squared = 2.0 + d * d - 2.0 * cab + side * 2.0 * d * (sa - sb)
         at = math.atan2(side * (cb - ca), d + side * (sa - sb))
-        t, p, q = _positive(side * (at - a)), math.sqrt(max(squared, 0.0)), _positive(side * (b - at))
+        t, p, q = _wrap_positive(side * (at - a)), math.sqrt(max(squared, 0.0)), _wrap_positive(side * (b - at))
         if squared > -_ROUNDING and t + p + q < best:
             best = t + p + q
-            _write(pieces, side, t, 0.0, p, side, q)
+            _write_pieces(pieces, side, t, 0.0, p, side, q)
     for side in (1.0, -1.0):  # L S R, R S L
         squared = -2.0 + d * d + 2.0 * cab + side * 2.0 * d * (sa + sb)
         if squared > -_ROUNDING:
             p = math.sqrt(max(squared, 0.0))
             at = math.atan2(-side * (ca + cb), d + side * (sa + sb)) - math.atan2(-2.0 * side, p)
-            t, q = _positive(side * (at - a)), _positive(side * (at - b))
+            t, q = _wrap_positive(side * (at - a)), _wrap_positive(side * (at - b))
             if t + p + q < best:
                 best = t + p + q
-                _write(pieces, side, t, 0.0, p, -side, q)
+                _write_pieces(pieces, side, t, 0.0, p, -side, q)
     for side in (1.0, -1.0):  # L R L, R L R
         cosine = (6.0 - d * d + 2.0 * cab - side * 2.0 * d * (sa - sb)) / 8.0
         if abs(cosine) <= 1.0:
             p = _WHOLE - math.acos(cosine)
-            t = _positive(side * (math.atan2(side * (cb - ca), d + side * (sa - sb)) - a) + 0.5 * p)
-            q = _positive(side * (b - a) - t + p)
+            t = _wrap_positive(side * (math.atan2(side * (cb - ca), d + side * (sa - sb)) - a) + 0.5 * p)
+            q = _wrap_positive(side * (b - a) - t + p)
             if t + p + q < best:
                 best = t + p + q
-                _write(pieces, side, t, -side, p, side, q)
+                _write_pieces(pieces, side, t, -side, p, side, q)
 
 
 @inner
-def _write(pieces: Pieces, turn0: float, length0: float, turn1: float, length1: float, turn2: float, length2: float) -> None:
+def _write_pieces(pieces: Pieces, turn0: float, length0: float, turn1: float, length1: float, turn2: float, length2: float) -> None:
     pieces[0, 0], pieces[0, 1] = turn0, length0
     pieces[1, 0], pieces[1, 1] = turn1, length1
     pieces[2, 0], pieces[2, 1] = turn2, length2
@@ -130,48 +132,48 @@ def _symmetric_words(x: float, y: float, phi: float, flip: float, mirror: float,
     s, c = math.sin(phi), math.cos(phi)
     xi, eta = x - s, y - 1.0 + c
     u, t = math.sqrt(xi * xi + eta * eta), math.atan2(eta, xi)
-    v = _wrapped(phi - t)
+    v = _wrap_angle(phi - t)
     if t >= -_ROUNDING and v >= -_ROUNDING:  # L+ S+ L+
-        best = _keep(flip, mirror, False, best, pieces, (1, t), (0, u), (1, v), (0, 0.0), (0, 0.0))
+        best = _keep_shorter(flip, mirror, False, best, pieces, (1, t), (0, u), (1, v), (0, 0.0), (0, 0.0))
     xi, eta = x + s, y - 1.0 - c
     squared = xi * xi + eta * eta
     rho = math.sqrt(squared)
     if squared >= 4.0:  # L+ S+ R+
         u = math.sqrt(squared - 4.0)
-        t = _wrapped(math.atan2(eta, xi) + math.atan2(2.0, u))
-        v = _wrapped(t - phi)
+        t = _wrap_angle(math.atan2(eta, xi) + math.atan2(2.0, u))
+        v = _wrap_angle(t - phi)
         if t >= -_ROUNDING and v >= -_ROUNDING:
-            best = _keep(flip, mirror, False, best, pieces, (1, t), (0, u), (-1, v), (0, 0.0), (0, 0.0))
+            best = _keep_shorter(flip, mirror, False, best, pieces, (1, t), (0, u), (-1, v), (0, 0.0), (0, 0.0))
     if rho <= 2.0:  # L+ R+ L- R-
         u = math.acos(0.25 * (2.0 + rho))
         t, v = _outer_turns(u, -u, xi, eta, phi)
         if t >= -_ROUNDING and v <= _ROUNDING:
-            best = _keep(flip, mirror, False, best, pieces, (1, t), (-1, u), (1, -u), (-1, v), (0, 0.0))
+            best = _keep_shorter(flip, mirror, False, best, pieces, (1, t), (-1, u), (1, -u), (-1, v), (0, 0.0))
     cosine = (20.0 - squared) / 16.0
     if 0.0 <= cosine <= 1.0:  # L+ R- L- R+
         u = -math.acos(cosine)
         t, v = _outer_turns(u, u, xi, eta, phi)
         if t >= -_ROUNDING and v >= -_ROUNDING:
-            best = _keep(flip, mirror, False, best, pieces, (1, t), (-1, u), (1, u), (-1, v), (0, 0.0))
+            best = _keep_shorter(flip, mirror, False, best, pieces, (1, t), (-1, u), (1, u), (-1, v), (0, 0.0))
     if rho >= 2.0:  # L+ R- S- L- R+
         u = 4.0 - math.sqrt(squared - 4.0)
         if u <= _ROUNDING:
-            t = _wrapped(math.atan2((4.0 - u) * xi - 2.0 * eta, -2.0 * xi + (u - 4.0) * eta))
-            v = _wrapped(t - phi)
+            t = _wrap_angle(math.atan2((4.0 - u) * xi - 2.0 * eta, -2.0 * xi + (u - 4.0) * eta))
+            v = _wrap_angle(t - phi)
             if t >= -_ROUNDING and v >= -_ROUNDING:
-                best = _keep(flip, mirror, False, best, pieces, (1, t), (-1, -_HALF), (0, u), (1, -_HALF), (-1, v))
+                best = _keep_shorter(flip, mirror, False, best, pieces, (1, t), (-1, -_HALF), (0, u), (1, -_HALF), (-1, v))
     return best
 
 
 @inner
 def _outer_turns(u: float, v: float, xi: float, eta: float, phi: float) -> tuple[float, float]:
     """Return the first and the last turn about two inner ones (tau and omega of the paper)."""
-    delta = _wrapped(u - v)
+    delta = _wrap_angle(u - v)
     a, b = math.sin(u) - math.sin(delta), math.cos(u) - math.cos(delta) - 1.0
     at = math.atan2(eta * a - xi * b, xi * a + eta * b)
     behind = 2.0 * (math.cos(delta) - math.cos(v) - math.cos(u)) + 3.0 < 0.0
-    t = _wrapped(at + math.pi) if behind else _wrapped(at)
-    return t, _wrapped(t - u + v - phi)
+    t = _wrap_angle(at + math.pi) if behind else _wrap_angle(at)
+    return t, _wrap_angle(t - u + v - phi)
 
 
 @inner
@@ -182,27 +184,27 @@ def _turning_words(x: float, y: float, phi: float, flip: float, mirror: float, b
     rho, theta = math.sqrt(xi * xi + eta * eta), math.atan2(eta, xi)
     if rho <= 4.0:  # L+ R- L
         u = -2.0 * math.asin(0.25 * rho)
-        t = _wrapped(theta + 0.5 * u + math.pi)
-        v = _wrapped(phi - t + u)
+        t = _wrap_angle(theta + 0.5 * u + math.pi)
+        v = _wrap_angle(phi - t + u)
         if t >= -_ROUNDING and u <= _ROUNDING:
-            best = _keep(flip, mirror, backwards, best, pieces, (1, t), (-1, u), (1, v), (0, 0.0), (0, 0.0))
+            best = _keep_shorter(flip, mirror, backwards, best, pieces, (1, t), (-1, u), (1, v), (0, 0.0), (0, 0.0))
     if rho >= 2.0:  # L+ R- S- L-
         r = math.sqrt(rho * rho - 4.0)
-        t = _wrapped(theta + math.atan2(r, -2.0))
-        v = _wrapped(phi - _HALF - t)
+        t = _wrap_angle(theta + math.atan2(r, -2.0))
+        v = _wrap_angle(phi - _HALF - t)
         if t >= -_ROUNDING and 2.0 - r <= _ROUNDING and v <= _ROUNDING:
-            best = _keep(flip, mirror, backwards, best, pieces, (1, t), (-1, -_HALF), (0, 2.0 - r), (1, v), (0, 0.0))
+            best = _keep_shorter(flip, mirror, backwards, best, pieces, (1, t), (-1, -_HALF), (0, 2.0 - r), (1, v), (0, 0.0))
     xi, eta = x + s, y - 1.0 - c
     rho, t = math.sqrt(xi * xi + eta * eta), math.atan2(xi, -eta)
     if rho >= 2.0:  # L+ R- S- R-
-        v = _wrapped(t + _HALF - phi)
+        v = _wrap_angle(t + _HALF - phi)
         if t >= -_ROUNDING and v <= _ROUNDING:
-            best = _keep(flip, mirror, backwards, best, pieces, (1, t), (-1, -_HALF), (0, 2.0 - rho), (-1, v), (0, 0.0))
+            best = _keep_shorter(flip, mirror, backwards, best, pieces, (1, t), (-1, -_HALF), (0, 2.0 - rho), (-1, v), (0, 0.0))
     return best
 
 
 @inner
-def _keep(
+def _keep_shorter(
     flip: float,
     mirror: float,
     backwards: bool,

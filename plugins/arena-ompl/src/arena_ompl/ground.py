@@ -45,7 +45,7 @@ class ObstacleField:
 
 
 @dataclass(frozen=True, slots=True)
-class PriceField:
+class CostField:
     """What a metre costs in each cell of a grid, for ``grid.derive``.
 
     1 + ``weight`` exp(-``scaling`` times a disc's clearance) where that clearance is below ``influence`` (m), else 1.
@@ -79,7 +79,7 @@ def body_discs(robot: Robot, count: int) -> Discs:
 
 
 @inlined
-def interpolated(field: Field, resolution: float, x: float, y: float) -> float:
+def interpolate_field(field: Field, resolution: float, x: float, y: float) -> float:
     """Return a field at a position, that of the nearest one inside if it lies outside the grid."""
     rows, columns = field.shape
     u, v = min(max(x / resolution - 0.5, 0.0), columns - 1.0), min(max(y / resolution - 0.5, 0.0), rows - 1.0)
@@ -95,11 +95,11 @@ def interpolated(field: Field, resolution: float, x: float, y: float) -> float:
 def _clearance_of_disc(field: Field, resolution: float, x: float, y: float, radius: float) -> float:
     if not (0.0 <= x < resolution * field.shape[1] and 0.0 <= y < resolution * field.shape[0]):
         return _OUTSIDE
-    return min(interpolated(field, resolution, x, y), field[int(y / resolution), int(x / resolution)]) - radius  # type: ignore[no-any-return]
+    return min(interpolate_field(field, resolution, x, y), field[int(y / resolution), int(x / resolution)]) - radius  # type: ignore[no-any-return]
 
 
 @borrowing
-def clearance(field: Field, discs: Discs, resolution: float, x: float, y: float, theta: float) -> float:
+def body_clearance(field: Field, discs: Discs, resolution: float, x: float, y: float, theta: float) -> float:
     """Return how far the body at a pose is from the nearest obstacle, m; not positive if it is too near."""
     if len(discs) == 1 and discs[0, 0] == 0.0 and discs[0, 1] == 0.0:
         return _clearance_of_disc(field, resolution, x, y, discs[0, 2])
@@ -112,7 +112,7 @@ def clearance(field: Field, discs: Discs, resolution: float, x: float, y: float,
 
 
 @compiled
-def reachable(
+def reachable_cells(
     field: Field, occupied: NDArray[np.bool_], resolution: float, radius: float, reach: float, row: int, column: int
 ) -> NDArray[np.bool_]:
     """Return the cells (H, W) that a disc of ``radius`` m can get to from a cell, whatever the way.

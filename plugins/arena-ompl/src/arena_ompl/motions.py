@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing, inner
-from arena_ompl.curves import Pieces, along, shortest
-from arena_ompl.ground import Discs, Field, clearance, interpolated
+from arena_ompl.curves import Pieces, pose_along, shortest_curve
+from arena_ompl.ground import Discs, Field, body_clearance, interpolate_field
 
 Poses = NDArray[np.float64]
 Figures = NDArray[np.float64]
@@ -63,7 +63,7 @@ class Motions:
     def cost(self, x0: float, y0: float, theta0: float, x1: float, y1: float, theta1: float) -> float:
         """Return what the motion between two poses costs, m."""
         self.evaluations += 1
-        return cost(*self._rules, x0, y0, theta0, x1, y1, theta1)
+        return motion_cost(*self._rules, x0, y0, theta0, x1, y1, theta1)
 
     def poses(self, path: Poses, spacing: float) -> Poses:
         """Return poses (M, 3) at most ``spacing`` m apart along the motions that join those of a path (K, 3)."""
@@ -83,18 +83,18 @@ class Motions:
     def relax(self, path: Poses, rounds: int) -> Poses:
         """Return a path of straight lines (K, 3) pulled tight and away from obstacles; its ends stay."""
         relaxed = path.copy()
-        relax(*self._rules, relaxed, rounds)
+        relax_path(*self._rules, relaxed, rounds)
         return relaxed
 
 
 @inner
-def _rules(field: Field, prices: Field, discs: Discs, figures: Figures) -> Rules:
+def _make_rules(field: Field, prices: Field, discs: Discs, figures: Figures) -> Rules:
     f = figures
     return Rules(field, prices, discs, f[0], f[1], f[2], f[3], f[4], f[5], f[6])
 
 
 @inner
-def _required(rules: Rules, x: float, y: float) -> float:
+def _required_clearance(rules: Rules, x: float, y: float) -> float:
     """Return the clearance that is asked of a pose, m."""
     near = rules.reach > 0.0 and math.hypot(x - rules.start_x, y - rules.start_y) <= rules.reach
     return rules.allowed if near else 0.0
@@ -103,8 +103,8 @@ def _required(rules: Rules, x: float, y: float) -> float:
 @borrowing
 def is_free(field: Field, prices: Field, discs: Discs, figures: Figures, pieces: Pieces, x: float, y: float, theta: float) -> bool:
     """Tell whether the body may be at a pose."""
-    rules = _rules(field, prices, discs, figures)
-    return bool(clearance(field, discs, rules.resolution, x, y, theta) > _required(rules, x, y))
+    rules = _make_rules(field, prices, discs, figures)
+    return bool(body_clearance(field, discs, rules.resolution, x, y, theta) > _required_clearance(rules, x, y))
 
 
 @borrowing
@@ -122,23 +122,23 @@ def can_move(
     theta1: float,
 ) -> bool:
     """March along the motion between two poses, as far each time as the clearance surely allows; False where it is blocked."""
-    rules = _rules(field, prices, discs, figures)
-    heading = shortest(int(rules.kind), rules.radius, x0, y0, theta0, x1, y1, theta1, pieces)
-    return _passes(rules, pieces, x0, y0, heading)
+    rules = _make_rules(field, prices, discs, figures)
+    heading = shortest_curve(int(rules.kind), rules.radius, x0, y0, theta0, x1, y1, theta1, pieces)
+    return _is_curve_free(rules, pieces, x0, y0, heading)
 
 
 @inner
-def _passes(rules: Rules, pieces: Pieces, x: float, y: float, theta: float) -> bool:
-    swing = _reach(rules.discs) / rules.radius  # how much farther than the origin a disc moves on the narrowest turn
+def _is_curve_free(rules: Rules, pieces: Pieces, x: float, y: float, theta: float) -> bool:
+    swing = _disc_reach(rules.discs) / rules.radius  # how much farther than the origin a disc moves on the narrowest turn
     for k in range(len(pieces)):
         length = abs(pieces[k, 1])
         if length < _NOTHING and k > 0:
             continue
         done = 0.0
         while True:
-            px, py, heading = along(rules.radius, x, y, theta, pieces[k, 0], math.copysign(done, pieces[k, 1]))
-            clear = clearance(rules.field, rules.discs, rules.resolution, px, py, heading)
-            spare = clear - _required(rules, px, py)
+            px, py, heading = pose_along(rules.radius, x, y, theta, pieces[k, 0], math.copysign(done, pieces[k, 1]))
+            clear = body_clearance(rules.field, rules.discs, rules.resolution, px, py, heading)
+            spare = clear - _required_clearance(rules, px, py)
             if spare <= 0.0:
                 return False
             if done >= length:
@@ -150,7 +150,7 @@ def _passes(rules: Rules, pieces: Pieces, x: float, y: float, theta: float) -> b
 
 
 @inner
-def _reach(discs: Discs) -> float:
+def _disc_reach(discs: Discs) -> float:
     """Return how far from the origin the farthest disc's centre is, m."""
     farthest = 0.0
     for i in range(len(discs)):
@@ -159,7 +159,7 @@ def _reach(discs: Discs) -> float:
 
 
 @borrowing
-def cost(
+def motion_cost(
     field: Field,
     prices: Field,
     discs: Discs,
@@ -173,13 +173,13 @@ def cost(
     theta1: float,
 ) -> float:
     """Return the integral of the price along the motion between two poses."""
-    rules = _rules(field, prices, discs, figures)
-    heading = shortest(int(rules.kind), rules.radius, x0, y0, theta0, x1, y1, theta1, pieces)
-    return _integral(rules, pieces, x0, y0, heading)
+    rules = _make_rules(field, prices, discs, figures)
+    heading = shortest_curve(int(rules.kind), rules.radius, x0, y0, theta0, x1, y1, theta1, pieces)
+    return _cost_integral(rules, pieces, x0, y0, heading)
 
 
 @inner
-def _integral(rules: Rules, pieces: Pieces, x: float, y: float, theta: float) -> float:
+def _cost_integral(rules: Rules, pieces: Pieces, x: float, y: float, theta: float) -> float:
     """Sum the price in the middles of steps of about two cells.
 
     The price is interpolated: on the border of two cells rounding alone would choose one, and not the same there as back.
@@ -198,10 +198,10 @@ def _integral(rules: Rules, pieces: Pieces, x: float, y: float, theta: float) ->
             done = (i + 0.5) * step
             px, py = x + done * c, y + done * s
             if turning != 0.0:
-                px, py, heading = along(rules.radius, x, y, theta, pieces[k, 0], done)
+                px, py, heading = pose_along(rules.radius, x, y, theta, pieces[k, 0], done)
                 c, s = math.cos(heading), math.sin(heading)
-            total += abs(step) * interpolated(rules.prices, rules.resolution, px + ahead * c - aside * s, py + ahead * s + aside * c)
-        x, y, theta = along(rules.radius, x, y, theta, pieces[k, 0], pieces[k, 1])
+            total += abs(step) * interpolate_field(rules.prices, rules.resolution, px + ahead * c - aside * s, py + ahead * s + aside * c)
+        x, y, theta = pose_along(rules.radius, x, y, theta, pieces[k, 0], pieces[k, 1])
     return total
 
 
@@ -210,26 +210,26 @@ def poses_along(
     field: Field, prices: Field, discs: Discs, figures: Figures, pieces: Pieces, path: Poses, spacing: float, poses: Poses
 ) -> int:
     """Divide every piece of every motion evenly, its ends included; return how many poses that makes, and write as many as fit."""
-    rules = _rules(field, prices, discs, figures)
+    rules = _make_rules(field, prices, discs, figures)
     count = 0
-    _write(poses, count, path[0, 0], path[0, 1], path[0, 2])
+    _write_pose(poses, count, path[0, 0], path[0, 1], path[0, 2])
     for i in range(1, len(path)):
         theta = _shortest_between(rules, path, i - 1, i, pieces)
         x, y = path[i - 1, 0], path[i - 1, 1]
         for k in range(len(pieces)):
-            parts = _parts(abs(pieces[k, 1]), spacing)
+            parts = _part_count(abs(pieces[k, 1]), spacing)
             px, py, heading = x, y, theta
             for part in range(1, parts + 1):
-                px, py, heading = along(rules.radius, x, y, theta, pieces[k, 0], pieces[k, 1] * part / parts)
+                px, py, heading = pose_along(rules.radius, x, y, theta, pieces[k, 0], pieces[k, 1] * part / parts)
                 count += 1
-                _write(poses, count, px, py, heading)
+                _write_pose(poses, count, px, py, heading)
             x, y, theta = px, py, heading
-    _write(poses, count, path[-1, 0], path[-1, 1], theta)
+    _write_pose(poses, count, path[-1, 0], path[-1, 1], theta)
     return count + 1
 
 
 @inner
-def _write(poses: Poses, i: int, x: float, y: float, theta: float) -> None:
+def _write_pose(poses: Poses, i: int, x: float, y: float, theta: float) -> None:
     if i < len(poses):
         poses[i, 0], poses[i, 1], poses[i, 2] = x, y, theta
 
@@ -237,11 +237,11 @@ def _write(poses: Poses, i: int, x: float, y: float, theta: float) -> None:
 @inner
 def _shortest_between(rules: Rules, path: Poses, i: int, j: int, pieces: Pieces) -> float:
     kind, radius = int(rules.kind), rules.radius
-    return shortest(kind, radius, path[i, 0], path[i, 1], path[i, 2], path[j, 0], path[j, 1], path[j, 2], pieces)
+    return shortest_curve(kind, radius, path[i, 0], path[i, 1], path[i, 2], path[j, 0], path[j, 1], path[j, 2], pieces)
 
 
 @inner
-def _parts(length: float, spacing: float) -> int:
+def _part_count(length: float, spacing: float) -> int:
     return 0 if length < _NOTHING else max(1, math.ceil(length / spacing - _NOTHING))
 
 
@@ -260,7 +260,7 @@ def cheapest_chain(
 
     Each pose may be followed by any later one that a free motion leads to, and always by the next: dynamic programming over all pairs.
     """
-    rules = _rules(field, prices, discs, figures)
+    rules = _make_rules(field, prices, discs, figures)
     costs[0], before[0] = 0.0, -1
     for j in range(1, len(path)):
         costs[j] = math.inf
@@ -268,41 +268,41 @@ def cheapest_chain(
             if costs[i] + math.hypot(path[j, 0] - path[i, 0], path[j, 1] - path[i, 1]) > costs[j] + _NOTHING:
                 continue
             heading = _shortest_between(rules, path, i, j, pieces)
-            total = costs[i] + _integral(rules, pieces, path[i, 0], path[i, 1], heading)
-            if total <= costs[j] + _NOTHING and (i == j - 1 or _passes(rules, pieces, path[i, 0], path[i, 1], heading)):
+            total = costs[i] + _cost_integral(rules, pieces, path[i, 0], path[i, 1], heading)
+            if total <= costs[j] + _NOTHING and (i == j - 1 or _is_curve_free(rules, pieces, path[i, 0], path[i, 1], heading)):
                 costs[j], before[j] = total, i
 
 
 @borrowing
-def relax(field: Field, prices: Field, discs: Discs, figures: Figures, pieces: Pieces, path: Poses, rounds: int) -> None:
+def relax_path(field: Field, prices: Field, discs: Discs, figures: Figures, pieces: Pieces, path: Poses, rounds: int) -> None:
     """Move every inner point of a path of straight lines towards the cheapest curve nearby, round by round, where it stays free.
 
     An elastic band (Quinlan and Khatib, ICRA 1993): a point is pulled by its neighbours and pushed off by the slope of the price.
     """
-    rules = _rules(field, prices, discs, figures)
+    rules = _make_rules(field, prices, discs, figures)
     for _ in range(rounds):
         for i in range(1, len(path) - 1):
             x, y = path[i, 0], path[i, 1]
             dx, dy = path[i + 1, 0] - path[i - 1, 0], path[i + 1, 1] - path[i - 1, 1]
-            push_x, push_y = _push(rules, x, y, dx, dy)
+            push_x, push_y = _cost_slope(rules, x, y, dx, dy)
             square = 0.25 * (dx * dx + dy * dy)
             path[i, 0] += _STEP * (path[i - 1, 0] + path[i + 1, 0] - 2.0 * x + square * push_x)
             path[i, 1] += _STEP * (path[i - 1, 1] + path[i + 1, 1] - 2.0 * y + square * push_y)
             free = True
             for j in range(i, i + 2):
                 heading = _shortest_between(rules, path, j - 1, j, pieces)
-                free = free and _passes(rules, pieces, path[j - 1, 0], path[j - 1, 1], heading)
+                free = free and _is_curve_free(rules, pieces, path[j - 1, 0], path[j - 1, 1], heading)
             if not free:
                 path[i, 0], path[i, 1] = x, y
 
 
 @inner
-def _push(rules: Rules, x: float, y: float, dx: float, dy: float) -> tuple[float, float]:
+def _cost_slope(rules: Rules, x: float, y: float, dx: float, dy: float) -> tuple[float, float]:
     """Return minus the slope of the logarithm of the price, across the direction (dx, dy), 1/m."""
     prices, h = rules.prices, rules.resolution
-    price = interpolated(prices, h, x, y)
-    gx = (interpolated(prices, h, x - h, y) - interpolated(prices, h, x + h, y)) / (2.0 * h * price)
-    gy = (interpolated(prices, h, x, y - h) - interpolated(prices, h, x, y + h)) / (2.0 * h * price)
+    price = interpolate_field(prices, h, x, y)
+    gx = (interpolate_field(prices, h, x - h, y) - interpolate_field(prices, h, x + h, y)) / (2.0 * h * price)
+    gy = (interpolate_field(prices, h, x, y - h) - interpolate_field(prices, h, x, y + h)) / (2.0 * h * price)
     square = dx * dx + dy * dy
     along_it = (gx * dx + gy * dy) / square if square > 0.0 else 0.0
     return gx - along_it * dx, gy - along_it * dy

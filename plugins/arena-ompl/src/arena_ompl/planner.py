@@ -14,10 +14,10 @@ from arena_core import UNKNOWN, ConfigurationError, GlobalPlanner, NoPath, Occup
 from arena_core.parameters import NonNegative, NonNegativeInt, Positive, PositiveInt
 from arena_ompl.algorithms import NOT_FOR_CARS, NOT_FOR_DUBINS, Algorithm
 from arena_ompl.curves import DUBINS, REEDS_SHEPP, STRAIGHT
-from arena_ompl.ground import ROUNDING, Field, ObstacleField, PriceField, body_discs, clearance, reachable
+from arena_ompl.ground import ROUNDING, CostField, Field, ObstacleField, body_clearance, body_discs, reachable_cells
 from arena_ompl.motions import Motions, Poses, Rules
 from arena_ompl.search import Effort, Query, XYTheta, find_path
-from arena_ompl.smoothing import smooth
+from arena_ompl.smoothing import smooth_path
 
 Cell = tuple[int, int]
 
@@ -63,13 +63,13 @@ class OmplPlanner(GlobalPlanner):
     ) -> None:
         self._effort = Effort(algorithm, evaluations, motion_range, nearness.weight > 0.0)
         self._seed = seed
-        self._steering = _steering(robot, car, algorithm)
+        self._steering = _steering_curves(robot, car, algorithm)
         self._discs = body_discs(robot, car.discs)
         self._field = ObstacleField(float(self._discs[0, 2]), allow_unknown)
         self._inscribed_radius = robot.footprint.inscribed_radius
         self._reach = 2.0 * robot.footprint.radius
         influence = max(0.0, nearness.inflation_radius - self._inscribed_radius)
-        self._prices = PriceField(self._field, nearness.weight, nearness.scaling, influence)
+        self._prices = CostField(self._field, nearness.weight, nearness.scaling, influence)
         self._goal_headings = 1 if self._steering[0] == STRAIGHT else car.goal_headings
         self._tolerance = tolerance
         self._spacing = spacing
@@ -78,41 +78,41 @@ class OmplPlanner(GlobalPlanner):
     def plan(self, grid: OccupancyGrid, start: Pose, goal: Pose) -> Path:
         """Return the path; raise NoPath if start or goal is blocked, no way joins them, or none was found by count."""
         field = grid.derive(self._field)
-        motions = self._motions(grid, field, start)
-        query = self._query(grid, field, motions, start, goal)
+        motions = self._make_motions(grid, field, start)
+        query = self._make_query(grid, field, motions, start, goal)
         if math.dist(query.start[:2], query.goals[0][:2]) < self._spacing:
-            return self._path(grid, np.array((query.start, (*query.goals[0][:2], query.start[2]))))
+            return self._map_path(grid, np.array((query.start, (*query.goals[0][:2], query.start[2]))))
         key = stream_key(self._seed, f"{goal.x} {goal.y}", "ompl")
         found = find_path(motions, query, self._effort, 1 + int(key) % _SEEDS)
         if found is None:
             raise NoPath(
-                f"no way found from {_at(start)} to {_at(goal)} by {self._effort.algorithm} within {self._effort.evaluations} evaluations"
+                f"no way found from {_format_position(start)} to {_format_position(goal)} by {self._effort.algorithm} within {self._effort.evaluations} evaluations"
             )
-        return self._path(grid, smooth(motions, found, self._spacing, self._smoothing_rounds))
+        return self._map_path(grid, smooth_path(motions, found, self._spacing, self._smoothing_rounds))
 
-    def _motions(self, grid: OccupancyGrid, field: Field, start: Pose) -> Motions:
+    def _make_motions(self, grid: OccupancyGrid, field: Field, start: Pose) -> Motions:
         """Return the checks for a start; one that is too near an obstacle may go on like that for a while."""
         x, y, theta = _in_grid(grid, start)
-        there = clearance(field, self._discs, grid.resolution, x, y, theta)
+        there = body_clearance(field, self._discs, grid.resolution, x, y, theta)
         reach, allowed = (0.0, 0.0) if there > 0.0 else (self._reach, there - _NEARER)
         return Motions(Rules(field, grid.derive(self._prices), self._discs, grid.resolution, reach, allowed, x, y, *self._steering))
 
-    def _query(self, grid: OccupancyGrid, field: Field, motions: Motions, start: Pose, goal: Pose) -> Query:
+    def _make_query(self, grid: OccupancyGrid, field: Field, motions: Motions, start: Pose, goal: Pose) -> Query:
         """Return what to search for; raise NoPath where no search could succeed."""
         start_cell, goal_cell = _cell_of(grid, start, "start"), _cell_of(grid, goal, "goal")
         barred = grid.occupied if self._field.allow_unknown else grid.occupied | (grid.data == UNKNOWN)
         if barred[start_cell]:
-            raise NoPath(f"the start {_at(start)} lies in an occupied or unknown cell; a free one is needed")
-        reached = reachable(field, barred, grid.resolution, self._inscribed_radius + ROUNDING, motions.rules.reach, *start_cell)
-        goals = next(self._goals(grid, reached, motions, goal, goal_cell), ())
+            raise NoPath(f"the start {_format_position(start)} lies in an occupied or unknown cell; a free one is needed")
+        reached = reachable_cells(field, barred, grid.resolution, self._inscribed_radius + ROUNDING, motions.rules.reach, *start_cell)
+        goals = next(self._goal_poses(grid, reached, motions, goal, goal_cell), ())
         if not goals:
-            raise NoPath(self._reason(field, start, goal, goal_cell))
+            raise NoPath(self._failure_reason(field, start, goal, goal_cell))
         rows, columns = np.flatnonzero(reached.any(axis=1)), np.flatnonzero(reached.any(axis=0))
         low = columns[0] * grid.resolution, rows[0] * grid.resolution
         high = (columns[-1] + 1) * grid.resolution, (rows[-1] + 1) * grid.resolution
         return Query(_in_grid(grid, start), goals, low, high)
 
-    def _goals(
+    def _goal_poses(
         self, grid: OccupancyGrid, reached: NDArray[np.bool_], motions: Motions, goal: Pose, goal_cell: Cell
     ) -> Iterator[tuple[XYTheta, ...]]:
         """Yield the free poses at the goal, then those at the reached cells within the tolerance of it, nearest first."""
@@ -129,13 +129,13 @@ class OmplPlanner(GlobalPlanner):
             if goals:
                 yield goals
 
-    def _reason(self, field: Field, start: Pose, goal: Pose, goal_cell: Cell) -> str:
+    def _failure_reason(self, field: Field, start: Pose, goal: Pose, goal_cell: Cell) -> str:
         body = f"(inscribed radius {self._inscribed_radius:.3f} m)"
         if field[goal_cell] <= self._inscribed_radius + ROUNDING:
-            return f"the goal {_at(goal)} is blocked, no way leads within {self._tolerance} m of it {body}"
-        return f"no way leads from {_at(start)} to {_at(goal)} {body}"
+            return f"the goal {_format_position(goal)} is blocked, no way leads within {self._tolerance} m of it {body}"
+        return f"no way leads from {_format_position(start)} to {_format_position(goal)} {body}"
 
-    def _path(self, grid: OccupancyGrid, poses: Poses) -> Path:
+    def _map_path(self, grid: OccupancyGrid, poses: Poses) -> Path:
         """Return poses of the grid's frame in ``map``; straight lines head for the next pose, the last as the one before."""
         if self._steering[0] == STRAIGHT:
             steps = np.diff(poses[:, :2], axis=0)
@@ -145,7 +145,7 @@ class OmplPlanner(GlobalPlanner):
         return Path(np.column_stack((grid.positions(poses[:, 1::-1] / grid.resolution - 0.5), headings)))
 
 
-def _steering(robot: Robot, car: Car, algorithm: Algorithm) -> tuple[int, float]:
+def _steering_curves(robot: Robot, car: Car, algorithm: Algorithm) -> tuple[int, float]:
     """Return which curves the robot drives, and their turning radius, m; raise ConfigurationError if it cannot drive these."""
     if robot.kinematics != "ackermann":
         return STRAIGHT, 1.0
@@ -158,7 +158,7 @@ def _steering(robot: Robot, car: Car, algorithm: Algorithm) -> tuple[int, float]
     return DUBINS if car.curves == "dubins" else REEDS_SHEPP, car.turning_slack * robot.wheelbase / math.tan(robot.steering_max)
 
 
-def _at(pose: Pose) -> str:
+def _format_position(pose: Pose) -> str:
     return f"({pose.x:.2f}, {pose.y:.2f})"
 
 
@@ -166,7 +166,7 @@ def _cell_of(grid: OccupancyGrid, pose: Pose, role: str) -> Cell:
     """Return the cell of a position; raise NoPath outside the grid."""
     cell = grid.cells((pose.x, pose.y))
     if not grid.contains(cell):
-        raise NoPath(f"the {role} {_at(pose)} lies outside the map of {grid.data.shape[1]} x {grid.data.shape[0]} cells")
+        raise NoPath(f"the {role} {_format_position(pose)} lies outside the map of {grid.data.shape[1]} x {grid.data.shape[0]} cells")
     return int(cell[0]), int(cell[1])
 
 

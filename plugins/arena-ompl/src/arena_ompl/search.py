@@ -51,26 +51,26 @@ def find_path(motions: Motions, query: Query, effort: Effort, seed: int) -> Pose
     for goal in query.goals:
         if _needs_no_search(motions, query.start, goal, effort.algorithm):
             return np.array((query.start, goal))
-    with _silence():
+    with _silence_ompl():
         util.RNG.setSeed(seed)  # before any OMPL object is made: each draws its own seed from this one when it is made
-        space, read = _space(motions, query)
-        information = _information(space, read, motions)
-        problem = _problem(space, information, read, motions, query, effort.priced)
+        space, read = _state_space(motions, query)
+        information = _space_information(space, read, motions)
+        problem = _problem_definition(space, information, read, motions, query, effort.priced)
         planner = make_planner(effort.algorithm, information, effort.evaluations // _PER_SAMPLE[effort.priced], effort.motion_range)
         planner.setProblemDefinition(problem)
         planner.setup()
         last = effort.evaluations * (_BACKSTOP if effort.algorithm in BATCHES else 1)
         end = base.PlannerTerminationCondition(lambda: motions.evaluations >= last)
         if effort.algorithm in ROADMAPS:
-            return _way_on_roadmap(planner, information, end, read, motions)
+            return _roadmap_path(planner, information, end, read, motions)
         planner.solve(end)
         if not problem.hasExactSolution():
             return None
         path = np.array([read(state) for state in problem.getSolutionPath().getStates()])
-        return path if _holds(motions, path) else None
+        return path if _is_path_free(motions, path) else None
 
 
-def _holds(motions: Motions, path: Poses) -> bool:
+def _is_path_free(motions: Motions, path: Poses) -> bool:
     """Tell whether every motion of a path is free: a tree that grew from the goal may have been checked the wrong way round."""
     states = path.tolist()
     return all(motions.can_move(*first, *second) for first, second in pairwise(states))
@@ -86,7 +86,7 @@ def _needs_no_search(motions: Motions, start: XYTheta, goal: XYTheta, algorithm:
 
 
 @contextmanager
-def _silence() -> Iterator[None]:
+def _silence_ompl() -> Iterator[None]:
     """Keep OMPL from writing to the terminal."""
     level = util.getLogLevel()
     util.setLogLevel(util.LOG_NONE)
@@ -96,7 +96,7 @@ def _silence() -> Iterator[None]:
         util.setLogLevel(level)
 
 
-def _space(motions: Motions, query: Query) -> tuple[Any, Read]:
+def _state_space(motions: Motions, query: Query) -> tuple[Any, Read]:
     """Return the state space of the robot's curves, and how to read a state of it."""
     kind, radius = motions.rules.kind, motions.rules.radius
     bounds = base.RealVectorBounds(2)
@@ -119,7 +119,7 @@ def _read_pose(state: Any) -> XYTheta:
     return state.getX(), state.getY(), state.getYaw()
 
 
-def _information(space: Any, read: Read, motions: Motions) -> Any:
+def _space_information(space: Any, read: Read, motions: Motions) -> Any:
     information = base.SpaceInformation(space)
     information.setStateValidityChecker(lambda state: motions.is_free(*read(state)))
     information.setMotionValidator(_MotionCheck(information, read, motions))
@@ -127,21 +127,21 @@ def _information(space: Any, read: Read, motions: Motions) -> Any:
     return information
 
 
-def _problem(space: Any, information: Any, read: Read, motions: Motions, query: Query, priced: bool) -> Any:
+def _problem_definition(space: Any, information: Any, read: Read, motions: Motions, query: Query, priced: bool) -> Any:
     problem = base.ProblemDefinition(information)
-    start, ends = _state(space, query.start), [_state(space, goal) for goal in query.goals]
+    start, ends = _make_state(space, query.start), [_make_state(space, goal) for goal in query.goals]
     problem.addStartState(start)
     goals = base.GoalStates(information)
     for end in ends:
         goals.addState(end)
     problem.setGoal(goals)
-    objective = _Price(information, read, motions) if priced else base.PathLengthOptimizationObjective(information)
+    objective = _CostObjective(information, read, motions) if priced else base.PathLengthOptimizationObjective(information)
     objective.setCostThreshold(base.Cost(_AS_SHORT * min(space.distance(start, end) for end in ends)))
     problem.setOptimizationObjective(objective)
     return problem
 
 
-def _state(space: Any, pose: XYTheta) -> Any:
+def _make_state(space: Any, pose: XYTheta) -> Any:
     state = space.allocState()
     if isinstance(space, base.RealVectorStateSpace):
         state[0], state[1] = pose[:2]
@@ -163,7 +163,7 @@ class _MotionCheck(base.MotionValidator):  # type: ignore[misc]
         return self._motions.can_move(*self._read(first), *self._read(second))
 
 
-class _Price(base.PathLengthOptimizationObjective):  # type: ignore[misc]
+class _CostObjective(base.PathLengthOptimizationObjective):  # type: ignore[misc]
     """Prices motions by length and nearness to obstacles; a length alone never costs more."""
 
     def __init__(self, information: Any, read: Read, motions: Motions) -> None:
@@ -180,7 +180,7 @@ class _Price(base.PathLengthOptimizationObjective):  # type: ignore[misc]
         return base.Cost(self._distance(first, second))
 
 
-def _way_on_roadmap(planner: Any, information: Any, end: Any, read: Read, motions: Motions) -> Poses | None:
+def _roadmap_path(planner: Any, information: Any, end: Any, read: Read, motions: Motions) -> Poses | None:
     """Grow a roadmap, join start and goals to it, and return the cheapest way on it.
 
     OMPL's own query looks for the way in a second thread, and grows and expands in turns by the clock: no two runs would agree.
@@ -194,7 +194,7 @@ def _way_on_roadmap(planner: Any, information: Any, end: Any, read: Read, motion
     start = roadmap.getStartIndex(0)
     chain = _cheapest_chain(start, goals, lambda i: [(j, motions.cost(*states[i], *states[j])) for j in roadmap.getEdges(i)])
     path = None if chain is None else np.array([states[i] for i in chain])
-    return path if path is not None and _holds(motions, path) else None
+    return path if path is not None and _is_path_free(motions, path) else None
 
 
 def _cheapest_chain(start: int, goals: set[int], edges: Callable[[int], list[tuple[int, float]]]) -> list[int] | None:

@@ -9,10 +9,10 @@ _STATES = 100  # that shortcuts are looked for between: their number grows with 
 _COARSENESS = (4.0, 2.0, 1.0)  # spacings of the band, one after the other: a coarse one moves far in a few rounds
 
 
-def smooth(motions: Motions, path: Poses, spacing: float, rounds: int) -> Poses:
+def smooth_path(motions: Motions, path: Poses, spacing: float, rounds: int) -> Poses:
     """Return poses (M, 3) about ``spacing`` m apart along a path no costlier than the one through some states (K, 3)."""
     for _ in range(2):
-        path = motions.shorten(_candidates(motions, path, spacing))
+        path = motions.shorten(_candidate_path(motions, path, spacing))
     if motions.rules.kind != STRAIGHT:
         return motions.poses(path, spacing)
     for coarseness in _COARSENESS:
@@ -20,7 +20,7 @@ def smooth(motions: Motions, path: Poses, spacing: float, rounds: int) -> Poses:
     return path
 
 
-def _candidates(motions: Motions, path: Poses, spacing: float) -> Poses:
+def _candidate_path(motions: Motions, path: Poses, spacing: float) -> Poses:
     """Return poses along a path, not many more than ``_STATES``."""
     even = motions.poses(path, spacing)
     return even if len(even) <= _STATES else motions.poses(path, spacing * len(even) / _STATES)

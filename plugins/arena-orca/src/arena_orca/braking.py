@@ -5,27 +5,27 @@ from __future__ import annotations
 import math
 
 from arena_kernels.compiled import borrowing
+from arena_kernels.costmap_window import CostmapWindow, Outline, keeps_from_walls
 from arena_kernels.half_planes import FloatArray
-from arena_kernels.window import Outline, Window, keeps_from_walls
-from arena_orca.motion import toward
+from arena_orca.motion import step_towards
 from arena_orca.parameters import Limits
 
 LAPSE = 0.02  # s between two poses that are looked at: a cell at most, for robots below 2.5 m/s
 MOST_LOOKS = 500
-Stand = tuple[float, float, float, float]  # x, y (m, map), cosine and sine of the heading
+PlanarPose = tuple[float, float, float, float]  # x, y (m, map), cosine and sine of the heading
 
 
 @borrowing
 def next_twist(limits: Limits, twist: tuple[float, float, float], command: tuple[float, float, float]) -> tuple[float, float, float]:
     """Return the twist ``LAPSE`` s on, led to ``command`` within the accelerations; a car that brakes keeps its bend."""
-    vx = toward(twist[0], command[0], limits.ax_max * LAPSE)
+    vx = step_towards(twist[0], command[0], limits.ax_max * LAPSE)
     if limits.turn_radius > 0.0 and command[0] == 0.0:
         return vx, 0.0, twist[2] * vx / twist[0] if twist[0] != 0.0 else 0.0
-    return vx, toward(twist[1], command[1], limits.ay_max * LAPSE), toward(twist[2], command[2], limits.alpha_max * LAPSE)
+    return vx, step_towards(twist[1], command[1], limits.ay_max * LAPSE), step_towards(twist[2], command[2], limits.alpha_max * LAPSE)
 
 
 @borrowing
-def next_stand(stand: Stand, twist: tuple[float, float, float]) -> Stand:
+def next_pose(stand: PlanarPose, twist: tuple[float, float, float]) -> PlanarPose:
     """Return where a robot with ``twist`` is ``LAPSE`` s on."""
     x, y, cosine, sine = stand
     vx, vy, wz = twist
@@ -36,20 +36,22 @@ def next_stand(stand: Stand, twist: tuple[float, float, float]) -> Stand:
 
 
 @borrowing
-def stand_after(limits: Limits, stand: Stand, twist: tuple[float, float, float], command: tuple[float, float, float], time: float) -> Stand:
+def pose_after(
+    limits: Limits, stand: PlanarPose, twist: tuple[float, float, float], command: tuple[float, float, float], time: float
+) -> PlanarPose:
     """Return where a robot with ``twist`` is when ``command`` was held for ``time`` s."""
     for _ in range(round(time / LAPSE)):
         twist = next_twist(limits, twist, command)
-        stand = next_stand(stand, twist)
+        stand = next_pose(stand, twist)
     return stand
 
 
 @borrowing
 def can_stop(
-    window: Window,
+    window: CostmapWindow,
     outline: Outline,
     limits: Limits,
-    stand: Stand,
+    stand: PlanarPose,
     twist: tuple[float, float, float],
     command: tuple[float, float, float],
     time: float,
@@ -64,14 +66,14 @@ def can_stop(
         twist = next_twist(limits, twist, command if look < held else (0.0, 0.0, 0.0))
         if look >= held and twist[0] == 0.0 and twist[1] == 0.0 and twist[2] == 0.0:
             break
-        stand = next_stand(stand, twist)
+        stand = next_pose(stand, twist)
         if not keeps_from_walls(window, outline, now, stand, gap, 0.0):
             return False
     return True
 
 
 @borrowing
-def gap_to_person(outline: Outline, stand: Stand, x: float, y: float, radius: float, enough: float) -> float:
+def gap_to_person(outline: Outline, stand: PlanarPose, x: float, y: float, radius: float, enough: float) -> float:
     """Return how far a footprint is from a disc, m, negative where they overlap; beyond ``enough`` a lower bound will do."""
     dx, dy = x - stand[0], y - stand[1]
     apart = math.hypot(dx, dy) - radius
@@ -96,7 +98,7 @@ def least_gap(
     people: FloatArray,
     outline: Outline,
     limits: Limits,
-    stand: Stand,
+    stand: PlanarPose,
     twist: tuple[float, float, float],
     command: tuple[float, float, float],
     times: tuple[float, float],
@@ -109,7 +111,7 @@ def least_gap(
     held, least = round(times[0] / LAPSE), enough
     for look in range(min(MOST_LOOKS, math.ceil(times[1] / LAPSE))):
         twist = next_twist(limits, twist, command if look < held else (0.0, 0.0, 0.0))
-        stand, later = next_stand(stand, twist), (look + 1) * LAPSE
+        stand, later = next_pose(stand, twist), (look + 1) * LAPSE
         for k in range(len(people)):
             x, y = people[k, 0] + later * people[k, 2], people[k, 1] + later * people[k, 3]
             least = min(least, gap_to_person(outline, stand, x, y, people[k, 4], least))

@@ -6,9 +6,9 @@ import math
 
 from arena_core import Pose
 from arena_kernels.compiled import borrowing, compiled
+from arena_kernels.costmap_window import CostmapWindow, Outline, outline_clearance
 from arena_kernels.half_planes import FloatArray
-from arena_kernels.window import Outline, Window, clearance
-from arena_orca.braking import can_stop, stand_after
+from arena_orca.braking import can_stop, pose_after
 from arena_orca.parameters import ACKERMANN, OMNIDIRECTIONAL, Settings
 
 SPEED, TURN = 0.3, 1.0  # m/s and rad/s of an escape, or the robot's own limits
@@ -20,7 +20,7 @@ NEAR, TURNED = 0.1, 0.6  # m and rad that a robot moves if it gets anywhere
 
 @compiled
 def escape_command(
-    window: Window, outline: Outline, state: FloatArray, settings: Settings, time: float
+    window: CostmapWindow, outline: Outline, state: FloatArray, settings: Settings, time: float
 ) -> tuple[bool, float, float, float]:
     """Return whether there is a way out, and the (vx, vy, wz) that after ``time`` s leaves the footprint the greatest clearance."""
     limits, body = settings.limits, settings.body
@@ -33,8 +33,8 @@ def escape_command(
         vx, vy, wz = escape_choice(choice, settings)
         if not can_stop(window, outline, limits, stand, twist, (vx, vy, wz), time, gap):
             continue
-        x, y, cosine, sine = stand_after(limits, stand, twist, (vx, vy, wz), time)
-        room = min(ENOUGH, clearance(window, outline, x, y, cosine, sine, ENOUGH))
+        x, y, cosine, sine = pose_after(limits, stand, twist, (vx, vy, wz), time)
+        room = min(ENOUGH, outline_clearance(window, outline, x, y, cosine, sine, ENOUGH))
         if room > best + 1e-6:
             found, best, best_x, best_y, best_turn = True, room, vx, vy, wz
     return found, best_x, best_y, best_turn
@@ -57,7 +57,7 @@ def escape_choice(choice: int, settings: Settings) -> tuple[float, float, float]
     return vx, 0.0, BENDS[choice % bends] * turn
 
 
-class Patience:
+class StuckDetector:
     """Notices when a robot that wants to go somewhere has hardly moved for ``patience`` s, and lets it escape for ``time`` s."""
 
     def __init__(self, patience: float | None, time: float) -> None:
@@ -70,7 +70,7 @@ class Patience:
         self._since: tuple[float, Pose] | None = None
         self._until = -math.inf
 
-    def is_over(self, stamp: float, pose: Pose) -> bool:
+    def is_stuck(self, stamp: float, pose: Pose) -> bool:
         """Tell whether the robot, now at ``pose``, is to escape."""
         if self._patience is None:
             return False

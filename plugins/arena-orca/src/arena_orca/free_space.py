@@ -8,8 +8,8 @@ from __future__ import annotations
 import math
 
 from arena_kernels.compiled import borrowing
+from arena_kernels.costmap_window import LETHAL, CostmapWindow, Outline
 from arena_kernels.half_planes import FloatArray, put_bound
-from arena_kernels.window import LETHAL, Outline, Window
 from arena_orca.parameters import OMNIDIRECTIONAL, Body, StaticRules
 
 MOST_WALLS = 12  # half-planes, of which a convex region of a few metres hardly needs more
@@ -17,7 +17,7 @@ MOST_CELLS = 4096
 
 
 @borrowing
-def near_cells(window: Window, x: float, y: float, cosine: float, sine: float, reach: float, cells: FloatArray) -> int:
+def near_cells(window: CostmapWindow, x: float, y: float, cosine: float, sine: float, reach: float, cells: FloatArray) -> int:
     """Write the lethal cells within ``reach`` m of (x, y) as rows (x, y, distance), seen from there; return how many there are."""
     rows, columns = window.costs.shape
     u, v, span = (x - window.origin_x) / window.resolution - 0.5, (y - window.origin_y) / window.resolution - 0.5, reach / window.resolution
@@ -50,7 +50,7 @@ def radius_towards(body: Body, outline: Outline, nx: float, ny: float) -> float:
 def put_walls(
     lines: FloatArray,
     row: int,
-    window: Window,
+    window: CostmapWindow,
     outline: Outline,
     body: Body,
     rules: StaticRules,

@@ -63,7 +63,7 @@ def put_reach(lines: FloatArray, row: int, body: Body, limits: Limits, now: tupl
 
 
 @borrowing
-def toward(now: float, wanted: float, most: float) -> float:
+def step_towards(now: float, wanted: float, most: float) -> float:
     """Return ``wanted``, or what is nearest to it within ``most`` of ``now``."""
     return min(max(wanted, now - most), now + most)
 
@@ -74,9 +74,9 @@ def command_for(
 ) -> tuple[float, float, float]:
     """Return the twist, reachable within ``period`` s of ``twist``, that comes nearest to moving the effective centre as wished."""
     if body.kinematics == OMNIDIRECTIONAL:
-        return strafed(limits, twist, wish, period)
-    vx = toward(twist[0], wish[0], limits.ax_max * period)
-    wz = toward(twist[2], min(max(wish[1] / body.ahead, -limits.wz_max), limits.wz_max), limits.alpha_max * period)
+        return strafe_command(limits, twist, wish, period)
+    vx = step_towards(twist[0], wish[0], limits.ax_max * period)
+    wz = step_towards(twist[2], min(max(wish[1] / body.ahead, -limits.wz_max), limits.wz_max), limits.alpha_max * period)
     if body.kinematics == ACKERMANN:
         steered = abs(vx) / limits.turn_radius
         wz = min(max(wz, -steered), steered)
@@ -84,15 +84,17 @@ def command_for(
 
 
 @borrowing
-def strafed(limits: Limits, twist: tuple[float, float, float], wish: tuple[float, float], period: float) -> tuple[float, float, float]:
+def strafe_command(
+    limits: Limits, twist: tuple[float, float, float], wish: tuple[float, float], period: float
+) -> tuple[float, float, float]:
     """Return an omnidirectional robot's twist: it turns its front, where its scanner looks, to where it goes.
 
     The wish is seen from the heading in the middle of the period, else it would be driven round a bend.
     """
-    wz = toward(twist[2], facing_rate(limits, wish), limits.alpha_max * period)
+    wz = step_towards(twist[2], facing_rate(limits, wish), limits.alpha_max * period)
     c, s = math.cos(0.5 * wz * period), math.sin(0.5 * wz * period)
     forward, left = c * wish[0] + s * wish[1], c * wish[1] - s * wish[0]
-    return toward(twist[0], forward, limits.ax_max * period), toward(twist[1], left, limits.ay_max * period), wz
+    return step_towards(twist[0], forward, limits.ax_max * period), step_towards(twist[1], left, limits.ay_max * period), wz
 
 
 @borrowing

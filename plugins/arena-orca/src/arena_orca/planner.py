@@ -9,10 +9,10 @@ from typing import ClassVar
 import numpy as np
 
 from arena_core import ConfigurationError, EpisodeStart, NoValidCommand, Observation, Planner, Robot, Tracks, Twist
+from arena_kernels.costmap_window import CostmapWindow, footprint_outline, window_of, without_discs
 from arena_kernels.half_planes import FloatArray
-from arena_kernels.window import Window, footprint_outline, window_of, without_discs
-from arena_orca.escape import Patience, escape_command
-from arena_orca.gears import Gears
+from arena_orca.escape import StuckDetector, escape_command
+from arena_orca.gear_changes import GearSelector
 from arena_orca.parameters import (
     ACKERMANN,
     DIFFERENTIAL,
@@ -44,15 +44,15 @@ class OrcaPlanner(Planner):
             raise ConfigurationError(f"orca: robot {robot.name} is {robot.kinematics}; allowed: {', '.join(KINEMATICS)}")
         self._outline = footprint_outline(robot.footprint)
         self._settings = Settings(
-            _body(robot, driving.centre_ahead),
-            _limits(robot, speeds),
+            _make_body(robot, driving.centre_ahead),
+            _make_limits(robot, speeds),
             PersonRules(people.horizon, people.reciprocity, people.margin, people.overlap_time, people.greatest_number),
             StaticRules(statics.horizon, statics.margin, statics.padding, people.overlap_time),
             DriveRules(driving.reach_time, driving.lookahead, driving.turn_time, driving.goal_time, robot.control_period),
         )
         self._erase_margin = people.erase_margin
-        self._patience = Patience(driving.patience, driving.escape_time)
-        self._gears = Gears(robot.kinematics == "ackermann", driving.lookahead)
+        self._patience = StuckDetector(driving.patience, driving.escape_time)
+        self._gears = GearSelector(robot.kinematics == "ackermann", driving.lookahead)
 
     def reset(self, episode: EpisodeStart) -> None:
         """Begin an episode in the forward gear."""
@@ -65,22 +65,22 @@ class OrcaPlanner(Planner):
         path = np.ascontiguousarray(observation.path.poses, dtype=np.float64)
         if len(path) == 0:
             raise NoValidCommand("orca: the path is empty")
-        window, state = window_of(observation.local_map), _state(observation)
-        if self._patience.is_over(observation.stamp, observation.pose):
-            escape = self._escape(window, state)
+        window, state = window_of(observation.local_map), _state_vector(observation)
+        if self._patience.is_stuck(observation.stamp, observation.pose):
+            escape = self._find_escape(window, state)
             if escape is not None:
                 return escape
         people = nearest_people(observation.tracks, state, self._settings.people.greatest_number)
         standing = without_discs(window, people[:, :2].copy(), people[:, 4].copy(), self._erase_margin)
-        for gear in self._gears.choices(observation.pose):
+        for gear in self._gears.gear_order(observation.pose):
             valid, vx, vy, wz = choose_command(window, standing, self._outline, path, state, people, self._settings, gear)
-            if valid and self._gears.accepts(observation.pose, gear, vx):
+            if valid and self._gears.accept_command(observation.pose, gear, vx):
                 return Twist(vx, vy, wz)
         if valid:
             return Twist(vx, vy, wz)
         raise NoValidCommand("orca: not even braking keeps the footprint clear of what stands around")
 
-    def _escape(self, window: Window, state: FloatArray) -> Twist | None:
+    def _find_escape(self, window: CostmapWindow, state: FloatArray) -> Twist | None:
         """Return the command that leads to more room, None if there is none."""
         found, vx, vy, wz = escape_command(window, self._outline, state, self._settings, ESCAPE_TIME)
         return Twist(vx, vy, wz) if found else None
@@ -93,7 +93,7 @@ def nearest_people(tracks: Tracks, state: FloatArray, most: int) -> FloatArray:
     return np.column_stack((tracks.positions[chosen], tracks.velocities[chosen], tracks.radii[chosen])).astype(np.float64)
 
 
-def _body(robot: Robot, centre_ahead: float) -> Body:
+def _make_body(robot: Robot, centre_ahead: float) -> Body:
     """Return the effective centre's place and the discs about it that hold the footprint and its front half."""
     footprint, kinematics = robot.footprint, KINEMATICS[robot.kinematics]
     if kinematics == OMNIDIRECTIONAL:
@@ -107,11 +107,11 @@ def _body(robot: Robot, centre_ahead: float) -> Body:
     return Body(kinematics, centre_ahead, whole, float(np.hypot(*front.T).max()))
 
 
-def _limits(robot: Robot, speeds: Speeds) -> Limits:
+def _make_limits(robot: Robot, speeds: Speeds) -> Limits:
     own = robot.limits_with(**asdict(speeds))
     return Limits(own.vx_min, own.vx_max, own.vy_max, own.wz_max, own.ax_max, own.ay_max, own.alpha_max, robot.turn_radius)
 
 
-def _state(observation: Observation) -> FloatArray:
+def _state_vector(observation: Observation) -> FloatArray:
     pose, twist = observation.pose, observation.twist
     return np.array((pose.x, pose.y, pose.theta, twist.vx, twist.vy, twist.wz))

@@ -7,14 +7,14 @@ import math
 import numpy as np
 
 from arena_kernels.compiled import borrowing, compiled
-from arena_kernels.half_planes import ALONG_X, ALONG_Y, POINT_X, POINT_Y, FloatArray, lack, put_person
-from arena_kernels.programme import nearest_allowed, safest
-from arena_kernels.window import Outline, Window
-from arena_orca.braking import Stand, can_stop, least_gap, stopping_time
+from arena_kernels.costmap_window import CostmapWindow, Outline
+from arena_kernels.half_planes import ALONG_X, ALONG_Y, POINT_X, POINT_Y, FloatArray, line_violation, put_person
+from arena_kernels.linear_program import nearest_allowed, safest_velocity
+from arena_orca.braking import PlanarPose, can_stop, least_gap, stopping_time
 from arena_orca.free_space import MOST_CELLS, MOST_WALLS, put_walls, radius_towards
 from arena_orca.motion import centre_velocity, command_for, put_reach, top_speed
 from arena_orca.parameters import Body, PersonRules, Settings
-from arena_orca.preference import preferred_velocity
+from arena_orca.preferred_velocity import preferred_velocity
 
 MOST_REACH_LINES = 6
 ALMOST = 0.999
@@ -24,8 +24,8 @@ SLOWER = (1.0, 0.6, 0.3)  # shares of a velocity that are tried while its brakin
 
 @compiled
 def choose_command(
-    window: Window,
-    standing: Window,
+    window: CostmapWindow,
+    standing: CostmapWindow,
     outline: Outline,
     path: FloatArray,
     state: FloatArray,
@@ -61,7 +61,7 @@ def put_people(
     outline: Outline,
     body: Body,
     rules: PersonRules,
-    centre: Stand,
+    centre: PlanarPose,
     now: tuple[float, float],
 ) -> int:
     """Write the half-planes of ``people`` seen from the effective centre; return the next row."""
@@ -99,20 +99,20 @@ def best_velocity(
     """
     kept, x, y = nearest_allowed(lines, count, speed, wish, False)
     if kept < walls_end:
-        x, y = safest(lines, reach_end, walls_end, kept, speed, (x, y), scratch)
-        loosen(lines, reach_end, walls_end, x, y)
+        x, y = safest_velocity(lines, reach_end, walls_end, kept, speed, (x, y), scratch)
+        loosen_lines(lines, reach_end, walls_end, x, y)
         kept, x, y = nearest_allowed(lines, count, speed, wish, False)
     if walls_end <= kept < count:
-        x, y = safest(lines, walls_end, count, kept, speed, (x, y), scratch)
+        x, y = safest_velocity(lines, walls_end, count, kept, speed, (x, y), scratch)
     return x, y
 
 
 @borrowing
-def loosen(lines: FloatArray, first: int, end: int, x: float, y: float) -> None:
+def loosen_lines(lines: FloatArray, first: int, end: int, x: float, y: float) -> None:
     """Move lines first .. end - 1 back, all as far, until they allow (x, y)."""
     worst = 0.0
     for i in range(first, end):
-        worst = max(worst, lack(lines[i], x, y))
+        worst = max(worst, line_violation(lines[i], x, y))
     for i in range(first, end):
         lines[i, POINT_X] += lines[i, ALONG_Y] * (worst + 1e-9)
         lines[i, POINT_Y] -= lines[i, ALONG_X] * (worst + 1e-9)
@@ -120,11 +120,11 @@ def loosen(lines: FloatArray, first: int, end: int, x: float, y: float) -> None:
 
 @borrowing
 def stoppable_command(
-    window: Window,
+    window: CostmapWindow,
     outline: Outline,
     people: FloatArray,
     settings: Settings,
-    stand: Stand,
+    stand: PlanarPose,
     twist: tuple[float, float, float],
     best: tuple[float, float],
 ) -> tuple[bool, float, float, float]:

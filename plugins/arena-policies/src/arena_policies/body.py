@@ -21,28 +21,28 @@ class Body(NamedTuple):
     lidar_y: float
 
 
-def trained_otherwise(name: str, training: Mapping[str, Any], robot: Robot) -> tuple[str, ...]:
+def body_mismatch(name: str, training: Mapping[str, Any], robot: Robot) -> tuple[str, ...]:
     """Return a line where a card's ``training`` tells of another body than the robot's; none where it tells of no body."""
-    then, now = _told(training), _body(robot.footprint, robot.lidar.mount.x, robot.lidar.mount.y)
+    then, now = _card_body(training), _make_body(robot.footprint, robot.lidar.mount.x, robot.lidar.mount.y)
     if then is None or np.allclose(then, now, atol=SAME):
         return ()
-    return (f"{name}: trained with {_said(then)}, drives with {_said(now)}",)
+    return (f"{name}: trained with {_describe_body(then)}, drives with {_describe_body(now)}",)
 
 
-def _told(training: Mapping[str, Any]) -> Body | None:
+def _card_body(training: Mapping[str, Any]) -> Body | None:
     """Return the body that a card tells of, None where it is not told, or not as ours are: it is for people to read."""
     try:
         robot = training["config"]["robot"]
         shape, mount = robot["footprint"], robot["lidar"]["mount"]
         footprint = Footprint.polygon(shape["vertices_xy"]) if shape["radius"] is None else Footprint.circle(shape["radius"])
-        return _body(footprint, float(mount["x"]), float(mount["y"]))
+        return _make_body(footprint, float(mount["x"]), float(mount["y"]))
     except (KeyError, TypeError, ValueError, ConfigurationError):
         return None
 
 
-def _body(footprint: Footprint, x: float, y: float) -> Body:
+def _make_body(footprint: Footprint, x: float, y: float) -> Body:
     return Body(footprint.radius, footprint.inscribed_radius, x, y)
 
 
-def _said(body: Body) -> str:
+def _describe_body(body: Body) -> str:
     return f"a footprint of radius {body.radius:.3f} m and the lidar at ({body.lidar_x:g}, {body.lidar_y:g})"

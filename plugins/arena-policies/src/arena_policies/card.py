@@ -23,9 +23,9 @@ class PolicyCard:
     """What has to match before a policy drives, and what its users want to know.
 
     ``encoder`` is the encoder's name with its parameters, ``layout`` the fields that it makes; ``action`` the names of the actions with
-    what -1 and 1 mean (m/s, rad/s); ``sha256`` is that of the ONNX file. ``training`` holds seed, configuration, steps, curve,
+    what -1 and 1 mean (m/s, rad/s); ``content_sha256`` is that of the ONNX file. ``training`` holds seed, configuration, steps, curve,
     evaluation and package versions, and is read by people alone. ``members`` are the planners that a switch chooses among, in the order
-    of the network's answers, each with its ``sha256``, ``distribution`` and ``version``; the actions of a switch are the whole range of
+    of the network's answers, each with its ``content_sha256``, ``distribution`` and ``version``; the actions of a switch are the whole range of
     the robot's. ``every`` is for how many control steps an answer holds. ``parts`` are the hashes of the networks that the encoder runs,
     by the parameter that names each.
     """
@@ -63,14 +63,14 @@ def read_card(path: Path) -> PolicyCard:
             kinematics=str(content["kinematics"]),
             control_period=float(content["control_period"]),
             encoder=dict(content["encoder"]),
-            layout=tuple(_field(fields) for fields in content["layout"]),
+            layout=tuple(_read_field(fields) for fields in content["layout"]),
             action={str(name): tuple(map(float, ends)) for name, ends in content["action"].items()},
             action_range=dict(content["action_range"]),
             sha256=str(content["sha256"]),
             training=dict(content["training"]),
-            members={str(name): _member(member) for name, member in content.get("members", {}).items()},
-            parts={_part(name): str(value) for name, value in content.get("parts", {}).items()},
-            every=_every(content.get("every", 1)),
+            members={str(name): _read_member(member) for name, member in content.get("members", {}).items()},
+            parts={_check_part_name(name): str(value) for name, value in content.get("parts", {}).items()},
+            every=_check_every(content.get("every", 1)),
         )
     except KeyError as error:
         raise InputFileError(f"{path}: {error.args[0]} is missing; allowed: a card as in docs/policies.md") from None
@@ -78,30 +78,30 @@ def read_card(path: Path) -> PolicyCard:
         raise InputFileError(f"{path}: is no policy card ({one_line(str(error))}); allowed: a card as in docs/policies.md") from None
 
 
-def _field(fields: Mapping[str, Any]) -> ObservationField:
+def _read_field(fields: Mapping[str, Any]) -> ObservationField:
     made = ObservationField(**fields)
     if not all(isinstance(text, str) for text in (made.name, made.unit, made.meaning)):
         raise TypeError("a field of layout has no name, unit or meaning")
     return made
 
 
-def _member(member: Mapping[str, Any]) -> dict[str, str]:
+def _read_member(member: Mapping[str, Any]) -> dict[str, str]:
     return {key: str(member[key]) for key in ("sha256", "distribution", "version")}
 
 
-def _every(value: Any) -> int:
+def _check_every(value: Any) -> int:
     if not isinstance(value, int) or isinstance(value, bool) or not 1 <= value <= MOST_EVERY:
         raise ValueError(f"every is {value!r}, not a whole number from 1 to {MOST_EVERY}")
     return value
 
 
-def _part(name: str) -> str:
+def _check_part_name(name: str) -> str:
     if not name.isidentifier():
         raise ValueError(f"parts has {name!r}, which names no parameter")
     return name
 
 
-def sha256(content: bytes) -> str:
+def content_sha256(content: bytes) -> str:
     """Return the hash that names a file's content."""
     return hashlib.sha256(content).hexdigest()
 

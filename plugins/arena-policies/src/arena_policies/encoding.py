@@ -36,7 +36,7 @@ class BoundedEncoder(ObservationEncoder):
         """Return new numbers (N, D) within the layout's bounds."""
         rows = np.empty((len(observations.poses), len(self._low)), np.float32)
         self.write(observations, rows)
-        _cut(rows, self._low, self._high)
+        _clip_rows(rows, self._low, self._high)
         return rows
 
     @abstractmethod
@@ -44,7 +44,7 @@ class BoundedEncoder(ObservationEncoder):
         """Fill ``rows`` (N, D)."""
 
 
-def columns(layout: Sequence[ObservationField], name: str) -> slice:
+def field_columns(layout: Sequence[ObservationField], name: str) -> slice:
     """Return the columns that a field has in rows of this layout."""
     place = [field.name for field in layout].index(name)
     start = sum(field.size for field in layout[:place])
@@ -68,14 +68,14 @@ def closeness_field(name: str, size: int, range_max: float, robot: Robot, decay:
     return ObservationField(name, size, "-", low, high, meaning + when)
 
 
-def on_any_body(field: ObservationField) -> ObservationField:
+def without_body_radius(field: ObservationField) -> ObservationField:
     """Return what a field says whatever the body: a gap means the same on a larger one, only its bounds go with the radius."""
     if not BODY.search(field.meaning):
         return field
     return replace(field, low=0.0, high=0.0, meaning=BODY.sub("less the body's radius", field.meaning))
 
 
-def sectors_shown(sectors: int, overlap: int, lidar: Lidar) -> NDArray[np.int64]:
+def sector_order(sectors: int, overlap: int, lidar: Lidar) -> NDArray[np.int64]:
     """Return which sectors are shown, one after the other.
 
     Those of a lidar that looks all round begin behind the robot, and the first ``overlap`` of them come once more.
@@ -87,7 +87,7 @@ def sectors_shown(sectors: int, overlap: int, lidar: Lidar) -> NDArray[np.int64]
 
 
 @borrowing
-def _cut(rows: Numbers, low: Numbers, high: Numbers) -> None:
+def _clip_rows(rows: Numbers, low: Numbers, high: Numbers) -> None:
     """Cut ``rows`` (N, D) to bounds (D,); what is not a number stays."""
     for k in range(rows.shape[0]):
         for j in range(rows.shape[1]):
@@ -159,25 +159,25 @@ def _nearest_in_sector(ranges: Numbers, k: int, sector: int, sectors: int, range
 
 
 @borrowing
-def ways_to(targets: Floats, poses: Floats, out: Floats) -> None:
+def write_distances_bearings(targets: Floats, poses: Floats, out: Floats) -> None:
     """Fill ``out`` (N, 4) with distance, m, bearing, its cosine and its sine of targets (N, 3) as seen from poses (N, 3).
 
     In a kernel, for numpy's own sine differs in the last bit between batches of different sizes.
     """
     for k in range(len(poses)):
-        out[k, 0], out[k, 1], out[k, 2], out[k, 3] = _way(targets, poses, k)
+        out[k, 0], out[k, 1], out[k, 2], out[k, 3] = _distance_bearing(targets, poses, k)
 
 
 @borrowing
-def write_way(targets: Floats, poses: Floats, unit: float, start: int, rows: Numbers) -> None:
-    """Write the distance over ``unit`` m, the bearing's cosine and its sine of targets, as in ``ways_to``, to columns from ``start`` on."""
+def write_bearing(targets: Floats, poses: Floats, unit: float, start: int, rows: Numbers) -> None:
+    """Write the distance over ``unit`` m, the bearing's cosine and its sine of targets, as in ``write_distances_bearings``, to columns from ``start`` on."""
     for k in range(len(poses)):
-        distance, _, c, s = _way(targets, poses, k)
+        distance, _, c, s = _distance_bearing(targets, poses, k)
         rows[k, start], rows[k, start + 1], rows[k, start + 2] = distance / unit, c, s
 
 
 @inner
-def _way(targets: Floats, poses: Floats, k: int) -> tuple[float, float, float, float]:
+def _distance_bearing(targets: Floats, poses: Floats, k: int) -> tuple[float, float, float, float]:
     dx, dy = targets[k, 0] - poses[k, 0], targets[k, 1] - poses[k, 1]
     bearing = math.atan2(dy, dx) - poses[k, 2]
     c, s = math.cos(bearing), math.sin(bearing)
@@ -185,7 +185,7 @@ def _way(targets: Floats, poses: Floats, k: int) -> tuple[float, float, float, f
 
 
 @borrowing
-def write_from_robot(points: Floats, poses: Floats, units: Floats, resolution: float, start: int, rows: Numbers) -> None:
+def write_robot_points(points: Floats, poses: Floats, units: Floats, resolution: float, start: int, rows: Numbers) -> None:
     """Write points (N, K, 2) of ``map``, in the frames of poses (N, 3) and each over its unit (K,), to columns from ``start`` on.
 
     A ``resolution``, m, rounds them; 0: none does.

@@ -9,7 +9,7 @@ from typing import Any
 
 from arena_core import Candidate, ConfigurationError, EpisodeStart, Observation, Planner, Robot, Twist
 from arena_core.hosting import NAVIGATOR_KEYS, Registry, UnknownComponent
-from arena_policies.card import sha256
+from arena_policies.card import content_sha256
 from arena_policies.planner import PolicyPlanner
 
 Node = Mapping[str, Any]
@@ -32,7 +32,7 @@ class Members:
         for planner in self._planners:
             planner.reset(episode)
 
-    def rehearse(self, observation: Observation) -> None:
+    def warm_up(self, observation: Observation) -> None:
         """Let each that compiles decide once for nothing, lest a compiler work in the middle of an episode; nothing else remains of it."""
         random = self._episode.random.bit_generator
         now = random.state
@@ -57,7 +57,7 @@ class Members:
         finally:  # where there is none, the robot brakes
             for other in self._planners:
                 if other is not planner and isinstance(other, PolicyPlanner):
-                    other.look_on(observation, command)
+                    other.observe_other(observation, command)
         return command
 
     def considered(self) -> Sequence[Candidate] | None:
@@ -67,15 +67,15 @@ class Members:
 
 def build_members(nodes: Mapping[str, Node], order: Sequence[str], robot: Robot, registry: Registry, key: str) -> dict[str, Planner]:
     """Build the members of these names, in this order, from their configurations; raise ConfigurationError where one cannot be."""
-    return {name: _built(nodes[name], robot, registry, f"{key}.{name}") for name in order}
+    return {name: _build_member(nodes[name], robot, registry, f"{key}.{name}") for name in order}
 
 
-def _built(node: Node, robot: Robot, registry: Registry, key: str) -> Planner:
+def _build_member(node: Node, robot: Robot, registry: Registry, key: str) -> Planner:
     period = node.get("control_period")
     if period is not None and not (isinstance(period, (int, float)) and abs(period - robot.control_period) <= 1e-9):
         raise ConfigurationError(f"{key}.control_period is {period!r}; allowed: {robot.control_period:g}, the robot's, for all members")
     try:
-        planner: Planner = registry.build("planner", _own(node), robot=robot)
+        planner: Planner = registry.build("planner", _own_config(node), robot=robot)
     except UnknownComponent as error:
         raise ConfigurationError(f"{key} is not installed: {error}") from error
     return planner
@@ -83,23 +83,23 @@ def _built(node: Node, robot: Robot, registry: Registry, key: str) -> Planner:
 
 def member_hash(node: Node, planner: Planner) -> str:
     """Return the hash that names a member: its configuration and, where it runs a policy, what that one's card says it does."""
-    content = _own(node)
+    content = _own_config(node)
     if isinstance(planner, PolicyPlanner):
         card = planner.card
         content["policy"] = [card.sha256, card.encoder, card.action, card.action_range, card.parts]
-    return sha256(json.dumps(_floats(content), sort_keys=True).encode())
+    return content_sha256(json.dumps(_as_floats(content), sort_keys=True).encode())
 
 
-def _floats(value: Any) -> Any:
+def _as_floats(value: Any) -> Any:
     """Return a configuration with all its numbers as floats: 1 and 1.0 are the same."""
     if isinstance(value, Mapping):
-        return {key: _floats(each) for key, each in value.items()}
+        return {key: _as_floats(each) for key, each in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_floats(each) for each in value]
+        return [_as_floats(each) for each in value]
     return float(value) if isinstance(value, int) and not isinstance(value, bool) else value
 
 
-def _own(node: Node) -> dict[str, Any]:
+def _own_config(node: Node) -> dict[str, Any]:
     """Return a planner's configuration without what its navigator reads."""
     return {key: value for key, value in node.items() if key not in NAVIGATOR_KEYS}
 

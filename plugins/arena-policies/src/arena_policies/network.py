@@ -18,17 +18,17 @@ class Network:
     def __init__(self, session: Any) -> None:
         self._session = session
         self._input, self._output = session.get_inputs()[0], session.get_outputs()[0]
-        self._bind(1)
+        self._bind_arrays(1)
 
     def run(self, numbers: NDArray[np.float32]) -> NDArray[np.float32]:
         """Return new answers (N, A) to numbers (N, D)."""
         if len(numbers) != len(self._read):
-            self._bind(len(numbers))
+            self._bind_arrays(len(numbers))
         self._read[:] = numbers
         self._session.run_with_iobinding(self._binding)
         return self._written.copy()
 
-    def _bind(self, rows: int) -> None:
+    def _bind_arrays(self, rows: int) -> None:
         from onnxruntime import OrtValue
 
         self._read, self._written = (np.zeros((rows, end.shape[-1]), np.float32) for end in (self._input, self._output))

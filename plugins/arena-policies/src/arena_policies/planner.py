@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from arena_core import ConfigurationError, EpisodeStart, Observation, Planner, Robot, Twist
 from arena_core.files import local_path
-from arena_policies.body import trained_otherwise
+from arena_policies.body import body_mismatch
 from arena_policies.card import PolicyCard
 from arena_policies.policy import load_policy
 
@@ -22,7 +22,7 @@ class PolicyPlanner(Planner):
     def __init__(self, name: str, robot: Robot, policy: str | None, shipped: str) -> None:
         self._name = name
         self._policy = load_policy(policy or shipped_policy(name, robot, shipped), name, robot)
-        self.untuned = trained_otherwise(name, self._policy.card.training, robot)
+        self.untuned = body_mismatch(name, self._policy.card.training, robot)
         self._last = Twist(0.0)
         self._held = 0  # control steps for which the last command still holds
 
@@ -41,15 +41,15 @@ class PolicyPlanner(Planner):
         """Return the policy's card."""
         return self._policy.card
 
-    def look_on(self, observation: Observation, command: Twist) -> None:
+    def observe_other(self, observation: Observation, command: Twist) -> None:
         """See a control step at which another planner drove, by ``command``."""
-        self._policy.look(observation, self._last)
+        self._policy.observe(observation, self._last)
         self._last, self._held = command, 0
 
     def compute_velocity(self, observation: Observation) -> Twist:
         """Return the policy's velocity; raise NoValidCommand where the observation is no number."""
         if self._held:
-            self._policy.look(observation, self._last)
+            self._policy.observe(observation, self._last)
         else:
             last, self._last = self._last, Twist(0.0)  # where there is no command, the robot brakes
             self._last, self._held = self._policy.command(observation, last), self._policy.card.every

@@ -27,10 +27,10 @@ from arena_core.files import local_path
 from arena_core.hosting import load_registry
 from arena_core.parameters import read_settings
 from arena_policies.actions import ActionRange, ActionScale
-from arena_policies.card import PolicyCard, part_path, read_card, sha256
-from arena_policies.encoding import all_finite, on_any_body
+from arena_policies.card import PolicyCard, content_sha256, part_path, read_card
+from arena_policies.encoding import all_finite, without_body_radius
 from arena_policies.network import Network, network_content, open_network
-from arena_policies.seen import batch_of_one
+from arena_policies.observation_view import batch_of_one
 
 
 class PolicyNetwork:
@@ -47,22 +47,22 @@ class PolicyNetwork:
         """Forget what was seen before."""
         self._memory, self._recalled = None, self._encoder.blank(1)
 
-    def look(self, observation: Observation, last_command: Twist) -> None:
+    def observe(self, observation: Observation, last_command: Twist) -> None:
         """See what there is at one more control step, without an answer."""
-        seen = self._seen(observation, last_command)
+        seen = self._make_batch(observation, last_command)
         if self._encoder.recurrent:
-            self._encoded(seen)
+            self._encode_batch(seen)
 
     def run(self, numbers: NDArray[np.float32]) -> NDArray[np.float32]:
         """Return the network's answers (N, A) to numbers (N, D) as its encoder writes them."""
         return self._network.run(numbers)
 
-    def answers(self, observation: Observation, last_command: Twist) -> NDArray[np.float32]:
+    def network_outputs(self, observation: Observation, last_command: Twist) -> NDArray[np.float32]:
         """Return the network's answers (1, A) to one more control step.
 
         Raises NoValidCommand when something that is seen is not a number, InvalidCommand when an answer is none: that is a broken policy.
         """
-        numbers = self._encoded(self._seen(observation, last_command))
+        numbers = self._encode_batch(self._make_batch(observation, last_command))
         if not all_finite(numbers):
             raise NoValidCommand(f"{self.card.planner}: the observation has values that are not finite")
         answers = self.run(numbers)
@@ -70,7 +70,7 @@ class PolicyNetwork:
             raise InvalidCommand(f"{self.card.planner}: the policy answered with values that are not finite")
         return answers
 
-    def _seen(self, observation: Observation, last_command: Twist) -> ObservationBatch:
+    def _make_batch(self, observation: Observation, last_command: Twist) -> ObservationBatch:
         return batch_of_one(observation, last_command, self._earlier_scans(observation), self._recalled, self._encoder.tracked)
 
     def _earlier_scans(self, observation: Observation) -> EarlierScans:
@@ -85,7 +85,7 @@ class PolicyNetwork:
             self._earlier = self._memory.earlier()
         return self._earlier
 
-    def _encoded(self, seen: ObservationBatch) -> NDArray[np.float32]:
+    def _encode_batch(self, seen: ObservationBatch) -> NDArray[np.float32]:
         """Return the encoder's numbers, and recall them at the next step, unless some are none."""
         numbers = self._encoder.encode(seen)
         if self._encoder.recurrent and all_finite(numbers):
@@ -102,49 +102,49 @@ class Policy(PolicyNetwork):
 
     def command(self, observation: Observation, last_command: Twist) -> Twist:
         """Return the velocity for what is seen; raise what ``answers`` raises."""
-        return Twist(*self._scale.commands(self.answers(observation, last_command))[0].tolist())
+        return Twist(*self._scale.commands(self.network_outputs(observation, last_command))[0].tolist())
 
 
 class Switch(PolicyNetwork):
     """Observation to which of the card's members drives."""
 
-    def choice(self, observation: Observation, last_command: Twist) -> int:
+    def choose_member(self, observation: Observation, last_command: Twist) -> int:
         """Return the place of the member that the network prefers; raise what ``answers`` raises."""
-        return int(self.answers(observation, last_command)[0].argmax())
+        return int(self.network_outputs(observation, last_command)[0].argmax())
 
 
 def load_policy(address: str, planner: str, robot: Robot) -> Policy:
     """Load ``address`` (a path or pkg://) with its card; raise InputFileError or ConfigurationError where they or the robot do not fit."""
-    path, content, card, encoder, scale = _read(address, planner, robot)
+    path, content, card, encoder, scale = _read_policy(address, planner, robot)
     return Policy(open_network(path, content, sum(f.size for f in card.layout), len(card.action)), encoder, scale, card)
 
 
 def load_switch(address: str, planner: str, robot: Robot) -> Switch:
     """Load a policy that chooses among members, as ``load_policy`` does; raise ConfigurationError where its card has none."""
-    path, content, card, encoder, _ = _read(address, planner, robot)
+    path, content, card, encoder, _ = _read_policy(address, planner, robot)
     if len(card.members) < 2:
         raise ConfigurationError(f"{path.with_suffix('.json')}: members are {', '.join(card.members) or 'none'}; allowed: two or more")
     return Switch(open_network(path, content, sum(f.size for f in card.layout), len(card.members)), encoder, card)
 
 
-def _read(address: str, planner: str, robot: Robot) -> tuple[Path, bytes, PolicyCard, ObservationEncoder, ActionScale]:
+def _read_policy(address: str, planner: str, robot: Robot) -> tuple[Path, bytes, PolicyCard, ObservationEncoder, ActionScale]:
     """Return file, content, card, encoder and scaling of a policy that fits planner and robot."""
     path = local_path(address)
     content = network_content(path)
     card = read_card(path.with_suffix(".json"))
     _check_card(path, card, content, planner, robot)
     beside = path.with_suffix(".json")
-    encoder = build_encoder(f"{beside}: encoder", {**card.encoder, **_parts(path, card)}, robot)
+    encoder = build_encoder(f"{beside}: encoder", {**card.encoder, **_part_files(path, card)}, robot)
     _check_parts(beside, card, encoder)
     check_layout(beside, card.robot, card.layout, encoder.layout())
-    return path, content, card, encoder, _scale(beside, card, robot)
+    return path, content, card, encoder, _action_scale(beside, card, robot)
 
 
-def _parts(path: Path, card: PolicyCard) -> dict[str, str]:
+def _part_files(path: Path, card: PolicyCard) -> dict[str, str]:
     """Return the networks that the encoder runs; raise InputFileError where one is not what the policy was trained on."""
     found = {name: part_path(path, name) for name in card.parts}
     for name, part in found.items():
-        made = sha256(network_content(part))
+        made = content_sha256(network_content(part))
         if made != card.parts[name]:
             raise InputFileError(
                 f"{part}: sha256 is {made[:12]}…, the card of {path.name} says {card.parts[name][:12]}…; "
@@ -155,9 +155,9 @@ def _parts(path: Path, card: PolicyCard) -> dict[str, str]:
 
 def _check_card(path: Path, card: PolicyCard, content: bytes, planner: str, robot: Robot) -> None:
     beside = path.with_suffix(".json")
-    if sha256(content) != card.sha256:
+    if content_sha256(content) != card.sha256:
         raise InputFileError(
-            f"{path}: sha256 is {sha256(content)[:12]}…, its card says {card.sha256[:12]}…; allowed: the file the card was made for"
+            f"{path}: sha256 is {content_sha256(content)[:12]}…, its card says {card.sha256[:12]}…; allowed: the file the card was made for"
         )
     if card.planner != planner:
         raise ConfigurationError(f"{beside}: planner is {card.planner}; allowed: a policy for {planner}")
@@ -186,7 +186,7 @@ def _check_parts(beside: Path, card: PolicyCard, encoder: ObservationEncoder) ->
 
 def check_layout(path: Path, robot: str, trained: Sequence[ObservationField], made: Sequence[ObservationField]) -> None:
     """Refuse a robot whose sensors make other fields than those that a network was trained on, with ``robot``; its body may be another."""
-    pairs = [(on_any_body(a), on_any_body(b)) for a, b in zip(trained, made, strict=False)]
+    pairs = [(without_body_radius(a), without_body_radius(b)) for a, b in zip(trained, made, strict=False)]
     if len(trained) != len(made) or any(a != b for a, b in pairs):
         differing = next((f"{a.name} ({a.meaning})" for a, b in pairs if a != b), "number of fields")
         raise ConfigurationError(
@@ -194,7 +194,7 @@ def check_layout(path: Path, robot: str, trained: Sequence[ObservationField], ma
         )
 
 
-def _scale(beside: Path, card: PolicyCard, robot: Robot) -> ActionScale:
+def _action_scale(beside: Path, card: PolicyCard, robot: Robot) -> ActionScale:
     """Return what actions mean; refuse a robot whose speeds differ from those that the policy was trained with."""
     scale = ActionScale.of(robot, read_settings(card.action_range, ActionRange, f"{beside}: action_range"))
     ends = dict(zip(scale.names, zip(scale.low.tolist(), scale.high.tolist(), strict=True), strict=True))

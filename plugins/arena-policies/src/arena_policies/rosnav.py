@@ -9,7 +9,7 @@ import numpy as np
 
 from arena_core import ObservationBatch, ObservationField, Robot
 from arena_core.parameters import Positive
-from arena_policies.encoding import BoundedEncoder, Numbers, ways_to, write_ranges
+from arena_policies.encoding import BoundedEncoder, Numbers, write_distances_bearings, write_ranges
 
 
 class RosnavEncoder(BoundedEncoder):
@@ -44,6 +44,6 @@ class RosnavEncoder(BoundedEncoder):
         beams = rows.shape[1] - 5
         write_ranges(observations.ranges, self._range_max, self._range_scale, beams, rows)
         way = np.empty((len(rows), 4))
-        ways_to(observations.waypoints if self._target == "waypoint" else observations.goals, observations.poses, way)
+        write_distances_bearings(observations.waypoints if self._target == "waypoint" else observations.goals, observations.poses, way)
         rows[:, beams : beams + 2] = way[:, :2] / self._scales[:2]
         rows[:, beams + 2 :] = observations.last_commands / self._scales[2:]

@@ -12,15 +12,15 @@ from arena_policies.encoding import (
     Numbers,
     closeness_field,
     nearest_in_sectors,
-    sectors_shown,
+    sector_order,
     speed_scales,
+    write_bearing,
     write_closeness,
-    write_from_robot,
+    write_robot_points,
     write_speeds,
-    write_way,
 )
-from arena_policies.looking_ahead import bodies_of, nearest_then, sectors_of
-from arena_policies.looking_back import beams_of, nearest_now, steps_back
+from arena_policies.scan_history import beams_of, lookback_steps, past_sector_ranges
+from arena_policies.track_prediction import bodies_of, predict_sector_ranges, sectors_of
 
 
 class RosnavSectorsEncoder(BoundedEncoder):
@@ -47,11 +47,11 @@ class RosnavSectorsEncoder(BoundedEncoder):
         foreseen: tuple[Positive, ...] = (),
     ) -> None:
         lidar = robot.lidar
-        self.lookback = steps_back(lookback, robot)
+        self.lookback = lookback_steps(lookback, robot)
         self._sectors = min(sectors, lidar.beams)
         self.tracked = bool(foreseen)
         self._times, self._pooled = np.array(foreseen), sectors_of(lidar, self._sectors)
-        self._order = sectors_shown(self._sectors, overlap, lidar)
+        self._order = sector_order(self._sectors, overlap, lidar)
         self._beams = beams_of(lidar)
         self._range_max = min(range_max, lidar.range_max)
         self._radius, self._decay, self._distance_unit = robot.footprint.radius, decay, distance_unit
@@ -69,7 +69,7 @@ class RosnavSectorsEncoder(BoundedEncoder):
                 ObservationField("waypoint_sin", 1, "-", -1.0, 1.0, "sine of the waypoint's bearing"),
                 *(ObservationField(n, 1, "-", -1.5, 1.5, "measured, over the robot's greatest") for n in names),
                 *(ObservationField(f"last_{n}", 1, "-", -1.0, 1.0, "last command, over the robot's greatest") for n in names),
-                *(_points(ahead, spacing) for _ in range(min(ahead, 1))),
+                *(_points_field(ahead, spacing) for _ in range(min(ahead, 1))),
             )
         )
 
@@ -81,21 +81,23 @@ class RosnavSectorsEncoder(BoundedEncoder):
         nearest_in_sectors(observations.ranges, self._range_max, nearest[:, 0])
         earlier = observations.earlier
         if self.lookback:
-            nearest_now(earlier.ranges, earlier.poses, observations.poses, self._beams, self._range_max, nearest[:, 1:past])
+            past_sector_ranges(earlier.ranges, earlier.poses, observations.poses, self._beams, self._range_max, nearest[:, 1:past])
         if self.tracked:
             bodies = bodies_of(observations.tracks)
-            nearest_then(observations.ranges, observations.poses, bodies, self._times, self._pooled, self._range_max, nearest[:, past:])
+            predict_sector_ranges(
+                observations.ranges, observations.poses, bodies, self._times, self._pooled, self._range_max, nearest[:, past:]
+            )
         state = size * nearest.shape[1]
         write_closeness(nearest, self._order, self._range_max, self._radius, self._decay, rows)
-        write_way(observations.waypoints, observations.poses, self._distance_unit, state, rows)
+        write_bearing(observations.waypoints, observations.poses, self._distance_unit, state, rows)
         write_speeds(observations.twists, self._speeds, state + 3, rows)
         write_speeds(observations.last_commands, self._speeds, state + 3 + len(self._speeds), rows)
         if len(self._ways):
             points = np.empty((len(rows), len(self._ways), 2))
             points_ahead(observations.paths.poses, observations.paths.offsets, observations.poses, self._spacing, points)
-            write_from_robot(points, observations.poses, self._ways, 0.0, state + 3 + 2 * len(self._speeds), rows)
+            write_robot_points(points, observations.poses, self._ways, 0.0, state + 3 + 2 * len(self._speeds), rows)
 
 
-def _points(count: int, spacing: float) -> ObservationField:
+def _points_field(count: int, spacing: float) -> ObservationField:
     meaning = f"x, y in base_link of {count} points, {spacing:g} m of path apart, each over its way"
     return ObservationField("ahead_xy", 2 * count, "-", -4.0, 4.0, meaning)

@@ -61,7 +61,7 @@ class Codec:
         except Exception as error:  # whatever the decoder stumbles over
             raise BadMessage(f"a message is no {name} ({one_line(f'{type(error).__name__}: {error}', 80)})") from None
 
-    def knows(self, name: str) -> bool:
+    def has_type(self, name: str) -> bool:
         """Tell whether a type is known."""
         return name in self.store.fielddefs
 
@@ -81,7 +81,7 @@ class Codec:
 
 
 @lru_cache(maxsize=2)
-def codec(ros: Ros) -> Codec:
+def get_codec(ros: Ros) -> Codec:
     """Return the codec of a generation of ROS."""
     return Codec(ros)
 

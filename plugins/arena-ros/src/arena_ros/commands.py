@@ -34,7 +34,7 @@ class RosCommand(Command):
 
     def run(self, arguments: Sequence[str]) -> int:
         """Run what the first word says."""
-        actions = _actions()
+        actions = _action_functions()
         if not arguments or arguments[0] not in actions:
             wanted = arguments[0] if arguments else "nothing"
             raise ConfigurationError(f"arena ros: {wanted} is no action; allowed: {', '.join(actions)}")
@@ -42,34 +42,34 @@ class RosCommand(Command):
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
         """Return the actions that fit."""
-        return [name for name in _actions() if name.startswith(word)] if not words else ()
+        return [name for name in _action_functions() if name.startswith(word)] if not words else ()
 
 
-def _actions() -> Mapping[str, Callable[[Sequence[str]], int]]:
+def _action_functions() -> Mapping[str, Callable[[Sequence[str]], int]]:
     return {
-        "export": _export,
-        "import": _import,
-        "scenario-from": _scenario_from,
-        "drive": _drive,
-        "simulate": _simulate,
-        "watchdog": _watchdog,
+        "export": _run_export,
+        "import": _run_import,
+        "scenario-from": _run_scenario_from,
+        "drive": _run_drive,
+        "simulate": _run_simulate,
+        "watchdog": _run_watchdog,
     }
 
 
-def _export(arguments: Sequence[str]) -> int:
-    from arena_ros.bags.exporting import export
+def _run_export(arguments: Sequence[str]) -> int:
+    from arena_ros.bags.exporting import export_run
 
     words = read_words(USAGES["export"], arguments, names=1, keys=("to", "episodes"))
     target, folder = Path(words.required("to")), Path(words.names[0])
     runs = find_runs(folder)
     if len(runs) > 1:
         raise ConfigurationError(f"{folder} holds {len(runs)} runs; allowed: the folder of one, such as {runs[0]}")
-    count = export(runs[0], target, _episodes(words))
+    count = export_run(runs[0], target, _episode_numbers(words))
     print(f"{target}: {count} episode{'s' * (count != 1)}, {target.stat().st_size / 1e6:.1f} MB")
     return 0
 
 
-def _episodes(words: Words) -> list[int] | None:
+def _episode_numbers(words: Words) -> list[int] | None:
     text = words.keys.get("episodes")
     if text is None:
         return None
@@ -79,34 +79,34 @@ def _episodes(words: Words) -> list[int] | None:
     return [int(part) for part in parts]
 
 
-def _import(arguments: Sequence[str]) -> int:
+def _run_import(arguments: Sequence[str]) -> int:
     from arena_ros.bags.importing import import_bags
 
-    words, request = _request("import", arguments)
+    words, request = _read_request("import", arguments)
     folder = Path(words.required("out"))
     rows = import_bags([Path(name) for name in words.names], folder, request)
     print(f"{folder}: {len(rows)} episode{'s' * (len(rows) != 1)}")
     return 0
 
 
-def _scenario_from(arguments: Sequence[str]) -> int:
+def _run_scenario_from(arguments: Sequence[str]) -> int:
     from arena_ros.bags.scenarios import scenario_from
 
-    words, request = _request("scenario-from", arguments)
+    words, request = _read_request("scenario-from", arguments)
     target = Path(words.required("out"))
     count = scenario_from([Path(name) for name in words.names], target, request)
     print(f"{target}: {count} problem{'s' * (count != 1)}")
     return 0
 
 
-def _request(action: str, arguments: Sequence[str]) -> tuple[Words, Request]:
+def _read_request(action: str, arguments: Sequence[str]) -> tuple[Words, Request]:
     """Return the words of an action that reads recordings, and what is asked for."""
     from arena_ros.bags.importing import Request, reading_of
     from arena_ros.bags.legacy import ENDING
-    from arena_ros.bags.roles import NONE, roles
-    from arena_ros.places import pose_of
+    from arena_ros.bags.topic_roles import NONE, all_roles
+    from arena_ros.pose_argument import read_pose
 
-    words = read_words(USAGES[action], arguments, names=None, keys=(*IMPORT_KEYS, *roles()))
+    words = read_words(USAGES[action], arguments, names=None, keys=(*IMPORT_KEYS, *all_roles()))
     if not words.names:
         raise ConfigurationError(f"no recording is given; allowed: {USAGES[action]}")
     reading = reading_of(
@@ -118,10 +118,10 @@ def _request(action: str, arguments: Sequence[str]) -> tuple[Words, Request]:
     )
     # `map` and `goal` are roles, too: a topic begins with a slash, a file has an ending, a place is of numbers
     where, place = words.keys.get("map"), words.keys.get("goal", NONE)
-    topics = {key: value for key, value in words.keys.items() if key in roles()}
+    topics = {key: value for key, value in words.keys.items() if key in all_roles()}
     if where is not None and where.endswith((".yaml", ".yml")):
         del topics["map"]
-    goal = None if place == NONE or place.startswith("/") else pose_of(words, "goal")
+    goal = None if place == NONE or place.startswith("/") else read_pose(words, "goal")
     if goal is not None:
         del topics["goal"]
     tracked = topics.get("people") == TRACKER
@@ -141,19 +141,19 @@ def _request(action: str, arguments: Sequence[str]) -> tuple[Words, Request]:
     return words, request
 
 
-def _drive(arguments: Sequence[str]) -> int:
-    from arena_ros.live.commands import drive
+def _run_drive(arguments: Sequence[str]) -> int:
+    from arena_ros.live.commands import drive_robot
 
-    return drive(USAGES["drive"], arguments)
-
-
-def _simulate(arguments: Sequence[str]) -> int:
-    from arena_ros.live.commands import simulate
-
-    return simulate(USAGES["simulate"], arguments)
+    return drive_robot(USAGES["drive"], arguments)
 
 
-def _watchdog(arguments: Sequence[str]) -> int:
-    from arena_ros.live.commands import watchdog
+def _run_simulate(arguments: Sequence[str]) -> int:
+    from arena_ros.live.commands import simulate_robot
 
-    return watchdog(USAGES["watchdog"], arguments)
+    return simulate_robot(USAGES["simulate"], arguments)
+
+
+def _run_watchdog(arguments: Sequence[str]) -> int:
+    from arena_ros.live.commands import run_watchdog
+
+    return run_watchdog(USAGES["watchdog"], arguments)

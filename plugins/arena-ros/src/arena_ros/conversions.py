@@ -32,84 +32,84 @@ PLANE = (0, 1, 5)  # x, y and yaw among the six of a covariance of ROS
 FLOAT = np.float64
 
 
-def point(codec: Codec, x: float, y: float, z: float = 0.0) -> Any:
+def point_msg(codec: Codec, x: float, y: float, z: float = 0.0) -> Any:
     """Return a point, m."""
     return codec.make("geometry_msgs/msg/Point", x=float(x), y=float(y), z=float(z))
 
 
-def vector(codec: Codec, x: float, y: float, z: float = 0.0) -> Any:
+def vector_msg(codec: Codec, x: float, y: float, z: float = 0.0) -> Any:
     """Return a vector."""
     return codec.make("geometry_msgs/msg/Vector3", x=float(x), y=float(y), z=float(z))
 
 
-def rotation(codec: Codec, theta: float) -> Any:
+def quaternion_msg(codec: Codec, theta: float) -> Any:
     """Return a turn about z as a quaternion."""
     return codec.make("geometry_msgs/msg/Quaternion", x=0.0, y=0.0, z=math.sin(theta / 2.0), w=math.cos(theta / 2.0))
 
 
-def pose(codec: Codec, value: Pose) -> Any:
+def pose_msg(codec: Codec, value: Pose) -> Any:
     """Return a pose."""
-    return codec.make("geometry_msgs/msg/Pose", position=point(codec, value.x, value.y), orientation=rotation(codec, value.theta))
+    return codec.make("geometry_msgs/msg/Pose", position=point_msg(codec, value.x, value.y), orientation=quaternion_msg(codec, value.theta))
 
 
-def pose_of(message: Any) -> Pose:
+def pose_from_msg(message: Any) -> Pose:
     """Return the pose in the plane of a message with ``position`` and ``orientation``."""
-    return Pose(float(message.position.x), float(message.position.y), yaw_of(message.orientation))
+    return Pose(float(message.position.x), float(message.position.y), yaw_from_msg(message.orientation))
 
 
-def yaw_of(q: Any) -> float:
+def yaw_from_msg(q: Any) -> float:
     """Return the turn about z of a quaternion; one of length 0, which some nodes send for "none", is no turn."""
     return math.atan2(2.0 * (q.w * q.z + q.x * q.y), q.w * q.w + q.x * q.x - q.y * q.y - q.z * q.z)
 
 
-def twist(codec: Codec, value: Twist) -> Any:
+def twist_msg(codec: Codec, value: Twist) -> Any:
     """Return a velocity."""
-    return codec.make(TWIST, linear=vector(codec, value.vx, value.vy), angular=vector(codec, 0.0, 0.0, value.wz))
+    return codec.make(TWIST, linear=vector_msg(codec, value.vx, value.vy), angular=vector_msg(codec, 0.0, 0.0, value.wz))
 
 
-def twist_of(message: Any) -> Twist:
+def twist_from_msg(message: Any) -> Twist:
     """Return the velocity in the plane of a Twist or a TwistStamped."""
     message = getattr(message, "twist", message)
     return Twist(float(message.linear.x), float(message.linear.y), float(message.angular.z))
 
 
-def pose_stamped(codec: Codec, value: Pose, stamp: int, frame: str) -> Any:
+def pose_stamped_msg(codec: Codec, value: Pose, stamp: int, frame: str) -> Any:
     """Return a pose with a stamp."""
-    return codec.make(POSE_STAMPED, header=codec.header(stamp, frame), pose=pose(codec, value))
+    return codec.make(POSE_STAMPED, header=codec.header(stamp, frame), pose=pose_msg(codec, value))
 
 
-def pose_covariance(codec: Codec, value: Pose, covariance: NDArray[Any], stamp: int, frame: str) -> Any:
+def pose_covariance_msg(codec: Codec, value: Pose, covariance: NDArray[Any], stamp: int, frame: str) -> Any:
     """Return a pose with its covariance (3, 3) over x, y, theta."""
-    spread = codec.make("geometry_msgs/msg/PoseWithCovariance", pose=pose(codec, value), covariance=spread_of(covariance))
+    spread = codec.make("geometry_msgs/msg/PoseWithCovariance", pose=pose_msg(codec, value), covariance=ros_covariance(covariance))
     return codec.make(POSE_COVARIANCE, header=codec.header(stamp, frame), pose=spread)
 
 
-def spread_of(covariance: NDArray[Any]) -> NDArray[np.float64]:
+def ros_covariance(covariance: NDArray[Any]) -> NDArray[np.float64]:
     """Return a covariance (3, 3) in the layout of ROS, (36,)."""
     six = np.zeros((6, 6))
     six[np.ix_(PLANE, PLANE)] = covariance
     return six.ravel()
 
 
-def covariance_of(spread: NDArray[Any]) -> NDArray[np.float64]:
+def planar_covariance(spread: NDArray[Any]) -> NDArray[np.float64]:
     """Return the part (3, 3) over x, y, theta of a covariance of ROS."""
     return np.asarray(spread, FLOAT).reshape(6, 6)[np.ix_(PLANE, PLANE)]
 
 
-def odometry(codec: Codec, value: Pose, velocity: Twist, stamp: int, frame: str, child: str) -> Any:
+def odometry_msg(codec: Codec, value: Pose, velocity: Twist, stamp: int, frame: str, child: str) -> Any:
     """Return odometry: a pose in ``frame``, a velocity in ``child``."""
     none = np.zeros(36)
-    where = codec.make("geometry_msgs/msg/PoseWithCovariance", pose=pose(codec, value), covariance=none)
-    how = codec.make("geometry_msgs/msg/TwistWithCovariance", twist=twist(codec, velocity), covariance=none)
+    where = codec.make("geometry_msgs/msg/PoseWithCovariance", pose=pose_msg(codec, value), covariance=none)
+    how = codec.make("geometry_msgs/msg/TwistWithCovariance", twist=twist_msg(codec, velocity), covariance=none)
     return codec.make(ODOMETRY, header=codec.header(stamp, frame), child_frame_id=child, pose=where, twist=how)
 
 
-def odometry_of(message: Any, stamp: float) -> Odometry:
+def odometry_from_msg(message: Any, stamp: float) -> Odometry:
     """Return odometry with a stamp of s."""
-    return Odometry(stamp, pose_of(message.pose.pose), twist_of(message.twist.twist))
+    return Odometry(stamp, pose_from_msg(message.pose.pose), twist_from_msg(message.twist.twist))
 
 
-def scan(codec: Codec, value: LaserScan, stamp: int, frame: str, period: float) -> Any:
+def scan_msg(codec: Codec, value: LaserScan, stamp: int, frame: str, period: float) -> Any:
     """Return a scan; ``period`` s is the time between two."""
     last = value.angle_min + value.angle_increment * (len(value.ranges) - 1)
     return codec.make(
@@ -127,7 +127,7 @@ def scan(codec: Codec, value: LaserScan, stamp: int, frame: str, period: float) 
     )
 
 
-def scan_of(message: Any, stamp: float, mount: Mount) -> LaserScan:
+def scan_from_msg(message: Any, stamp: float, mount: Mount) -> LaserScan:
     """Return a scan as planners take it, after REP-117: +inf where nothing was hit, NaN and what is too near as they count there.
 
     What is below ``range_min`` or no number is an error of measurement and counts as nothing hit, as in costmap_2d; 0, which many drivers
@@ -145,19 +145,19 @@ def scan_of(message: Any, stamp: float, mount: Mount) -> LaserScan:
     return LaserScan(stamp, first, step, float(message.range_min), float(message.range_max), ranges, mount.pose)
 
 
-def path(codec: Codec, poses: NDArray[Any], stamp: int, frame: str) -> Any:
+def path_msg(codec: Codec, poses: NDArray[Any], stamp: int, frame: str) -> Any:
     """Return a path of poses (M, 3)."""
     header = codec.header(stamp, frame)
-    stamped = [codec.make(POSE_STAMPED, header=header, pose=pose(codec, Pose.of(row))) for row in poses]
+    stamped = [codec.make(POSE_STAMPED, header=header, pose=pose_msg(codec, Pose.of(row))) for row in poses]
     return codec.make(PATH, header=header, poses=stamped)
 
 
-def path_of(message: Any) -> NDArray[np.float64]:
+def path_from_msg(message: Any) -> NDArray[np.float64]:
     """Return the poses (M, 3) of a path."""
-    return np.array([pose_of(each.pose).array() for each in message.poses]).reshape(-1, 3)
+    return np.array([pose_from_msg(each.pose).array() for each in message.poses]).reshape(-1, 3)
 
 
-def grid(codec: Codec, value: OccupancyGrid, stamp: int, frame: str) -> Any:
+def grid_msg(codec: Codec, value: OccupancyGrid, stamp: int, frame: str) -> Any:
     """Return a map."""
     rows, columns = value.data.shape
     info = codec.make(
@@ -166,28 +166,28 @@ def grid(codec: Codec, value: OccupancyGrid, stamp: int, frame: str) -> Any:
         resolution=value.resolution,
         width=columns,
         height=rows,
-        origin=pose(codec, value.origin),
+        origin=pose_msg(codec, value.origin),
     )
     return codec.make(GRID, header=codec.header(stamp, frame), info=info, data=value.data.ravel())
 
 
-def grid_of(message: Any) -> OccupancyGrid:
+def grid_from_msg(message: Any) -> OccupancyGrid:
     """Return a map; values outside -1 .. 100 count as unknown. Resolutions, float32 on the wire, are taken to a micrometre."""
     data = np.asarray(message.data, np.int8).reshape(message.info.height, message.info.width)
     data = np.where((data >= FREE) & (data <= OCCUPIED), data, -1).astype(np.int8)
-    return OccupancyGrid(data, round(float(message.info.resolution), 6), pose_of(message.info.origin))
+    return OccupancyGrid(data, round(float(message.info.resolution), 6), pose_from_msg(message.info.origin))
 
 
-def costmap(codec: Codec, value: Costmap, stamp: int, frame: str) -> Any:
+def costmap_msg(codec: Codec, value: Costmap, stamp: int, frame: str) -> Any:
     """Return a cost grid as nav_msgs have it: 100 lethal, 99 inscribed, below that in proportion (as costmap_2d publishes it)."""
     costs = np.rint(value.costs.astype(np.float64) * 98.0 / (INSCRIBED - 1)).astype(np.int8)
     costs[value.costs == INSCRIBED] = 99
     costs[value.costs >= LETHAL] = 100
     left, below = value.origin_xy.tolist()
-    return grid(codec, OccupancyGrid(costs, value.resolution, Pose(left, below)), stamp, frame)
+    return grid_msg(codec, OccupancyGrid(costs, value.resolution, Pose(left, below)), stamp, frame)
 
 
-def transforms(codec: Codec, links: Iterable[tuple[str, str, Pose]], stamp: int) -> Any:
+def transforms_msg(codec: Codec, links: Iterable[tuple[str, str, Pose]], stamp: int) -> Any:
     """Return transforms, each a frame, its child, and the child's pose in it."""
     made = [
         codec.make(
@@ -195,7 +195,7 @@ def transforms(codec: Codec, links: Iterable[tuple[str, str, Pose]], stamp: int)
             header=codec.header(stamp, frame),
             child_frame_id=child,
             transform=codec.make(
-                "geometry_msgs/msg/Transform", translation=vector(codec, value.x, value.y), rotation=rotation(codec, value.theta)
+                "geometry_msgs/msg/Transform", translation=vector_msg(codec, value.x, value.y), rotation=quaternion_msg(codec, value.theta)
             ),
         )
         for frame, child, value in links
@@ -203,23 +203,23 @@ def transforms(codec: Codec, links: Iterable[tuple[str, str, Pose]], stamp: int)
     return codec.make(TF, transforms=made)
 
 
-def links_of(message: Any) -> list[tuple[str, str, Pose, int]]:
+def links_from_msg(message: Any) -> list[tuple[str, str, Pose, int]]:
     """Return the transforms of a message: frame, child, pose, stamp in ns; old names' leading slash is dropped."""
     return [
         (
             each.header.frame_id.lstrip("/"),
             each.child_frame_id.lstrip("/"),
-            Pose(each.transform.translation.x, each.transform.translation.y, yaw_of(each.transform.rotation)),
+            Pose(each.transform.translation.x, each.transform.translation.y, yaw_from_msg(each.transform.rotation)),
             stamp_of(each.header.stamp),
         )
         for each in message.transforms
     ]
 
 
-def mounts_of(message: Any) -> dict[str, tuple[str, Mount]]:
+def mounts_from_msg(message: Any) -> dict[str, tuple[str, Mount]]:
     """Return the links of a message by child frame, with the side on which each lies."""
     flipped = [is_flipped(each.transform.rotation) for each in message.transforms]
-    return {child: (parent, Mount(pose, over)) for (parent, child, pose, _), over in zip(links_of(message), flipped, strict=True)}
+    return {child: (parent, Mount(pose, over)) for (parent, child, pose, _), over in zip(links_from_msg(message), flipped, strict=True)}
 
 
 def is_flipped(q: Any) -> bool:
@@ -227,15 +227,15 @@ def is_flipped(q: Any) -> bool:
     return bool(q.w * q.w + q.z * q.z < q.x * q.x + q.y * q.y)
 
 
-def people(codec: Codec, ids: Sequence[int], positions: NDArray[Any], velocities: NDArray[Any], stamp: int, frame: str) -> Any:
+def people_msg(codec: Codec, ids: Sequence[int], positions: NDArray[Any], velocities: NDArray[Any], stamp: int, frame: str) -> Any:
     """Return people, each named by its number; who is at NaN is not there."""
     there = np.isfinite(positions).all(axis=1)
     made = [
         codec.make(
             "people_msgs/msg/Person",
             name=str(int(ids[k])),
-            position=point(codec, *positions[k]),
-            velocity=point(codec, *velocities[k]),
+            position=point_msg(codec, *positions[k]),
+            velocity=point_msg(codec, *velocities[k]),
             reliability=1.0,
             tagnames=[],
             tags=[],
@@ -245,7 +245,7 @@ def people(codec: Codec, ids: Sequence[int], positions: NDArray[Any], velocities
     return codec.make(PEOPLE, header=codec.header(stamp, frame), people=made)
 
 
-def markers(codec: Codec, ids: Sequence[int], positions: NDArray[Any], radii: NDArray[Any], stamp: int, frame: str) -> Any:
+def markers_msg(codec: Codec, ids: Sequence[int], positions: NDArray[Any], radii: NDArray[Any], stamp: int, frame: str) -> Any:
     """Return people as cylinders that RViz and Foxglove show; who is not there is taken away."""
     colour = codec.make("std_msgs/msg/ColorRGBA", r=0.1, g=0.4, b=0.8, a=0.9)
     extra: dict[str, Any] = {"points": [], "colors": [], "text": "", "mesh_resource": "", "mesh_use_embedded_materials": False}
@@ -257,8 +257,8 @@ def markers(codec: Codec, ids: Sequence[int], positions: NDArray[Any], radii: ND
     made = []
     for k, there in enumerate(np.isfinite(positions).all(axis=1)):
         x, y = positions[k] if there else (0.0, 0.0)
-        where = codec.make("geometry_msgs/msg/Pose", position=point(codec, x, y, 0.85), orientation=rotation(codec, 0.0))
-        size = vector(codec, 2.0 * radii[k], 2.0 * radii[k], 1.7)  # m, as tall as people are
+        where = codec.make("geometry_msgs/msg/Pose", position=point_msg(codec, x, y, 0.85), orientation=quaternion_msg(codec, 0.0))
+        size = vector_msg(codec, 2.0 * radii[k], 2.0 * radii[k], 1.7)  # m, as tall as people are
         life = codec.make("builtin_interfaces/msg/Duration", sec=0, nanosec=0)
         made.append(
             codec.make(
@@ -279,23 +279,23 @@ def markers(codec: Codec, ids: Sequence[int], positions: NDArray[Any], radii: ND
     return codec.make(MARKERS, markers=made)
 
 
-def numbers(codec: Codec, values: Sequence[float]) -> Any:
+def numbers_msg(codec: Codec, values: Sequence[float]) -> Any:
     """Return some numbers."""
     layout = codec.make("std_msgs/msg/MultiArrayLayout", dim=[], data_offset=0)
     return codec.make(NUMBERS, layout=layout, data=np.asarray(values, FLOAT))
 
 
-def text(codec: Codec, value: str) -> Any:
+def text_msg(codec: Codec, value: str) -> Any:
     """Return a text."""
     return codec.make(TEXT, data=value)
 
 
-def unwrapped(angles: NDArray[Any]) -> NDArray[np.float64]:
+def unwrap_angles(angles: NDArray[Any]) -> NDArray[np.float64]:
     """Return angles without jumps of a whole turn, to interpolate between them."""
     return np.unwrap(np.asarray(angles, FLOAT))
 
 
-def at_stamps(stamps: NDArray[Any], known: NDArray[Any], poses: NDArray[Any]) -> NDArray[np.float64]:
+def interpolate_poses(stamps: NDArray[Any], known: NDArray[Any], poses: NDArray[Any]) -> NDArray[np.float64]:
     """Return poses (T, 3) at ``stamps`` between poses (K, 3) at ``known``, the first and last held beyond."""
     columns = [np.interp(stamps, known, poses[:, 0]), np.interp(stamps, known, poses[:, 1])]
-    return np.stack([*columns, wrap_angle(np.interp(stamps, known, unwrapped(poses[:, 2])))], axis=1)
+    return np.stack([*columns, wrap_angle(np.interp(stamps, known, unwrap_angles(poses[:, 2])))], axis=1)

@@ -29,7 +29,7 @@ Links = Mapping[str, tuple[str, Mount]]  # child frame: its parent, and where it
 BASES = frozenset({"base_link", "base_footprint"})  # REP-105, REP-120: both stand where the robot does
 
 
-def mounted(links: Links, frame: str, bases: Collection[str]) -> Mount | None:
+def find_mount(links: Links, frame: str, bases: Collection[str]) -> Mount | None:
     """Return where a frame is in the first of some frames that the links lead up to; None where they lead to none."""
     mount = Mount(Pose(0.0, 0.0))
     for _ in range(len(links) + 1):  # links may run in a ring

@@ -13,7 +13,7 @@ from arena_ros.codec import Ros
 
 GROUP = "arena_ros"  # of entry points: a name such as ros1, and the class of a Transport
 Publish = Callable[[bytes], None]
-Heard = Callable[[bytes], None]  # may be called in another thread
+MessageCallback = Callable[[bytes], None]  # may be called in another thread
 
 
 class Transport(ABC):
@@ -29,7 +29,7 @@ class Transport(ABC):
         """Return what publishes messages of a type; who comes later gets the last one of a latched topic."""
 
     @abstractmethod
-    def subscribe(self, topic: str, type: str, heard: Heard, latched: bool = False) -> None:
+    def subscribe(self, topic: str, type: str, heard: MessageCallback, latched: bool = False) -> None:
         """Have ``heard`` called with each message, of a latched topic also with what was sent before."""
 
     @abstractmethod

@@ -11,8 +11,8 @@ from typing import Any, ClassVar
 
 from arena_core import ArenaError
 from arena_core.commands import one_line
-from arena_ros.codec import Ros, codec
-from arena_ros.transport import Heard, Publish, Transport
+from arena_ros.codec import Ros, get_codec
+from arena_ros.transport import MessageCallback, Publish, Transport
 
 DEBIAN = "/usr/lib/python3/dist-packages"  # appended, so that packages of the environment at hand come first
 NEEDED = "rospy is not installed; allowed: apt install python3-rospy (Debian, the same Python), or a shell that has sourced a ROS 1 install"
@@ -29,8 +29,8 @@ class Ros1(Transport):
     ros: ClassVar[Ros] = 1
 
     def __init__(self, node: str) -> None:
-        self._rospy = _rospy()
-        master = _master()
+        self._rospy = _import_rospy()
+        master = _connect_master()
         try:
             master.getPid()
         except Exception as error:  # whatever a socket or XML-RPC raises
@@ -46,7 +46,7 @@ class Ros1(Transport):
 
     def publisher(self, topic: str, type: str, latched: bool = False) -> Publish:
         """Return what publishes."""
-        kind = self._type(type)
+        kind = self._message_type(type)
         publisher = self._rospy.Publisher(topic, kind, latch=latched, queue_size=10, tcp_nodelay=True)
 
         def publish(content: bytes) -> None:
@@ -59,9 +59,9 @@ class Ros1(Transport):
 
         return publish
 
-    def subscribe(self, topic: str, type: str, heard: Heard, latched: bool = False) -> None:
+    def subscribe(self, topic: str, type: str, heard: MessageCallback, latched: bool = False) -> None:
         """Hear a topic, in rospy's thread."""
-        self._rospy.Subscriber(topic, self._type(type), lambda message: heard(message._buff), queue_size=10, tcp_nodelay=True)  # noqa: SLF001 - as above
+        self._rospy.Subscriber(topic, self._message_type(type), lambda message: heard(message._buff), queue_size=10, tcp_nodelay=True)  # noqa: SLF001 - as above
 
     def topics(self) -> Mapping[str, str]:
         """Return what is published at the master."""
@@ -98,9 +98,9 @@ class Ros1(Transport):
             self._closed = True
             self._rospy.signal_shutdown("done")
 
-    def _type(self, name: str) -> type[Any]:
+    def _message_type(self, name: str) -> type[Any]:
         """Return a type of rospy's whose messages are the bytes themselves."""
-        text, digest = codec(1).definition(name)
+        text, digest = get_codec(1).definition(name)
         short = name.replace("/msg/", "/")
         fields = {"_type": short, "_md5sum": digest, "_full_text": text, "serialize": _serialize, "__slots__": ["_buff"]}
         return type(short.rpartition("/")[2], (self._rospy.AnyMsg,), fields)
@@ -110,7 +110,7 @@ def _serialize(message: Any, buffer: Any) -> None:
     buffer.write(message._buff)  # noqa: SLF001 - as above
 
 
-def _rospy() -> Any:
+def _import_rospy() -> Any:
     try:
         import rospy
     except ImportError:
@@ -125,7 +125,7 @@ def _rospy() -> Any:
     return rospy
 
 
-def _master() -> Any:
+def _connect_master() -> Any:
     import rosgraph
 
     try:

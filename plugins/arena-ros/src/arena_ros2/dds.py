@@ -12,8 +12,8 @@ from arena_core import ArenaError
 from arena_core.commands import one_line
 from arena_core.hosting import require_extra
 from arena_ros.codec import Ros
-from arena_ros.transport import Heard, Publish, Transport
-from arena_ros2.quality import DEPTH, SENSORS
+from arena_ros.transport import MessageCallback, Publish, Transport
+from arena_ros2.qos_settings import DEPTH, SENSORS
 
 LOOPBACK = (  # as the middlewares of ROS 2 do it: unicast between the ports of the first 32 participants, no multicast
     "<CycloneDDS><Domain><General><Interfaces><NetworkInterface address='127.0.0.1'/></Interfaces><AllowMulticast>false</AllowMulticast>"
@@ -37,7 +37,7 @@ class Dds(Transport):
         from cyclonedds.pub import Publisher
         from cyclonedds.sub import Subscriber
 
-        number = _domain()
+        number = _domain_id()
         local = os.environ.get("ROS_LOCALHOST_ONLY") == "1" or os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE") == "LOCALHOST"
         try:
             if local:
@@ -58,10 +58,10 @@ class Dds(Transport):
         from cyclonedds.pub import DataWriter
         from cyclonedds.topic import Topic
 
-        from arena_ros2.types import sample, sample_type
+        from arena_ros2.types import make_sample, sample_type
 
         kind = sample_type(type)
-        writer = DataWriter(self._publisher, Topic(self._participant, f"rt{topic}", kind), qos=_quality(True, latched))
+        writer = DataWriter(self._publisher, Topic(self._participant, f"rt{topic}", kind), qos=_make_qos(True, latched))
         number = len(self._out)
         self._out.append(writer)
         del writer  # only this object keeps it, so that it leaves the domain when this is closed
@@ -69,11 +69,11 @@ class Dds(Transport):
         def publish(content: bytes) -> None:
             if not self._closed:
                 with suppress(DDSException, IndexError):  # a reader that does not keep up holds a reliable writer for 100 ms at most
-                    self._out[number].write(sample(kind, content))
+                    self._out[number].write(make_sample(kind, content))
 
         return publish
 
-    def subscribe(self, topic: str, type: str, heard: Heard, latched: bool = False) -> None:
+    def subscribe(self, topic: str, type: str, heard: MessageCallback, latched: bool = False) -> None:
         """Hear a topic, in a thread of DDS; sensors also from writers that are not reliable, as drivers are."""
         from cyclonedds.core import Listener
         from cyclonedds.sub import DataReader
@@ -90,19 +90,19 @@ class Dds(Transport):
         kind = sample_type(type)
         ear: Any = Ear()  # type: ignore[no-untyped-call]
         about = Topic(self._participant, f"rt{topic}", kind)
-        self._kept += [ear, DataReader(self._subscriber, about, qos=_quality(latched or type not in SENSORS, latched), listener=ear)]
+        self._kept += [ear, DataReader(self._subscriber, about, qos=_make_qos(latched or type not in SENSORS, latched), listener=ear)]
 
     def topics(self) -> Mapping[str, str]:
         """Return what is published in the domain, as far as it was discovered."""
         from arena_ros2.types import ros_name
 
-        return {found.topic_name[2:]: ros_name(found.type_name) for found in self._others() if found.topic_name.startswith("rt/")}
+        return {found.topic_name[2:]: ros_name(found.type_name) for found in self._other_writers() if found.topic_name.startswith("rt/")}
 
     def rivals(self, topic: str) -> list[str]:
         """Return the participants that also publish; DDS knows no names of nodes."""
-        return sorted({f"participant {found.participant_key}" for found in self._others() if found.topic_name == f"rt{topic}"})
+        return sorted({f"participant {found.participant_key}" for found in self._other_writers() if found.topic_name == f"rt{topic}"})
 
-    def _others(self) -> list[Any]:
+    def _other_writers(self) -> list[Any]:
         """Return the writers of others that are there now."""
         own = str(self._participant.guid)
         found = self._writers.read(N=MOST_WRITERS, condition=self._alive)
@@ -127,14 +127,14 @@ def _on_loopback(number: int) -> Any:
     return Domain(number, LOOPBACK)
 
 
-def _domain() -> int:
+def _domain_id() -> int:
     text = os.environ.get("ROS_DOMAIN_ID") or "0"
     if not text.isdecimal() or int(text) > LAST_DOMAIN:
         raise ArenaError(f"ROS_DOMAIN_ID is {one_line(text, 40)}; allowed: 0 .. {LAST_DOMAIN}")
     return int(text)
 
 
-def _quality(reliable: bool, latched: bool) -> Any:
+def _make_qos(reliable: bool, latched: bool) -> Any:
     from cyclonedds.core import Policy, Qos
     from cyclonedds.util import duration
 

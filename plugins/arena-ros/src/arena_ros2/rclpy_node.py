@@ -12,8 +12,8 @@ from typing import Any, ClassVar
 from arena_core import ArenaError
 from arena_core.commands import one_line, print_notice
 from arena_ros.codec import Ros
-from arena_ros.transport import Heard, Publish, Transport
-from arena_ros2.quality import DEPTH, SENSORS
+from arena_ros.transport import MessageCallback, Publish, Transport
+from arena_ros2.qos_settings import DEPTH, SENSORS
 
 NEEDED = "rclpy cannot be used ({}); allowed: a shell that has sourced a ROS 2 install, or transport=ros2-dds, which needs none"
 
@@ -48,7 +48,7 @@ class Rclpy(Transport):
     def publisher(self, topic: str, type: str, latched: bool = False) -> Publish:
         """Return what publishes, reliably; topics whose message package is not installed are left out, with a line."""
         try:
-            publisher = self._node.create_publisher(_class(type), topic, _quality(True, latched))
+            publisher = self._node.create_publisher(_message_class(type), topic, _make_qos(True, latched))
         except ArenaError as error:
             print_notice(f"{error}; {topic} is not published")
             return lambda content: None
@@ -59,10 +59,10 @@ class Rclpy(Transport):
 
         return publish
 
-    def subscribe(self, topic: str, type: str, heard: Heard, latched: bool = False) -> None:
+    def subscribe(self, topic: str, type: str, heard: MessageCallback, latched: bool = False) -> None:
         """Hear a topic, in the node's thread; sensors also from publishers that are not reliable, as drivers are."""
-        quality = _quality(latched or type not in SENSORS, latched)
-        self._node.create_subscription(_class(type), topic, heard, quality, raw=True)
+        quality = _make_qos(latched or type not in SENSORS, latched)
+        self._node.create_subscription(_message_class(type), topic, heard, quality, raw=True)
         self._executor.wake()
 
     def topics(self) -> Mapping[str, str]:
@@ -101,7 +101,7 @@ class Rclpy(Transport):
         self._context.try_shutdown()
 
 
-def _class(name: str) -> Any:
+def _message_class(name: str) -> Any:
     """Return a type's class; raise ArenaError where its package is not installed."""
     package, _, own = name.partition("/msg/")
     try:
@@ -110,7 +110,7 @@ def _class(name: str) -> Any:
         raise ArenaError(f"rclpy knows no {name}: {package} is not installed") from None
 
 
-def _quality(reliable: bool, latched: bool) -> Any:
+def _make_qos(reliable: bool, latched: bool) -> Any:
     from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
     return QoSProfile(  # type: ignore[no-untyped-call, unused-ignore]

@@ -7,7 +7,7 @@ from typing import Any, cast
 
 from cyclonedds.idl import make_idl_struct, types
 
-from arena_ros.codec import codec
+from arena_ros.codec import get_codec
 
 BASES: dict[str, Any] = {
     "bool": bool,
@@ -25,7 +25,7 @@ BASES: dict[str, Any] = {
 @lru_cache
 def sample_type(name: str) -> Any:
     """Return the type of a topic's samples: ``content`` is the message as CDR, with its header of 4 bytes."""
-    kind = _struct(name)
+    kind = _make_struct(name)
     kind.serialize = _serialize
     kind.deserialize = classmethod(_deserialize)
     return kind
@@ -43,7 +43,7 @@ def ros_name(name: str) -> str:
     return f"{package}/msg/{own.removesuffix('_')}" if between else name
 
 
-def sample(kind: Any, content: bytes) -> Any:
+def make_sample(kind: Any, content: bytes) -> Any:
     """Return a sample of these bytes."""
     made = object.__new__(kind)
     made.content = content
@@ -51,22 +51,22 @@ def sample(kind: Any, content: bytes) -> Any:
 
 
 @lru_cache
-def _nested(name: str) -> Any:
-    return _struct(name)
+def _nested_struct(name: str) -> Any:
+    return _make_struct(name)
 
 
-def _struct(name: str) -> Any:
-    fields = {field: _annotation(kind) for field, kind in codec(2).store.fielddefs[name][1]}
+def _make_struct(name: str) -> Any:
+    fields = {field: _field_annotation(kind) for field, kind in get_codec(2).store.fielddefs[name][1]}
     return make_idl_struct(name.replace("/", "_"), dds_name(name).replace("::", "."), fields)
 
 
-def _annotation(kind: Any) -> Any:
+def _field_annotation(kind: Any) -> Any:
     node, detail = kind
     if node.name == "BASE":
         return BASES[detail[0]]
     if node.name == "NAME":
-        return _nested(detail)
-    inner = _annotation(detail[0])
+        return _nested_struct(detail)
+    inner = _field_annotation(detail[0])
     array, sequence = cast("Any", types.array), cast("Any", types.sequence)
     return array[inner, detail[1]] if node.name == "ARRAY" else sequence[inner]
 
@@ -77,4 +77,4 @@ def _serialize(self: Any, buffer: Any = None, endianness: Any = None, use_versio
 
 
 def _deserialize(kind: Any, data: bytes, has_header: bool = True, use_version_2: Any = None) -> Any:
-    return sample(kind, bytes(data))
+    return make_sample(kind, bytes(data))

@@ -12,7 +12,7 @@ import pytest
 
 pytest.register_assert_rewrite("arena_ros.testing")
 
-from arena_ros.testing import Probe, Puppet, running, until, write_site  # noqa: E402 - after what rewrites it
+from arena_ros.testing import FakeRobot, RobotProbe, run_process, wait_until, write_site  # noqa: E402 - after what rewrites it
 from arena_ros1.transport import Ros1  # noqa: E402
 
 
@@ -43,8 +43,8 @@ def air() -> Iterator[None]:
         port = free.getsockname()[1]
     before = dict(os.environ)
     os.environ |= {"ROS_MASTER_URI": f"http://127.0.0.1:{port}", "ROS_IP": "127.0.0.1"}
-    with running("/usr/bin/rosmaster", "--core", "-p", str(port)):
-        until(lambda: not socket.socket().connect_ex(("127.0.0.1", port)), 20.0)
+    with run_process("/usr/bin/rosmaster", "--core", "-p", str(port)):
+        wait_until(lambda: not socket.socket().connect_ex(("127.0.0.1", port)), 20.0)
         yield
     os.environ.clear()
     os.environ |= before
@@ -59,19 +59,19 @@ def node(air: None) -> Iterator[Ros1]:
 
 
 @pytest.fixture(scope="session")
-def listener(node: Ros1) -> Probe:
+def listener(node: Ros1) -> RobotProbe:
     """Who listens all the time."""
-    return Probe(node)
+    return RobotProbe(node)
 
 
 @pytest.fixture
-def probe(listener: Probe) -> Probe:
+def probe(listener: RobotProbe) -> RobotProbe:
     """What is heard of a simulated robot, from now on."""
     listener.forget()
     return listener
 
 
 @pytest.fixture(scope="session")
-def puppet(node: Ros1) -> Puppet:
+def puppet(node: Ros1) -> FakeRobot:
     """A robot that drives as long as its block lasts."""
-    return Puppet(node)
+    return FakeRobot(node)

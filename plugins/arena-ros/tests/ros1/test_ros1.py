@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from arena_ros.testing import DriveTests, FaultTests, PlannerTests
-from arena_ros.testing.drives import drive
-from arena_ros.testing.processes import done
+from arena_ros.testing.drives import drive_command
+from arena_ros.testing.processes import run_to_end
 
 pytestmark = [pytest.mark.ros1, pytest.mark.filterwarnings("ignore")]  # rospy leaves sockets to be collected
 ENDLESS = 10**9  # steps
@@ -19,7 +19,7 @@ class TestDriving(DriveTests):
 
     def test_no_master_is_one_line(self, site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setenv("ROS_MASTER_URI", "http://127.0.0.1:1")
-        ended = done(*drive(self.transport, site, tmp_path / "run"))
+        ended = run_to_end(*drive_command(self.transport, site, tmp_path / "run"))
         assert ended.returncode == 2
         assert "no ROS master at http://127.0.0.1:1" in ended.stderr.splitlines()[-1]
 

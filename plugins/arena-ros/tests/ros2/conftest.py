@@ -10,7 +10,7 @@ import pytest
 
 pytest.register_assert_rewrite("arena_ros.testing")
 
-from arena_ros.testing import Probe, Puppet, write_site  # noqa: E402 - after what rewrites it
+from arena_ros.testing import FakeRobot, RobotProbe, write_site  # noqa: E402 - after what rewrites it
 from arena_ros2.dds import Dds  # noqa: E402
 
 
@@ -39,19 +39,19 @@ def node(air: None) -> Iterator[Dds]:
 
 
 @pytest.fixture(scope="module")
-def listener(node: Dds) -> Probe:
+def listener(node: Dds) -> RobotProbe:
     """Who listens all the time."""
-    return Probe(node)
+    return RobotProbe(node)
 
 
 @pytest.fixture
-def probe(listener: Probe) -> Probe:
+def probe(listener: RobotProbe) -> RobotProbe:
     """What is heard of a simulated robot, from now on."""
     listener.forget()
     return listener
 
 
 @pytest.fixture(scope="module")
-def puppet(node: Dds) -> Puppet:
+def puppet(node: Dds) -> FakeRobot:
     """A robot that drives as long as its block lasts."""
-    return Puppet(node)
+    return FakeRobot(node)

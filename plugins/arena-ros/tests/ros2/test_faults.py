@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from arena_ros.live.guard import Guard
+from arena_ros.live.loop_monitor import LoopMonitor
 from arena_ros.testing import FaultTests
 
 pytestmark = pytest.mark.slow
@@ -18,13 +18,13 @@ class TestFaults(FaultTests):
 
 def test_guard_is_quiet_before_the_first_command_and_after_the_last() -> None:
     stops: list[float] = []
-    with Guard(lambda: stops.append(time.monotonic()), 0.05, None) as guard:
+    with LoopMonitor(lambda: stops.append(time.monotonic()), 0.05, None) as guard:
         time.sleep(0.2)
         assert not stops
-        guard.sent()
+        guard.note_command()
         while not stops:
             time.sleep(0.01)
-        guard.rest()
+        guard.note_standing()
         time.sleep(0.1)
         count = len(stops)
         time.sleep(0.2)

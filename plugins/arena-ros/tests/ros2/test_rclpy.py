@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 
 from arena_core.records import read_record
-from arena_ros.testing import ARENA, Probe, running, until, world, write_site
-from arena_ros.testing.drives import drive, robot
-from arena_ros.testing.processes import done, said
+from arena_ros.testing import ARENA, RobotProbe, run_process, wait_until, world_overrides, write_site
+from arena_ros.testing.drives import drive_command, run_robot
+from arena_ros.testing.processes import has_printed, run_to_end
 from arena_ros2.dds import Dds
 
 pytestmark = pytest.mark.ros2
@@ -41,28 +41,30 @@ def domain() -> Iterator[None]:
 
 def test_ros2_is_rclpy_where_rclpy_is() -> None:
     asked = "from arena_ros.transport import open_transport as o; node = o('ros2', 'who'); print(type(node).__name__); node.close()"
-    ended = done(sys.executable, "-c", asked)
+    ended = run_to_end(sys.executable, "-c", asked)
     assert ended.stdout == "Rclpy\n", ended.stderr
 
 
 @pytest.mark.parametrize(("of_robot", "of_driver"), [("ros2-rclpy", "ros2-dds"), ("ros2-dds", "ros2-rclpy")])
 def test_a_robot_is_driven_by_a_node_of_another_make(site: Path, of_robot: str, of_driver: str) -> None:
-    with robot(of_robot, site, site / "robot.txt"):
-        ended = done(*drive(of_driver, site, site / "run", "patience=60"))
+    with run_robot(of_robot, site, site / "robot.txt"):
+        ended = run_to_end(*drive_command(of_driver, site, site / "run", "patience=60"))
     assert ended.returncode == 0, ended.stdout + ended.stderr
     assert read_record(site / "run" / "records" / "0000.npz").meta["outcome"] == "goal_reached"
 
 
 def test_killed_driver_leaves_a_robot_that_stands_within_half_a_second(site: Path) -> None:
-    probe = Probe(Dds("probe"))
+    probe = RobotProbe(Dds("probe"))
     watch = [ARENA, "ros", "watchdog", "transport=ros2-rclpy"]
-    with robot("ros2-rclpy", site, site / "robot.txt"), running(*watch, log=site / "watch.txt"):
-        until(said(site / "watch.txt", "watching"), 60.0)
-        with running(*drive("ros2-rclpy", site, site / "run", "patience=60", "cmd_vel=/arena/cmd_vel"), log=site / "drive.txt") as driver:
-            until(lambda: probe.speed() > 0.4, 120.0)
+    with run_robot("ros2-rclpy", site, site / "robot.txt"), run_process(*watch, log=site / "watch.txt"):
+        wait_until(has_printed(site / "watch.txt", "watching"), 60.0)
+        with run_process(
+            *drive_command("ros2-rclpy", site, site / "run", "patience=60", "cmd_vel=/arena/cmd_vel"), log=site / "drive.txt"
+        ) as driver:
+            wait_until(lambda: probe.speed() > 0.4, 120.0)
             driver.kill()
             killed = time.monotonic()
-            until(lambda: probe.speeds[-1][0] > killed + 1.0, 20.0)
+            wait_until(lambda: probe.speeds[-1][0] > killed + 1.0, 20.0)
     probe.node.close()
     moving = [stamp for stamp, speed in probe.speeds if killed < stamp < killed + 1.0 and speed > 0.01]
     assert max(moving, default=killed) - killed <= 0.5
@@ -71,8 +73,8 @@ def test_killed_driver_leaves_a_robot_that_stands_within_half_a_second(site: Pat
 def test_a_node_of_rclpy_is_a_planner(site: Path) -> None:
     node = [sys.executable, str(Path(__file__).with_name("rclpy_follower.py")), ENDLESS]
     rest = ["episodes=1", "executor=serial", "report=false", f"hydra.run.dir={site}/run", "planner.transport=ros2-dds"]
-    with running(*node, log=site / "node.txt"):
-        run = [ARENA, "run", "planner=ros_external", *world(site), *rest]
-        ended = done(*run)
+    with run_process(*node, log=site / "node.txt"):
+        run = [ARENA, "run", "planner=ros_external", *world_overrides(site), *rest]
+        ended = run_to_end(*run)
     assert ended.returncode == 0, ended.stdout + ended.stderr + (site / "node.txt").read_text()
     assert read_record(site / "run" / "records" / "0000.npz").meta["outcome"] == "goal_reached"

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from arena_ros.testing import DriveTests, PlannerTests
-from arena_ros.testing.drives import drive
-from arena_ros.testing.processes import done
+from arena_ros.testing.drives import drive_command
+from arena_ros.testing.processes import run_to_end
 
 pytestmark = pytest.mark.slow
 ENDLESS = 10**9  # steps
@@ -21,7 +21,7 @@ class TestDriving(DriveTests):
 
     def test_a_domain_that_cannot_be_is_one_line(self, site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setenv("ROS_DOMAIN_ID", "nowhere")
-        ended = done(*drive(self.transport, site, tmp_path / "run"))
+        ended = run_to_end(*drive_command(self.transport, site, tmp_path / "run"))
         assert ended.returncode == 2
         assert "ROS_DOMAIN_ID is nowhere; allowed: 0 .. 232" in ended.stderr.splitlines()[-1]
 

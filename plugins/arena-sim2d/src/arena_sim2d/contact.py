@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from arena_kernels.compiled import inner
-from arena_kernels.footprint import NOTHING, Gap, place
+from arena_kernels.footprint import NOTHING, Gap, place_body
 from arena_kernels.walls import gap_to_walls
 from arena_sim2d.bodies import ROBOTS, World
-from arena_sim2d.gaps import gap_to_obstacle, gap_to_round
+from arena_sim2d.clearances import gap_to_obstacle, gap_to_round
 from arena_sim2d.motion import Velocity
 
 TOLERANCE = 1e-9  # m; an overlap below this is rounding
@@ -66,7 +66,7 @@ def release_contacts(world: World) -> bool:
     robot, any_left = world.robots[world.k], False
     for thing in range(len(world.touching)):
         if world.touching[thing]:
-            place(world.body, robot.x, robot.y, robot.theta)
+            place_body(world.body, robot.x, robot.y, robot.theta)
             world.touching[thing] = _gap_to_thing(world, thing, RELEASE)[0] < RELEASE
             any_left |= world.touching[thing]
     return any_left

@@ -30,7 +30,7 @@ class Chassis(NamedTuple):
     curvature_max: float
 
 
-def chassis(robot: Robot) -> Chassis:
+def chassis_of(robot: Robot) -> Chassis:
     """Return what the kernels need to know of how a robot moves."""
     limits = robot.limits
     curvature = math.tan(robot.steering_max) / robot.wheelbase if robot.kinematics == "ackermann" else math.inf
@@ -50,31 +50,31 @@ def chassis(robot: Robot) -> Chassis:
 @borrowing
 def next_velocity(chassis: Chassis, share: float, velocity: Velocity, command: Floats, dt: float) -> Velocity:
     """Return the velocity (vx, vy, wz) after a tick: the command within a share of the speed limits, as fast as accelerations allow."""
-    vx = _towards(velocity[0], _clip(command[0], share * chassis.vx_min, share * chassis.vx_max), chassis.ax_max * dt)
+    vx = _step_towards(velocity[0], _clip_value(command[0], share * chassis.vx_min, share * chassis.vx_max), chassis.ax_max * dt)
     wz_max = share * chassis.wz_max
     if chassis.kinematics == ACKERMANN:
-        return vx, 0.0, _turn_of_wheels(chassis, wz_max, velocity[2], vx, command, dt)
-    wz = _towards(velocity[2], _clip(command[2], -wz_max, wz_max), chassis.alpha_max * dt)
+        return vx, 0.0, _ackermann_turn_rate(chassis, wz_max, velocity[2], vx, command, dt)
+    wz = _step_towards(velocity[2], _clip_value(command[2], -wz_max, wz_max), chassis.alpha_max * dt)
     if chassis.kinematics == DIFFERENTIAL:
         return vx, 0.0, wz
     vy_max = share * chassis.vy_max
-    return vx, _towards(velocity[1], _clip(command[1], -vy_max, vy_max), chassis.ay_max * dt), wz
+    return vx, _step_towards(velocity[1], _clip_value(command[1], -vy_max, vy_max), chassis.ay_max * dt), wz
 
 
 @inner
-def _turn_of_wheels(chassis: Chassis, wz_max: float, wz: float, vx: float, command: Floats, dt: float) -> float:
+def _ackermann_turn_rate(chassis: Chassis, wz_max: float, wz: float, vx: float, command: Floats, dt: float) -> float:
     """Return the turn rate of a car that steers along the commanded arc; it never turns tighter than its steering allows.
 
     A car that brakes in a bend turns more slowly at once, so there the angular acceleration may exceed ``alpha_max``.
     """
-    curvature = _clip(command[2] / command[0], -chassis.curvature_max, chassis.curvature_max) if command[0] != 0.0 else 0.0
+    curvature = _clip_value(command[2] / command[0], -chassis.curvature_max, chassis.curvature_max) if command[0] != 0.0 else 0.0
     tightest = chassis.curvature_max * abs(vx)
-    wanted = _clip(curvature * vx, -wz_max, wz_max)
-    return _clip(_towards(wz, wanted, chassis.alpha_max * dt), -tightest, tightest)
+    wanted = _clip_value(curvature * vx, -wz_max, wz_max)
+    return _clip_value(_step_towards(wz, wanted, chassis.alpha_max * dt), -tightest, tightest)
 
 
 @borrowing
-def drive(pose: Position, velocity: Velocity, dt: float) -> Position:
+def drive_arc(pose: Position, velocity: Velocity, dt: float) -> Position:
     """Return the pose after ``dt`` seconds at a constant velocity in ``base_link``: an exact arc."""
     x, y, theta = pose
     vx, vy, wz = velocity
@@ -87,7 +87,7 @@ def drive(pose: Position, velocity: Velocity, dt: float) -> Position:
         ahead, aside = math.sin(turn) / turn, (1.0 - math.cos(turn)) / turn
     dx, dy = dt * (vx * ahead - vy * aside), dt * (vx * aside + vy * ahead)
     c, s = math.cos(theta), math.sin(theta)
-    return x + c * dx - s * dy, y + s * dx + c * dy, wrap(theta + turn)
+    return x + c * dx - s * dy, y + s * dx + c * dy, wrap_angle(theta + turn)
 
 
 @inner
@@ -98,16 +98,16 @@ def in_map(theta: float, velocity: Velocity) -> Velocity:
 
 
 @inner
-def wrap(angle: float) -> float:
+def wrap_angle(angle: float) -> float:
     """Wrap an angle to [-pi, pi)."""
     return angle - 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))
 
 
 @inner
-def _towards(value: float, wanted: float, change: float) -> float:
-    return _clip(wanted, value - change, value + change)  # so that rounding never leads beyond what is wanted
+def _step_towards(value: float, wanted: float, change: float) -> float:
+    return _clip_value(wanted, value - change, value + change)  # so that rounding never leads beyond what is wanted
 
 
 @inner
-def _clip(value: float, low: float, high: float) -> float:
+def _clip_value(value: float, low: float, high: float) -> float:
     return min(max(value, low), high)

@@ -30,16 +30,16 @@ def table_obstacles(scenario: Scenario, reach: Reach) -> tuple[Rows, Floats]:
 
     Raises ImpossibleScenario for an outline that is no simple polygon.
     """
-    things = list(_things(scenario, reach))
+    things = list(_iterate_obstacles(scenario, reach))
     table = np.zeros(len(things), OBSTACLE)
-    sides = [np.empty((0, 2, 2)), *(_sides(scenario, obstacle) for obstacle, _ in things)]
+    sides = [np.empty((0, 2, 2)), *(_polygon_sides(scenario, obstacle) for obstacle, _ in things)]
     ends = np.cumsum([len(part) for part in sides])
     for row, (obstacle, meets) in enumerate(things):
-        table[row] = (*_disc(obstacle), ends[row], ends[row + 1], meets)
+        table[row] = (*_bounding_disc(obstacle), ends[row], ends[row + 1], meets)
     return table, np.concatenate(sides)
 
 
-def _things(scenario: Scenario, reach: Reach) -> Iterator[tuple[Obstacle, int]]:
+def _iterate_obstacles(scenario: Scenario, reach: Reach) -> Iterator[tuple[Obstacle, int]]:
     """Yield what stands on no map, and who meets it."""
     for obstacle in scenario.obstacles:
         yield obstacle, BEAMS | ROBOTS | PEOPLE
@@ -49,14 +49,14 @@ def _things(scenario: Scenario, reach: Reach) -> Iterator[tuple[Obstacle, int]]:
             yield outline, met
 
 
-def _disc(obstacle: Obstacle) -> tuple[float, float, float]:
+def _bounding_disc(obstacle: Obstacle) -> tuple[float, float, float]:
     """Return a disc, or the one about a polygon's bounding box."""
     vertices = obstacle.vertices_xy
     x, y = (vertices.min(axis=0) + vertices.max(axis=0)) / 2.0
     return float(x), float(y), float(np.hypot(*(vertices - (x, y)).T).max()) + obstacle.radius
 
 
-def _sides(scenario: Scenario, obstacle: Obstacle) -> Floats:
+def _polygon_sides(scenario: Scenario, obstacle: Obstacle) -> Floats:
     """Return a polygon's sides, none for a disc, or raise ImpossibleScenario."""
     vertices = np.asarray(obstacle.vertices_xy, dtype=np.float64)
     if len(vertices) == 1:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from arena_core import Lidar
 from arena_kernels.compiled import inner
-from arena_kernels.random import normals
+from arena_kernels.random import fill_normals
 from arena_kernels.raycast import Beams, cast_disc, cast_grid, cast_segments, make_beams
 from arena_sim2d.bodies import BEAMS, Floats, Row, Worlds
 from arena_sim2d.walking import legs_now
@@ -19,7 +19,7 @@ from arena_sim2d.walking import legs_now
 class Scanner(NamedTuple):
     """A lidar as the kernels read it: ``mount`` (3,) in ``base_link``, ``period`` in ticks, noise and minimum range in m.
 
-    ``normals`` (B,) is the kernels' own.
+    ``fill_normals`` (B,) is the kernels' own.
     """
 
     beams: Beams
@@ -30,7 +30,7 @@ class Scanner(NamedTuple):
     normals: Floats
 
 
-def scanner(lidar: Lidar, inner_step: float) -> Scanner:
+def scanner_of(lidar: Lidar, inner_step: float) -> Scanner:
     """Return what the kernels need to know of a lidar."""
     return Scanner(
         make_beams(lidar.angle_min, lidar.angle_increment, lidar.beams, lidar.range_max),
@@ -43,7 +43,7 @@ def scanner(lidar: Lidar, inner_step: float) -> Scanner:
 
 
 @inner
-def scan(worlds: Worlds, device: Scanner, k: int, tick: int, ranges: NDArray[np.float32]) -> None:
+def take_scan(worlds: Worlds, device: Scanner, k: int, tick: int, ranges: NDArray[np.float32]) -> None:
     """Take the scan of robot k at ``tick`` into ``ranges`` (B,)."""
     robot = worlds.robots[k]
     c, s = math.cos(robot.theta), math.sin(robot.theta)
@@ -67,15 +67,15 @@ def scan(worlds: Worlds, device: Scanner, k: int, tick: int, ranges: NDArray[np.
             cast_disc(x, y, yaw, device.beams, right_x, right_y, radius, ranges)
         else:
             cast_disc(x, y, yaw, device.beams, person.x, person.y, person.radius, ranges)
-    disturb(device, robot, tick, ranges)
+    add_scan_noise(device, robot, tick, ranges)
     robot.scan_tick = tick
 
 
 @inner
-def disturb(device: Scanner, robot: Row, tick: int, ranges: NDArray[np.float32]) -> None:
+def add_scan_noise(device: Scanner, robot: Row, tick: int, ranges: NDArray[np.float32]) -> None:
     """Add Gaussian noise to what was hit; what is nearer than the minimum range reads as the minimum range."""
     if device.noise_std > 0.0:
-        normals(robot.scan_key, tick, device.normals)
+        fill_normals(robot.scan_key, tick, device.normals)
     for i in range(len(ranges)):
         if ranges[i] < math.inf:
             ranges[i] = min(max(ranges[i] + device.noise_std * device.normals[i], device.range_min), device.beams.range_max)

@@ -10,18 +10,18 @@ from numpy.typing import NDArray
 
 from arena_core import ConfigurationError, Contact, Crowd, LaserScan, PedestrianModel, Robot, RobotBatch, Scenario, Simulator, Snapshot
 from arena_core.parameters import NonNegative, Positive, Step
-from arena_kernels.compiled import Entered
+from arena_kernels.compiled import TypedDispatch
 from arena_kernels.pool import GridPool
 from arena_sim2d.bodies import Floats, Rows, Worlds
-from arena_sim2d.motion import chassis
+from arena_sim2d.motion import chassis_of
 from arena_sim2d.obstacles import Reach
-from arena_sim2d.odometry import wheels
-from arena_sim2d.reading import read_people, read_robots, room_for_people, room_for_readings
-from arena_sim2d.scanning import scanner
-from arena_sim2d.strides import take_strides
+from arena_sim2d.odometry import wheels_of
+from arena_sim2d.readout import allocate_people_readout, allocate_robot_readout, read_people, read_robots
+from arena_sim2d.scanning import scanner_of
+from arena_sim2d.substeps import set_substeps
 from arena_sim2d.ticking import measure_gaps, run_ticks, scan_slots
 from arena_sim2d.walking import begin_walking, count_steps, gait_of
-from arena_sim2d.worlds import begin, check_starts, no_worlds
+from arena_sim2d.worlds import begin_worlds, check_starts, no_worlds
 
 MOST_TICKS = 100_000  # of a period; events of that many are kept room for
 
@@ -49,16 +49,20 @@ class Sim2d(Simulator):
         self._robot = robot
         self._pedestrians = pedestrians
         self._gait = gait_of(pedestrians.gait)
-        self._crowd_ticks = _ticks("simulator.crowd_period", crowd_period, inner_step)
-        _ticks(f"control_period of {robot.name}", robot.control_period, inner_step)
-        _ticks(f"lidar.period of {robot.name}", robot.lidar.period, inner_step)
-        _ticks(f"odometry.period of {robot.name}", robot.odometry.period, inner_step)
-        self._chassis = chassis(robot)
-        self._wheels = wheels(robot.odometry, robot.holonomic, inner_step)
-        self._scanner = scanner(robot.lidar, inner_step)
-        self._header = _header(robot)
-        self._run_ticks, self._measure_gaps, self._take_strides = Entered(run_ticks), Entered(measure_gaps), Entered(take_strides)
-        self._read_robots, self._read_people = Entered(read_robots), Entered(read_people)
+        self._crowd_ticks = _period_ticks("simulator.crowd_period", crowd_period, inner_step)
+        _period_ticks(f"control_period of {robot.name}", robot.control_period, inner_step)
+        _period_ticks(f"lidar.period of {robot.name}", robot.lidar.period, inner_step)
+        _period_ticks(f"odometry.period of {robot.name}", robot.odometry.period, inner_step)
+        self._chassis = chassis_of(robot)
+        self._wheels = wheels_of(robot.odometry, robot.holonomic, inner_step)
+        self._scanner = scanner_of(robot.lidar, inner_step)
+        self._header = _scan_header(robot)
+        self._run_ticks, self._measure_gaps, self._take_strides = (
+            TypedDispatch(run_ticks),
+            TypedDispatch(measure_gaps),
+            TypedDispatch(set_substeps),
+        )
+        self._read_robots, self._read_people = TypedDispatch(read_robots), TypedDispatch(read_people)
         self._pool = GridPool()
         self._edges = (self._crowd_ticks + 1) // 2  # a contact ends a tick after it began at the earliest
         self._scenarios: list[Scenario] = []
@@ -71,7 +75,7 @@ class Sim2d(Simulator):
             self._reset_all(scenarios)
         else:
             self._reset_some(scenarios, np.asarray(slots, np.int64))
-        return self._snapshot()
+        return self._take_snapshot()
 
     def _reset_all(self, scenarios: Sequence[Scenario]) -> None:
         self._scenarios = list(scenarios)
@@ -81,7 +85,7 @@ class Sim2d(Simulator):
         self._ranges = np.zeros((len(scenarios), self._robot.lidar.beams), np.float32)
         self._gaps = np.zeros((len(scenarios), 3))
         self._slots = np.arange(len(scenarios))
-        self._begin(self._slots)
+        self._begin_worlds(self._slots)
 
     def _reset_some(self, scenarios: Sequence[Scenario], slots: NDArray[np.int64]) -> None:
         if self._phase != 0:
@@ -89,12 +93,12 @@ class Sim2d(Simulator):
         for slot, scenario in zip(slots.tolist(), scenarios, strict=True):
             self._scenarios[slot] = scenario
             self._contacts[slot] = ()
-        self._begin(slots)
+        self._begin_worlds(slots)
 
-    def _begin(self, slots: NDArray[np.int64]) -> None:
+    def _begin_worlds(self, slots: NDArray[np.int64]) -> None:
         scenarios = [self._scenarios[slot] for slot in slots.tolist()]
         self._crowd = self._pedestrians.reset(slots, scenarios, len(self._scenarios))
-        self._worlds = begin(self._worlds, self._scenarios, slots, self._crowd, self._pool, self._edges, self._reach)
+        self._worlds = begin_worlds(self._worlds, self._scenarios, slots, self._crowd, self._pool, self._edges, self._reach)
         self._worlds.people["through_walls"] = self._pedestrians.through_walls
         if self._pedestrians.gait is not None:
             begin_walking(self._worlds.people, self._pedestrians.walks(self._crowd), scenarios, slots)
@@ -110,36 +114,36 @@ class Sim2d(Simulator):
         left = ticks
         while left > 0:
             if self._phase == 0:
-                self._ask_crowd()
+                self._step_crowd()
             now = min(self._crowd_ticks - self._phase, left)
-            self._run(held, now, left)
-            self._collect(edges)
+            self._advance_worlds(held, now, left)
+            self._collect_contacts(edges)
             self._phase = (self._phase + now) % self._crowd_ticks
             if self._phase == 0 and self._pedestrians.gait is not None:
                 count_steps(self._worlds, self._crowd_ticks * self.inner_step)
             left -= now
         self._contacts = [tuple(world) for world in edges]
         self._measure_gaps(self._worlds, self._slots, self._gaps)
-        return self._snapshot()
+        return self._take_snapshot()
 
-    def _ask_crowd(self) -> None:
+    def _step_crowd(self) -> None:
         """Ask the pedestrian model where people want to be one crowd period later; they go there in equal strides."""
         robots, ticks = self._worlds.robots, self._crowd_ticks
-        poses, velocities = _columns(robots, "x", 3), _columns(robots, "vx", 2)
+        poses, velocities = _copy_columns(robots, "x", 3), _copy_columns(robots, "vx", 2)
         in_map = velocities * np.cos(poses[:, 2:]) + velocities[:, ::-1] * np.sin(poses[:, 2:]) * (-1.0, 1.0)
         batch = RobotBatch(poses, in_map, self._robot.footprint.radius)
-        self._crowd = self._pedestrians.step(self._people_now(), batch, robots["tick"].copy(), ticks * self.inner_step)
+        self._crowd = self._pedestrians.step(self._current_people(), batch, robots["tick"].copy(), ticks * self.inner_step)
         wanted = np.ascontiguousarray(self._crowd.positions, np.float64), np.ascontiguousarray(self._crowd.velocities, np.float64)
         self._take_strides(self._worlds, *wanted, ticks)
 
-    def _people_now(self) -> Crowd:
+    def _current_people(self) -> Crowd:
         """Return the people where they really are, in the states that the pedestrian model gave them; who waits to come is absent."""
         given, people = self._crowd, self._worlds.people
-        now = room_for_people(*people.shape)
+        now = allocate_people_readout(*people.shape)
         self._read_people(people, np.ascontiguousarray(given.states, np.int8), now)
         return Crowd(given.counts, given.ids, now.positions, now.velocities, given.radii, now.states)
 
-    def _run(self, commands: Floats, ticks: int, scan_within: int) -> None:
+    def _advance_worlds(self, commands: Floats, ticks: int, scan_within: int) -> None:
         self._worlds.robots["contacts"] = 0
         self._run_ticks(
             self._worlds,
@@ -153,23 +157,23 @@ class Sim2d(Simulator):
             self.inner_step,
         )
 
-    def _collect(self, edges: list[list[Contact]]) -> None:
+    def _collect_contacts(self, edges: list[list[Contact]]) -> None:
         """Append the rising edges of the ticks just run."""
         counts = self._worlds.robots["contacts"]
         for slot in np.flatnonzero(counts).tolist():
-            edges[slot].extend(self._contact(*row) for row in self._worlds.contacts[slot, : counts[slot]].tolist())
+            edges[slot].extend(self._make_contact(*row) for row in self._worlds.contacts[slot, : counts[slot]].tolist())
 
-    def _contact(self, tick: int, thing: int, person: int, caused: int, speed: float, x: float, y: float) -> Contact:
+    def _make_contact(self, tick: int, thing: int, person: int, caused: int, speed: float, x: float, y: float) -> Contact:
         kind: Literal["wall", "obstacle", "person"] = "wall"
         if thing > 0:
             kind = "obstacle" if thing < self._worlds.first_person else "person"
         return Contact(tick * self.inner_step, kind, person, speed, bool(caused), x, y)
 
-    def _snapshot(self) -> Snapshot:
-        worlds, now = self._worlds, room_for_readings(len(self._scenarios))
+    def _take_snapshot(self) -> Snapshot:
+        worlds, now = self._worlds, allocate_robot_readout(len(self._scenarios))
         self._read_robots(worlds.robots, worlds.touching, self._gaps, self.inner_step, now)
         return Snapshot(
-            crowd=self._people_now(),
+            crowd=self._current_people(),
             contacts=tuple(self._contacts),
             ranges=self._ranges.copy(),
             scan_header=self._header,
@@ -177,20 +181,20 @@ class Sim2d(Simulator):
         )
 
 
-def _columns(rows: Rows, first: str, count: int) -> Floats:
+def _copy_columns(rows: Rows, first: str, count: int) -> Floats:
     """Return copies of ``count`` fields from ``first`` on, side by side in a last axis; every field of a table takes eight bytes."""
     start = rows.dtype.fields[first][1] // 8  # type: ignore[index]
     table = rows.view(np.float64).reshape(*rows.shape, rows.dtype.itemsize // 8)
     return table[..., start : start + count].copy()
 
 
-def _header(robot: Robot) -> LaserScan:
+def _scan_header(robot: Robot) -> LaserScan:
     lidar = robot.lidar
     geometry = (lidar.angle_min, lidar.angle_increment, lidar.range_min, lidar.range_max)
     return LaserScan(0.0, *geometry, np.empty(0, np.float32), lidar.mount)
 
 
-def _ticks(name: str, period: float, inner_step: float) -> int:
+def _period_ticks(name: str, period: float, inner_step: float) -> int:
     """Return how many ticks a period has; raise ConfigurationError unless it is a multiple of ``inner_step``."""
     ticks = round(period / inner_step)
     if not 1 <= ticks <= MOST_TICKS or abs(ticks * inner_step - period) > 1e-9:

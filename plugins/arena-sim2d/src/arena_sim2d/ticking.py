@@ -8,16 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing, inner
-from arena_kernels.footprint import place
+from arena_kernels.footprint import place_body
 from arena_kernels.walls import gap_to_walls, walls_of
 from arena_sim2d.bodies import ROBOTS, Floats, World, Worlds
+from arena_sim2d.broad_phase import mark_isolated
+from arena_sim2d.clearances import gap_to_obstacles, gap_to_people
 from arena_sim2d.contact import release_contacts
-from arena_sim2d.crossing import move_people, move_robot
-from arena_sim2d.foresight import foresee
-from arena_sim2d.gaps import gap_to_obstacles, gap_to_people
 from arena_sim2d.motion import Chassis
+from arena_sim2d.motion_step import move_people, move_robot
 from arena_sim2d.odometry import Wheels, measure_motion
-from arena_sim2d.scanning import Scanner, scan
+from arena_sim2d.scanning import Scanner, take_scan
 
 
 @borrowing
@@ -37,7 +37,7 @@ def run_ticks(
         world = world_of(worlds, k)
         robot = world.robots[world.k]
         scan_tick = robot.tick + scan_within - (robot.tick + scan_within) % device.period
-        free = foresee(world, chassis, ticks, dt)
+        free = mark_isolated(world, chassis, ticks, dt)
         for _ in range(ticks):
             tick = robot.tick + 1
             move_people(world, tick, dt)
@@ -46,7 +46,7 @@ def run_ticks(
             if tick % wheels.period == 0:
                 measure_motion(wheels, robot, tick, dt)
             if tick == scan_tick:
-                scan(worlds, device, k, tick, ranges[k])
+                take_scan(worlds, device, k, tick, ranges[k])
             robot.tick = tick
 
 
@@ -54,7 +54,7 @@ def run_ticks(
 def scan_slots(worlds: Worlds, device: Scanner, ranges: NDArray[np.float32], slots: NDArray[np.int64]) -> None:
     """Take the scans of the robots in these slots, at their present ticks."""
     for i in range(len(slots)):
-        scan(worlds, device, slots[i], worlds.robots[slots[i]].tick, ranges[slots[i]])
+        take_scan(worlds, device, slots[i], worlds.robots[slots[i]].tick, ranges[slots[i]])
 
 
 @borrowing
@@ -62,7 +62,7 @@ def measure_gaps(worlds: Worlds, slots: NDArray[np.int64], gaps: Floats) -> None
     """Fill ``gaps`` (N, 3) between the robots in these slots and walls, obstacles and people, m; negative in overlaps, inf without any."""
     for k in slots:
         world, robot = world_of(worlds, k), worlds.robots[k]
-        place(world.body, robot.x, robot.y, robot.theta)
+        place_body(world.body, robot.x, robot.y, robot.theta)
         gaps[k, 0] = gap_to_walls(world.walls, world.body, math.inf)[0]
         gaps[k, 1] = gap_to_obstacles(world, world.body, math.inf, ROBOTS)[0]
         gaps[k, 2] = gap_to_people(world, world.body, math.inf)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from arena_core import Gait as GaitOfPeople
 from arena_core import Scenario, random_generator
 from arena_kernels.compiled import borrowing, inner
-from arena_kernels.legs import STANDING, Gait, Legs, legs_of, settle, step_length
+from arena_kernels.legs import STANDING, Gait, Legs, legs_of, smooth_velocity, step_length
 from arena_sim2d.bodies import Row, Rows, Worlds
 
 NO_LEGS = Gait(*[1.0] * len(Gait._fields))
@@ -46,19 +46,19 @@ def count_steps(worlds: Worlds, dt: float) -> None:
             dx, dy = person.x - person.from_x, person.y - person.from_y
             person.from_x, person.from_y = person.x, person.y
             if person.walks == 1 and not math.isnan(dx):
-                person.leg_vx, person.leg_vy = settle(worlds.gait, (person.leg_vx, person.leg_vy), (dx / dt, dy / dt), dt)
-                person.steps += _steps(worlds.gait, person, dx, dy)
+                person.leg_vx, person.leg_vy = smooth_velocity(worlds.gait, (person.leg_vx, person.leg_vy), (dx / dt, dy / dt), dt)
+                person.steps += _step_count(worlds.gait, person, dx, dy)
 
 
 @inner
 def legs_now(gait: Gait, person: Row) -> Legs:
     """Return where a person's legs are, as ``legs_of`` does."""
-    steps = person.steps + _steps(gait, person, person.x - person.from_x, person.y - person.from_y)
+    steps = person.steps + _step_count(gait, person, person.x - person.from_x, person.y - person.from_y)
     return legs_of(gait, person.x, person.y, person.radius, (person.leg_vx, person.leg_vy), steps)
 
 
 @inner
-def _steps(gait: Gait, person: Row, dx: float, dy: float) -> float:
+def _step_count(gait: Gait, person: Row, dx: float, dy: float) -> float:
     """Return how many steps a way has."""
     pace = math.sqrt(person.leg_vx * person.leg_vx + person.leg_vy * person.leg_vy)
     return math.sqrt(dx * dx + dy * dy) / step_length(gait, pace)

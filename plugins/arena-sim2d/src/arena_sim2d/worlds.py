@@ -40,14 +40,16 @@ def no_worlds(robot: Robot, scenarios: Sequence[Scenario], pool: GridPool, gait:
     )
 
 
-def begin(worlds: Worlds, scenarios: Sequence[Scenario], slots: Slots, crowd: Crowd, pool: GridPool, edges: int, reach: Reach) -> Worlds:
+def begin_worlds(
+    worlds: Worlds, scenarios: Sequence[Scenario], slots: Slots, crowd: Crowd, pool: GridPool, edges: int, reach: Reach
+) -> Worlds:
     """Begin the ``scenarios`` of these ``slots``; all other worlds go on as they are.
 
     ``crowd`` holds the people of all worlds. A robot gains at most ``edges`` contacts with one thing between two looks at them.
     """
     tabled = [table_obstacles(scenarios[slot], reach) for slot in slots.tolist()]
-    obstacles = _widened(worlds.obstacles, max((len(rows) for rows, _ in tabled), default=0))
-    sides = _widened(worlds.sides, max((len(part) for _, part in tabled), default=0))
+    obstacles = _widen_table(worlds.obstacles, max((len(rows) for rows, _ in tabled), default=0))
+    sides = _widen_table(worlds.sides, max((len(part) for _, part in tabled), default=0))
     people = _table_people(crowd)
     kept = np.ones(len(people), np.bool_)
     kept[slots] = False
@@ -58,10 +60,10 @@ def begin(worlds: Worlds, scenarios: Sequence[Scenario], slots: Slots, crowd: Cr
         _begin_robot(worlds.robots[slot : slot + 1], scenarios[slot], int(crowd.counts[slot]), len(rows))
     grid_of = pool.place([scenario.world.grid for scenario in scenarios])
     begun = worlds._replace(obstacles=obstacles, sides=sides, people=people, grid_of=grid_of, stack=pool.stack)
-    return _keep_touching(worlds, begun._replace(first_person=1 + obstacles.shape[1]), slots, edges)
+    return _keep_contacts(worlds, begun._replace(first_person=1 + obstacles.shape[1]), slots, edges)
 
 
-def _widened(table: NDArray[Any], width: int) -> NDArray[Any]:
+def _widen_table(table: NDArray[Any], width: int) -> NDArray[Any]:
     """Return a table (N, W, ...) with room for ``width`` columns; the same one if it has."""
     if table.shape[1] >= width:
         return table
@@ -70,7 +72,7 @@ def _widened(table: NDArray[Any], width: int) -> NDArray[Any]:
     return wide
 
 
-def _keep_touching(before: Worlds, worlds: Worlds, slots: Slots, edges: int) -> Worlds:
+def _keep_contacts(before: Worlds, worlds: Worlds, slots: Slots, edges: int) -> Worlds:
     """Make room for contacts; robots that go on still touch what they touched, though people may have got other numbers."""
     things = worlds.first_person + worlds.people.shape[1]
     touching = np.zeros((len(worlds.robots), things), np.bool_)
@@ -78,7 +80,7 @@ def _keep_touching(before: Worlds, worlds: Worlds, slots: Slots, edges: int) -> 
     known = before.touching[:, before.first_person :][:, : worlds.people.shape[1]]
     touching[:, worlds.first_person : worlds.first_person + known.shape[1]] = known
     touching[slots] = False
-    return worlds._replace(touching=touching, contacts=_widened(worlds.contacts, things * edges))
+    return worlds._replace(touching=touching, contacts=_widen_table(worlds.contacts, things * edges))
 
 
 def _begin_robot(row: Rows, scenario: Scenario, people: int, obstacles: int) -> None:

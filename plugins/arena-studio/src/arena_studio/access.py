@@ -16,7 +16,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from arena_core import ArenaError
 from arena_core.files import reading_within
 from arena_studio.errors import Refused, TooLarge, status_of
-from arena_studio.signed import Signed
+from arena_studio.signed_addresses import SignedAddresses
 
 READING = ("GET", "HEAD")  # methods that signed addresses answer
 LOOPBACK = frozenset({"127.0.0.1", "localhost", "[::1]"})
@@ -50,15 +50,15 @@ class Access:
         """Raise Refused for a request that may not be answered; tell whether it brought the token in its address."""
         headers = Headers(scope=scope)
         host = headers.get("host", "")
-        if self.hosts is not None and _name(host) not in self.hosts:
+        if self.hosts is not None and _host_name(host) not in self.hosts:
             raise Refused("this server knows no such host; open the address that `arena studio` printed")
         self._check_origin(scope, headers, host)
         given = _query_token(scope) if scope["type"] == "http" and scope["path"] == "/" else ""
         if given and hmac.compare_digest(given.encode(), self.token.encode()):
             return True
-        if scope["type"] == "http" and scope["method"] in READING and Signed(self.token).allows(scope["path"]):
+        if scope["type"] == "http" and scope["method"] in READING and SignedAddresses(self.token).allows(scope["path"]):
             return False
-        if not hmac.compare_digest(_cookie(headers, self.cookie_name(host)).encode(), self.token.encode()):
+        if not hmac.compare_digest(_read_cookie(headers, self.cookie_name(host)).encode(), self.token.encode()):
             raise Refused("the token is missing or wrong: open the address that `arena studio` printed")
         return False
 
@@ -71,7 +71,7 @@ class Access:
             raise Refused("the request comes from another page")
 
 
-class Guard:
+class AccessMiddleware:
     """Answers requests that may not be served, counts the bytes of bodies, and adds headers to every answer.
 
     Whatever answers the others reads no file outside ``root``, the project folder.
@@ -89,15 +89,15 @@ class Guard:
             return
         try:
             fresh = self._access.check(scope)
-            limit = _limit(scope)
+            limit = _body_limit(scope)
             _check_length(scope, limit)
         except (Refused, TooLarge) as error:
-            await self._refuse(error, scope, receive, send)
+            await self._reject_request(error, scope, receive, send)
             return
         with reading_within(self._root):
-            await self._app(scope, _counted(receive, limit), self._with_headers(scope, send, fresh))
+            await self._app(scope, _count_body(receive, limit), self._with_headers(scope, send, fresh))
 
-    async def _refuse(self, error: ArenaError, scope: Scope, receive: Receive, send: Send) -> None:
+    async def _reject_request(self, error: ArenaError, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] == "websocket":
             await receive()
             await send({"type": "websocket.close", "code": 1008, "reason": "not allowed"})
@@ -121,7 +121,7 @@ class Guard:
         return sender
 
 
-def _counted(receive: Receive, limit: int) -> Receive:
+def _count_body(receive: Receive, limit: int) -> Receive:
     """Return ``receive`` that raises TooLarge once a body without a stated length has more than ``limit`` bytes."""
     seen = 0
 
@@ -142,7 +142,7 @@ def _check_length(scope: Scope, limit: int) -> None:
         raise _too_large(limit)
 
 
-def _limit(scope: Scope) -> int:
+def _body_limit(scope: Scope) -> int:
     return next((limit for start, limit in LARGE_BODIES.items() if scope["path"].startswith(start)), BODY)
 
 
@@ -150,7 +150,7 @@ def _too_large(limit: int) -> TooLarge:
     return TooLarge(f"the request has more than {limit} bytes; allowed: up to that")
 
 
-def _name(host: str) -> str:
+def _host_name(host: str) -> str:
     """Return a host without its port."""
     return host if host.endswith("]") else host.rpartition(":")[0] or host
 
@@ -160,7 +160,7 @@ def _query_token(scope: Scope) -> str:
     return parse_qs(words).get("token", [""])[0]
 
 
-def _cookie(headers: Headers, name: str) -> str:
+def _read_cookie(headers: Headers, name: str) -> str:
     try:
         found = SimpleCookie(headers.get("cookie", ""))
     except CookieError:

@@ -15,12 +15,12 @@ from starlette.exceptions import HTTPException
 from arena_core import ArenaError
 from arena_core.commands import one_line
 from arena_studio import curricula, live, maps, replays, reports, results, runs, scenarios
-from arena_studio.access import LOOPBACK, Access, Guard
+from arena_studio.access import LOOPBACK, Access, AccessMiddleware
 from arena_studio.errors import status_of
 from arena_studio.experiments import Experiments
 from arena_studio.project import Project
-from arena_studio.side_process import beside
-from arena_studio.signed import Signed
+from arena_studio.side_process import side_processes
+from arena_studio.signed_addresses import SignedAddresses
 
 POLICY = (
     "default-src 'none'; script-src 'self' '{}'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; "
@@ -33,10 +33,10 @@ def make_app(project: Project, token: str, hosts: frozenset[str] | None = LOOPBA
     index = (files("arena_studio") / "web" / "index.html").read_text(encoding="utf-8")
     app = FastAPI(title="arena studio", docs_url=None, redoc_url=None, openapi_url=None)
     app.state.project = project
-    _tell_errors(app)
+    _report_errors(app)
     experiments = Experiments(project)
-    app.include_router(runs.router(experiments, beside(project.root).runs))
-    for routes in (live.router(experiments), replays.watching(experiments), reports.router(project, Signed(token))):
+    app.include_router(runs.make_router(experiments, side_processes(project.root).runs))
+    for routes in (live.make_router(experiments), replays.watch_router(experiments), reports.make_router(project, SignedAddresses(token))):
         app.include_router(routes)
     for part in (results, replays, maps, scenarios, curricula):
         app.include_router(part.router(project))
@@ -51,7 +51,7 @@ def make_app(project: Project, token: str, hosts: frozenset[str] | None = LOOPBA
 
     app.mount("/web", StaticFiles(packages=[("arena_studio", "web")]))
     app.mount("/viewer", StaticFiles(packages=[("arena_viewer", "web")]))
-    app.add_middleware(Guard, access=Access(token, hosts, POLICY.format(_inline_hash(index))), root=project.root)
+    app.add_middleware(AccessMiddleware, access=Access(token, hosts, POLICY.format(_inline_hash(index))), root=project.root)
     return app
 
 
@@ -61,7 +61,7 @@ def _inline_hash(index: str) -> str:
     return f"sha256-{base64.b64encode(sha256(text.encode()).digest()).decode()}"
 
 
-def _tell_errors(app: FastAPI) -> None:
+def _report_errors(app: FastAPI) -> None:
     """Have every error answered in one line of JSON."""
 
     @app.exception_handler(ArenaError)

@@ -59,23 +59,23 @@ class StudioCommand(Command):
             return 0
         request = read_request(arguments)
         from arena_studio.project import Project
-        from arena_studio.serving import bound, ready, serve
+        from arena_studio.serving import bind_socket, make_server, run_server
 
         project = Project(request.folder)
-        listening = bound(request.host, request.port)
+        listening = bind_socket(request.host, request.port)
         from arena_studio.access import LOOPBACK
         from arena_studio.app import make_app
-        from arena_studio.side_process import beside
+        from arena_studio.side_process import side_processes
 
         os.chdir(project.root)  # what a run reads and writes, and the user's own conf, are meant from there
         token = secrets.token_urlsafe(24)
-        beside(project.root).runs.start()  # which the first page asks at once
-        server = ready(make_app(project, token, None if request.exposed else LOOPBACK))
-        address = f"http://{_written(request.host)}:{listening.getsockname()[1]}/?token={token}"
+        side_processes(project.root).runs.start()  # which the first page asks at once
+        server = make_server(make_app(project, token, None if request.exposed else LOOPBACK))
+        address = f"http://{_format_host(request.host)}:{listening.getsockname()[1]}/?token={token}"
         print_notice(f"{address} (Ctrl-C ends it)")
         if request.opens:
             webbrowser.open(address)
-        serve(server, listening)
+        run_server(server, listening)
         return 0
 
 
@@ -88,6 +88,6 @@ def _is_loopback(host: str) -> bool:
         raise ConfigurationError(f"host is {host}; allowed: an address in digits, or localhost") from None
 
 
-def _written(host: str) -> str:
+def _format_host(host: str) -> str:
     """Return a host as it stands in an address."""
     return f"[{host}]" if ":" in host else host

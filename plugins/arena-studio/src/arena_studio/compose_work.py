@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from arena_core.hosting import form_of, load_registry
-from arena_studio.composing import composition
-from arena_studio.words import check_configuration
+from arena_studio.allowed_overrides import check_configuration
+from arena_studio.composing import compose_experiment
 
 
 def composed(choices: Mapping[str, Sequence[str]], values: Mapping[str, str], more: str) -> dict[str, Any]:
     """Return a composition by its fields; raise ConfigurationError for the first value that is wrong."""
-    return asdict(composition(choices, values, more))
+    return asdict(compose_experiment(choices, values, more))
 
 
 def form(group: str, option: str) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from typing import Any
 
 from arena_core import ConfigurationError
 from arena_core.hosting import check_settings, compose, load_registry, to_plain
-from arena_studio.words import KEY, allowed, check_key
+from arena_studio.allowed_overrides import KEY, check_key, check_overrides
 
 MOST_JOBS = 1000  # of one sweep
 MOST_COMPOSED = 32  # of its jobs; each takes half a second
@@ -33,45 +33,45 @@ class Composition:
     values: Mapping[str, Any]
 
     @property
-    def sweeps(self) -> bool:
+    def is_sweep(self) -> bool:
         """Tell whether it has several jobs."""
         return self.jobs > 1
 
     def command(self, folder: str, resume: bool = False) -> list[str]:
         """Return the words behind ``arena`` that run it into a folder."""
-        place = "hydra.sweep.dir" if self.sweeps else "hydra.run.dir"
+        place = "hydra.sweep.dir" if self.is_sweep else "hydra.run.dir"
         return [
             "run",
-            *(["-m"] if self.sweeps else []),
+            *(["-m"] if self.is_sweep else []),
             *self.words,
-            f"{place}={_text_quoted(folder)}",
+            f"{place}={_quote_text(folder)}",
             *(["resume=true"] if resume else []),
         ]
 
 
-def composition(choices: Mapping[str, Sequence[str]], values: Mapping[str, str], more: str) -> Composition:
+def compose_experiment(choices: Mapping[str, Sequence[str]], values: Mapping[str, str], more: str) -> Composition:
     """Compose an experiment and check every value; raise ConfigurationError (one line) for the first that is wrong.
 
     ``choices`` are options by group, of which several make a sweep; ``values`` are texts by key, those with commas sweeps, too; ``more``
     are words as one types them.
     """
-    alternatives: list[Alternatives] = [*_of_choices(choices), *_of_values(values), *_typed(more)]
+    alternatives: list[Alternatives] = [*_choice_alternatives(choices), *_value_alternatives(values), *_typed_words(more)]
     jobs = 1
     for _, offered in alternatives:
         jobs *= max(1, len(offered))
     if jobs > MOST_JOBS:
         raise ConfigurationError(f"the experiment has {jobs} jobs; allowed: up to {MOST_JOBS}")
-    words = tuple(allowed([f"{key}={','.join(offered)}" if offered else key for key, offered in alternatives], Path.cwd()))
-    configs = [_checked(words) for words in _tried(alternatives)]
-    return Composition(words, jobs, jobs * int(configs[0]["episodes"]), dict(_flat(configs[0])))
+    words = tuple(check_overrides([f"{key}={','.join(offered)}" if offered else key for key, offered in alternatives], Path.cwd()))
+    configs = [_check_words(words) for words in _job_words(alternatives)]
+    return Composition(words, jobs, jobs * int(configs[0]["episodes"]), dict(_flatten_values(configs[0])))
 
 
-def shown(words: Sequence[str]) -> str:
+def shell_command(words: Sequence[str]) -> str:
     """Return a command as one types it in a shell."""
     return shlex.join(["arena", *words])
 
 
-def _of_choices(choices: Mapping[str, Sequence[str]]) -> Iterator[Alternatives]:
+def _choice_alternatives(choices: Mapping[str, Sequence[str]]) -> Iterator[Alternatives]:
     for group, options in choices.items():
         for word in (group, *options):
             if not PLAIN.fullmatch(word):
@@ -80,13 +80,13 @@ def _of_choices(choices: Mapping[str, Sequence[str]]) -> Iterator[Alternatives]:
             yield group, [f"[{','.join(options)}]"] if group in LISTED else list(options)
 
 
-def _of_values(values: Mapping[str, str]) -> Iterator[Alternatives]:
+def _value_alternatives(values: Mapping[str, str]) -> Iterator[Alternatives]:
     for key, text in values.items():
         check_key(key)
-        yield key, [_quoted(part) for part in _parts(text)]
+        yield key, [_quote_value(part) for part in _sweep_values(text)]
 
 
-def _typed(more: str) -> Iterator[Alternatives]:
+def _typed_words(more: str) -> Iterator[Alternatives]:
     try:
         words = shlex.split(more)
     except ValueError as error:
@@ -95,20 +95,20 @@ def _typed(more: str) -> Iterator[Alternatives]:
         key, equals, value = word.partition("=")
         if not KEY.fullmatch(key) or not (equals or key.startswith("~")):
             raise ConfigurationError(f"{word!r} is no override; allowed: KEY=VALUE")
-        yield key, _parts(value) if equals else []
+        yield key, _sweep_values(value) if equals else []
 
 
-def _parts(text: str) -> list[str]:
+def _sweep_values(text: str) -> list[str]:
     """Return the values of a sweep; a list in brackets and a text in quotes are one value."""
     return [text.strip()] if STRUCTURED.fullmatch(text.strip()) else [part.strip() for part in text.split(",")]
 
 
-def _quoted(text: str) -> str:
+def _quote_value(text: str) -> str:
     """Return a value as Hydra's grammar wants it."""
     return text if PLAIN.fullmatch(text) or STRUCTURED.fullmatch(text) else _in_quotes(text)
 
 
-def _text_quoted(text: str) -> str:
+def _quote_text(text: str) -> str:
     """Return a text as Hydra's grammar wants it, so that it stays one whatever it says."""
     return text if WORDLIKE.fullmatch(text) and text.lower() not in NOT_TEXTS else _in_quotes(text)
 
@@ -118,7 +118,7 @@ def _in_quotes(text: str) -> str:
     return f"'{escaped}'"
 
 
-def _tried(alternatives: Sequence[Alternatives]) -> Iterator[list[str]]:
+def _job_words(alternatives: Sequence[Alternatives]) -> Iterator[list[str]]:
     """Yield the words of the first job, then those of a job with each other value: every value is tried once, not every combination."""
     first = {key: offered[0] if offered else "" for key, offered in alternatives}
     tried = [first, *({**first, key: value} for key, offered in alternatives for value in offered[1:])]
@@ -128,25 +128,25 @@ def _tried(alternatives: Sequence[Alternatives]) -> Iterator[list[str]]:
         yield [f"{key}={value}" if value or not key.startswith("~") else key for key, value in one.items()]
 
 
-def _checked(words: Sequence[str]) -> dict[str, Any]:
+def _check_words(words: Sequence[str]) -> dict[str, Any]:
     config = to_plain(compose(list(words)))
     check_settings(config, load_registry())
     return config
 
 
-def _flat(node: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, str]]:
+def _flatten_values(node: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, str]]:
     """Yield every value by its key, as it is typed."""
     for name, value in node.items():
         key = f"{above}.{name}" if above else str(name)
         if isinstance(value, Mapping) and value:
-            yield from _flat(value, key)
+            yield from _flatten_values(value, key)
         else:
-            yield key, _text(value)
+            yield key, _value_text(value)
 
 
-def _text(value: Any) -> str:
+def _value_text(value: Any) -> str:
     if value is None or isinstance(value, bool):
         return "null" if value is None else str(value).lower()
     if isinstance(value, (list, tuple)):
-        return f"[{','.join(map(_text, value))}]"
+        return f"[{','.join(map(_value_text, value))}]"
     return str(value)

@@ -9,8 +9,8 @@ from pydantic import BaseModel, Field
 
 from arena_core import ArenaError
 from arena_studio.project import Project
-from arena_studio.scenarios import MapPath, Name, Path, Version, known
-from arena_studio.side_process import LONG, SOON, beside
+from arena_studio.scenarios import MapPath, Name, Path, Version, known_version
+from arena_studio.side_process import LONG, SOON, side_processes
 
 SUFFIXES = (".yaml", ".yml")
 Row = dict[str, float | int | None]
@@ -18,7 +18,7 @@ Text = Annotated[str, Field(max_length=300)]
 Rules = dict[Annotated[str, Field(pattern=r"^[a-z_]+(\.[a-z_]+){0,2}$")], bool | int | float | Name]  # parameters of a task
 
 
-class Drawing(BaseModel):
+class DrawRequest(BaseModel):
     """Which rules draw, where: in a map of the project or in a world by its name, for which robot."""
 
     rules: Rules
@@ -30,7 +30,7 @@ class Drawing(BaseModel):
     count: Annotated[int, Field(ge=1, le=20)] = 10
 
 
-class Keeping(BaseModel):
+class RulesRequest(BaseModel):
     """Under which name of task=NAME rules are kept, and of which task they are."""
 
     name: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,60}$")]
@@ -38,7 +38,7 @@ class Keeping(BaseModel):
     task: Literal["random", "staged"] = "random"
 
 
-class Packing(BaseModel):
+class PackRequest(BaseModel):
     """Which files make a pack in which folder, and how it is called."""
 
     folder: Annotated[str, Field(max_length=400)]
@@ -49,10 +49,10 @@ class Packing(BaseModel):
     licence: Text = ""
 
 
-def router(project: Project) -> APIRouter:
+def make_router(project: Project) -> APIRouter:
     """Return the routes below /api/curricula."""
     routes = APIRouter(prefix="/api/curricula")
-    side = beside(project.root)
+    side = side_processes(project.root)
 
     @routes.get("")
     def listed() -> Any:
@@ -74,21 +74,21 @@ def router(project: Project) -> APIRouter:
         made = side.files.ask("check levels", SOON, rows=levels)
         if made["findings"]:
             raise ArenaError(f"{path}: {made['findings'][0]['line']}")
-        return {"version": project.write(path, made["text"].encode(), known(version))}
+        return {"version": project.write(path, made["text"].encode(), known_version(version))}
 
     @routes.post("/check")
     def checked(levels: list[Row]) -> Any:
         return side.files.ask("check levels", SOON, rows=levels)
 
     @routes.post("/draws")
-    def draws(asked: Drawing) -> Any:
+    def draws(asked: DrawRequest) -> Any:
         if asked.map:
             project.path(asked.map)
         given = {key: getattr(asked, key) for key in ("rules", "world", "difficulty", "robot", "seed", "count")}
         return side.long.ask("draws", LONG, **given, map_file=asked.map)
 
     @routes.post("/rules")
-    def kept(asked: Keeping) -> dict[str, str]:
+    def kept(asked: RulesRequest) -> dict[str, str]:
         text = side.files.ask("rules", SOON, name=asked.name, rules=asked.rules, base=asked.task)
         path = f"conf/task/{asked.name}.yaml"
         return {"path": path, "version": project.write(path, text.encode(), None)}
@@ -98,7 +98,7 @@ def router(project: Project) -> APIRouter:
         return side.files.ask("packs", SOON, names=project.files(SUFFIXES))
 
     @routes.post("/packs")
-    def pack(asked: Packing) -> Any:
+    def pack(asked: PackRequest) -> Any:
         for path in (asked.folder, *asked.files):
             project.path(path)
         said = {key: getattr(asked, key) for key in ("id", "version", "title", "licence")}

@@ -26,11 +26,11 @@ SHOWN = "curriculum"  # what a curriculum is called that is no file yet
 
 def listed(names: Iterable[str]) -> dict[str, Any]:
     """Return the curricula of a project, those that come with the suite, and their numbers of levels."""
-    rows = [row for row in map(_row, names) if row]
+    rows = [row for row in map(_curriculum_row, names) if row]
     return {"files": rows, "built_in": [{"path": name, "levels": len(read_curriculum(name).levels)} for name in built_in()]}
 
 
-def _row(name: str) -> dict[str, Any] | None:
+def _curriculum_row(name: str) -> dict[str, Any] | None:
     try:
         root = read_yaml(Path(name).absolute(), "a curriculum")
         if not isinstance(root.value, dict) or list(root.value) != ["levels"]:
@@ -45,10 +45,10 @@ def _row(name: str) -> dict[str, Any] | None:
 
 def levels(name: str) -> list[dict[str, Any]]:
     """Return the levels of a curriculum, by its file or its built-in name; raise InputFileError."""
-    return [_level(level) for level in read_curriculum(name if name in built_in() else str(_project().path(name))).levels]
+    return [_level_row(level) for level in read_curriculum(name if name in built_in() else str(_current_project().path(name))).levels]
 
 
-def _level(level: Level) -> dict[str, Any]:
+def _level_row(level: Level) -> dict[str, Any]:
     """Return a level as files have it; distances only where they are said."""
     said = {key: value for key, value in asdict(level).items() if key != "key"}
     return {key: value for key, value in said.items() if value is not None or key == "difficulty"}
@@ -56,13 +56,13 @@ def _level(level: Level) -> dict[str, Any]:
 
 def checked(rows: Sequence[Any]) -> dict[str, Any]:
     """Return what is wrong with each level, and the file's text where nothing is."""
-    findings = [found for number, row in enumerate(rows) if (found := _wrong(number, row))]
+    findings = [found for number, row in enumerate(rows) if (found := _level_error(number, row))]
     if not rows:
         findings = [{"level": 0, "key": "", "line": "there is no level; allowed: at least one"}]
     return {"findings": findings, "text": None if findings else curriculum_text(rows)}
 
 
-def _wrong(number: int, row: Any) -> dict[str, Any] | None:
+def _level_error(number: int, row: Any) -> dict[str, Any] | None:
     try:
         read_level(Field(Path(SHOWN), f"levels.{number}", row))
     except InputFileError as error:
@@ -74,23 +74,23 @@ def _wrong(number: int, row: Any) -> dict[str, Any] | None:
 
 def packs(names: Iterable[str]) -> list[dict[str, Any]]:
     """Return the packs whose pack.yaml is among the files, what is in them, and why one cannot be run."""
-    return [_pack(Path(name).parent) for name in names if PurePosixPath(name).name == PACK_FILE]
+    return [_pack_row(Path(name).parent) for name in names if PurePosixPath(name).name == PACK_FILE]
 
 
-def _pack(folder: Path) -> dict[str, Any]:
+def _pack_row(folder: Path) -> dict[str, Any]:
     row: dict[str, Any] = {"folder": folder.as_posix()}
     try:
         found = read_pack(folder.absolute())
         row |= {"id": found.id, "version": found.version, "title": found.title, "licence": found.licence}
         row["files"] = sorted(found.files)
         found.check()
-        row["scenarios"] = [_in_pack(folder, name) for name in found.scenario_files()]
+        row["scenarios"] = [_pack_file(folder, name) for name in found.scenario_files()]
     except ArenaError as error:
         row["error"] = str(error)
     return row
 
 
-def _in_pack(folder: Path, name: str) -> dict[str, Any]:
+def _pack_file(folder: Path, name: str) -> dict[str, Any]:
     content = opened((folder / name).as_posix())["content"]
     return {"name": name, "scenes": len(content["scenarios"]), "title": content.get("title", "")}
 
@@ -102,43 +102,43 @@ def pack(folder: str, files: Sequence[str], said: Mapping[str, str]) -> dict[str
     """
     target = Path(folder)
     for name in files:
-        _take_in(target, name)
+        _copy_scenario(target, name)
     made = make_pack(target.absolute(), {key: value for key, value in said.items() if value})
-    options = write_options(made, _project().path(f"conf/scenario/{made.id}"), target.as_posix())
-    return {**_pack(target), "options": [f"scenario={made.id}/{option}" for option in options]}
+    options = write_options(made, _current_project().path(f"conf/scenario/{made.id}"), target.as_posix())
+    return {**_pack_row(target), "options": [f"scenario={made.id}/{option}" for option in options]}
 
 
-def _take_in(target: Path, name: str) -> None:
+def _copy_scenario(target: Path, name: str) -> None:
     """Copy a scenario file and its map into a pack; one that lies there already stays."""
     if Path(name).is_relative_to(target):
         return
     found = opened(name)
     if not found["map"]:
         raise InputFileError(f"{name}: names no map of this project; allowed: a scenario file with a map")
-    content = {**found["content"], "map": f"../maps/{_take_map(target, found['map'])}"}
-    _put(target / "scenarios" / f"{Path(name).stem}.json", text(name, content).encode())
+    content = {**found["content"], "map": f"../maps/{_copy_map(target, found['map'])}"}
+    _write_new(target / "scenarios" / f"{Path(name).stem}.json", text(name, content).encode())
 
 
-def _take_map(target: Path, name: str) -> str:
+def _copy_map(target: Path, name: str) -> str:
     """Copy a map and its image; return what its YAML file is called there."""
     path = Path(name)
     image = read_map_yaml(path.absolute()).image
     stem = path.parent.name if path.stem == "map" and path.parent.name else path.stem
     said = dict(read_yaml(path.absolute(), "a map").value)
     said["image"] = f"{stem}{image.suffix}"
-    _put(target / "maps" / said["image"], read_bytes(image, LARGEST_IMAGE, "an image", unpack=False))
-    _put(target / "maps" / f"{stem}.yaml", yaml.safe_dump(said, sort_keys=False).encode())
+    _write_new(target / "maps" / said["image"], read_bytes(image, LARGEST_IMAGE, "an image", unpack=False))
+    _write_new(target / "maps" / f"{stem}.yaml", yaml.safe_dump(said, sort_keys=False).encode())
     return f"{stem}.yaml"
 
 
-def _put(path: Path, content: bytes) -> None:
+def _write_new(path: Path, content: bytes) -> None:
     """Write a file of the project; raise InputFileError where there is another one."""
-    path = _project().path(path.as_posix())
+    path = _current_project().path(path.as_posix())
     if path.exists() and read_bytes(path, LARGEST_IMAGE, "a file", unpack=False) != content:
         raise InputFileError(f"{path}: is there already, with other content; allowed: another folder, or a file of another name")
     path.parent.mkdir(parents=True, exist_ok=True)
     write_bytes_whole(path, content)
 
 
-def _project() -> Project:
+def _current_project() -> Project:
     return Project(Path.cwd())

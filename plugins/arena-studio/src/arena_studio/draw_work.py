@@ -11,8 +11,8 @@ import yaml
 from arena_core import ArenaError, ConfigurationError, OccupancyGrid, TaskMode
 from arena_core.files import option_files
 from arena_core.hosting import compose, load_registry, to_plain
-from arena_studio.scene_work import cells_of, quoted, world_of
-from arena_studio.words import allowed
+from arena_studio.allowed_overrides import check_overrides
+from arena_studio.scene_work import cells_of, quote_text, world_of
 from arena_tasks.scenario_files.scenario_file import content_of
 
 MOST = 20
@@ -29,18 +29,18 @@ def draws(
     registry = load_registry()
     place = world_of(map_file) if map_file else [f"world={world}"]
     place += [] if difficulty is None else [f"world.difficulty={difficulty}"]
-    overrides = [f"task.{key}={_written(value)}" for key, value in rules.items()]
-    words = allowed([*place, f"robot={robot}", "task=random", *overrides], Path.cwd())
+    overrides = [f"task.{key}={_hydra_value(value)}" for key, value in rules.items()]
+    words = check_overrides([*place, f"robot={robot}", "task=random", *overrides], Path.cwd())
     node = to_plain(compose(words, "component"))
     source = registry.build("world", node["world"])
     body = registry.build("robot", node["robot"])
     task = registry.build("task", node["task"], robot=body, world=source)
     grids: list[OccupancyGrid] = []
-    rows = [_drawn(task, seed, index, grids) for index in range(min(count, MOST))]
+    rows = [_draw_scene(task, seed, index, grids) for index in range(min(count, MOST))]
     return {"maps": [cells_of(grid) for grid in grids], "draws": rows}
 
 
-def _drawn(task: TaskMode, seed: int, index: int, grids: list[OccupancyGrid]) -> dict[str, Any]:
+def _draw_scene(task: TaskMode, seed: int, index: int, grids: list[OccupancyGrid]) -> dict[str, Any]:
     """Return one scene with the number of its map, or its error; a map that is not there yet goes to the end of ``grids``."""
     try:
         scenario = task.scenario(seed, index)
@@ -58,8 +58,8 @@ def rules_text(name: str, rules: Mapping[str, Any], base: str) -> str:
     options = option_files("task", load_registry().manager)
     if name in options:
         raise ConfigurationError(f"name is {name}; allowed: another one than {', '.join(options)}")
-    words = [f"task={base}", *(f"task.{key}={_written(value)}" for key, value in rules.items())]
-    compose(allowed(words, Path.cwd()), "component")
+    words = [f"task={base}", *(f"task.{key}={_hydra_value(value)}" for key, value in rules.items())]
+    compose(check_overrides(words, Path.cwd()), "component")
     tree: dict[str, Any] = {}
     for key, value in rules.items():
         *above, last = key.split(".")
@@ -71,6 +71,6 @@ def rules_text(name: str, rules: Mapping[str, Any], base: str) -> str:
     return head + (yaml.safe_dump(tree, sort_keys=False) if tree else "")
 
 
-def _written(value: Any) -> str:
+def _hydra_value(value: Any) -> str:
     """Return a value as Hydra's grammar has it."""
-    return quoted(value) if isinstance(value, str) else str(value).lower() if isinstance(value, bool) else repr(value)
+    return quote_text(value) if isinstance(value, str) else str(value).lower() if isinstance(value, bool) else repr(value)

@@ -56,7 +56,7 @@ class EpisodeTable:
     def refresh(self) -> None:
         """Read what has changed since the last time."""
         with self._lock:
-            found = dict(_tables(self._root))
+            found = dict(_find_tables(self._root))
             changed = [name for name, stamp in found.items() if name not in self._parts or self._parts[name][0] != stamp]
             lost = [name for name in self._parts if name not in found]
             for name in lost:
@@ -66,26 +66,26 @@ class EpisodeTable:
                     self.gone[name] = len(part)
             for name in changed:
                 self.gone.pop(name, None)
-                self._parts[name] = found[name], self._read(name)
+                self._parts[name] = found[name], self._read_part(name)
             if changed or lost or self._whole is None:
-                self._join()
+                self._join_tables()
 
     def select(self, query: Query) -> DataFrame:
         """Return the episodes that a query asks for, in its order; raise ArenaError for a column that no table has."""
-        whole, masks = self._masked(query)
-        chosen = whole[_all_of(masks.values())] if masks else whole
+        whole, masks = self._condition_masks(query)
+        chosen = whole[_combine_masks(masks.values())] if masks else whole
         if not query.order:
             return chosen
-        _check(query.order, whole)
+        _check_column(query.order, whole)
         return chosen.sort_values(query.order, ascending=not query.falling, kind="stable", na_position="last")
 
     def counts(self, query: Query) -> dict[str, dict[str, int]]:
         """Return for each column to filter by how many episodes each value has among those that all other conditions leave."""
-        whole, masks = self._masked(query)
+        whole, masks = self._condition_masks(query)
         found = {}
         for column in FILTERS:
             others = [mask for name, mask in masks.items() if name != column]
-            counted = (whole[column][_all_of(others)] if others else whole[column]).value_counts(sort=False)
+            counted = (whole[column][_combine_masks(others)] if others else whole[column]).value_counts(sort=False)
             kept = query.allowed.get(column, ())  # ticked ones stay, so that they can be unticked
             found[column] = {str(value): int(count) for value, count in sorted(counted.items()) if count or str(value) in kept}
         return found
@@ -94,24 +94,24 @@ class EpisodeTable:
         """Return the folders of the runs that have an episode which a query asks for."""
         return [self._root / name for name in sorted(self.select(query)[RUN].astype(str).unique())]
 
-    def _masked(self, query: Query) -> tuple[DataFrame, dict[str, Series[bool]]]:
+    def _condition_masks(self, query: Query) -> tuple[DataFrame, dict[str, Series[bool]]]:
         """Return all episodes, and which of them fulfil each condition of a query, by column; the text's stands under an empty name."""
         with self._lock:
             if self._whole is None or self._sought is None:
-                self._join()
+                self._join_tables()
             whole, sought = self._whole, self._sought
         assert whole is not None
         assert sought is not None
         masks = {}
         for column, values in query.allowed.items():
-            _check(column, whole)
+            _check_column(column, whole)
             masks[column] = whole[column].isin([str(value) for value in values])
         words = query.text.lower().split()
         if words:
-            masks[""] = _all_of([sought.str.contains(word, regex=False) for word in words])
+            masks[""] = _combine_masks([sought.str.contains(word, regex=False) for word in words])
         return whole, masks
 
-    def _read(self, name: str) -> DataFrame | None:
+    def _read_part(self, name: str) -> DataFrame | None:
         path = self._root / name / TABLE
         try:
             part = read_episodes(path)
@@ -122,7 +122,7 @@ class EpisodeTable:
         part.insert(0, RUN, name)
         return part
 
-    def _join(self) -> None:
+    def _join_tables(self) -> None:
         """Put all tables together; texts that few rows differ in become categories, which are quick to filter and to sort by."""
         import pandas
 
@@ -132,15 +132,15 @@ class EpisodeTable:
             raise ArenaError(f"{self._root}: {len(whole)} episodes; allowed: up to {MOST_ROWS}, those of a folder below, for instance")
         texts = [str(name) for name in whole.columns if not pandas.api.types.is_numeric_dtype(whole[name])]
         whole = whole.assign(**{name: whole[name].fillna("").astype("category").cat.as_ordered() for name in texts})
-        self._whole, self._sought = whole, _joined(whole)
+        self._whole, self._sought = whole, _searched_text(whole)
 
 
-def _check(column: str, whole: DataFrame) -> None:
+def _check_column(column: str, whole: DataFrame) -> None:
     if column not in whole.columns:
         raise ArenaError(f"there is no column {one_line(column, 60)}; allowed: {', '.join(map(str, whole.columns))}")
 
 
-def _all_of(masks: Iterable[Series[bool]]) -> Series[bool]:
+def _combine_masks(masks: Iterable[Series[bool]]) -> Series[bool]:
     return reduce(and_, masks)
 
 
@@ -163,17 +163,17 @@ def read_episodes(path: Path) -> DataFrame:
     lacking = [name for name in EPISODE_COLUMNS if name not in columns]
     if lacking:
         raise InputFileError(f"{path}: lacks the column {lacking[0]}; allowed: {allowed}")
-    return _numeric(read)
+    return _parse_numbers(read)
 
 
-def _numeric(read: DataFrame) -> DataFrame:
+def _parse_numbers(read: DataFrame) -> DataFrame:
     """Return a table in which the columns that every table has and that are numbers are numbers, whatever stands there."""
     import pandas
 
     return read.assign(**{name: pandas.to_numeric(read[name], errors="coerce") for name in NUMBERS})
 
 
-def _joined(whole: DataFrame) -> Series[str]:
+def _searched_text(whole: DataFrame) -> Series[str]:
     """Return for each row the text in which words are looked for."""
     joined = whole[SOUGHT[0]].astype(str).astype(object)
     for name in SOUGHT[1:]:
@@ -181,7 +181,7 @@ def _joined(whole: DataFrame) -> Series[str]:
     return joined.str.lower()
 
 
-def _tables(root: Path) -> Iterator[tuple[str, tuple[int, int]]]:
+def _find_tables(root: Path) -> Iterator[tuple[str, tuple[int, int]]]:
     """Yield the folder of every run below ``root``, relative, with what tells whether its table has changed."""
     count = 0
     for folder, folders, names in os.walk(root):

@@ -16,12 +16,12 @@ from typing import Any
 from arena_core import ArenaError, InputFileError
 from arena_core.files import read_json, reading_within, write_text_whole
 from arena_core.parameters import read_settings
-from arena_studio.composing import MOST_JOBS, Composition, shown
+from arena_studio.allowed_overrides import check_overrides, check_text
+from arena_studio.composing import MOST_JOBS, Composition, shell_command
 from arena_studio.errors import Conflict, Missing
-from arena_studio.processes import Process, log_tail, start
+from arena_studio.processes import Process, log_tail, start_process
 from arena_studio.progress import Progress
 from arena_studio.project import Project
-from arena_studio.words import allowed, check_text
 
 PLACE = ".arena_studio/runs"
 NAME = re.compile(r"[0-9a-f]{8}")
@@ -74,19 +74,19 @@ class Experiments:
 
     def start(self, composition: Composition, folder: str) -> dict[str, Any]:
         """Start an experiment into ``folder`` of the project (empty: a new one, by the time of day); return how it stands."""
-        folder = folder.strip() or f"{'multirun' if composition.sweeps else 'outputs'}/{datetime.now().strftime('%Y-%m-%d/%H-%M-%S-%f')}"
-        place = self.place(folder)
+        folder = folder.strip() or f"{'multirun' if composition.is_sweep else 'outputs'}/{datetime.now().strftime('%Y-%m-%d/%H-%M-%S-%f')}"
+        place = self.run_folder(folder)
         if place.exists() and (not place.is_dir() or any(place.iterdir())):
             raise Conflict(f"{folder} is there already; allowed: a new folder")
         name, words = secrets.token_hex(4), composition.command(folder)
         with self._lock:
-            process = start(words, self._project.root, self._log(name))
+            process = start_process(words, self._project.root, self._log_file(name))
             began = datetime.now(UTC).isoformat(timespec="seconds")
             facts = (name, words, folder, composition.jobs, composition.episodes, began, process.pid, repr(process.created), None, False)
-            self._keep(Experiment(*facts))
-        return self.standing(name)
+            self._save_experiment(Experiment(*facts))
+        return self.experiment_state(name)
 
-    def place(self, folder: str) -> Path:
+    def run_folder(self, folder: str) -> Path:
         """Return where a run's folder would lie; raise ArenaError for a name that it may not have."""
         check_text(folder, "folder", self._project.root)
         return self._project.path(folder)
@@ -94,88 +94,95 @@ class Experiments:
     def stop(self, name: str) -> dict[str, Any]:
         """Send Ctrl-C to an experiment that runs: the first lets episodes under way end at their next step, a second one does not wait."""
         with self._lock:
-            one = self._one(name)
+            one = self._find_experiment(name)
             if not one.process.is_alive():
                 raise Conflict(f"{one.folder} does not run any more")
             one.process.interrupt()
-            self._keep(replace(one, interrupted=True))
-        return self.standing(name)
+            self._save_experiment(replace(one, interrupted=True))
+        return self.experiment_state(name)
 
     def resume(self, name: str) -> dict[str, Any]:
         """Go on with an experiment that was cut off; finished episodes are kept."""
         with self._lock:
-            one = self._one(name)
+            one = self._find_experiment(name)
             if one.process.is_alive():
                 raise Conflict(f"{one.folder} runs already")
             words = [*(word for word in one.words if not word.startswith("resume=")), "resume=true"]
-            process = start(words, self._project.root, self._log(name))
+            process = start_process(words, self._project.root, self._log_file(name))
             self._progress.pop(name, None)
-            self._keep(replace(one, words=words, pid=process.pid, created=repr(process.created), status=None, interrupted=False))
-        return self.standing(name)
+            self._save_experiment(replace(one, words=words, pid=process.pid, created=repr(process.created), status=None, interrupted=False))
+        return self.experiment_state(name)
 
     def forget(self, name: str) -> None:
         """Take an experiment that has ended off the list; its folder stays."""
         with self._lock:
-            one = self._one(name)
+            one = self._find_experiment(name)
             if one.process.is_alive():
                 raise Conflict(f"{one.folder} runs; allowed: experiments that have ended")
-            for path in (self._place / f"{name}.json", self._log(name)):
+            for path in (self._place / f"{name}.json", self._log_file(name)):
                 path.unlink(missing_ok=True)
             self._known.pop(name)
             self._progress.pop(name, None)
 
-    def standing(self, name: str) -> dict[str, Any]:
+    def experiment_state(self, name: str) -> dict[str, Any]:
         """Return how one experiment stands."""
         with self._lock:
-            return self._standing(self._one(name))
+            return self._describe_state(self._find_experiment(name))
 
     def folder(self, name: str) -> Path:
         """Return the folder of an experiment, above those of its jobs."""
-        return self._project.path(self._one(name).folder)
+        return self._project.path(self._find_experiment(name).folder)
 
     def all(self) -> list[dict[str, Any]]:
         """Return how all stand, the youngest first."""
         with self._lock:
             known = sorted(self._known.values(), key=lambda one: one.began, reverse=True)
-            return [self._standing(one) for one in known]
+            return [self._describe_state(one) for one in known]
 
-    def _standing(self, one: Experiment) -> dict[str, Any]:
+    def _describe_state(self, one: Experiment) -> dict[str, Any]:
         alive = one.process.is_alive()  # before it is asked how it ended: it may end in between
-        one = self._settled(one)
-        progress = self._progress.setdefault(one.name, Progress(self._folders(one), one.episodes))
-        found = progress.look()
-        state = "stopping" if alive and one.interrupted else "running" if alive else _ending(one, found)
+        one = self._note_exit(one)
+        progress = self._progress.setdefault(one.name, Progress(self._job_folders(one), one.episodes))
+        found = progress.refresh()
+        state = "stopping" if alive and one.interrupted else "running" if alive else _ending_text(one, found)
         return {
-            **{"name": one.name, "state": state, "folder": one.folder, "command": shown(one.words), "began": one.began, "jobs": one.jobs},
-            **{"status": one.status, "workers": one.process.workers() if alive else 0, "said": log_tail(self._log(one.name))},
+            **{
+                "name": one.name,
+                "state": state,
+                "folder": one.folder,
+                "command": shell_command(one.words),
+                "began": one.began,
+                "jobs": one.jobs,
+            },
+            **{"status": one.status, "workers": one.process.workers() if alive else 0, "said": log_tail(self._log_file(one.name))},
             **found,
             "left": progress.left() if alive else None,
-            "folders": [self._project.relative(folder) for folder in self._folders(one)],
+            "folders": [self._project.relative(folder) for folder in self._job_folders(one)],
         }
 
-    def _settled(self, one: Experiment) -> Experiment:
+    def _note_exit(self, one: Experiment) -> Experiment:
         """Note the exit status of a process that has ended."""
         status = one.process.status()
         if one.status is not None or status is None:
             return one
         ended = replace(one, status=status)
-        self._keep(ended)
+        self._save_experiment(ended)
         return ended
 
-    def _folders(self, one: Experiment) -> Sequence[Path]:
+    def _job_folders(self, one: Experiment) -> Sequence[Path]:
         place = self._project.root / one.folder
         return [place / str(number) for number in range(one.jobs)] if one.jobs > 1 else [place]
 
-    def _one(self, name: str) -> Experiment:
+    def _find_experiment(self, name: str) -> Experiment:
         if name not in self._known:
             raise Missing("there is no such experiment")
         return self._known[name]
 
-    def _keep(self, one: Experiment) -> None:
+    def _save_experiment(self, one: Experiment) -> None:
         self._known[one.name] = one
         write_text_whole(self._place / f"{one.name}.json", json.dumps(asdict(one), indent=1) + "\n")
 
-    def _log(self, name: str) -> Path:
+    def _log_file(self, name: str) -> Path:
         return self._place / f"{name}.log"
 
 
@@ -191,12 +198,12 @@ def _is_own(one: Experiment, root: Path) -> bool:
     """Return whether a note can be the studio's; raise ConfigurationError for words that a browser may not send."""
     check_text(one.folder, "folder", root)
     studios = Composition((), one.jobs, one.episodes, {}).command(one.folder, resume=True)  # the words that the studio adds
-    allowed([word for word in one.words if word not in studios], root)
+    check_overrides([word for word in one.words if word not in studios], root)
     numbers = 0 < one.jobs <= MOST_JOBS and 0 < one.episodes <= MOST_EPISODES and 0 < one.pid <= LARGEST_PID
     return numbers and bool(STAMP.fullmatch(one.created)) and one.words[:1] == ["run"]
 
 
-def _ending(one: Experiment, found: Mapping[str, Any]) -> str:
+def _ending_text(one: Experiment, found: Mapping[str, Any]) -> str:
     """Return how an experiment ended: refused ones have begun nothing, cut off ones can be resumed."""
     if found["done"] >= one.episodes:
         return "finished"

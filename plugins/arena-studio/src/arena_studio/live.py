@@ -16,7 +16,7 @@ EVERY = 0.5  # s between two looks
 MOST = 20  # pages that are told
 
 
-def router(experiments: Experiments) -> APIRouter:
+def make_router(experiments: Experiments) -> APIRouter:
     """Return the route of the websocket."""
     routes = APIRouter()
     listening: set[WebSocket] = set()
@@ -29,7 +29,7 @@ def router(experiments: Experiments) -> APIRouter:
             return
         await socket.accept()
         listening.add(socket)
-        telling = asyncio.create_task(_tell(socket, experiments))
+        telling = asyncio.create_task(_send_states(socket, experiments))
         try:
             while (await socket.receive())["type"] != "websocket.disconnect":
                 pass
@@ -42,7 +42,7 @@ def router(experiments: Experiments) -> APIRouter:
     return routes
 
 
-async def _tell(socket: WebSocket, experiments: Experiments) -> None:
+async def _send_states(socket: WebSocket, experiments: Experiments) -> None:
     before: Any = None
     while True:
         now = json.dumps({"experiments": await asyncio.to_thread(experiments.all)})

@@ -11,9 +11,9 @@ from starlette.concurrency import run_in_threadpool
 
 from arena_studio.mapping.furnishing import new_scenario, save_furniture, scenario_files
 from arena_studio.mapping.map_document import copy_map, document_of, map_files, map_version, open_map, save_map
-from arena_studio.mapping.transfer import packed, unpacked
+from arena_studio.mapping.transfer import pack_cells, unpack_cells
 from arena_studio.project import Project
-from arena_studio.side_process import LONG, SideProcess, beside
+from arena_studio.side_process import LONG, SideProcess, side_processes
 
 BINARY = "application/octet-stream"
 
@@ -35,20 +35,20 @@ class NewScenario(BaseModel):
     furniture: list[Any] = []
 
 
-def router(project: Project) -> APIRouter:
+def make_router(project: Project) -> APIRouter:
     """Return what the map editor asks for.
 
     Images are read and written here, for NumPy and Pillow let other requests go on meanwhile; worlds are the work of a process beside.
     """
     routes = APIRouter(prefix="/api/maps")
-    side = beside(project.root).checks
-    _files(routes, project, side)
-    _worlds(routes, project, side)
-    _furniture(routes, project, side)
+    side = side_processes(project.root).checks
+    _add_file_routes(routes, project, side)
+    _add_world_routes(routes, project, side)
+    _add_furniture_routes(routes, project, side)
     return routes
 
 
-def _files(routes: APIRouter, project: Project, side: SideProcess) -> None:
+def _add_file_routes(routes: APIRouter, project: Project, side: SideProcess) -> None:
     @routes.get("")
     def listed() -> dict[str, Any]:
         return {"maps": map_files(project)}
@@ -57,9 +57,9 @@ def _files(routes: APIRouter, project: Project, side: SideProcess) -> None:
     def opened(path: str) -> Response:
         found = open_map(project, path)
         if found is None:
-            return _binary(side.ask("world", LONG, path=path))
+            return _binary_response(side.ask("world", LONG, path=path))
         header, codes = document_of(found)
-        return Response(packed(header, codes.tobytes()), media_type=BINARY)
+        return Response(pack_cells(header, codes.tobytes()), media_type=BINARY)
 
     @routes.get("/version")
     def version(path: str) -> dict[str, Any]:
@@ -67,23 +67,23 @@ def _files(routes: APIRouter, project: Project, side: SideProcess) -> None:
 
     @routes.put("/file")
     async def saved(path: str, request: Request) -> dict[str, Any]:
-        header, cells = await run_in_threadpool(unpacked, await request.body())
+        header, cells = await run_in_threadpool(unpack_cells, await request.body())
         return {"version": await run_in_threadpool(save_map, project, path, header, cells)}
 
     @routes.post("/copy")
     async def copied(path: str, request: Request) -> dict[str, Any]:
-        header, cells = await run_in_threadpool(unpacked, await request.body())
+        header, cells = await run_in_threadpool(unpack_cells, await request.body())
         return await run_in_threadpool(copy_map, project, path, header, cells)
 
 
-def _worlds(routes: APIRouter, project: Project, side: SideProcess) -> None:
+def _add_world_routes(routes: APIRouter, project: Project, side: SideProcess) -> None:
     @routes.get("/kinds")
     def possible() -> dict[str, Any]:
         return {"kinds": side.ask("world kinds", LONG)}
 
     @routes.get("/draw")
     def drawn(kind: str, seed: int = 0, parameters: str = "{}") -> Response:
-        return _binary(side.ask("draw", LONG, kind=kind, seed=seed, parameters=parameters))
+        return _binary_response(side.ask("draw", LONG, kind=kind, seed=seed, parameters=parameters))
 
     @routes.get("/measures")
     def measures(path: str, robot_radius: float | None = None) -> dict[str, Any]:
@@ -91,10 +91,10 @@ def _worlds(routes: APIRouter, project: Project, side: SideProcess) -> None:
         return {"measures": side.ask("measures", LONG, path=path, robot_radius=robot_radius)}
 
 
-def _furniture(routes: APIRouter, project: Project, side: SideProcess) -> None:
+def _add_furniture_routes(routes: APIRouter, project: Project, side: SideProcess) -> None:
     @routes.get("/furniture")
     def pieces() -> dict[str, Any]:
-        return {"kinds": beside(project.root).files.ask("furniture", LONG)}
+        return {"kinds": side_processes(project.root).files.ask("furniture", LONG)}
 
     @routes.get("/scenarios")
     def scenarios(path: str) -> dict[str, Any]:
@@ -111,6 +111,6 @@ def _furniture(routes: APIRouter, project: Project, side: SideProcess) -> None:
         return {"version": new_scenario(project, sent.path, sent.map, ends, sent.furniture)}
 
 
-def _binary(content: str) -> Response:
+def _binary_response(content: str) -> Response:
     """Return what another process has sent in base64."""
     return Response(base64.b64decode(content), media_type=BINARY)

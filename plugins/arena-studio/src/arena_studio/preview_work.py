@@ -10,9 +10,9 @@ from typing import Any
 from arena_core.files import reading_within
 from arena_core.hosting import build_benchmark, compose, load_registry, to_plain
 from arena_core.records import read_grid
-from arena_studio.scene_work import one_scene, quoted, text, world_of
-from arena_studio.words import allowed
-from arena_viewer.document import Recorded, document
+from arena_studio.allowed_overrides import check_overrides
+from arena_studio.scene_work import quote_text, single_scene, text, world_of
+from arena_viewer.document import RecordedEpisode, replay_document
 
 
 def preview(
@@ -31,24 +31,24 @@ def preview(
 
     With ``legs`` people walk on two of them, which lidars see, as far as the chosen ``pedestrians`` can.
     """
-    words = _chosen(robot, planner, pedestrians, map_file, seed, legs)
-    alone = one_scene(content, scene)
+    words = _choose_overrides(robot, planner, pedestrians, map_file, seed, legs)
+    alone = single_scene(content, scene)
     alone["scenarios"] = [{**alone["scenarios"][0], "time_limit": seconds, "repeats": 1}]
     with TemporaryDirectory() as folder, reading_within(Path.cwd(), Path(folder)):
         path = Path(folder) / "scene.json"
         path.write_text(text(name, alone), encoding="utf-8")
-        config = compose([*words, "task=scenario", f"task.path={quoted(str(path))}"])
+        config = compose([*words, "task=scenario", f"task.path={quote_text(str(path))}"])
         benchmark = build_benchmark(config, load_registry())
         record = benchmark.run(0, Path(folder))
         grid = read_grid(Path(folder) / record.meta["world"]["grid"])
-    shown = document([Recorded(record, grid, {}, str(record.meta["columns"]["preset"]))])
+    shown = replay_document([RecordedEpisode(record, grid, {}, str(record.meta["columns"]["preset"]))])
     return {"document": base64.b64encode(shown).decode(), "outcome": record.meta["outcome"], "error": record.meta["error"] or ""}
 
 
-def _chosen(robot: str, planner: str, pedestrians: str, map_file: str, seed: int, legs: bool) -> list[str]:
+def _choose_overrides(robot: str, planner: str, pedestrians: str, map_file: str, seed: int, legs: bool) -> list[str]:
     """Return the overrides that choose what drives where among whom; raise ConfigurationError for what a browser may not send."""
     chosen = [f"robot={robot}", f"planner={planner}", f"pedestrians={pedestrians}", f"seed={seed}", "episodes=1"]
-    words = allowed([*world_of(map_file), *chosen], Path.cwd())
+    words = check_overrides([*world_of(map_file), *chosen], Path.cwd())
     return [*words, *(["pedestrians.body=legs"] if legs and _have_bodies(pedestrians) else [])]
 
 

@@ -60,12 +60,12 @@ class Process:
                 os.kill(self.pid, signal.SIGINT)
 
 
-def start(words: Sequence[str], folder: Path, log: Path) -> Process:
+def start_process(words: Sequence[str], folder: Path, log: Path) -> Process:
     """Start ``arena WORDS`` in a folder; what it prints goes to ``log``."""
     import psutil
 
     log.parent.mkdir(parents=True, exist_ok=True)
-    with os.fdopen(_opened(log, os.O_WRONLY | os.O_APPEND | os.O_CREAT), "ab") as file:
+    with os.fdopen(_open_log(log, os.O_WRONLY | os.O_APPEND | os.O_CREAT), "ab") as file:
         child = subprocess.Popen(  # noqa: S603 - the words are the composer's, and no shell reads them
             [*PROGRAM, *words],
             cwd=folder,
@@ -83,7 +83,7 @@ def start(words: Sequence[str], folder: Path, log: Path) -> Process:
 def log_tail(log: Path) -> list[str]:
     """Return the last lines of what a run printed."""
     try:
-        with os.fdopen(_opened(log, os.O_RDONLY), "rb") as file:
+        with os.fdopen(_open_log(log, os.O_RDONLY), "rb") as file:
             size = file.seek(0, os.SEEK_END)
             file.seek(max(0, size - LOG_TAIL))
             return file.read(LOG_TAIL).decode(errors="replace").splitlines()[-40:]
@@ -91,7 +91,7 @@ def log_tail(log: Path) -> list[str]:
         return []
 
 
-def _opened(log: Path, flags: int) -> int:
+def _open_log(log: Path, flags: int) -> int:
     """Open a log; raise InputFileError for a link, a pipe, or whatever else is no file of the studio's own."""
     try:
         number = os.open(log, flags | os.O_NOFOLLOW | os.O_NONBLOCK, 0o666)

@@ -10,7 +10,7 @@ from time import time
 from typing import Any
 
 from arena_core.files import is_file
-from arena_viewer.time_left import RECENT, Begun, UnderWay, ends_of, episodes_of, read_begun, time_left
+from arena_viewer.time_left import RECENT, ActiveRun, RunStart, end_times, episodes_of, read_run_start, time_left
 
 TABLE = "episodes.csv"
 SHOWN = ("planner", "preset", "robot", "world", "scenario", "episode", "outcome", "error", "success", "time_to_goal", "collisions")
@@ -20,7 +20,7 @@ PART = 2**20  # bytes
 
 
 @dataclass(slots=True)
-class Table:
+class RunTable:
     """The table of a run: how many rows it has, and when episodes ended, looked at anew only when the file has changed."""
 
     folder: Path
@@ -28,9 +28,9 @@ class Table:
     rows: int = 0
     tail: list[dict[str, str]] = field(default_factory=list)
     ends: list[float] = field(default_factory=list)
-    begun: Begun = field(default_factory=Begun)
+    begun: RunStart = field(default_factory=RunStart)
 
-    def look(self) -> None:
+    def refresh(self) -> None:
         """Count the rows and read the last ones; a table that is not there yet has none."""
         path = self.folder / TABLE
         try:
@@ -39,16 +39,16 @@ class Table:
             status = path.stat()
             if (stamp := (status.st_mtime_ns, status.st_size)) == self.stamp:
                 return
-            rows = _tail(path, status.st_size)
-            self.rows, self.tail, self.begun = _count(path), [_known(row) for row in rows[-LAST:]], read_begun(self.folder)
-            self.ends = ends_of(self.folder, episodes_of(rows[-RECENT:]), self.begun.time)
+            rows = _last_rows(path, status.st_size)
+            self.rows, self.tail, self.begun = _count_rows(path), [_known_values(row) for row in rows[-LAST:]], read_run_start(self.folder)
+            self.ends = end_times(self.folder, episodes_of(rows[-RECENT:]), self.begun.time)
             self.stamp = stamp
         except (OSError, ValueError, csv.Error):  # it is being replaced, or is none
             self.rows, self.tail, self.ends = 0, [], []
 
-    def under_way(self) -> UnderWay:
+    def under_way(self) -> ActiveRun:
         """Return how its run stands; of one that has no table yet nothing is known."""
-        return UnderWay(self.begun.config, max(0, self.begun.episodes - self.rows), self.ends)
+        return ActiveRun(self.begun.config, max(0, self.begun.episodes - self.rows), self.ends)
 
 
 @dataclass(slots=True)
@@ -57,13 +57,13 @@ class Progress:
 
     folders: Sequence[Path]
     episodes: int
-    tables: list[Table] = field(default_factory=list)
+    tables: list[RunTable] = field(default_factory=list)
 
-    def look(self) -> dict[str, Any]:
+    def refresh(self) -> dict[str, Any]:
         """Return ``done`` of ``episodes``, and the last rows with their job."""
-        self.tables = self.tables or [Table(folder) for folder in self.folders]
+        self.tables = self.tables or [RunTable(folder) for folder in self.folders]
         for table in self.tables:
-            table.look()
+            table.refresh()
         last = [{**row, "job": number} for number, table in enumerate(self.tables) for row in table.tail]
         return {"done": sum(table.rows for table in self.tables), "episodes": self.episodes, "last": last[-LAST:]}
 
@@ -73,13 +73,13 @@ class Progress:
         return None if left is None else round(left)
 
 
-def _count(path: Path) -> int:
+def _count_rows(path: Path) -> int:
     """Return the number of rows: cells hold no line breaks."""
     with path.open("rb") as file:
         return max(0, sum(part.count(b"\n") for part in iter(lambda: file.read(PART), b"")) - 1)
 
 
-def _tail(path: Path, size: int) -> list[dict[str, str]]:
+def _last_rows(path: Path, size: int) -> list[dict[str, str]]:
     with path.open("rb") as file:
         head = file.readline(TAIL).decode(errors="replace")
         file.seek(max(len(head.encode()), size - TAIL))
@@ -88,5 +88,5 @@ def _tail(path: Path, size: int) -> list[dict[str, str]]:
     return list(csv.DictReader([head, *lines[-RECENT:]]))
 
 
-def _known(row: Mapping[str, Any]) -> dict[str, str]:
+def _known_values(row: Mapping[str, Any]) -> dict[str, str]:
     return {name: str(row[name]) for name in SHOWN if row.get(name)}

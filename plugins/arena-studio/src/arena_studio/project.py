@@ -99,14 +99,14 @@ class Project:
     def files(self, suffixes: Collection[str]) -> list[str]:
         """Return the files with one of the suffixes (``.yaml``), sorted: those of the user, not those that runs have written."""
         found = []
-        for path in self._walk():
+        for path in self._walk_files():
             if path.suffix.lower() in suffixes:
                 found.append(self.relative(path))
                 if len(found) == MOST_FILES:
                     break
         return sorted(found)
 
-    def _walk(self) -> Iterator[Path]:
+    def _walk_files(self) -> Iterator[Path]:
         for folder, folders, names in os.walk(self.root):
             inside = Path(folder)
             is_run = "episodes.csv" in names

@@ -11,9 +11,9 @@ from arena_core import ArenaError
 from arena_studio.errors import Missing, status_of
 from arena_studio.experiments import Experiments
 from arena_studio.project import Project
-from arena_viewer.document import Recorded, document, read_recorded
-from arena_viewer.live import Watched
-from arena_viewer.page import live_page, page
+from arena_viewer.document import RecordedEpisode, read_recorded, replay_document
+from arena_viewer.live import LiveRuns
+from arena_viewer.page import live_page, replay_page
 from arena_viewer.serving import POLICY
 
 MOST = 12  # episodes beside each other
@@ -21,20 +21,20 @@ Episode = Annotated[int, Query(ge=0, le=10**9)]
 Runs = Annotated[list[str], Query(max_length=MOST)]
 
 
-def router(project: Project) -> APIRouter:
+def make_router(project: Project) -> APIRouter:
     """Return the routes of replays."""
     routes = APIRouter()
 
     @routes.get("/replay/")
     def replay() -> HTMLResponse:
         """Return the viewer; it fetches the document by the same query."""
-        return _viewer(page("arena replay", None))
+        return _viewer_response(replay_page("arena replay", None))
 
     @routes.get("/replay/document")
     def replayed(run: Runs, episode: Episode) -> Response:
         """Return the document of one episode, by several runs beside each other; errors are lines of text, which the viewer shows."""
         try:
-            content = document([recorded(project, one, episode) for one in run])
+            content = replay_document([read_episode(project, one, episode) for one in run])
         except ArenaError as error:
             return PlainTextResponse(str(error), status_of(error))
         return Response(content, media_type="application/octet-stream", headers={"Cache-Control": "no-store"})
@@ -42,24 +42,24 @@ def router(project: Project) -> APIRouter:
     return routes
 
 
-def watching(experiments: Experiments) -> APIRouter:
+def watch_router(experiments: Experiments) -> APIRouter:
     """Return the routes of experiments under way, each below its name: the viewer's page and what it asks for."""
     routes = APIRouter(prefix="/watch/{name}")
-    watched: dict[str, Watched] = {}
+    watched: dict[str, LiveRuns] = {}
 
     def answer(name: str, what: str, request: Request) -> Response:
-        one = watched.setdefault(name, Watched(experiments.folder(name)))
+        one = watched.setdefault(name, LiveRuns(experiments.folder(name)))
         asked = dict(request.query_params)
         kind, content = {"state": one.state, "map": one.map, "document": one.document}[what](asked)
         return Response(content, media_type=kind, headers={"Cache-Control": "no-store"})
 
     @routes.get("/")
     def watch(name: str) -> HTMLResponse:
-        return _viewer(live_page(experiments.standing(name)["folder"]))
+        return _viewer_response(live_page(experiments.experiment_state(name)["folder"]))
 
     @routes.get("/replay")
     def replay(name: str) -> HTMLResponse:
-        return _viewer(page("arena replay", None))
+        return _viewer_response(replay_page("arena replay", None))
 
     @routes.get("/state")
     def state(name: str, request: Request) -> Response:
@@ -76,11 +76,11 @@ def watching(experiments: Experiments) -> APIRouter:
     return routes
 
 
-def _viewer(text: str) -> HTMLResponse:
+def _viewer_response(text: str) -> HTMLResponse:
     return HTMLResponse(text, headers={"Content-Security-Policy": POLICY})
 
 
-def recorded(project: Project, run: str, episode: int) -> Recorded:
+def read_episode(project: Project, run: str, episode: int) -> RecordedEpisode:
     """Return an episode of a run of the project; raise Missing where the run is gone."""
     folder = project.path(run) if run != "." else project.root
     if not (folder / "episodes.csv").is_file():

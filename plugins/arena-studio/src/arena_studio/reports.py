@@ -10,14 +10,14 @@ from fastapi.responses import HTMLResponse, RedirectResponse
 from arena_core import ArenaError
 from arena_studio.errors import Missing, Refused, TooLarge
 from arena_studio.project import Project
-from arena_studio.signed import REPLAYS, START, Signed
+from arena_studio.signed_addresses import REPLAYS, START, SignedAddresses
 
 PAGE = "index.html"
 POLICY = "default-src 'none'; script-src data: 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; sandbox allow-scripts"
 LARGEST = 200_000_000  # bytes of a page
 
 
-def router(project: Project, signed: Signed) -> APIRouter:
+def make_router(project: Project, signed: SignedAddresses) -> APIRouter:
     """Return the routes of reports."""
     routes = APIRouter()
 
@@ -25,7 +25,7 @@ def router(project: Project, signed: Signed) -> APIRouter:
     def report(folder: str) -> RedirectResponse:
         """Lead to the address under which a report is shown; its own links send no cookie, so its address vouches for them."""
         folder = folder.strip("/")
-        _page(project, folder, PAGE)
+        _read_page(project, folder, PAGE)
         return RedirectResponse(signed.address(folder), 303)
 
     @routes.get(START + "{signature}/{place:path}")
@@ -34,12 +34,12 @@ def router(project: Project, signed: Signed) -> APIRouter:
         if not signed.allows(request.scope["path"]):  # who knows the token may ask for anything, and yet sees reports alone here
             raise Refused("the address is of no report of this studio; open the report anew")
         folder, _, name = place.rpartition("/")
-        return HTMLResponse(_page(project, folder, name or PAGE), headers={"Content-Security-Policy": POLICY})
+        return HTMLResponse(_read_page(project, folder, name or PAGE), headers={"Content-Security-Policy": POLICY})
 
     return routes
 
 
-def _page(project: Project, folder: str, name: str) -> bytes:
+def _read_page(project: Project, folder: str, name: str) -> bytes:
     """Read a page of a report; raise Missing, TooLarge, or ArenaError for what no report has."""
     path = project.path(f"{folder}/{name}")
     if not name.endswith(".html"):

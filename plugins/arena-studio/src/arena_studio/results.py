@@ -28,7 +28,7 @@ Name = Annotated[str, StringConstraints(max_length=400)]
 Values = Annotated[list[Name], Field(max_length=1000)]
 
 
-class Asked(BaseModel):
+class ResultsRequest(BaseModel):
     """What a page wants to see."""
 
     allowed: dict[Name, Values] = Field(default_factory=dict, max_length=50)
@@ -53,66 +53,66 @@ class Results:
         self._looked = -math.inf
         self._looking, self._comparing = Lock(), Lock()
 
-    def look(self) -> None:
+    def refresh(self) -> None:
         """Read what has changed."""
         with self._looking:
             if monotonic() - self._looked > FRESH:
                 self.table.refresh()
                 self._looked = monotonic()
 
-    def page(self, asked: Asked) -> dict[str, Any]:
+    def page(self, asked: ResultsRequest) -> dict[str, Any]:
         """Return one page of rows, how many there are in all, what can be filtered by, and what is wrong with runs."""
-        self.look()
+        self.refresh()
         query = asked.query()
         chosen = self.table.select(query)
         rows = chosen.iloc[asked.page * asked.size : (asked.page + 1) * asked.size]
         columns = [str(name) for name in chosen.columns if name not in HIDDEN]
         return {
             **{"total": len(chosen), "columns": columns, "rows": plain_rows(rows[columns]), "counts": self.table.counts(query)},
-            **{"troubles": list(self.table.troubles.values()), "gone": self.table.gone, "summary": _summary(chosen)},
+            **{"troubles": list(self.table.troubles.values()), "gone": self.table.gone, "summary": _success_summary(chosen)},
         }
 
-    def compare(self, asked: Asked) -> list[dict[str, Any]]:
+    def compare(self, asked: ResultsRequest) -> list[dict[str, Any]]:
         """Compare the planners of all runs that have an episode among those asked for, with the core's statistics."""
-        self.look()
+        self.refresh()
         with self._comparing:
-            return plain_rows(self._runs(asked).compare(asked.baseline or None))
+            return plain_rows(self._read_runs(asked).compare(asked.baseline or None))
 
-    def report(self, asked: Asked) -> str:
+    def report(self, asked: ResultsRequest) -> str:
         """Write a report over the same runs to a new folder; return it."""
-        self.look()
+        self.refresh()
         name = f"reports/{datetime.now().strftime('%Y-%m-%d_%H-%M-%S-%f')}"
         with self._comparing:
-            self._runs(asked).report(self.project.path(name), asked.baseline or None)
+            self._read_runs(asked).report(self.project.path(name), asked.baseline or None)
         return name
 
-    def _runs(self, asked: Asked) -> Runs:
+    def _read_runs(self, asked: ResultsRequest) -> Runs:
         folders = self.table.folders(asked.query())
         if not folders:
             raise Missing("no run has such an episode")
         return Runs.below(*folders)
 
 
-def router(project: Project) -> APIRouter:
+def make_router(project: Project) -> APIRouter:
     """Return the routes of the page Results."""
     routes, results = APIRouter(prefix="/api/results"), Results(project)
 
     @routes.post("/page")
-    def page(asked: Asked) -> dict[str, Any]:
+    def page(asked: ResultsRequest) -> dict[str, Any]:
         return results.page(asked)
 
     @routes.post("/compare")
-    def compare(asked: Asked) -> list[dict[str, Any]]:
+    def compare(asked: ResultsRequest) -> list[dict[str, Any]]:
         return results.compare(asked)
 
     @routes.post("/report")
-    def report(asked: Asked) -> dict[str, str]:
+    def report(asked: ResultsRequest) -> dict[str, str]:
         return {"folder": results.report(asked)}
 
     @routes.post("/export")
-    def export(asked: Asked) -> Response:
+    def export(asked: ResultsRequest) -> Response:
         """Return all rows of a query as CSV."""
-        results.look()
+        results.refresh()
         headers = {"Content-Disposition": 'attachment; filename="episodes.csv"'}
         chosen = results.table.select(asked.query())
         rows = chosen.itertuples(index=False, name=None)
@@ -123,10 +123,10 @@ def router(project: Project) -> APIRouter:
 
 def plain_rows(table: DataFrame) -> list[dict[str, Any]]:
     """Return rows as JSON knows them: whole numbers without a point, nothing where there is no number."""
-    return [{str(name): _plain(value) for name, value in row.items()} for row in table.to_dict("records")]
+    return [{str(name): _plain_value(value) for name, value in row.items()} for row in table.to_dict("records")]
 
 
-def _plain(value: Any) -> Any:
+def _plain_value(value: Any) -> Any:
     if isinstance(value, float):
         if not math.isfinite(value):
             return None if math.isnan(value) else "inf" if value > 0 else "-inf"
@@ -134,7 +134,7 @@ def _plain(value: Any) -> Any:
     return value.item() if hasattr(value, "item") else value
 
 
-def _summary(chosen: DataFrame) -> list[dict[str, Any]]:
+def _success_summary(chosen: DataFrame) -> list[dict[str, Any]]:
     """Return for each planner and robot how many of its episodes succeeded."""
     if chosen.empty or "success" not in chosen.columns:
         return []

@@ -10,10 +10,10 @@ from pydantic import BaseModel, Field, StringConstraints
 
 from arena_core import ConfigurationError
 from arena_core.hosting import default_options, load_registry, option_names, settings_form
-from arena_studio.composing import Composition, shown
+from arena_studio.allowed_overrides import check_configuration
+from arena_studio.composing import Composition, shell_command
 from arena_studio.experiments import Experiments
 from arena_studio.side_process import SOON, SideProcess
-from arena_studio.words import check_configuration
 
 FIRST = ("planner", "robot", "world", "task", "people", "pedestrians", "scenario", "experiment")  # groups that an experiment begins with
 NONE = ("scenario", "experiment")  # groups of which none may be chosen
@@ -21,7 +21,7 @@ Name = Annotated[str, StringConstraints(max_length=200)]
 Text = Annotated[str, StringConstraints(max_length=4000)]
 
 
-class Wanted(BaseModel):
+class RunRequest(BaseModel):
     """What a form holds: options by group, values by key, words as typed, and the folder (empty: a new one)."""
 
     choices: dict[Name, Annotated[list[Name], Field(max_length=100)]] = Field(default_factory=dict, max_length=100)
@@ -30,7 +30,7 @@ class Wanted(BaseModel):
     folder: Name = ""
 
 
-def router(experiments: Experiments, side: SideProcess) -> APIRouter:
+def make_router(experiments: Experiments, side: SideProcess) -> APIRouter:
     """Return the routes of the page Run; ``side`` composes."""
     routes = APIRouter(prefix="/api/run")
 
@@ -41,7 +41,7 @@ def router(experiments: Experiments, side: SideProcess) -> APIRouter:
         registry = load_registry()
         chosen = default_options(registry)
         names = [*(name for name in FIRST if name in chosen), *(name for name in chosen if name not in FIRST)]
-        return [_group(name, chosen[name]) for name in names]
+        return [_group_form(name, chosen[name]) for name in names]
 
     @routes.get("/form")
     def form(group: Name, option: Name) -> Any:
@@ -54,15 +54,15 @@ def router(experiments: Experiments, side: SideProcess) -> APIRouter:
         return asdict(settings_form(load_registry()))
 
     @routes.post("/compose")
-    def compose(wanted: Wanted) -> dict[str, Any]:
+    def compose(wanted: RunRequest) -> dict[str, Any]:
         """Compose and check; return the command line and the values that hold."""
         if wanted.folder:
-            experiments.place(wanted.folder)
-        return _told(_composed(wanted, side), wanted)
+            experiments.run_folder(wanted.folder)
+        return _describe_run(_compose_request(wanted, side), wanted)
 
     @routes.post("/start")
-    def start(wanted: Wanted) -> dict[str, Any]:
-        return experiments.start(_composed(wanted, side), wanted.folder)
+    def start(wanted: RunRequest) -> dict[str, Any]:
+        return experiments.start(_compose_request(wanted, side), wanted.folder)
 
     @routes.get("/experiments")
     def all_experiments() -> list[dict[str, Any]]:
@@ -84,7 +84,7 @@ def router(experiments: Experiments, side: SideProcess) -> APIRouter:
     return routes
 
 
-def _group(name: str, chosen: str) -> dict[str, Any]:
+def _group_form(name: str, chosen: str) -> dict[str, Any]:
     try:
         options = option_names(name, load_registry())
     except ConfigurationError:  # nothing installed offers any
@@ -93,13 +93,13 @@ def _group(name: str, chosen: str) -> dict[str, Any]:
     return {"name": name, "chosen": chosen, "optional": name in NONE, "first": name in FIRST, "options": listed}
 
 
-def _composed(wanted: Wanted, side: SideProcess) -> Composition:
+def _compose_request(wanted: RunRequest, side: SideProcess) -> Composition:
     """Compose what is wanted; unless it says otherwise, episodes can be watched as they run."""
     values = {**wanted.values, "recording.live": wanted.values.get("recording.live", "true")}
     found = side.ask("compose", SOON, choices=wanted.choices, values=values, more=wanted.more)
     return Composition(tuple(found["words"]), found["jobs"], found["episodes"], found["values"])
 
 
-def _told(composed: Composition, wanted: Wanted) -> dict[str, Any]:
+def _describe_run(composed: Composition, wanted: RunRequest) -> dict[str, Any]:
     words = composed.command(wanted.folder)[:-1] if not wanted.folder else composed.command(wanted.folder)
-    return {"command": shown(words), "jobs": composed.jobs, "episodes": composed.episodes, "values": composed.values}
+    return {"command": shell_command(words), "jobs": composed.jobs, "episodes": composed.episodes, "values": composed.values}

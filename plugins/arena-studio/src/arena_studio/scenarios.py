@@ -10,7 +10,7 @@ from pydantic import BaseModel, Field
 
 from arena_core import ArenaError
 from arena_studio.project import Project
-from arena_studio.side_process import LONG, SOON, beside
+from arena_studio.side_process import LONG, SOON, side_processes
 
 LONGEST_PREVIEW = 60.0  # s of simulated time
 Path = Annotated[str, Query(max_length=400)]
@@ -52,10 +52,10 @@ class Exporting(Content):
     target: Annotated[str, Field(max_length=400)]
 
 
-def router(project: Project) -> APIRouter:
+def make_router(project: Project) -> APIRouter:
     """Return the routes below /api/scenarios."""
     routes = APIRouter(prefix="/api/scenarios")
-    side = beside(project.root)
+    side = side_processes(project.root)
 
     @routes.get("")
     def listed() -> Any:
@@ -76,7 +76,7 @@ def router(project: Project) -> APIRouter:
         if not path.endswith(".json"):
             raise ArenaError(f"path is {path}; allowed: a name that ends in .json")
         text = side.files.ask("text", SOON, name=path, content=content)
-        return {"version": project.write(path, text.encode(), known(version))}
+        return {"version": project.write(path, text.encode(), known_version(version))}
 
     @routes.get("/map")
     def map_cells(path: Path) -> Any:
@@ -85,17 +85,19 @@ def router(project: Project) -> APIRouter:
 
     @routes.post("/check")
     def checked(asked: Checking) -> Any:
-        return side.checks.ask("check", LONG, **_of(project, asked), robot=asked.robot, pedestrians=asked.pedestrians)
+        return side.checks.ask("check", LONG, **_request_facts(project, asked), robot=asked.robot, pedestrians=asked.pedestrians)
 
     @routes.post("/preview")
     def preview(asked: Previewing) -> Any:
         chosen = {key: getattr(asked, key) for key in ("scene", "robot", "planner", "pedestrians", "seconds", "seed", "legs")}
-        return side.long.ask("preview", LONG, **_of(project, asked), **chosen)
+        return side.long.ask("preview", LONG, **_request_facts(project, asked), **chosen)
 
     @routes.post("/export")
     def exported(asked: Exporting) -> dict[str, Any]:
         project.path(asked.target)
-        made = side.files.ask("export", SOON, **_of(project, asked), scene=asked.scene, written=asked.format, target=asked.target)
+        made = side.files.ask(
+            "export", SOON, **_request_facts(project, asked), scene=asked.scene, written=asked.format, target=asked.target
+        )
         for path, text in sorted(made["texts"].items(), key=lambda row: row[0] == asked.target):  # what it names comes first
             project.write(path, text.encode(), None)
         return {"written": sorted(made["texts"]), "left_out": made["left_out"]}
@@ -103,12 +105,12 @@ def router(project: Project) -> APIRouter:
     return routes
 
 
-def known(version: str) -> str | None:
+def known_version(version: str) -> str | None:
     """Return a version as the project has it."""
     return None if version == "none" else version
 
 
-def _of(project: Project, asked: Content) -> dict[str, Any]:
+def _request_facts(project: Project, asked: Content) -> dict[str, Any]:
     """Return what all requests about a content hand on; raise ArenaError for a path that leads out of the project."""
     project.path(asked.path)
     if asked.map:

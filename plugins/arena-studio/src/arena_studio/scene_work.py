@@ -22,16 +22,16 @@ from arena_core.files import option_files
 from arena_core.hosting import load_registry
 from arena_core.records import robot_meta
 from arena_core.scenes import furniture_kind, furniture_shapes
-from arena_studio.words import allowed
+from arena_studio.allowed_overrides import check_overrides
 from arena_tasks.commands.packing import ANYBODY
 from arena_tasks.scenario_files.arena_rosnav_writer import arena_rosnav_text, world_name
-from arena_tasks.scenario_files.arena_rosnav_writer import left_out as left_out_by_arena_rosnav
-from arena_tasks.scenario_files.arena_tools_writer import arena_tools_text, flatland_model_text, left_out
+from arena_tasks.scenario_files.arena_rosnav_writer import unsupported_parts as left_out_by_arena_rosnav
+from arena_tasks.scenario_files.arena_tools_writer import arena_tools_text, flatland_model_text, unsupported_parts
 from arena_tasks.scenario_files.feasibility import Finding
 from arena_tasks.scenario_files.json_fields import Field, read_json
-from arena_tasks.scenario_files.problem import noted
+from arena_tasks.scenario_files.problem import reading_notes
 from arena_tasks.scenario_files.scenario_file import FORMAT, VERSION, content_of, format_of, read_content, scenario_text
-from arena_tasks.scenario_files.site import Site, composed
+from arena_tasks.scenario_files.site import Site, compose_run
 from arena_worlds.formats.ros_map import load_map
 from arena_worlds.formats.scenario_map import find_map
 
@@ -52,10 +52,10 @@ def kinds() -> dict[str, Any]:
 
 def listed(names: Iterable[str]) -> list[dict[str, Any]]:
     """Return those of the files that are scenario files, in any format, with their number of scenes or their error."""
-    return [row for row in map(_row, names) if row]
+    return [row for row in map(_file_row, names) if row]
 
 
-def _row(name: str) -> dict[str, Any] | None:
+def _file_row(name: str) -> dict[str, Any] | None:
     try:
         root = read_json(Path(name).absolute())
         written = format_of(root) if isinstance(root.value, dict) else ""
@@ -75,11 +75,11 @@ def opened(name: str) -> dict[str, Any]:
     root = read_json(Path(name).absolute())
     file = read_content(root, ANYBODY)
     written = format_of(root)
-    content = _modern(root.value) if written == FORMAT else content_of(file.problems, file.title)
-    return {"format": written, "content": content, "notes": noted(file.problems), "map": _map_of(name, root)}
+    content = _upgrade_content(root.value) if written == FORMAT else content_of(file.problems, file.title)
+    return {"format": written, "content": content, "notes": reading_notes(file.problems), "map": _map_of(name, root)}
 
 
-def _modern(content: dict[str, Any]) -> dict[str, Any]:
+def _upgrade_content(content: dict[str, Any]) -> dict[str, Any]:
     """Return a content of ours in today's version; what a file leaves open stays open."""
     people = [person for scene in content["scenarios"] for person in scene.get("pedestrians", [])]
     for person in people:
@@ -127,35 +127,35 @@ def checked(name: str, content: Any, map_file: str, robot: str, pedestrians: str
     try:
         file = read_content(Field(Path(name), "", content), ANYBODY)
     except InputFileError as error:
-        return {"findings": [_of_error(name, error)], "robot": None}
-    site = site_of(map_file, Path(map_file).stat().st_mtime_ns if map_file else 0, robot, pedestrians)
-    found = [_said(number, finding) for number, problem in enumerate(file.problems) for finding in site.findings(problem)]
+        return {"findings": [_error_finding(name, error)], "robot": None}
+    site = scene_site(map_file, Path(map_file).stat().st_mtime_ns if map_file else 0, robot, pedestrians)
+    found = [_finding_row(number, finding) for number, problem in enumerate(file.problems) for finding in site.findings(problem)]
     return {"findings": found[:MOST_FINDINGS], "robot": robot_meta(site.robot)}
 
 
 @lru_cache(maxsize=8)
-def site_of(map_file: str, _: int, robot: str, pedestrians: str) -> Site:
+def scene_site(map_file: str, _: int, robot: str, pedestrians: str) -> Site:
     """Return where scenes are checked; without a map in an empty room of its usual size."""
     overrides = [*world_of(map_file), f"robot={robot}", f"pedestrians={pedestrians}"]
-    return Site(Path("scenario.json"), composed(Path("scenario.json"), allowed(overrides, Path.cwd())))
+    return Site(Path("scenario.json"), compose_run(Path("scenario.json"), check_overrides(overrides, Path.cwd())))
 
 
 def world_of(map_file: str) -> list[str]:
     """Return the overrides that choose a map."""
-    return ["world=ros_map", f"world.path={quoted(str(Path(map_file).absolute()))}"] if map_file else ["world=empty"]
+    return ["world=ros_map", f"world.path={quote_text(str(Path(map_file).absolute()))}"] if map_file else ["world=empty"]
 
 
-def quoted(value: str) -> str:
+def quote_text(value: str) -> str:
     """Return a text as Hydra's grammar has it."""
     return "'" + value.replace("\\", "\\\\").replace("'", "\\'") + "'"
 
 
-def _said(number: int, finding: Finding) -> dict[str, Any]:
+def _finding_row(number: int, finding: Finding) -> dict[str, Any]:
     place = [finding.x, finding.y] if math.isfinite(finding.x) else None
     return {"scene": number, "key": finding.key or f"scenarios[{number}]", "place": place, "line": finding.why}
 
 
-def _of_error(name: str, error: InputFileError) -> dict[str, Any]:
+def _error_finding(name: str, error: InputFileError) -> dict[str, Any]:
     """Return an error of reading as a finding: where it is, if it says so."""
     line = str(error).removeprefix(f"{name}: ")
     found = PLACE.match(line)
@@ -177,14 +177,14 @@ def exported(name: str, content: Any, scene: int, written: str, target: str, map
     if written == "arena-tools":
         said = os.path.relpath(map_file, posixpath.dirname(target) or ".") if map_file else ""
         texts[target] = arena_tools_text(problem, said, [f"{stem}.model.yaml" for stem in stems])
-        return {"texts": texts, "left_out": left_out(problem)}
+        return {"texts": texts, "left_out": unsupported_parts(problem)}
     if written == "arena-rosnav":
         texts[target] = arena_rosnav_text(problem, world_name(map_file), stems)
         return {"texts": texts, "left_out": left_out_by_arena_rosnav(problem)}
     raise InputFileError(f"format is {written}; allowed: arena-tools, arena-rosnav")
 
 
-def one_scene(content: Mapping[str, Any], scene: int) -> dict[str, Any]:
+def single_scene(content: Mapping[str, Any], scene: int) -> dict[str, Any]:
     """Return a content of one of its scenes alone; raise InputFileError where there is no such one."""
     scenes = content.get("scenarios")
     if not isinstance(scenes, list) or not 0 <= scene < len(scenes):

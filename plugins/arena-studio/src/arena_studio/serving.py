@@ -13,7 +13,7 @@ PATIENCE = 2  # s that open answers have at the end
 LONGEST_MESSAGE = 100_000  # bytes of a websocket
 
 
-def bound(host: str, port: int) -> socket.socket:
+def bind_socket(host: str, port: int) -> socket.socket:
     """Return a listening socket; raise ArenaError (one line) where the port is taken or the address is not this machine's."""
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     server = socket.socket(family, socket.SOCK_STREAM)
@@ -28,7 +28,7 @@ def bound(host: str, port: int) -> socket.socket:
     return server
 
 
-def ready(app: Any) -> Any:
+def make_server(app: Any) -> Any:
     """Return uvicorn for an application, all of it loaded, so that who knows the address is answered at once."""
     import uvicorn
 
@@ -46,7 +46,7 @@ def ready(app: Any) -> Any:
     return uvicorn.Server(settings)
 
 
-def serve(server: Any, listening: socket.socket) -> None:
+def run_server(server: Any, listening: socket.socket) -> None:
     """Serve until Ctrl-C; ``server`` is uvicorn."""
     logging.getLogger("uvicorn.error").addFilter(_is_fault)
     try:

@@ -36,17 +36,17 @@ class SideProcess:
         """Return an answer; raise ArenaError with its line where the work fails or takes longer than ``within`` s."""
         request = json.dumps({"what": what, "given": given}).encode() + b"\n"
         with self._lock:
-            process = self._running()
+            process = self._running_process()
             try:
                 assert process.stdin is not None
                 process.stdin.write(request)
                 process.stdin.flush()
-                line = _line(process, time.monotonic() + within)
+                line = _read_line(process, time.monotonic() + within)
             except TimeoutError:
-                self._end()
+                self._end_process()
                 raise ArenaError(f"{what} took longer than {within:g} s and was ended; allowed: something smaller") from None
             except OSError:
-                self._end()
+                self._end_process()
                 raise ArenaError(f"{what}: the process that does this ended; the next try starts it anew") from None
         answer = json.loads(line)
         if "error" in answer:
@@ -56,16 +56,16 @@ class SideProcess:
     def start(self) -> None:
         """Start the process, so that who asks first waits less."""
         with self._lock:
-            self._running()
+            self._running_process()
 
     def close(self) -> None:
         """End the process."""
         with self._lock:
-            self._end()
+            self._end_process()
 
-    def _running(self) -> subprocess.Popen[bytes]:
+    def _running_process(self) -> subprocess.Popen[bytes]:
         if self._process is None or self._process.poll() is not None:
-            self._end()
+            self._end_process()
             command = [sys.executable, "-m", "arena_studio.side_work"]
             pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
             options = {"cwd": self._root, "start_new_session": True, **pipes}
@@ -73,7 +73,7 @@ class SideProcess:
         assert self._process is not None
         return self._process
 
-    def _end(self) -> None:
+    def _end_process(self) -> None:
         if self._process is None:
             return
         self._process.kill()
@@ -85,7 +85,7 @@ class SideProcess:
         self._process = None
 
 
-class Beside(NamedTuple):
+class SideProcesses(NamedTuple):
     """A project's processes: for files, which must be answered at once; for checks and worlds; for what simulates; and for composing."""
 
     files: SideProcess
@@ -95,12 +95,12 @@ class Beside(NamedTuple):
 
 
 @lru_cache(maxsize=16)
-def beside(root: Path) -> Beside:
+def side_processes(root: Path) -> SideProcesses:
     """Return the processes of a project."""
-    return Beside(*(SideProcess(root) for _ in Beside._fields))
+    return SideProcesses(*(SideProcess(root) for _ in SideProcesses._fields))
 
 
-def _line(process: subprocess.Popen[bytes], until: float) -> bytes:
+def _read_line(process: subprocess.Popen[bytes], until: float) -> bytes:
     """Return the next line that a process writes; raise TimeoutError, or OSError where it ended."""
     assert process.stdout is not None
     found = bytearray()

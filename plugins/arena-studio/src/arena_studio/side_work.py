@@ -41,7 +41,7 @@ WORK: Mapping[str, str] = {  # what can be asked for, and which function of this
 }
 
 
-def answer(line: bytes) -> dict[str, Any]:
+def answer_request(line: bytes) -> dict[str, Any]:
     """Return the answer to a request, or its error in one line."""
     request = json.loads(line)
     try:
@@ -59,7 +59,7 @@ def main() -> None:
     out: IO[bytes] = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     for line in sys.stdin.buffer:
-        out.write(json.dumps(answer(line)).encode() + b"\n")
+        out.write(json.dumps(answer_request(line)).encode() + b"\n")
         out.flush()
 
 

@@ -12,7 +12,7 @@ from arena_core import random_generator
 from arena_core.files import write_text_whole
 from arena_core.hosting import load_registry
 from arena_scenarios import plans
-from arena_scenarios.halls import HALLS, hall
+from arena_scenarios.halls import HALLS, hall_problem
 from arena_scenarios.problems import write_problems
 from arena_scenarios.situations import DENSITIES, SITUATIONS, draw_spaced
 
@@ -21,16 +21,16 @@ TITLE = "What a robot meets among people: seven situations and three halls, each
 CROWDS = (5, 10, 20)  # people in a hall
 VARIATIONS = 5  # problems a file
 PLANS = {
-    "ring": plans.ring(20.0, 9.0, 3.0),
-    "promenade": plans.ring(24.0, 13.0, 4.0),
-    "junctions": plans.junctions(),
-    "rooms": plans.rooms(),
-    "corner": plans.corner(),
+    "ring": plans.ring_floor(20.0, 9.0, 3.0),
+    "promenade": plans.ring_floor(24.0, 13.0, 4.0),
+    "junctions": plans.junctions_floor(),
+    "rooms": plans.rooms_floor(),
+    "corner": plans.corner_floor(),
     "counter_hall": plans.counter_hall(),
 }
 
 
-def make(folder: Path) -> None:
+def write_pack(folder: Path) -> None:
     """Write everything below ``folder``."""
     pack = folder / "packs" / "arena"
     for name, floor in {**PLANS, **{name: draw() for name, (draw, _) in HALLS.items()}}.items():
@@ -57,7 +57,9 @@ def _write_halls(pack: Path) -> None:
         for people in CROWDS:
             name = f"{hall_name}_{people:02d}"
             title = f"{people} people walk about the robot's way ({hall_name})"
-            problems = [hall(draw(), route, people, random_generator(variation, name, "pack")) for variation, route in enumerate(routes)]
+            problems = [
+                hall_problem(draw(), route, people, random_generator(variation, name, "pack")) for variation, route in enumerate(routes)
+            ]
             write_problems(pack / "scenarios" / f"{name}.json", title, f"../maps/{hall_name}.yaml", problems)
 
 
@@ -70,4 +72,4 @@ def _write_experiment(pack: Path, path: Path) -> None:
 if __name__ == "__main__":
     if len(sys.argv) > 2 or any(given.startswith("-") for given in sys.argv[1:]):
         sys.exit(__doc__)
-    make(Path(sys.argv[1]) if len(sys.argv) == 2 else Path(__file__).parent)
+    write_pack(Path(sys.argv[1]) if len(sys.argv) == 2 else Path(__file__).parent)

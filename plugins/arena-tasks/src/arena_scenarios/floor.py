@@ -20,15 +20,15 @@ class Floor:
     """A building of ``width`` by ``height`` m, at first solid; its lower left inner corner is the origin of ``map``."""
 
     def __init__(self, width: float, height: float) -> None:
-        self.free = np.zeros((_cells(height), _cells(width)), bool)
+        self.free = np.zeros((_cell_count(height), _cell_count(width)), bool)
 
     def room(self, x_min: float, y_min: float, x_max: float, y_max: float) -> None:
         """Make a rectangle free."""
-        self.free[_cells(y_min) : _cells(y_max), _cells(x_min) : _cells(x_max)] = True
+        self.free[_cell_count(y_min) : _cell_count(y_max), _cell_count(x_min) : _cell_count(x_max)] = True
 
     def block(self, x_min: float, y_min: float, x_max: float, y_max: float) -> None:
         """Make a rectangle occupied; what lies outside the building is cut off."""
-        self.free[max(_cells(y_min), 0) : _cells(y_max), max(_cells(x_min), 0) : _cells(x_max)] = False
+        self.free[max(_cell_count(y_min), 0) : _cell_count(y_max), max(_cell_count(x_min), 0) : _cell_count(x_max)] = False
 
     def pilasters(self, y: float, depth: float, places: tuple[float, ...]) -> None:
         """Put flat pillars of ``depth`` m (down from ``y`` if negative) on a wall along x: a scan matches a bare one anywhere along it."""
@@ -55,5 +55,5 @@ def save_map(folder: Path, name: str, free: NDArray[np.bool_], resolution: float
     write_text_whole(folder / f"{name}.yaml", "\n".join([*lines, "occupied_thresh: 0.65", "free_thresh: 0.196", "mode: trinary", ""]))
 
 
-def _cells(length: float) -> int:
+def _cell_count(length: float) -> int:
     return round(length / RESOLUTION)

@@ -10,7 +10,7 @@ from scipy import ndimage
 
 from arena_scenarios.floor import RESOLUTION, Floor
 from arena_scenarios.problems import RADIUS, Person, Point, Problem
-from arena_scenarios.situations import spaced
+from arena_scenarios.situations import is_spaced
 
 Random = np.random.Generator
 Route = tuple[Point, ...]
@@ -21,7 +21,7 @@ KIOSKS = ((9.3, 3.4, 1.5), (15.2, 5.6, 1.2), (1.4, 8.2, 1.1), (5.2, 6.6, 1.3), (
 PLANTERS = ((2.6, 3.9, 0.9), (5.9, 1.9, 0.6), (13.6, 2.1, 0.8), (9.9, 8.3, 0.7), (3.3, 11.8, 0.8), (15.4, 13.2, 0.9))
 
 
-def warehouse() -> Floor:
+def warehouse_floor() -> Floor:
     """Draw two rows of five racks, whose bays stand back by different depths, so that an aisle looks different along its length."""
     floor = Floor(20.0, 20.0)
     floor.room(0.0, 0.0, 20.0, 20.0)
@@ -33,7 +33,7 @@ def warehouse() -> Floor:
     return floor
 
 
-def indoor() -> Floor:
+def indoor_floor() -> Floor:
     """Draw a corridor of 2.4 m between eight rooms with doors of 1.3 m and some furniture."""
     floor = Floor(18.0, 15.0)
     floor.room(0.0, 6.3, 18.0, 8.7)
@@ -50,7 +50,7 @@ def indoor() -> Floor:
     return floor
 
 
-def outdoor() -> Floor:
+def outdoor_floor() -> Floor:
     """Draw a square with kiosks, planters and benches."""
     floor = Floor(18.0, 18.0)
     floor.room(0.0, 0.0, 18.0, 18.0)
@@ -63,7 +63,7 @@ def outdoor() -> Floor:
 
 HALLS: dict[str, tuple[Callable[[], Floor], tuple[Route, ...]]] = {  # by name: the floor plan, and the robot's likely way in each variation
     "warehouse": (
-        warehouse,
+        warehouse_floor,
         (
             ((1.3, 3.5), (1.3, 10.0), (12.2, 10.0), (12.2, 16.0)),
             ((15.8, 16.5), (15.8, 10.0), (5.0, 10.0), (5.0, 4.0)),
@@ -73,7 +73,7 @@ HALLS: dict[str, tuple[Callable[[], Floor], tuple[Route, ...]]] = {  # by name: 
         ),
     ),
     "indoor": (
-        indoor,
+        indoor_floor,
         (
             ((3.4, 2.2), (1.7, 6.2), (2.6, 7.5), (14.8, 7.5), (14.9, 8.8), (16.2, 12.4)),
             ((16.4, 2.2), (16.9, 6.2), (15.2, 7.5), (3.5, 7.5), (2.5, 8.8), (2.6, 13.2)),
@@ -83,7 +83,7 @@ HALLS: dict[str, tuple[Callable[[], Floor], tuple[Route, ...]]] = {  # by name: 
         ),
     ),
     "outdoor": (
-        outdoor,
+        outdoor_floor,
         (
             ((1.2, 1.2), (16.6, 16.6)),
             ((16.8, 1.4), (1.2, 13.8)),
@@ -95,34 +95,34 @@ HALLS: dict[str, tuple[Callable[[], Floor], tuple[Route, ...]]] = {  # by name: 
 }
 
 
-def hall(floor: Floor, route: Route, people: int, random: Random) -> Problem:
+def hall_problem(floor: Floor, route: Route, people: int, random: Random) -> Problem:
     """Return a problem whose people walk to and fro across the robot's way and along it, each about a stretch of its own."""
     clearance = ndimage.distance_transform_edt(np.pad(floor.free, 1))[1:-1, 1:-1] * RESOLUTION
     heading = float(np.arctan2(route[1][1] - route[0][1], route[1][0] - route[0][0]))
     walkers: list[Person] = []
     for number in range(people):
-        walkers.append(_walker(clearance, route, (number, people), walkers, random))
+        walkers.append(_draw_walker(clearance, route, (number, people), walkers, random))
     return Problem(route[0], route[-1], heading, tuple(walkers))
 
 
-def _walker(clearance: NDArray[np.float64], route: Route, place: tuple[int, int], others: list[Person], random: Random) -> Person:
+def _draw_walker(clearance: NDArray[np.float64], route: Route, place: tuple[int, int], others: list[Person], random: Random) -> Person:
     """Draw one of so many people about its stretch of the route, apart from ``others``; the last tries take any stretch."""
     number, count = place
     for attempt in range(TRIES):
         share = (number + random.random()) / count if attempt < TRIES // 2 else random.random()
-        home, along = _at(np.array(route), 0.12 + 0.83 * float(share))
+        home, along = _route_position(np.array(route), 0.12 + 0.83 * float(share))
         across = np.array((-along[1], along[0]))
         way, lane = (along, across) if (number + attempt // 50) % 2 else (across, along)
         home, reaches = home + random.uniform(-1.2, 1.2) * lane, random.uniform(0.3, 2.2, 2)
         begin, end = home - reaches[0] * way, home + reaches[1] * way
         position = begin + random.random() * (end - begin)
         walker = Person((position[0], position[1]), ((end[0], end[1]), (begin[0], begin[1])), SPEED)
-        if _is_clear(clearance, begin, end) and spaced(Problem(route[0], route[-1], 0.0, (*others, walker))):
+        if _is_clear(clearance, begin, end) and is_spaced(Problem(route[0], route[-1], 0.0, (*others, walker))):
             return walker
     raise AssertionError(f"no room for person {number} about {route}")
 
 
-def _at(route: NDArray[np.float64], share: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _route_position(route: NDArray[np.float64], share: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the position at a share of a route's length, and the direction there."""
     legs = np.diff(route, axis=0)
     lengths = np.hypot(*legs.T)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from arena_scenarios.floor import Floor
 
 
-def ring(length: float, depth: float, corridor: float) -> Floor:
+def ring_floor(length: float, depth: float, corridor: float) -> Floor:
     """Draw a corridor all around a block, so that people go round and round and all of them the same way."""
     floor = Floor(length, depth)
     floor.room(0.0, 0.0, length, depth)
@@ -17,7 +17,7 @@ def ring(length: float, depth: float, corridor: float) -> Floor:
     return floor
 
 
-def junctions() -> Floor:
+def junctions_floor() -> Floor:
     """Draw a corridor of 3.5 m that three others of 2.5 m cross."""
     floor = Floor(20.0, 11.5)
     floor.room(0.0, 4.0, 20.0, 7.5)
@@ -28,7 +28,7 @@ def junctions() -> Floor:
     return floor
 
 
-def rooms() -> Floor:
+def rooms_floor() -> Floor:
     """Draw two rooms with shelves, and one door of 1.5 m between them."""
     floor = Floor(16.3, 8.0)
     floor.room(0.0, 0.0, 8.0, 8.0)
@@ -41,7 +41,7 @@ def rooms() -> Floor:
     return floor
 
 
-def corner() -> Floor:
+def corner_floor() -> Floor:
     """Draw two corridors of 2.6 m that meet at a right angle, behind which nobody sees."""
     floor = Floor(12.0, 12.0)
     floor.room(0.0, 0.0, 12.0, 2.6)

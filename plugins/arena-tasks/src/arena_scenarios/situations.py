@@ -17,7 +17,7 @@ APART, KEEP_OFF = 0.65, 1.5  # m, least distances at the start: between people, 
 DENSITIES = {"low": 0, "medium": 1, "high": 2}
 
 
-def crossing(density: int, random: Random) -> Problem:
+def crossing_problem(density: int, random: Random) -> Problem:
     """People cross the robot's corridor at three junctions, both ways."""
     people = []
     for number in range((3, 6, 12)[density]):
@@ -26,7 +26,9 @@ def crossing(density: int, random: Random) -> Problem:
         ends = ((x, 1.8), (x, 9.7)) if upwards else ((x, 9.7), (x, 1.8))
         share = float(random.uniform(0.06, 0.2)) + 0.3 * (number // 6)
         position = (x, ends[0][1] + share * (ends[1][1] - ends[0][1]))
-        people.append(Person(position, (ends[1], ends[0]), float(random.uniform(0.5, 0.9)), _waits(number % 3 != 0 and number < 6, 6.0)))
+        people.append(
+            Person(position, (ends[1], ends[0]), float(random.uniform(0.5, 0.9)), _wait_behaviour(number % 3 != 0 and number < 6, 6.0))
+        )
     return Problem((1.5, 5.75), (18.5, 5.75), 0.0, tuple(people))
 
 
@@ -34,17 +36,17 @@ def head_on(density: int, random: Random) -> Problem:
     """People come towards the robot in a corridor of 3 m, one after the other, and come round again."""
     count = (2, 4, 8)[density]
     places = [0.3 + 0.62 * number / count for number in range(count)]
-    people = [_rounder(RING, place, float(random.uniform(-0.75, 0.75)), float(random.uniform(0.4, 0.8)), -1) for place in places]
+    people = [_ring_walker(RING, place, float(random.uniform(-0.75, 0.75)), float(random.uniform(0.4, 0.8)), -1) for place in places]
     return Problem((3.2, 1.5), (16.8, 1.5), 0.0, tuple(people))
 
 
-def overtaking(density: int, random: Random) -> Problem:
+def overtaking_problem(density: int, random: Random) -> Problem:
     """Slow people go ahead of the robot, faster ones come from behind: one of the two overtakes the other."""
     pairs = (1, 2, 4)[density]
     ahead = [0.14 + 0.17 * (number + random.uniform(0.0, 0.5)) / pairs for number in range(pairs)]
     behind = [0.93 - 0.3 * (number + random.uniform(0.0, 0.3)) / pairs for number in range(pairs)]
-    people = [_rounder(RING, float(place), float(random.uniform(-0.8, 0.8)), float(random.uniform(0.3, 0.4)), 1) for place in ahead]
-    people += [_rounder(RING, float(place), float(random.uniform(-0.8, 0.8)), float(random.uniform(0.5, 0.9)), 1) for place in behind]
+    people = [_ring_walker(RING, float(place), float(random.uniform(-0.8, 0.8)), float(random.uniform(0.3, 0.4)), 1) for place in ahead]
+    people += [_ring_walker(RING, float(place), float(random.uniform(-0.8, 0.8)), float(random.uniform(0.5, 0.9)), 1) for place in behind]
     return Problem((3.2, 1.5), (16.8, 1.5), 0.0, tuple(people))
 
 
@@ -57,11 +59,11 @@ def moving_group(density: int, random: Random) -> Problem:
         side = float(random.choice((-0.3, 0.3)))
         for member in range(members):
             lane = side + 0.75 * (member - (members - 1) / 2)
-            people.append(_rounder(PROMENADE, place, lane, speed, -1, {"group": f"group {number}"}))
+            people.append(_ring_walker(PROMENADE, place, lane, speed, -1, {"group": f"group {number}"}))
     return Problem((4.2, 2.0), (19.8, 2.0), 0.0, tuple(people))
 
 
-def doorway(density: int, random: Random) -> Problem:
+def doorway_problem(density: int, random: Random) -> Problem:
     """People go to and fro through the one door that the robot needs."""
     people = []
     for number in range((2, 4, 7)[density]):
@@ -70,7 +72,7 @@ def doorway(density: int, random: Random) -> Problem:
         near, far = (7.4, 4.0 + float(random.uniform(-0.3, 0.3))), (8.9, 4.0 + float(random.uniform(-0.3, 0.3)))
         rounds = (near, far, there, far, near, here) if number % 2 else (far, near, here, near, far, there)
         position = here if number % 2 else there
-        people.append(Person(position, rounds, float(random.uniform(0.4, 0.7)), _waits(number == 0, 5.5)))
+        people.append(Person(position, rounds, float(random.uniform(0.4, 0.7)), _wait_behaviour(number == 0, 5.5)))
     y = float(random.uniform(2.2, 5.8))
     return Problem((1.5, y), (14.8, 8.0 - y), 0.0, tuple(people))
 
@@ -82,11 +84,13 @@ def blind_corner(density: int, random: Random) -> Problem:
         lane = float(random.uniform(-0.6, 0.6))
         turn, hidden, far = (10.7 + lane, 1.3 + lane), (10.7 + lane, 10.4 - 0.2 * number), (3.6 + 0.8 * number, 1.3 + lane)
         position = (10.7 + lane, 4.0 + 1.3 * number)
-        people.append(Person(position, (turn, far, turn, hidden), float(random.uniform(0.4, 0.8)), _waits(number < 2, 4.5 + number)))
+        people.append(
+            Person(position, (turn, far, turn, hidden), float(random.uniform(0.4, 0.8)), _wait_behaviour(number < 2, 4.5 + number))
+        )
     return Problem((1.2, 1.3), (10.7, 11.0), 0.0, tuple(people))
 
 
-def queue(density: int, random: Random) -> Problem:
+def queue_problem(density: int, random: Random) -> Problem:
     """People queue at a counter across the robot's way, are served, walk away and queue again."""
     people: list[Person] = []
     heads = ([7.5], [7.5], [5.8, 9.6])[density]
@@ -102,12 +106,12 @@ def queue(density: int, random: Random) -> Problem:
 
 def draw_spaced(draw: Callable[[int, Random], Problem], density: int, random: Random) -> Problem:
     """Draw until people are spaced."""
-    while not spaced(problem := draw(density, random)):
+    while not is_spaced(problem := draw(density, random)):
         pass
     return problem
 
 
-def spaced(problem: Problem) -> bool:
+def is_spaced(problem: Problem) -> bool:
     """Tell whether nobody stands in another or at the robot's start."""
     places = np.array([person.position for person in problem.people])
     gaps = np.hypot(*(places[:, None] - places[None]).transpose(2, 0, 1)) + np.diag(np.full(len(places), np.inf))
@@ -115,12 +119,12 @@ def spaced(problem: Problem) -> bool:
 
 
 SITUATIONS: dict[str, tuple[str, Callable[[int, Random], Problem]]] = {  # by name: the floor plan, and who is there
-    "crossing": ("junctions", crossing),
-    "overtaking": ("ring", overtaking),
+    "crossing": ("junctions", crossing_problem),
+    "overtaking": ("ring", overtaking_problem),
     "head_on": ("ring", head_on),
-    "doorway": ("rooms", doorway),
+    "doorway": ("rooms", doorway_problem),
     "blind_corner": ("corner", blind_corner),
-    "queue": ("counter_hall", queue),
+    "queue": ("counter_hall", queue_problem),
     "moving_group": ("promenade", moving_group),
 }
 
@@ -129,7 +133,9 @@ RING: Round = ((1.5, 1.5), (18.5, 1.5), (18.5, 7.5), (1.5, 7.5))
 PROMENADE: Round = ((2.0, 2.0), (22.0, 2.0), (22.0, 11.0), (2.0, 11.0))
 
 
-def _rounder(middle: Round, place: float, lane: float, speed: float, sense: int, behaviour: dict[str, float | str] | None = None) -> Person:
+def _ring_walker(
+    middle: Round, place: float, lane: float, speed: float, sense: int, behaviour: dict[str, float | str] | None = None
+) -> Person:
     """Return somebody who goes round a ring, counterclockwise if ``sense`` is 1.
 
     ``middle`` are the corners of the ring's middle line, counterclockwise from its first straight's begin; ``place`` is the share of the
@@ -142,13 +148,13 @@ def _rounder(middle: Round, place: float, lane: float, speed: float, sense: int,
     corners = line + lane * np.sign(line - line.mean(axis=0))
     position = (1.0 - share) * corners[side] + share * corners[(side + 1) % len(corners)]
     order = [(side + 1 + k) % 4 for k in range(4)] if sense == 1 else [(side - k) % 4 for k in range(4)]
-    return Person(_point(position), tuple(_point(corners[k]) for k in order), speed, behaviour or {})
+    return Person(_as_point(position), tuple(_as_point(corners[k]) for k in order), speed, behaviour or {})
 
 
-def _point(position: np.ndarray) -> Point:
+def _as_point(position: np.ndarray) -> Point:
     return float(position[0]), float(position[1])
 
 
-def _waits(waits: bool, radius: float) -> dict[str, float | str]:
+def _wait_behaviour(waits: bool, radius: float) -> dict[str, float | str]:
     """Return the behaviour of somebody who starts once the robot is within ``radius`` m, if it waits at all."""
     return {"start_up_mode": "trigger_zone", "trigger_zone_radius": radius} if waits else {}

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from arena_kernels.compiled import borrowing, compiled, inlined, inner
+from arena_kernels.costmap_window import LETHAL, CostmapWindow, distance_at
 from arena_kernels.footprint import point_gap
-from arena_kernels.window import LETHAL, Window, distance_at
 from arena_teb.clusters import FARTHEST, ROUNDED
 from arena_teb.polygons import Hulls
 from arena_teb.problem import FloatArray
@@ -26,25 +26,25 @@ class Reach(NamedTuple):
 
 
 @compiled
-def associated(band: FloatArray, window: Window, hulls: Hulls, reach: Reach) -> FloatArray:
+def associate_points(band: FloatArray, window: CostmapWindow, hulls: Hulls, reach: Reach) -> FloatArray:
     """Return the static points (N, P, 2) of the poses of a band, inf where there is none; those of polygons, if there are polygons."""
     count, places = len(band), FORCED_FROM
     points = np.full((count, places, 2), np.inf)
     for k in range(count):
         if not -math.inf < distance_at(window, band[k, 0], band[k, 1]) < reach.most:
             continue
-        places = max(places, pair(window, hulls, band[k], reach, points[k]))
+        places = max(places, pair_pose(window, hulls, band[k], reach, points[k]))
     if places == FORCED_FROM:
         return points
     points = np.full((count, places, 2), np.inf)
     for k in range(count):
         if -math.inf < distance_at(window, band[k, 0], band[k, 1]) < reach.most:
-            pair(window, hulls, band[k], reach, points[k])
+            pair_pose(window, hulls, band[k], reach, points[k])
     return points
 
 
 @inner
-def pair(window: Window, hulls: Hulls, pose: FloatArray, reach: Reach, found: FloatArray) -> int:
+def pair_pose(window: CostmapWindow, hulls: Hulls, pose: FloatArray, reach: Reach, found: FloatArray) -> int:
     """Write what counts for a pose into ``found`` (P, 2), as far as there is room; return how many places would do."""
     if len(hulls.starts) > 0:
         return pair_hulls(hulls, pose, reach, found)
@@ -52,7 +52,7 @@ def pair(window: Window, hulls: Hulls, pose: FloatArray, reach: Reach, found: Fl
 
 
 @borrowing
-def pair_cells(window: Window, pose: FloatArray, reach: Reach, found: FloatArray) -> int:
+def pair_cells(window: CostmapWindow, pose: FloatArray, reach: Reach, found: FloatArray) -> int:
     """Pair a pose with the centres of lethal cells; of those forced to count only cells with a free neighbour do."""
     rows, columns = window.costs.shape
     x, y = pose[0], pose[1]
@@ -73,26 +73,26 @@ def pair_cells(window: Window, pose: FloatArray, reach: Reach, found: FloatArray
             squared = dx * dx + dy * dy
             if squared < forced:
                 if on_surface(window, row, column):
-                    place(found, places, x + dx * window.resolution, y + dy * window.resolution)
+                    write_point(found, places, x + dx * window.resolution, y + dy * window.resolution)
                     places += 1
             elif c * dy - s * dx >= 0.0:
                 if squared < left:
                     left = squared
-                    place(found, 0, x + dx * window.resolution, y + dy * window.resolution)
+                    write_point(found, 0, x + dx * window.resolution, y + dy * window.resolution)
             elif squared < right:
                 right = squared
-                place(found, 1, x + dx * window.resolution, y + dy * window.resolution)
+                write_point(found, 1, x + dx * window.resolution, y + dy * window.resolution)
     return places
 
 
 @inlined
-def free_cells(window: Window, row: int, column: int) -> int:
+def free_cells(window: CostmapWindow, row: int, column: int) -> int:
     """Return how many cells further no cell of the row can be lethal before: as far as the nearest one is away, and at least 1."""
     return max(1, int(min(window.distance[row, column] / window.resolution - ROUNDED, FARTHEST)))
 
 
 @inner
-def on_surface(window: Window, row: int, column: int) -> bool:
+def on_surface(window: CostmapWindow, row: int, column: int) -> bool:
     """Tell whether one of a cell's four neighbours is not lethal, or outside the window."""
     rows, columns = window.costs.shape
     if row == 0 or column == 0 or row == rows - 1 or column == columns - 1:
@@ -111,20 +111,20 @@ def pair_hulls(hulls: Hulls, pose: FloatArray, reach: Reach, found: FloatArray) 
         gap = max(gap, BEHIND)
         x, y = pose[0] - gap * nx, pose[1] - gap * ny
         if gap < reach.forced:
-            place(found, places, x, y)
+            write_point(found, places, x, y)
             places += 1
         elif c * (y - pose[1]) - s * (x - pose[0]) >= 0.0:
             if gap < left:
                 left = gap
-                place(found, 0, x, y)
+                write_point(found, 0, x, y)
         elif gap < right:
             right = gap
-            place(found, 1, x, y)
+            write_point(found, 1, x, y)
     return places
 
 
 @inner
-def place(found: FloatArray, at: int, x: float, y: float) -> None:
+def write_point(found: FloatArray, at: int, x: float, y: float) -> None:
     """Write a point, if there is room."""
     if at < len(found):
         found[at, 0], found[at, 1] = x, y

@@ -25,7 +25,7 @@ def band_along(line: FloatArray, start: FloatArray, goal: FloatArray, speed: flo
     A first heading that differs from the line's is turned to on the spot with ``turn`` rad/s; ``reverses``: a line that begins
     behind the robot is driven backwards.
     """
-    points = evenly(np.concatenate((start[None, :2], line, goal[None, :2])))
+    points = resample_polyline(np.concatenate((start[None, :2], line, goal[None, :2])))
     if len(points) < 3:
         points = np.linspace(start[:2], goal[:2], 3)
     steps = np.diff(points, axis=0)
@@ -49,7 +49,7 @@ def turn_on_spot(start: FloatArray, angle: float, turn: float) -> FloatArray:
 
 
 @compiled
-def evenly(points: FloatArray) -> FloatArray:
+def resample_polyline(points: FloatArray) -> FloatArray:
     """Return positions at most SPACING apart along a polyline (M, 2), ends included."""
     along, kept, corners = np.zeros(len(points)), np.empty(len(points), np.int64), 0
     for i in range(len(points)):
@@ -75,7 +75,7 @@ def evenly(points: FloatArray) -> FloatArray:
     return found
 
 
-def carried_over(band: FloatArray, start: FloatArray, goal: FloatArray, fewest: int) -> FloatArray:
+def prune_band(band: FloatArray, start: FloatArray, goal: FloatArray, fewest: int) -> FloatArray:
     """Return a band that begins at pose ``start``, without the poses that the robot has passed, and ends at ``goal``."""
     last = min(PRUNE_AHEAD, len(band) - fewest)
     passed = 0
@@ -83,18 +83,18 @@ def carried_over(band: FloatArray, start: FloatArray, goal: FloatArray, fewest: 
         away = np.hypot(band[: last + 1, 0] - start[0], band[: last + 1, 1] - start[1])
         passed = int(np.argmin(away))
     kept = band[passed:].copy()
-    before = way(kept[0], kept[1])
+    before = pose_distance(kept[0], kept[1])
     kept[0, :3] = start
-    kept[0, 3] *= min(max(way(kept[0], kept[1]) / before, 0.1), 1.0) if before > 0.0 else 1.0
+    kept[0, 3] *= min(max(pose_distance(kept[0], kept[1]) / before, 0.1), 1.0) if before > 0.0 else 1.0
     kept[-1, :3] = goal
     return kept
 
 
-def way(pose: FloatArray, other: FloatArray) -> float:
+def pose_distance(pose: FloatArray, other: FloatArray) -> float:
     """Return how far apart two poses are, a turn counted as the way of a point TURN_ARM away."""
     return math.hypot(other[0] - pose[0], other[1] - pose[1]) + TURN_ARM * abs(float(wrap_angle(other[2] - pose[2])))
 
 
-def duration(band: FloatArray) -> float:
+def band_duration(band: FloatArray) -> float:
     """Return how long a band takes, s."""
     return float(band[:-1, 3].sum())

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import compiled
-from arena_kernels.window import Window
+from arena_kernels.costmap_window import CostmapWindow
 from arena_teb.problem import FloatArray, IntArray
 
 ROUNDED = 1e-3  # cells, more than a distance is rounded by
@@ -14,13 +14,13 @@ FARTHEST = 1e6  # cells, in place of infinitely many
 
 
 @compiled
-def cluster_points(window: Window, inscribed_radius: float, x: float, y: float, most: int) -> FloatArray:
+def cluster_points(window: CostmapWindow, inscribed_radius: float, x: float, y: float, most: int) -> FloatArray:
     """Return a point (C, 2) inside each connected region that the robot's middle cannot enter, at most the ``most`` nearest to (x, y).
 
     It is the cell nearest to the region's centre of mass, the first of them in the window's order.
     """
     columns = window.distance.shape[1]
-    cells, starts = regions(window.distance, inscribed_radius + 0.5 * window.resolution, window.resolution)
+    cells, starts = connected_components(window.distance, inscribed_radius + 0.5 * window.resolution, window.resolution)
     count = len(starts) - 1
     points, nearest = np.empty((count, 2)), np.full(count, np.inf)
     for k in range(count):
@@ -43,7 +43,7 @@ def cluster_points(window: Window, inscribed_radius: float, x: float, y: float, 
 
 
 @compiled
-def regions(distance: NDArray[np.float32], below: float, resolution: float) -> tuple[IntArray, IntArray]:
+def connected_components(distance: NDArray[np.float32], below: float, resolution: float) -> tuple[IntArray, IntArray]:
     """Return the cells with ``distance`` under ``below`` by their regions (8 neighbours): number i has cells[starts[i]:starts[i + 1]].
 
     A cell is row times columns + column; ``resolution`` is its side, m.

@@ -8,14 +8,14 @@ import numpy as np
 
 from arena_core import NoValidCommand, Pose
 from arena_kernels.compiled import borrowing
+from arena_kernels.costmap_window import BORDER, CostmapWindow, distance_at
 from arena_kernels.paths import nearest_index
-from arena_kernels.window import BORDER, Window, distance_at
 from arena_teb.problem import FloatArray
 
 BACKTRACK = 0.5  # m, a robot as near to an earlier part of the path as to a later one has not passed the earlier one yet
 
 
-def local_plan(path: FloatArray, pose: Pose, window: Window, lookahead: float, inscribed_radius: float) -> tuple[FloatArray, bool]:
+def local_plan(path: FloatArray, pose: Pose, window: CostmapWindow, lookahead: float, inscribed_radius: float) -> tuple[FloatArray, bool]:
     """Return the poses (M, 3) of a path ahead of the robot, and whether they end at the path's end.
 
     They end ``lookahead`` m along the path, at the window's border, or before an obstacle that lies on what would be the last pose.
@@ -28,7 +28,7 @@ def local_plan(path: FloatArray, pose: Pose, window: Window, lookahead: float, i
 
 
 @borrowing
-def last_reached(ahead: FloatArray, window: Window, lookahead: float, inscribed_radius: float) -> int:
+def last_reached(ahead: FloatArray, window: CostmapWindow, lookahead: float, inscribed_radius: float) -> int:
     """Return the last pose of ``ahead`` (M, 3) within ``lookahead`` m and the window whose middle can be reached."""
     rows, columns = window.costs.shape
     left, below = window.origin_x + BORDER, window.origin_y + BORDER
@@ -45,7 +45,7 @@ def last_reached(ahead: FloatArray, window: Window, lookahead: float, inscribed_
 
 
 @borrowing
-def last_free(poses: FloatArray, window: Window, inscribed_radius: float) -> int:
+def last_free(poses: FloatArray, window: CostmapWindow, inscribed_radius: float) -> int:
     """Return the last pose whose middle can be reached, the last of all if there is none."""
     for k in range(len(poses) - 1, 0, -1):
         if distance_at(window, poses[k, 0], poses[k, 1]) > inscribed_radius:
@@ -59,7 +59,7 @@ def headings_along(positions: FloatArray, last: float) -> FloatArray:
     return np.append(np.arctan2(steps[:, 1], steps[:, 0]), last)
 
 
-def heading_of_end(plan: FloatArray, pose: Pose, over: float) -> float:
+def end_heading(plan: FloatArray, pose: Pose, over: float) -> float:
     """Return the direction in which a plan (M, 3) ends, taken over its last ``over`` m; from the robot where it is shorter."""
     x, y = plan[-1, :2].tolist()
     before = last_beyond(plan, over)

@@ -58,17 +58,17 @@ def make_model(
         )
     spacing = math.inf if trajectory.max_spacing is None else trajectory.max_spacing
     sampling = Sampling(trajectory.dt_ref, trajectory.dt_hysteresis, trajectory.min_samples, trajectory.max_samples, spacing)
-    shape = _shape(robot, obstacles)
+    shape = _footprint_shape(robot, obstacles)
     inscribed = robot.footprint.inscribed_radius if obstacles.footprint_model == "body" else 0.0
     slow = obstacles.proximity_lower_bound + inscribed, obstacles.proximity_upper_bound + inscribed
-    vicinity = Vicinity(_reach(shape, obstacles, optimisation.penalty_epsilon), obstacles.proximity_ratio_max_vel, *slow)
+    vicinity = Vicinity(_association_reach(shape, obstacles, optimisation.penalty_epsilon), obstacles.proximity_ratio_max_vel, *slow)
     effort = Effort(
         optimisation.no_inner_iterations, optimisation.no_outer_iterations, optimisation.tolerance, optimisation.weight_adapt_factor
     )
-    return Model(_penalties(robot, limits, obstacles, optimisation, weights), shape, sampling, vicinity, effort)
+    return Model(_make_penalties(robot, limits, obstacles, optimisation, weights), shape, sampling, vicinity, effort)
 
 
-def _shape(robot: Robot, obstacles: Obstacles) -> Shape:
+def _footprint_shape(robot: Robot, obstacles: Obstacles) -> Shape:
     """Return what gaps are measured from: the robot's body, or its middle."""
     footprint = robot.footprint
     if obstacles.footprint_model == "point":
@@ -78,7 +78,7 @@ def _shape(robot: Robot, obstacles: Obstacles) -> Shape:
     return Shape(np.ascontiguousarray(footprint.vertices_xy), 0.0, footprint.radius, footprint.inscribed_radius)
 
 
-def _reach(shape: Shape, obstacles: Obstacles, epsilon: float) -> Reach:
+def _association_reach(shape: Shape, obstacles: Obstacles, epsilon: float) -> Reach:
     """Return how far from the origin static points count (teb_local_planner: obstacle_association_...)."""
     least = obstacles.min_obstacle_dist
     penalised = max(least + epsilon, obstacles.inflation_dist)
@@ -87,15 +87,15 @@ def _reach(shape: Shape, obstacles: Obstacles, epsilon: float) -> Reach:
     return Reach(most, min(most, shape.radius + least * factor) if factor > 0.0 else 0.0)
 
 
-def _penalties(robot: Robot, limits: Limits, obstacles: Obstacles, optimisation: Optimisation, weights: Weights) -> Penalties:
+def _make_penalties(robot: Robot, limits: Limits, obstacles: Obstacles, optimisation: Optimisation, weights: Weights) -> Penalties:
     epsilon = optimisation.penalty_epsilon
     least, most, acceleration = speed_limits(robot, limits)
     radius = turning_radius(robot, limits)
     holonomic = robot.holonomic
     return Penalties(
-        speed_min=-_inside(-least, epsilon),
-        speed_max=_inside(most, epsilon),
-        acceleration=_inside(acceleration, epsilon),
+        speed_min=-_shrink_bounds(-least, epsilon),
+        speed_max=_shrink_bounds(most, epsilon),
+        acceleration=_shrink_bounds(acceleration, epsilon),
         root_speed=np.sqrt((weights.max_vel_x, weights.max_vel_y if holonomic else 0.0, weights.max_vel_theta)),
         root_acceleration=np.sqrt((weights.acc_lim_x, weights.acc_lim_y if holonomic else 0.0, weights.acc_lim_theta)),
         root_nonholonomic=math.sqrt(weights.kinematics_nh_holonomic if holonomic else weights.kinematics_nh),
@@ -130,6 +130,6 @@ def selection_penalties(penalties: Penalties, scale: float) -> Penalties:
     )
 
 
-def _inside(bounds: FloatArray, epsilon: float) -> FloatArray:
+def _shrink_bounds(bounds: FloatArray, epsilon: float) -> FloatArray:
     """Return bounds a little inside, at most halved."""
     return np.asarray(bounds - np.minimum(epsilon, 0.5 * bounds))

@@ -9,7 +9,7 @@ import numpy as np
 from arena_core import Twist
 from arena_kernels.compiled import compiled
 from arena_teb.problem import FloatArray
-from arena_teb.terms import wrapped
+from arena_teb.terms import wrap_to_pi
 
 
 @compiled
@@ -19,14 +19,14 @@ def first_velocity(band: FloatArray, period: float) -> FloatArray:
     while time < period - 1e-9 and k + 2 < len(band):
         k += 1
         time += band[k, 3]
-    turn = wrapped(band[k + 1, 2] - band[0, 2])
+    turn = wrap_to_pi(band[k + 1, 2] - band[0, 2])
     heading = band[0, 2] + 0.5 * turn
     dx, dy = band[k + 1, 0] - band[0, 0], band[k + 1, 1] - band[0, 1]
     c, s = math.cos(heading), math.sin(heading)
     return np.array(((c * dx + s * dy) / time, (c * dy - s * dx) / time, turn / time))
 
 
-def saturated(velocity: FloatArray, least: FloatArray, most: FloatArray, turn_radius: float, holonomic: bool) -> Twist:
+def saturate_velocity(velocity: FloatArray, least: FloatArray, most: FloatArray, turn_radius: float, holonomic: bool) -> Twist:
     """Return a velocity within limits, slowed down as a whole so that its curvature stays; sideways only if ``holonomic``."""
     vx, vy, wz = velocity.tolist()
     share = 1.0

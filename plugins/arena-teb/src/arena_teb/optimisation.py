@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 from arena_kernels.compiled import compiled
 from arena_teb.problem import Ends, FloatArray, Penalties, Shape, Surroundings
-from arena_teb.resize import Sampling, resized
-from arena_teb.solver import solve
-from arena_teb.surroundings import Scene, Vicinity, surroundings
-from arena_teb.terms import evaluate, make_rows
+from arena_teb.resize import Sampling, resize_band
+from arena_teb.solver import solve_band
+from arena_teb.surroundings import Scene, Vicinity, find_surroundings
+from arena_teb.terms import evaluate_terms, make_rows
 
 
 class Effort(NamedTuple):
@@ -33,26 +33,26 @@ class Model(NamedTuple):
 
 
 @compiled
-def optimised(band: FloatArray, scene: Scene, model: Model, ends: Ends) -> tuple[FloatArray, Surroundings, Penalties]:
+def optimise_band(band: FloatArray, scene: Scene, model: Model, ends: Ends) -> tuple[FloatArray, Surroundings, Penalties]:
     """Return the optimised band (M, 4), with the surroundings and penalties of its last solution (RAS 2017, algorithm 1)."""
-    band, around, penalties = improved(band, scene, model, ends, 1.0)
+    band, around, penalties = improve_band(band, scene, model, ends, 1.0)
     for outer in range(1, model.effort.outer):
-        band, around, penalties = improved(band, scene, model, ends, model.effort.adaptation**outer)
+        band, around, penalties = improve_band(band, scene, model, ends, model.effort.adaptation**outer)
     return band, around, penalties
 
 
 @compiled
-def improved(band: FloatArray, scene: Scene, model: Model, ends: Ends, factor: float) -> tuple[FloatArray, Surroundings, Penalties]:
+def improve_band(band: FloatArray, scene: Scene, model: Model, ends: Ends, factor: float) -> tuple[FloatArray, Surroundings, Penalties]:
     """Return a band after one outer iteration in which static obstacles weigh ``factor`` times as much, and what it was solved with."""
-    band = resized(band, model.sampling)
-    around = surroundings(band, scene, model.vicinity, model.shape)
-    penalties = weighed(model.penalties, factor)
-    solve(band, penalties, model.shape, ends, around, model.effort.inner, model.effort.tolerance)
+    band = resize_band(band, model.sampling)
+    around = find_surroundings(band, scene, model.vicinity, model.shape)
+    penalties = scale_penalties(model.penalties, factor)
+    solve_band(band, penalties, model.shape, ends, around, model.effort.inner, model.effort.tolerance)
     return band, around, penalties
 
 
 @compiled
-def weighed(penalties: Penalties, factor: float) -> Penalties:
+def scale_penalties(penalties: Penalties, factor: float) -> Penalties:
     """Return penalties whose weight of static obstacles is ``factor`` times as great."""
     p = penalties
     return Penalties(
@@ -85,6 +85,6 @@ def weighed(penalties: Penalties, factor: float) -> Penalties:
 @compiled
 def band_cost(band: FloatArray, scene: Scene, penalties: Penalties, model: Model, ends: Ends) -> float:
     """Return the cost of a band by which topologies are compared."""
-    around = surroundings(band, scene, model.vicinity, model.shape)
+    around = find_surroundings(band, scene, model.vicinity, model.shape)
     rows = make_rows(around)
-    return evaluate(band, penalties, model.shape, ends, around, rows)
+    return evaluate_terms(band, penalties, model.shape, ends, around, rows)

@@ -25,22 +25,22 @@ class OscillationDetector:
         self._preferred = 0.0
         self._until = -np.inf
 
-    def note(self, command: Twist) -> None:
+    def record_command(self, command: Twist) -> None:
         """Take in a command."""
         self._commands.append((command.vx, command.wz))
 
-    def preferred(self, stamp: float) -> float:
+    def preferred_turn(self, stamp: float) -> float:
         """Return the direction of turning to prefer at ``stamp`` s: 1.0, -1.0 or 0.0 for none."""
         if not self._recovery.oscillation_recovery:
             return 0.0
         if stamp >= self._until:
-            self._preferred = self._swing()
+            self._preferred = self._oscillation_sign()
             if self._preferred != 0.0:
                 self._until = stamp + self._recovery.oscillation_recovery_min_duration
                 self._commands.clear()
         return self._preferred
 
-    def _swing(self) -> float:
+    def _oscillation_sign(self) -> float:
         """Return the sign of the mean turn when commands have changed their turn, but moved the robot nowhere; else 0.0."""
         if len(self._commands) < (self._commands.maxlen or 0):
             return 0.0

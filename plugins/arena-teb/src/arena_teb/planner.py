@@ -8,19 +8,19 @@ from typing import ClassVar
 import numpy as np
 
 from arena_core import Candidate, EpisodeStart, NoValidCommand, Observation, Planner, Pose, Robot, Tracks, Twist
+from arena_kernels.costmap_window import CostmapWindow, footprint_outline, window_of, without_discs
 from arena_kernels.escape import escape_command, escape_commands, keeps_gap
-from arena_kernels.passage import AHEAD, KEPT, eased, room_along
-from arena_kernels.window import Window, footprint_outline, window_of, without_discs
-from arena_teb.classes import Topologies, Topology
+from arena_kernels.passage import AHEAD, KEPT, reduced_gap, room_along
 from arena_teb.feasibility import free_poses
-from arena_teb.local_plan import heading_of_end, local_plan
+from arena_teb.local_plan import end_heading, local_plan
 from arena_teb.model import make_model, speed_limits, turning_radius
-from arena_teb.motion import first_velocity, saturated
+from arena_teb.motion import first_velocity, saturate_velocity
 from arena_teb.oscillation import OscillationDetector
 from arena_teb.parameters import Homotopy, Limits, Obstacles, Optimisation, Polygons, Recovery, Trajectory, Weights
 from arena_teb.polygons import NO_HULLS, hulls_of
 from arena_teb.problem import Ends, FloatArray
 from arena_teb.surroundings import Scene
+from arena_teb.topologies import Topologies, Topology
 
 HEADING_OVER = 0.3  # m at the end of the local plan over which its direction is taken
 
@@ -78,34 +78,34 @@ class TebPlanner(Planner):
         pose, stamp, self._weighed = observation.pose, observation.stamp, ([], None)
         tracks = nearest_tracks(observation.tracks, pose, self._obstacles)
         window = without_discs(window_of(observation.local_map), tracks.positions, tracks.radii, self._obstacles.track_margin)
-        plan, complete = local_plan(observation.path.poses, pose, window, self._lookahead(stamp), self._outline.inscribed_radius)
+        plan, complete = local_plan(observation.path.poses, pose, window, self._lookahead_distance(stamp), self._outline.inscribed_radius)
         goal = self._local_goal(plan, pose, observation.goal, complete)
-        scene = self._scene(window, tracks, plan)
+        scene = self._build_scene(window, tracks, plan)
         least_gap = self._least_gap(window, plan, pose)
-        topologies = self._topologies.plan(plan, pose.array(), goal, scene, self._ends(observation.twist, complete, stamp), stamp)
-        band = self._feasible(topologies, window, pose, observation.twist.array(), least_gap)
+        topologies = self._topologies.plan(plan, pose.array(), goal, scene, self._band_ends(observation.twist, complete, stamp), stamp)
+        band = self._first_feasible(topologies, window, pose, observation.twist.array(), least_gap)
         self._weighed = topologies, band
-        command = self._escape(pose, scene, least_gap, stamp) if band is None else self._drive(band)
-        self._oscillation.note(command)
+        command = self._escape_command(pose, scene, least_gap, stamp) if band is None else self._drive_band(band)
+        self._oscillation.record_command(command)
         return command
 
-    def _scene(self, window: Window, tracks: Tracks, plan: FloatArray) -> Scene:
+    def _build_scene(self, window: CostmapWindow, tracks: Tracks, plan: FloatArray) -> Scene:
         hulls = NO_HULLS if self._obstacles.costmap_converter is None else hulls_of(window, self._polygons)
         return Scene(window, hulls, tracks.positions, tracks.velocities, tracks.radii, self._horizon, self._via_points(plan))
 
-    def _lookahead(self, stamp: float) -> float:
+    def _lookahead_distance(self, stamp: float) -> float:
         """Return how far ahead the band reaches, m: half as far for some time after nothing was feasible."""
         full = self._trajectory.max_global_plan_lookahead_dist
         return 0.5 * full if stamp < self._shrunk_until else full
 
     def _local_goal(self, plan: FloatArray, pose: Pose, goal: Pose, complete: bool) -> FloatArray:
         given = complete and self._trajectory.goal_heading == "goal"
-        return np.array((*plan[-1, :2], goal.theta if given else heading_of_end(plan, pose, HEADING_OVER)))
+        return np.array((*plan[-1, :2], goal.theta if given else end_heading(plan, pose, HEADING_OVER)))
 
-    def _ends(self, twist: Twist, complete: bool, stamp: float) -> Ends:
+    def _band_ends(self, twist: Twist, complete: bool, stamp: float) -> Ends:
         stops = complete or not self._trajectory.free_goal_vel
         free = self._trajectory.goal_heading == "free"
-        return Ends(twist.array(), np.zeros(3), float(stops), float(free), self._oscillation.preferred(stamp))
+        return Ends(twist.array(), np.zeros(3), float(stops), float(free), self._oscillation.preferred_turn(stamp))
 
     def _via_points(self, plan: FloatArray) -> FloatArray:
         """Return points of the plan at a distance of ``global_plan_viapoint_sep``, (V, 2)."""
@@ -116,11 +116,13 @@ class TebPlanner(Planner):
         at = np.arange(spacing, along[-1], spacing)
         return np.column_stack([np.interp(at, along, plan[:, axis]) for axis in range(2)])
 
-    def _least_gap(self, window: Window, plan: FloatArray, pose: Pose) -> float:
+    def _least_gap(self, window: CostmapWindow, plan: FloatArray, pose: Pose) -> float:
         """Return the gap to walls that the robot keeps here, m: less where its path has no more room."""
-        return eased(self._obstacles.least_gap, room_along(window, self._outline, plan, pose.x, pose.y, AHEAD), KEPT, 0.0)
+        return reduced_gap(self._obstacles.least_gap, room_along(window, self._outline, plan, pose.x, pose.y, AHEAD), KEPT, 0.0)
 
-    def _feasible(self, topologies: list[Topology], window: Window, pose: Pose, twist: FloatArray, least_gap: float) -> FloatArray | None:
+    def _first_feasible(
+        self, topologies: list[Topology], window: CostmapWindow, pose: Pose, twist: FloatArray, least_gap: float
+    ) -> FloatArray | None:
         """Return the first band whose first poses the robot fits, and whose command it can drive.
 
         Else the one that is free longest, if the robot can stop in that time: at a goal beside a wall no pose may fit. None: there is none.
@@ -138,19 +140,19 @@ class TebPlanner(Planner):
                 longest, best = float(band[: free - 1, 3].sum()), band
         return best
 
-    def _keeps_gap(self, band: FloatArray, window: Window, pose: Pose, least_gap: float) -> bool:
+    def _keeps_gap(self, band: FloatArray, window: CostmapWindow, pose: Pose, least_gap: float) -> bool:
         """Return whether the command that a band begins with keeps the gap to walls."""
-        command = self._command(band).array()
+        command = self._band_command(band).array()
         return keeps_gap(window, self._outline, pose.array(), command, self._period, self._turn_braking, least_gap)
 
-    def _drive(self, band: FloatArray) -> Twist:
+    def _drive_band(self, band: FloatArray) -> Twist:
         self._infeasible_since = None
-        return self._command(band)
+        return self._band_command(band)
 
-    def _command(self, band: FloatArray) -> Twist:
-        return saturated(first_velocity(band, self._period), self._least, self._most, self._turn_radius, self._holonomic)
+    def _band_command(self, band: FloatArray) -> Twist:
+        return saturate_velocity(first_velocity(band, self._period), self._least, self._most, self._turn_radius, self._holonomic)
 
-    def _escape(self, pose: Pose, scene: Scene, least_gap: float, stamp: float) -> Twist:
+    def _escape_command(self, pose: Pose, scene: Scene, least_gap: float, stamp: float) -> Twist:
         """Begin anew with a shorter horizon; after a while, return a slow way to where there is more room."""
         recovery = self._recovery
         self._topologies.clear()
@@ -168,15 +170,15 @@ class TebPlanner(Planner):
 def nearest_tracks(tracks: Tracks, pose: Pose, obstacles: Obstacles) -> Tracks:
     """Return the tracks that count, the nearest ones that are not so slow that they stay obstacles that stand."""
     if not obstacles.include_dynamic_obstacles:
-        return _chosen(tracks, np.empty(0, np.int64))
+        return _select_tracks(tracks, np.empty(0, np.int64))
     finite = np.isfinite(tracks.positions).all(axis=1) & np.isfinite(tracks.velocities).all(axis=1)
     finite &= np.hypot(*tracks.velocities.T) >= obstacles.static_below
     away = np.where(finite, np.hypot(*(tracks.positions - (pose.x, pose.y)).T), np.inf)
     order = np.argsort(away, kind="stable")[: min(obstacles.max_tracks, int(finite.sum()))]
-    return _chosen(tracks, order)
+    return _select_tracks(tracks, order)
 
 
-def _chosen(tracks: Tracks, rows: np.ndarray) -> Tracks:
+def _select_tracks(tracks: Tracks, rows: np.ndarray) -> Tracks:
     fields = (tracks.positions, tracks.velocities, tracks.radii)
     positions, velocities, radii = (np.ascontiguousarray(field[rows], np.float64) for field in fields)
     return Tracks(tracks.ids[rows], positions, velocities, radii, tracks.covariances[rows])

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from arena_kernels.compiled import borrowing, compiled, inner
-from arena_kernels.window import LETHAL, Window
+from arena_kernels.costmap_window import LETHAL, CostmapWindow
 from arena_teb.parameters import Polygons
 from arena_teb.problem import FloatArray, IntArray
 
@@ -30,16 +30,16 @@ class Hulls(NamedTuple):
 NO_HULLS = Hulls(np.empty((0, 2)), np.empty(0, np.int64))
 
 
-def hulls_of(window: Window, settings: Polygons) -> Hulls:
+def hulls_of(window: CostmapWindow, settings: Polygons) -> Hulls:
     """Return the polygons of a window's lethal cells."""
     far = settings.cluster_max_distance / window.resolution
-    cells, labels = clustered(window.costs >= LETHAL, far, settings.cluster_min_pts, settings.cluster_max_pts)
+    cells, labels = cluster_cells(window.costs >= LETHAL, far, settings.cluster_min_pts, settings.cluster_max_pts)
     points = np.array((window.origin_x, window.origin_y)) + (cells[:, ::-1] + 0.5) * window.resolution
     return hulls_around(points, labels, settings.min_pt_separation)
 
 
 @compiled
-def clustered(lethal: np.ndarray, far: float, least: int, most: int) -> tuple[IntArray, IntArray]:
+def cluster_cells(lethal: np.ndarray, far: float, least: int, most: int) -> tuple[IntArray, IntArray]:
     """Return cells (C, 2) as (row, column), those of one cluster together, and the number of each one's cluster (C,).
 
     A cell with ``least`` others within ``far`` cells begins a cluster, which grows over such cells up to ``most`` of them; a cell
@@ -108,7 +108,7 @@ def hulls_around(points: FloatArray, labels: IntArray, separation: float) -> Hul
         last = first
         while last < total and labels[last] == labels[first]:
             last += 1
-        end += convex(points[first:last], separation, corners[end:])
+        end += convex_hull(points[first:last], separation, corners[end:])
         many += 1
         starts[many] = end
         first = last
@@ -116,7 +116,7 @@ def hulls_around(points: FloatArray, labels: IntArray, separation: float) -> Hul
 
 
 @compiled
-def convex(points: FloatArray, separation: float, corners: FloatArray) -> int:
+def convex_hull(points: FloatArray, separation: float, corners: FloatArray) -> int:
     """Write the convex hull of points (C, 2), counter-clockwise from the lowest x, and return how many corners it has."""
     order = np.argsort(points[:, 0] * 1e6 + points[:, 1])  # by x, then y: cells differ by centimetres, windows are metres wide
     hull = np.empty((2 * len(points), 2))

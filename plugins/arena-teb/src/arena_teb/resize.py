@@ -9,7 +9,7 @@ import numpy as np
 
 from arena_kernels.compiled import compiled
 from arena_teb.problem import FloatArray
-from arena_teb.terms import wrapped
+from arena_teb.terms import wrap_to_pi
 
 ROUNDS = 100  # at most so many passes (teb_local_planner)
 
@@ -25,7 +25,7 @@ class Sampling(NamedTuple):
 
 
 @compiled
-def resized(band: FloatArray, sampling: Sampling) -> FloatArray:
+def resize_band(band: FloatArray, sampling: Sampling) -> FloatArray:
     """Return the band (M, 4) with long intervals halved and short ones joined (Roesmann et al. 2012, section 3)."""
     poses = np.empty((max(sampling.most, len(band)) + 1, 4))
     count = len(band)
@@ -42,7 +42,7 @@ def resized(band: FloatArray, sampling: Sampling) -> FloatArray:
 
 
 @compiled
-def too_long(poses: FloatArray, k: int, sampling: Sampling) -> bool:
+def is_too_long(poses: FloatArray, k: int, sampling: Sampling) -> bool:
     """Tell whether interval ``k`` should be two."""
     length = math.hypot(poses[k + 1, 0] - poses[k, 0], poses[k + 1, 1] - poses[k, 1])
     return bool(poses[k, 3] > sampling.dt_ref + sampling.dt_hysteresis or length > sampling.spacing)
@@ -53,14 +53,14 @@ def halve_long(poses: FloatArray, count: int, sampling: Sampling) -> int:
     """Put a pose into the middle of every interval that is too long; return the number of poses."""
     k = 0
     while k < count - 1 and count < sampling.most:
-        if not too_long(poses, k, sampling):
+        if not is_too_long(poses, k, sampling):
             k += 1
             continue
         poses[k + 2 : count + 1] = poses[k + 1 : count].copy()
         count += 1
         poses[k, 3] *= 0.5
         poses[k + 1, 0], poses[k + 1, 1] = 0.5 * (poses[k, 0] + poses[k + 2, 0]), 0.5 * (poses[k, 1] + poses[k + 2, 1])
-        poses[k + 1, 2] = poses[k, 2] + 0.5 * wrapped(poses[k + 2, 2] - poses[k, 2])
+        poses[k + 1, 2] = poses[k, 2] + 0.5 * wrap_to_pi(poses[k + 2, 2] - poses[k, 2])
         poses[k + 1, 3] = poses[k, 3]
         k += 2
     return count

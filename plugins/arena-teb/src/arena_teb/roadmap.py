@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from arena_kernels.compiled import borrowing, compiled
-from arena_kernels.window import Window, distance_at
+from arena_kernels.costmap_window import CostmapWindow, distance_at
 from arena_teb.problem import FloatArray
-from arena_teb.signature import same_class, signature
+from arena_teb.signature import h_signature, same_class
 from arena_teb.surroundings import Scene
 
 KEY_TRACKS = 5  # moving discs, the nearest, that get a vertex to their left and right
@@ -27,7 +27,7 @@ class Roadmap(NamedTuple):
     least_cosine: float
 
 
-def samples(random: np.random.Generator, count: int, start: FloatArray, goal: FloatArray, width: float) -> FloatArray:
+def draw_samples(random: np.random.Generator, count: int, start: FloatArray, goal: FloatArray, width: float) -> FloatArray:
     """Draw positions (count, 2) in the rectangle of ``width`` m about the line from start to goal."""
     along, across = random.random((2, count))
     direction = goal[:2] - start[:2]
@@ -38,7 +38,7 @@ def samples(random: np.random.Generator, count: int, start: FloatArray, goal: Fl
 
 
 @compiled
-def new_ways(
+def find_new_lines(
     start: FloatArray,
     goal: FloatArray,
     drawn: FloatArray,
@@ -52,28 +52,30 @@ def new_ways(
 
     Lines over one vertex of the roadmap come first (their two positions are the same), short ones before long ones.
     """
-    vertices = ordered(np.concatenate((drawn, key_points(start, goal, scene, roadmap))), start, goal)
+    vertices = sort_vertices(np.concatenate((drawn, key_points(start, goal, scene, roadmap))), start, goal)
     count = len(vertices)
     found, classes = np.empty((wanted, 2, 2)), np.empty((wanted + len(known), known.shape[1]))
     classes[: len(known)] = known
     many = 0
     from_start, to_goal = np.zeros(count, np.bool_), np.zeros(count, np.bool_)
     for i in range(count):
-        from_start[i] = open_edge(start, vertices[i], start, goal, scene.window, roadmap)
-        to_goal[i] = open_edge(vertices[i], goal, start, goal, scene.window, roadmap)
+        from_start[i] = is_edge_free(start, vertices[i], start, goal, scene.window, roadmap)
+        to_goal[i] = is_edge_free(vertices[i], goal, start, goal, scene.window, roadmap)
     tries = 0
     for joined in range(2):
         for i in range(count):
             if not from_start[i]:
                 continue
             for j in range(count) if joined else range(i, i + 1):
-                if not to_goal[j] or (joined and (i == j or not open_edge(vertices[i], vertices[j], start, goal, scene.window, roadmap))):
+                if not to_goal[j] or (
+                    joined and (i == j or not is_edge_free(vertices[i], vertices[j], start, goal, scene.window, roadmap))
+                ):
                     continue
                 tries += 1
                 if many == wanted or tries > TRIES:
                     return found[:many].copy(), classes[len(known) : len(known) + many].copy()
-                way = timed(start, vertices[i], vertices[j], goal, roadmap.speed)
-                angles = signature(way, points, scene.positions, scene.velocities, scene.horizon)
+                way = make_timed_band(start, vertices[i], vertices[j], goal, roadmap.speed)
+                angles = h_signature(way, points, scene.positions, scene.velocities, scene.horizon)
                 new = True
                 for k in range(len(known) + many):
                     new = new and not same_class(angles, classes[k])
@@ -85,7 +87,7 @@ def new_ways(
 
 
 @compiled
-def ordered(vertices: FloatArray, start: FloatArray, goal: FloatArray) -> FloatArray:
+def sort_vertices(vertices: FloatArray, start: FloatArray, goal: FloatArray) -> FloatArray:
     """Return vertices by the length of the way over them."""
     lengths = np.empty(len(vertices))
     for i in range(len(vertices)):
@@ -107,7 +109,7 @@ def key_points(start: FloatArray, goal: FloatArray, scene: Scene, roadmap: Roadm
     keys = np.empty((2 * len(nearest), 2))
     for i in range(len(nearest)):
         j = nearest[i]
-        x, y = meeting(scene.positions[j], scene.velocities[j], scene.horizon, start, roadmap.speed)
+        x, y = meeting_point(scene.positions[j], scene.velocities[j], scene.horizon, start, roadmap.speed)
         gap = scene.radii[j] + roadmap.inscribed_radius + roadmap.gap
         keys[2 * i, 0], keys[2 * i, 1] = x - gap * dy / length, y + gap * dx / length
         keys[2 * i + 1, 0], keys[2 * i + 1, 1] = x + gap * dy / length, y - gap * dx / length
@@ -115,7 +117,7 @@ def key_points(start: FloatArray, goal: FloatArray, scene: Scene, roadmap: Roadm
 
 
 @compiled
-def meeting(position: FloatArray, velocity: FloatArray, horizon: float, start: FloatArray, speed: float) -> tuple[float, float]:
+def meeting_point(position: FloatArray, velocity: FloatArray, horizon: float, start: FloatArray, speed: float) -> tuple[float, float]:
     """Return where a moving disc is when the robot could have driven to it."""
     x, y = position[0], position[1]
     for _ in range(3):
@@ -125,7 +127,7 @@ def meeting(position: FloatArray, velocity: FloatArray, horizon: float, start: F
 
 
 @compiled
-def timed(start: FloatArray, first: FloatArray, second: FloatArray, goal: FloatArray, speed: float) -> FloatArray:
+def make_timed_band(start: FloatArray, first: FloatArray, second: FloatArray, goal: FloatArray, speed: float) -> FloatArray:
     """Return a way over two vertices as a band of four poses at full speed."""
     way = np.zeros((4, 4))
     way[0, :2], way[1, :2], way[2, :2], way[3, :2] = start[:2], first, second, goal[:2]
@@ -135,7 +137,7 @@ def timed(start: FloatArray, first: FloatArray, second: FloatArray, goal: FloatA
 
 
 @borrowing
-def open_edge(a: FloatArray, b: FloatArray, start: FloatArray, goal: FloatArray, window: Window, roadmap: Roadmap) -> bool:
+def is_edge_free(a: FloatArray, b: FloatArray, start: FloatArray, goal: FloatArray, window: CostmapWindow, roadmap: Roadmap) -> bool:
     """Tell whether an edge leads towards the goal and the robot's middle can pass along it."""
     dx, dy = b[0] - a[0], b[1] - a[1]
     length = math.hypot(dx, dy)

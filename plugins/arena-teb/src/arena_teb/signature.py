@@ -17,7 +17,7 @@ from arena_teb.problem import FloatArray
 
 
 @compiled
-def signature(band: FloatArray, points: FloatArray, positions: FloatArray, velocities: FloatArray, horizon: float) -> FloatArray:
+def h_signature(band: FloatArray, points: FloatArray, positions: FloatArray, velocities: FloatArray, horizon: float) -> FloatArray:
     """Return the angle, rad, by which a band (N, 4) goes round each of ``points`` (C, 2) and of K moving discs, (C + K,).
 
     Discs move for ``horizon`` s and then stand.

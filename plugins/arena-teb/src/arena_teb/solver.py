@@ -9,7 +9,7 @@ import numpy as np
 from arena_kernels.compiled import borrowing, compiled, inlined, inner
 from arena_kernels.scalars import Integer
 from arena_teb.problem import REACH, Ends, FloatArray, IntArray, Penalties, Rows, Shape, Surroundings
-from arena_teb.terms import evaluate, make_rows
+from arena_teb.terms import evaluate_terms, make_rows
 
 DAMPING = 1.0  # [-] first damping
 SETTLED = 0.1  # [-] damping below which a small gain means that there is little to gain, not that the step was short
@@ -22,7 +22,7 @@ NEXT, AFTER_NEXT, ITSELF = 6, 10, 3  # last variable that a pose's first one is 
 
 
 @compiled
-def solve(
+def solve_band(
     band: FloatArray,
     penalties: Penalties,
     shape: Shape,
@@ -43,18 +43,18 @@ def solve(
     factor, step, scale = np.empty(room), np.zeros(4 * count), np.ones(4 * count)
     scale[3::4] = TIME_STIFFNESS
     trial = band.copy()
-    cost = evaluate(band, penalties, shape, ends, around, rows)
+    cost = evaluate_terms(band, penalties, shape, ends, around, rows)
     normal_equations(rows, ends, normal, gradient, joined)
     damping, growth, done = DAMPING, 2.0, 0
     while done < iterations and damping < GIVE_UP:
         done += 1
-        if not factorise(normal, joined, scale, damping, factor):
+        if not factorise_matrix(normal, joined, scale, damping, factor):
             damping *= growth
             growth *= 2.0
             continue
-        backsolve(factor, joined, gradient, step)
-        move(band, step, trial)
-        found = evaluate(trial, penalties, shape, ends, around, rows)
+        solve_factored(factor, joined, gradient, step)
+        apply_step(band, step, trial)
+        found = evaluate_terms(trial, penalties, shape, ends, around, rows)
         gain = cost - found
         expected = expected_gain(step, gradient, scale, damping)
         if damping < SETTLED and expected <= 0.1 * tolerance * cost:
@@ -99,12 +99,12 @@ def normal_equations(rows: Rows, ends: Ends, normal: FloatArray, gradient: Float
             joined[first // 4] = AFTER_NEXT
     size = len(gradient)
     for variable in range(3):
-        hold(variable, normal, gradient)
-    hold(size - 4, normal, gradient)
-    hold(size - 3, normal, gradient)
+        fix_variable(variable, normal, gradient)
+    fix_variable(size - 4, normal, gradient)
+    fix_variable(size - 3, normal, gradient)
     if ends.heading_free == 0.0:
-        hold(size - 2, normal, gradient)
-    hold(size - 1, normal, gradient)
+        fix_variable(size - 2, normal, gradient)
+    fix_variable(size - 1, normal, gradient)
 
 
 @inlined
@@ -163,7 +163,7 @@ def add_entries(target: FloatArray, at: Integer, factor: float, values: tuple[fl
 
 
 @inner
-def hold(variable: int, normal: FloatArray, gradient: FloatArray) -> None:
+def fix_variable(variable: int, normal: FloatArray, gradient: FloatArray) -> None:
     """Take a variable out of the equations."""
     gradient[variable] = 0.0
     stride = REACH + 1
@@ -175,7 +175,7 @@ def hold(variable: int, normal: FloatArray, gradient: FloatArray) -> None:
 
 
 @borrowing
-def factorise(normal: FloatArray, joined: IntArray, scale: FloatArray, damping: float, factor: FloatArray) -> bool:
+def factorise_matrix(normal: FloatArray, joined: IntArray, scale: FloatArray, damping: float, factor: FloatArray) -> bool:
     """Write the Cholesky factor of the damped normal matrix, column by column, its diagonal inverted; return whether there is one.
 
     A column is taken from those behind it as soon as it is known: nothing waits for a sum. Only what a pose is joined to is worked on.
@@ -187,27 +187,27 @@ def factorise(normal: FloatArray, joined: IntArray, scale: FloatArray, damping: 
     for k in range(len(joined)):
         at = np.uint64(4 * k) * STRIDE
         if joined[k] == NEXT:  # each with its constant: loops of known length are unrolled
-            sound = eliminate(factor, at, NEXT)
+            sound = eliminate_pose(factor, at, NEXT)
         elif joined[k] == AFTER_NEXT:
-            sound = eliminate(factor, at, AFTER_NEXT)
+            sound = eliminate_pose(factor, at, AFTER_NEXT)
         else:
-            sound = eliminate(factor, at, ITSELF)
+            sound = eliminate_pose(factor, at, ITSELF)
         if not sound:
             return False
     return True
 
 
 @inlined
-def eliminate(factor: FloatArray, at: Integer, reach: int) -> bool:
+def eliminate_pose(factor: FloatArray, at: Integer, reach: int) -> bool:
     """Take the four columns of a pose from those behind, the first of them down to ``reach`` rows below it; return whether that can be."""
-    sound = lessen(factor, at, reach)
-    sound = lessen(factor, at + STRIDE, reach - 1) and sound
-    sound = lessen(factor, at + TWO * STRIDE, reach - 2) and sound
-    return lessen(factor, at + (ONE + TWO) * STRIDE, reach - 3) and sound
+    sound = eliminate_column(factor, at, reach)
+    sound = eliminate_column(factor, at + STRIDE, reach - 1) and sound
+    sound = eliminate_column(factor, at + TWO * STRIDE, reach - 2) and sound
+    return eliminate_column(factor, at + (ONE + TWO) * STRIDE, reach - 3) and sound
 
 
 @inlined
-def lessen(factor: FloatArray, at: Integer, reach: int) -> bool:
+def eliminate_column(factor: FloatArray, at: Integer, reach: int) -> bool:
     """Finish the column at ``at`` and take its products from ``reach`` columns behind; return whether its diagonal is above 0."""
     value = factor[at]
     inverse = 1.0 / math.sqrt(value)
@@ -223,7 +223,7 @@ def lessen(factor: FloatArray, at: Integer, reach: int) -> bool:
 
 
 @borrowing
-def backsolve(factor: FloatArray, joined: IntArray, gradient: FloatArray, step: FloatArray) -> None:
+def solve_factored(factor: FloatArray, joined: IntArray, gradient: FloatArray, step: FloatArray) -> None:
     """Write the step that the factor and the gradient give."""
     stride, count = REACH + 1, len(joined)
     for i in range(len(gradient)):
@@ -242,7 +242,7 @@ def backsolve(factor: FloatArray, joined: IntArray, gradient: FloatArray, step: 
 
 
 @borrowing
-def move(band: FloatArray, step: FloatArray, moved: FloatArray) -> None:
+def apply_step(band: FloatArray, step: FloatArray, moved: FloatArray) -> None:
     """Write the band one step further; a time shrinks linearly down to half of it, and beyond that ever more slowly."""
     for k in range(len(band)):
         for i in range(3):

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from arena_kernels.compiled import compiled, inner
-from arena_kernels.window import Window, distance_at
-from arena_teb.association import Reach, associated
+from arena_kernels.costmap_window import CostmapWindow, distance_at
+from arena_teb.association import Reach, associate_points
 from arena_teb.polygons import Hulls
 from arena_teb.problem import FloatArray, Shape, Surroundings
 
@@ -20,7 +20,7 @@ class Scene(NamedTuple):
     """What a control step sees, in ``map``: the window without what moves, its polygons, if cells are turned into such, discs
     ``positions`` (K, 2) with ``velocities`` and ``radii``, which move on for ``horizon`` s and then stand, points ``vias`` (V, 2)."""
 
-    window: Window
+    window: CostmapWindow
     hulls: Hulls
     positions: FloatArray
     velocities: FloatArray
@@ -40,10 +40,10 @@ class Vicinity(NamedTuple):
 
 
 @compiled
-def surroundings(band: FloatArray, scene: Scene, vicinity: Vicinity, shape: Shape) -> Surroundings:
+def find_surroundings(band: FloatArray, scene: Scene, vicinity: Vicinity, shape: Shape) -> Surroundings:
     """Pair the poses of a band (N, 4) with what is around them, moving discs at constant velocity up to a horizon (IV of RAS 2017)."""
     count, tracks = len(band), len(scene.radii)
-    points, caps, room = associated(band, scene.window, scene.hulls, vicinity.reach), np.ones(count), np.full(count, np.inf)
+    points, caps, room = associate_points(band, scene.window, scene.hulls, vicinity.reach), np.ones(count), np.full(count, np.inf)
     point_radius = 0.5 * scene.window.resolution
     moving = np.empty((count, tracks, 2))
     time = 0.0

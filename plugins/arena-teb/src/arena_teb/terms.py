@@ -36,7 +36,7 @@ def make_rows(around: Surroundings) -> Rows:
 
 
 @borrowing
-def evaluate(band: FloatArray, penalties: Penalties, shape: Shape, ends: Ends, around: Surroundings, rows: Rows) -> float:
+def evaluate_terms(band: FloatArray, penalties: Penalties, shape: Shape, ends: Ends, around: Surroundings, rows: Rows) -> float:
     """Fill ``rows`` for a band (N, 4) and return half the sum of the squared residuals."""
     measure_motion(band, rows)
     count = interval_rows(band, penalties, ends, around, rows)
@@ -51,14 +51,14 @@ def evaluate(band: FloatArray, penalties: Penalties, shape: Shape, ends: Ends, a
 
 
 @inlined
-def enter(rows: Rows, count: int, term: int, first: int, width: int, residual: float) -> int:
+def enter_row(rows: Rows, count: int, term: int, first: int, width: int, residual: float) -> int:
     """Give a term the row ``count``, whose derivatives its caller has written; return how many rows there are then."""
     rows.residual[count], rows.first[count], rows.width[count], rows.term[count] = residual, first, width, term
     return count + 1
 
 
 @inlined
-def wrapped(angle: float) -> float:
+def wrap_to_pi(angle: float) -> float:
     """Wrap an angle to [-pi, pi)."""
     return angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5)
 
@@ -68,7 +68,7 @@ def measure_motion(band: FloatArray, rows: Rows) -> None:
     """Fill in the body velocity of every interval, at the heading half way between its poses, and its derivatives."""
     for k in range(len(band) - 1):
         dx, dy, dt = band[k + 1, 0] - band[k, 0], band[k + 1, 1] - band[k, 1], band[k, 3]
-        turn = wrapped(band[k + 1, 2] - band[k, 2])
+        turn = wrap_to_pi(band[k + 1, 2] - band[k, 2])
         heading = band[k, 2] + 0.5 * turn
         rate = 1.0 / dt
         c, s = math.cos(heading) * rate, math.sin(heading) * rate
@@ -92,21 +92,21 @@ def interval_rows(band: FloatArray, penalties: Penalties, ends: Ends, around: Su
         for axis in range(3):
             cap = around.caps[k] if axis < 2 else 1.0
             speed, root = rows.speeds[k, axis], penalties.root_speed[axis]
-            residual = root * beyond(speed, cap * penalties.speed_min[axis], cap * penalties.speed_max[axis])
+            residual = root * signed_excess(speed, cap * penalties.speed_min[axis], cap * penalties.speed_max[axis])
             if residual != 0.0:
                 for i in range(7):
                     rows.jacobian[count, i] = root * rows.slopes[k, axis, i]
-                count = enter(rows, count, term + axis, 4 * k, 7, residual)
+                count = enter_row(rows, count, term + axis, 4 * k, 7, residual)
         count = kinematic_rows(band, k, penalties, rows, count)
         rows.jacobian[count, 0] = penalties.root_time
-        count = enter(rows, count, term + 6, 4 * k + 3, 1, penalties.root_time * band[k, 3])
+        count = enter_row(rows, count, term + 6, 4 * k + 3, 1, penalties.root_time * band[k, 3])
         count = path_row(band, k, penalties, rows, count)
         count = rotation_row(band, k, penalties, ends, rows, count)
     return count
 
 
 @inlined
-def beyond(value: float, low: float, high: float) -> float:
+def signed_excess(value: float, low: float, high: float) -> float:
     """Return how far a value lies outside an interval, with its sign."""
     return value - high if value > high else (value - low if value < low else 0.0)
 
@@ -126,7 +126,7 @@ def kinematic_rows(band: FloatArray, k: int, penalties: Penalties, rows: Rows, c
         jacobian[2] += root * half_s * sideways
         jacobian[6] -= root * half_s * sideways
         jacobian[3] = 0.0
-        count = enter(rows, count, term, 4 * k, 7, root * 2.0 * half_c * sideways)
+        count = enter_row(rows, count, term, 4 * k, 7, root * 2.0 * half_c * sideways)
 
     root = penalties.root_forward
     residual = root * min(forward, 0.0)
@@ -134,7 +134,7 @@ def kinematic_rows(band: FloatArray, k: int, penalties: Penalties, rows: Rows, c
         for i in range(7):
             rows.jacobian[count, i] = root * dt * slopes[0, i]
         rows.jacobian[count, 3] = 0.0
-        count = enter(rows, count, term + 1, 4 * k, 7, residual)
+        count = enter_row(rows, count, term + 1, 4 * k, 7, residual)
 
     root = penalties.root_turn_radius
     residual = root * max(penalties.turn_radius * abs(turn) - abs(forward), 0.0)
@@ -143,7 +143,7 @@ def kinematic_rows(band: FloatArray, k: int, penalties: Penalties, rows: Rows, c
         for i in range(7):
             rows.jacobian[count, i] = root * (by_turn * slopes[2, i] + by_forward * slopes[0, i])
         rows.jacobian[count, 3] = 0.0
-        count = enter(rows, count, term + 2, 4 * k, 7, residual)
+        count = enter_row(rows, count, term + 2, 4 * k, 7, residual)
     return count
 
 
@@ -160,7 +160,7 @@ def path_row(band: FloatArray, k: int, penalties: Penalties, rows: Rows, count: 
     ux, uy = root * dx / length, root * dy / length
     jacobian = rows.jacobian[count]
     jacobian[0], jacobian[1], jacobian[2], jacobian[3], jacobian[4], jacobian[5] = -ux, -uy, 0.0, 0.0, ux, uy
-    return enter(rows, count, INTERVAL_ROWS * k + 7, 4 * k, 6, root * length)
+    return enter_row(rows, count, INTERVAL_ROWS * k + 7, 4 * k, 6, root * length)
 
 
 @inner
@@ -173,7 +173,7 @@ def rotation_row(band: FloatArray, k: int, penalties: Penalties, ends: Ends, row
     slope = penalties.root_rotation * ends.rotation
     jacobian = rows.jacobian[count]
     jacobian[0], jacobian[1], jacobian[2], jacobian[3], jacobian[4] = -slope, 0.0, 0.0, 0.0, slope
-    return enter(rows, count, INTERVAL_ROWS * k + 8, 4 * k + 2, 5, residual)
+    return enter_row(rows, count, INTERVAL_ROWS * k + 8, 4 * k + 2, 5, residual)
 
 
 @inner
@@ -199,7 +199,7 @@ def joint_acceleration_row(band: FloatArray, k: int, axis: int, penalties: Penal
     rate = 2.0 / (band[k, 3] + band[k + 1, 3])
     acceleration = rate * (rows.speeds[k + 1, axis] - rows.speeds[k, axis])
     root = penalties.root_acceleration[axis]
-    residual = root * beyond(acceleration, -penalties.acceleration[axis], penalties.acceleration[axis])
+    residual = root * signed_excess(acceleration, -penalties.acceleration[axis], penalties.acceleration[axis])
     if residual == 0.0:
         return count
     jacobian = rows.jacobian[count]
@@ -210,7 +210,7 @@ def joint_acceleration_row(band: FloatArray, k: int, axis: int, penalties: Penal
         jacobian[i + 4] += root * rate * rows.slopes[k + 1, axis, i]
     jacobian[3] -= 0.5 * root * rate * acceleration
     jacobian[7] -= 0.5 * root * rate * acceleration
-    return enter(rows, count, term, 4 * k, REACH, residual)
+    return enter_row(rows, count, term, 4 * k, REACH, residual)
 
 
 @inner
@@ -221,13 +221,13 @@ def edge_acceleration_row(
     rate = 1.0 / band[k, 3]
     acceleration = sign * rate * (rows.speeds[k, axis] - other)
     root = penalties.root_acceleration[axis]
-    residual = root * beyond(acceleration, -penalties.acceleration[axis], penalties.acceleration[axis])
+    residual = root * signed_excess(acceleration, -penalties.acceleration[axis], penalties.acceleration[axis])
     if residual == 0.0:
         return count
     for i in range(7):
         rows.jacobian[count, i] = root * sign * rate * rows.slopes[k, axis, i]
     rows.jacobian[count, 3] -= root * rate * acceleration
-    return enter(rows, count, term, 4 * k, 7, residual)
+    return enter_row(rows, count, term, 4 * k, 7, residual)
 
 
 @inner
@@ -253,7 +253,7 @@ def obstacle_rows(band: FloatArray, penalties: Penalties, shape: Shape, around: 
                 before = count
                 count = distance_rows(k, x, y, c, s, around.point_radius, bounds, roots, shape, rows, count, term)
                 if penalties.exponent != 1.0 and count > before and rows.term[before] == term:
-                    raise_row(before, roots[0], penalties, rows)
+                    apply_exponent(before, roots[0], penalties, rows)
             term += POINT_ROWS
         for j in range(len(around.radii)):
             x, y = around.moving[k, j, 0] - band[k, 0], around.moving[k, j, 1] - band[k, 1]
@@ -294,12 +294,12 @@ def distance_rows(
             rows.jacobian[count, 0] = root * (c * nx - s * ny)
             rows.jacobian[count, 1] = root * (s * nx + c * ny)
             rows.jacobian[count, 2] = root * (ny * bx - nx * by)
-            count = enter(rows, count, term + i, 4 * k, 3, root * lack)
+            count = enter_row(rows, count, term + i, 4 * k, 3, root * lack)
     return count
 
 
 @inner
-def raise_row(at: int, root: float, penalties: Penalties, rows: Rows) -> None:
+def apply_exponent(at: int, root: float, penalties: Penalties, rows: Rows) -> None:
     """Raise the lack of a gap, in its unit, to the exponent (teb_local_planner: obstacle_cost_exponent)."""
     share = rows.residual[at] / (root * penalties.unit)
     power = share ** (penalties.exponent - 1.0)
@@ -331,5 +331,5 @@ def via_rows(band: FloatArray, penalties: Penalties, around: Surroundings, rows:
         distance = math.hypot(dx, dy)
         if root * distance != 0.0:
             rows.jacobian[count, 0], rows.jacobian[count, 1] = root * dx / distance, root * dy / distance
-            count = enter(rows, count, term + j, 4 * k, 2, root * distance)
+            count = enter_row(rows, count, term + j, 4 * k, 2, root * distance)
     return count

@@ -35,13 +35,13 @@ def write_picture(target: Path, frame: Frame) -> None:
     """Write one frame as PNG."""
     from PIL import Image
 
-    with _beside(target) as path:
+    with _temporary_path(target) as path:
         Image.fromarray(frame).save(path, format="PNG", optimize=True)
 
 
 def write_film(target: Path, frames: Iterable[Frame], size: tuple[int, int], rate: float) -> None:
     """Write frames as MP4 (H.264) or GIF, ``rate`` of them a second."""
-    with _beside(target) as path:
+    with _temporary_path(target) as path:
         (_write_mp4 if target.suffix == ".mp4" else _write_gif)(path, iter(frames), size, rate)
 
 
@@ -67,7 +67,7 @@ def _write_gif(path: Path, frames: Iterator[Frame], size: tuple[int, int], rate:
 
 
 @contextmanager
-def _beside(target: Path) -> Iterator[Path]:
+def _temporary_path(target: Path) -> Iterator[Path]:
     """Give a path beside the target; what was written there takes its place, and nothing is left of what failed."""
     path = target.with_name(f".{target.stem}.{token_hex(4)}{target.suffix}")
     try:

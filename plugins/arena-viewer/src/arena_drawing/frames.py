@@ -19,15 +19,15 @@ from arena_drawing.painter import (
     INK,
     PATH,
     PERSON,
-    body,
+    body_patch,
     contact_marks,
     draw_goal,
     draw_map,
     draw_obstacles,
     draw_start,
     frame_axes,
-    move,
-    way,
+    move_patch,
+    path_line,
 )
 
 FloatArray = NDArray[np.float64]
@@ -45,12 +45,12 @@ PLATES = {
 Window = tuple[float, float, float, float]  # x from, to, y from, to, m
 
 
-def _none() -> FloatArray:
+def _no_points() -> FloatArray:
     return np.empty((0, 2))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Stage:
+class StaticScene:
     """What does not move in an episode: the map, obstacles as records have them, start and goal (3,), and the path that was planned.
 
     ``window`` is what is shown of it, all free cells where it is None.
@@ -65,7 +65,7 @@ class Stage:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Scene:
+class SceneState:
     """What moves, in ``map``: the robot's pose (3,), people's positions (P, 2) and radii (P,), NaN where absent, a scan's returns (R, 2).
 
     ``stamp`` is in s, ``title`` stands before it. ``driven`` (K, 2) is the way until now, ``contacts`` (C, 2) where it touched something.
@@ -76,19 +76,19 @@ class Scene:
     radii: FloatArray
     returns: FloatArray
     stamp: float
-    driven: FloatArray = field(default_factory=_none)
-    contacts: FloatArray = field(default_factory=_none)
+    driven: FloatArray = field(default_factory=_no_points)
+    contacts: FloatArray = field(default_factory=_no_points)
     title: str = ""
 
 
 class FramePainter:
     """Draws the scenes of one episode as arrays (H, W, 3) of bytes; a robot shorter than ``least`` pixels is drawn as long as that."""
 
-    def __init__(self, stage: Stage, footprint: Footprint, side: int = SIDE, least: int = 0) -> None:
+    def __init__(self, stage: StaticScene, footprint: Footprint, side: int = SIDE, least: int = 0) -> None:
         window = stage.window or free_window(stage.grid)
         scale = side / max(window[1] - window[0], window[3] - window[2])
         size = [max(SHORTEST, round(scale * length)) for length in (window[1] - window[0], window[3] - window[2])]
-        window = _filling(window, size, scale)
+        window = _fill_window(window, size, scale)
         self._figure = Figure(figsize=(size[0] / 100.0, size[1] / 100.0), dpi=100)
         self._canvas = FigureCanvasAgg(self._figure)
         self._axes = self._figure.add_axes((0.0, 0.0, 1.0, 1.0))
@@ -102,9 +102,9 @@ class FramePainter:
         self._canvas.draw()  # type: ignore[no-untyped-call]
         self._still = self._canvas.copy_from_bbox(self._figure.bbox)  # type: ignore[no-untyped-call]
         larger = max(1.0, least / (2.0 * footprint.radius * scale))
-        self._robot = body(larger * footprint.vertices_xy, larger * footprint.radius)
+        self._robot = body_patch(larger * footprint.vertices_xy, larger * footprint.radius)
         self._axes.add_patch(self._robot)
-        self._driven, self._contacts = way(self._axes), contact_marks(self._axes, min(8.0, max(4.5, side / 60.0)))
+        self._driven, self._contacts = path_line(self._axes), contact_marks(self._axes, min(8.0, max(4.5, side / 60.0)))
         self._nose = self._axes.plot([], [], color="white", linewidth=1.2, zorder=6)[0]
         self._reach = larger * footprint.radius
         self._returns = self._axes.plot([], [], ".", markersize=1.5, color=RETURNS, zorder=3)[0]
@@ -114,13 +114,13 @@ class FramePainter:
         style: dict[str, Any] = {"color": INK, "fontsize": 9, "zorder": 9, "bbox": plate}
         self._clock = self._axes.text(*corner, "", transform=self._axes.transAxes, ha=across, va=up, **style)
 
-    def frame(self, scene: Scene) -> Frame:
+    def frame(self, scene: SceneState) -> Frame:
         """Return the picture of a scene."""
         there = np.isfinite(scene.positions).all(axis=1)
         discs = [Circle((x, y), r) for (x, y), r in zip(scene.positions[there].tolist(), scene.radii[there].tolist(), strict=True)]
         people = PatchCollection(discs, facecolor=PERSON, edgecolor="none", alpha=0.85, zorder=4)
         self._axes.add_collection(people, autolim=False)
-        move(self._robot, self._axes, scene.pose)
+        move_patch(self._robot, self._axes, scene.pose)
         x, y, theta = scene.pose
         self._nose.set_data([x, x + self._reach * np.cos(theta)], [y, y + self._reach * np.sin(theta)])
         self._returns.set_data(scene.returns[:, 0], scene.returns[:, 1])
@@ -167,17 +167,17 @@ def has_display() -> bool:
     """Return whether a window can be opened here."""
     import matplotlib.pyplot as plt
 
-    return plt.get_backend().lower() in {name.lower() for name in _interactive()}
+    return plt.get_backend().lower() in {name.lower() for name in _interactive_backends()}
 
 
-def _interactive() -> Sequence[str]:
+def _interactive_backends() -> Sequence[str]:
     from matplotlib.backends.registry import BackendFilter, backend_registry
 
     names: Sequence[str] = backend_registry.list_builtin(BackendFilter.INTERACTIVE)  # type: ignore[no-untyped-call]
     return names
 
 
-def _filling(window: Window, size: Sequence[int], scale: float) -> Window:
+def _fill_window(window: Window, size: Sequence[int], scale: float) -> Window:
     """Return a window that fills a picture of ``size`` pixels, wider where it was too narrow for one."""
     middles = ((window[0] + window[1]) / 2.0, (window[2] + window[3]) / 2.0)
     halves = [

@@ -47,7 +47,7 @@ def draw_obstacles(axes: Axes, obstacles: Sequence[Mapping[str, Any]]) -> None:
         axes.add_patch(shape)
 
 
-def body(vertices_xy: ArrayLike, radius: float, colour: str = ROBOT, zorder: float = 5) -> Patch:
+def body_patch(vertices_xy: ArrayLike, radius: float, colour: str = ROBOT, zorder: float = 5) -> Patch:
     """Return the outline of a body at the origin: a polygon of ``vertices_xy`` (V, 2), a disc where there are none."""
     vertices = np.asarray(vertices_xy, dtype=np.float64).reshape(-1, 2)
     shape = Polygon(vertices) if len(vertices) else Circle((0.0, 0.0), radius)
@@ -55,7 +55,7 @@ def body(vertices_xy: ArrayLike, radius: float, colour: str = ROBOT, zorder: flo
     return shape
 
 
-def move(patch: Patch, axes: Axes, pose: ArrayLike) -> None:
+def move_patch(patch: Patch, axes: Axes, pose: ArrayLike) -> None:
     """Put a body that was made at the origin to a pose (3,)."""
     x, y, theta = np.asarray(pose, dtype=np.float64)
     patch.set_transform(Affine2D().rotate(theta).translate(x, y) + axes.transData)
@@ -73,7 +73,7 @@ def draw_goal(axes: Axes, x: float, y: float) -> Line2D:
     return mark
 
 
-def way(axes: Axes) -> Line2D:
+def path_line(axes: Axes) -> Line2D:
     """Return the line of the way that a robot has driven, with no point yet."""
     (line,) = axes.plot([], [], color=ROBOT, linewidth=1.6, solid_capstyle="round", zorder=3)
     return line

@@ -15,9 +15,9 @@ from arena_core.commands import Command, print_notice, read_words
 from arena_core.files import write_bytes_whole, write_text_whole
 from arena_core.parameters import NonNegative, NonNegativeInt, Positive, PositiveInt, read_settings
 from arena_core.records import find_runs
-from arena_viewer.document import Recorded, document, read_recorded
-from arena_viewer.live import Watched
-from arena_viewer.page import live_page, page
+from arena_viewer.document import RecordedEpisode, read_recorded, replay_document
+from arena_viewer.live import LiveRuns
+from arena_viewer.page import live_page, replay_page
 from arena_viewer.serving import PageServer, page_answer
 
 USAGE = (
@@ -89,16 +89,16 @@ class ReplayCommand(Command):
             return 0
         request = read_request(arguments)
         if request.live:
-            _watch(request)
+            _watch_runs(request)
             return 0
         shown = [read_recorded(folder, number) for folder in _run_folders(request.folders) for number in request.episodes]
         if len(shown) > MOST:
             raise ConfigurationError(f"{len(shown)} episodes are asked for; allowed: {MOST} at once")
         title = " · ".join(dict.fromkeys(f"{one.name}, {one.record.meta['columns']['robot']}" for one in shown))
         if request.target is None:
-            _serve(page(f"{title} - arena replay", None), document(shown), request)
+            _serve_page(replay_page(f"{title} - arena replay", None), replay_document(shown), request)
         else:
-            _write(request.target, shown, f"{title} - arena replay", request)
+            _write_file(request.target, shown, f"{title} - arena replay", request)
             print_notice(f"{request.target}")
         return 0
 
@@ -109,38 +109,38 @@ def _run_folders(folders: Sequence[Path]) -> list[Path]:
     return list(dict.fromkeys(found))
 
 
-def _watch(request: Request) -> None:
+def _watch_runs(request: Request) -> None:
     """Serve the page of runs under way, until interrupted."""
     if len(request.folders) > 1 or request.target is not None:
         raise ConfigurationError("live shows one folder in a browser; allowed: arena replay DIR live=true, without with and to")
-    watched = Watched(request.folders[0].absolute())
-    replay = page_answer(page("arena replay", None))
+    watched = LiveRuns(request.folders[0].absolute())
+    replay = page_answer(replay_page("arena replay", None))
     more = {"/replay": replay, "/document": watched.document, "/state": watched.state, "/map": watched.map}
-    _open(PageServer(live_page(f"{request.folders[0].name} - arena, live"), b"", request.port, more), request)
+    _open_server(PageServer(live_page(f"{request.folders[0].name} - arena, live"), b"", request.port, more), request)
 
 
-def _serve(text: str, content: bytes, request: Request) -> None:
-    _open(PageServer(text, content, request.port), request)
+def _serve_page(text: str, content: bytes, request: Request) -> None:
+    _open_server(PageServer(text, content, request.port), request)
 
 
-def _open(server: PageServer, request: Request) -> None:
+def _open_server(server: PageServer, request: Request) -> None:
     print_notice(f"{server.address} (Ctrl-C ends it)")
     if request.opens:
         webbrowser.open(server.address)
     server.serve()
 
 
-def _write(target: Path, shown: Sequence[Recorded], title: str, request: Request) -> None:
+def _write_file(target: Path, shown: Sequence[RecordedEpisode], title: str, request: Request) -> None:
     if target.suffix == ".html":
-        write_text_whole(target, page(title, document(shown)))
+        write_text_whole(target, replay_page(title, replay_document(shown)))
     elif target.suffix == ".replay":
-        write_bytes_whole(target, document(shown))
+        write_bytes_whole(target, replay_document(shown))
     else:
-        _check_alike(target, shown)
-        _draw(target, shown, request)
+        _check_comparable(target, shown)
+        _draw_episodes(target, shown, request)
 
 
-def _check_alike(target: Path, shown: Sequence[Recorded]) -> None:
+def _check_comparable(target: Path, shown: Sequence[RecordedEpisode]) -> None:
     """Raise ConfigurationError for episodes that one picture cannot show beside each other."""
     if len(shown) > MOST_DRAWN:
         raise ConfigurationError(f"to is {target.name} of {len(shown)} episodes; allowed: up to {MOST_DRAWN}, or .html")
@@ -152,12 +152,12 @@ def _check_alike(target: Path, shown: Sequence[Recorded]) -> None:
             raise ConfigurationError(f"to is {target.name} of {differing[0]} {said}; allowed: runs of the same scenario, or .html")
 
 
-def _draw(target: Path, shown: Sequence[Recorded], request: Request) -> None:
+def _draw_episodes(target: Path, shown: Sequence[RecordedEpisode], request: Request) -> None:
     from arena_drawing.film import check_encoder, write_film, write_picture
-    from arena_viewer.stills import frames, strip
+    from arena_viewer.stills import film_frames, strip_picture
 
     if target.suffix == ".png":
-        write_picture(target, strip(shown, request.moments, request.side))
+        write_picture(target, strip_picture(shown, request.moments, request.side))
         return
     check_encoder(target)
     last = max(float(one.record["stamp"][-1]) for one in shown)
@@ -168,5 +168,5 @@ def _draw(target: Path, shown: Sequence[Recorded], request: Request) -> None:
     most = MOST_GIF_FRAMES // len(shown)
     if target.suffix == ".gif" and len(stamps) > most:
         raise ConfigurationError(f"to is {target.name} of {len(stamps)} frames; allowed: {most} (a smaller rate), or .mp4")
-    size, pictures = frames(shown, stamps.tolist(), request.side)
+    size, pictures = film_frames(shown, stamps.tolist(), request.side)
     write_film(target, pictures, size, request.rate)

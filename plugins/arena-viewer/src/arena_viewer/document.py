@@ -64,7 +64,7 @@ HORIZON = 10.0  # s, from where on a collision to come is none
 
 
 @dataclass(slots=True)
-class Buffers:
+class ArrayBuffers:
     """Arrays that are collected for a document: each gets a type, a shape and a place."""
 
     parts: list[bytes] = field(default_factory=list)
@@ -80,13 +80,13 @@ class Buffers:
         self.length += len(padded)
         return said
 
-    def lengths(self, values: ArrayLike) -> dict[str, Any]:
+    def add_rounded(self, values: ArrayLike) -> dict[str, Any]:
         """Append figures, rounded."""
         return self.add(np.round(np.asarray(values, np.float64) * 2.0**DIGITS) / 2.0**DIGITS, "float32")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Recorded:
+class RecordedEpisode:
     """An episode of a run: its record, its map (None: nobody knows it), and its row's figures."""
 
     record: EpisodeRecord
@@ -95,7 +95,7 @@ class Recorded:
     name: str
 
 
-def read_recorded(folder: Path, number: int) -> Recorded:
+def read_recorded(folder: Path, number: int) -> RecordedEpisode:
     """Read an episode of the run in ``folder``; raise InputFileError where there is no record of it."""
     _, rows = read_table(folder / "episodes.csv", "a table that `arena run` wrote")
     known = {int(row["episode"]): row for row in rows}
@@ -109,32 +109,32 @@ def read_recorded(folder: Path, number: int) -> Recorded:
         )
     record = read_record(path)
     name = record.meta["world"].get("grid")
-    return Recorded(record, read_grid(folder / name) if name else None, known[number], str(record.meta["columns"]["preset"]))
+    return RecordedEpisode(record, read_grid(folder / name) if name else None, known[number], str(record.meta["columns"]["preset"]))
 
 
-def document(episodes: Sequence[Recorded]) -> bytes:
+def replay_document(episodes: Sequence[RecordedEpisode]) -> bytes:
     """Return the document of some episodes, packed; the same bytes for the same records."""
-    buffers = Buffers()
+    buffers = ArrayBuffers()
     maps: list[dict[str, Any]] = []
     places: dict[tuple[Any, ...], int] = {}
     said = []
     for one in episodes:
-        key = None if one.grid is None else _key(one.grid)
+        key = None if one.grid is None else _grid_key(one.grid)
         if key is not None and one.grid is not None and key not in places:
             places[key] = len(maps)
-            maps.append(_map(one.grid, buffers))
-        said.append({**_episode(one, buffers), "map": None if key is None else places[key]})
+            maps.append(_map_header(one.grid, buffers))
+        said.append({**_episode_header(one, buffers), "map": None if key is None else places[key]})
     header = {"format": "arena-replay", "version": VERSION, "maps": maps, "episodes": said}
-    text = json.dumps(finite(header), separators=(",", ":"), ensure_ascii=False, allow_nan=False).encode()
+    text = json.dumps(null_nonfinite(header), separators=(",", ":"), ensure_ascii=False, allow_nan=False).encode()
     head = MAGIC + len(text).to_bytes(4, "little") + text
     return gzip.compress(b"".join([head, bytes(-len(head) % 8), *buffers.parts]), compresslevel=9, mtime=0)
 
 
-def _key(grid: OccupancyGrid) -> tuple[Any, ...]:
+def _grid_key(grid: OccupancyGrid) -> tuple[Any, ...]:
     return (grid.data.shape, grid.resolution, tuple(grid.origin.array().tolist()), grid.data.tobytes())
 
 
-def _map(grid: OccupancyGrid, buffers: Buffers) -> dict[str, Any]:
+def _map_header(grid: OccupancyGrid, buffers: ArrayBuffers) -> dict[str, Any]:
     cells = np.full(grid.data.shape, FREE, np.uint8)
     cells[grid.data < 0] = UNKNOWN
     cells[grid.occupied] = OCCUPIED
@@ -143,7 +143,7 @@ def _map(grid: OccupancyGrid, buffers: Buffers) -> dict[str, Any]:
     return {"resolution": grid.resolution, "origin": grid.origin.array().tolist(), "cells": place}
 
 
-def _episode(one: Recorded, buffers: Buffers) -> dict[str, Any]:
+def _episode_header(one: RecordedEpisode, buffers: ArrayBuffers) -> dict[str, Any]:
     record, meta = one.record, one.record.meta
     scenario, robot = meta["scenario"], meta["robot"]
     config = meta.get("config", {}).get("robot") or {}
@@ -161,38 +161,38 @@ def _episode(one: Recorded, buffers: Buffers) -> dict[str, Any]:
         "obstacles": scenario["obstacles"],
         "gait": gait_of(meta),
         "events": [event for event in meta["events"] if event["kind"] != "no_valid_command"],
-        "arrays": _arrays(record, buffers),
+        "arrays": _record_arrays(record, buffers),
     }
 
 
-def _arrays(record: EpisodeRecord, buffers: Buffers) -> dict[str, Any]:
+def _record_arrays(record: EpisodeRecord, buffers: ArrayBuffers) -> dict[str, Any]:
     people = np.asarray(record["pedestrian_positions"], np.float64)
     poses = np.asarray(record["pose"], np.float64)
     paths = np.asarray(record["path_poses"], np.float64)[:, :2]
     return {
-        "stamp": buffers.lengths(record["stamp"]),
-        "pose": buffers.lengths(poses),
-        "estimate": buffers.lengths(record["estimate"]),
-        "twist": buffers.lengths(record["twist"]),
-        "waypoint": buffers.lengths(np.asarray(record["waypoint"])[:, :2]),
-        "clearance": buffers.lengths(record["clearance"]),
-        "time_to_collision": buffers.lengths(time_to_collision(record)),
+        "stamp": buffers.add_rounded(record["stamp"]),
+        "pose": buffers.add_rounded(poses),
+        "estimate": buffers.add_rounded(record["estimate"]),
+        "twist": buffers.add_rounded(record["twist"]),
+        "waypoint": buffers.add_rounded(np.asarray(record["waypoint"])[:, :2]),
+        "clearance": buffers.add_rounded(record["clearance"]),
+        "time_to_collision": buffers.add_rounded(time_to_collision(record)),
         "in_contact": buffers.add(record["in_contact"], "uint8"),
-        "people": buffers.lengths(people),
+        "people": buffers.add_rounded(people),
         "states": buffers.add(record["pedestrian_states"], "int8"),
-        "radii": buffers.lengths(record["pedestrian_radii"]),
-        "contact_stamp": buffers.lengths(record["contact_stamp"]),
-        "contact_position": buffers.lengths(np.asarray(record["contact_position"]).reshape(-1, 2)),
+        "radii": buffers.add_rounded(record["pedestrian_radii"]),
+        "contact_stamp": buffers.add_rounded(record["contact_stamp"]),
+        "contact_position": buffers.add_rounded(np.asarray(record["contact_position"]).reshape(-1, 2)),
         "contact_kind": buffers.add(record["contact_kind"], "int8"),
-        "contact_speed": buffers.lengths(record["contact_speed"]),
+        "contact_speed": buffers.add_rounded(record["contact_speed"]),
         "contact_caused": buffers.add(record["contact_caused"], "uint8"),
-        "path": buffers.lengths(paths),
+        "path": buffers.add_rounded(paths),
         "path_offsets": buffers.add(record["path_offsets"], "int32"),
-        "path_stamps": buffers.lengths(record["path_stamps"]),
-        "planner_ms": buffers.lengths(1e3 * np.asarray(record.timing.get("planner_seconds", np.empty(0)))),
-        **({"scan": buffers.lengths(record["scan_ranges"])} if "scan_ranges" in record.arrays else {}),
+        "path_stamps": buffers.add_rounded(record["path_stamps"]),
+        "planner_ms": buffers.add_rounded(1e3 * np.asarray(record.timing.get("planner_seconds", np.empty(0)))),
+        **({"scan": buffers.add_rounded(record["scan_ranges"])} if "scan_ranges" in record.arrays else {}),
         **{name: buffers.add(record[name], kind) for name, kind in EXTRAS.items() if name in record.arrays},
-        **({} if gait_of(record.meta) is None else {"gait_begin": buffers.lengths(gait_begin(record))}),
+        **({} if gait_of(record.meta) is None else {"gait_begin": buffers.add_rounded(gait_begin(record))}),
     }
 
 
@@ -206,7 +206,7 @@ def time_to_collision(record: EpisodeRecord) -> NDArray[np.float64]:
     own = np.column_stack((cosine * twist[:, 0] - sine * twist[:, 1], sine * twist[:, 0] + cosine * twist[:, 1]))
     offset = np.asarray(record["pedestrian_positions"], np.float64) - pose[:, None, :2]
     velocity = np.asarray(record["pedestrian_velocities"], np.float64) - own[:, None]
-    reach = np.asarray(record["pedestrian_radii"], np.float64) + _radius(record.meta["robot"]["footprint"])
+    reach = np.asarray(record["pedestrian_radii"], np.float64) + _outer_radius(record.meta["robot"]["footprint"])
     a, b = (velocity**2).sum(axis=-1), (offset * velocity).sum(axis=-1)
     c = (offset**2).sum(axis=-1) - reach**2
     root = b * b - a * c
@@ -219,17 +219,17 @@ def time_to_collision(record: EpisodeRecord) -> NDArray[np.float64]:
     return nearest
 
 
-def _radius(footprint: Mapping[str, Any]) -> float:
+def _outer_radius(footprint: Mapping[str, Any]) -> float:
     vertices = footprint["vertices_xy"]
     return max(math.hypot(x, y) for x, y in vertices) if vertices else float(footprint["radius"])
 
 
-def finite(node: Any) -> Any:
+def null_nonfinite(node: Any) -> Any:
     """Return a header without figures that JSON does not know: they become null."""
     if isinstance(node, Mapping):
-        return {key: finite(value) for key, value in node.items()}
+        return {key: null_nonfinite(value) for key, value in node.items()}
     if isinstance(node, (list, tuple)):
-        return [finite(value) for value in node]
+        return [null_nonfinite(value) for value in node]
     return None if isinstance(node, float) and not math.isfinite(node) else node
 
 

@@ -31,11 +31,11 @@ def gait_begin(record: EpisodeRecord) -> NDArray[np.float64]:
     scenario, people = record.meta["scenario"], len(record["pedestrian_ids"])
     random = random_generator(int(scenario["seed"]), str(scenario["name"]), "gait")
     drawn: NDArray[np.float64] = random.uniform((0.0, -math.pi), (2.0, math.pi), (people, 2))
-    drawn[[not _walks(record.meta, number) for number in record["pedestrian_ids"].tolist()]] = np.nan
+    drawn[[not _has_legs(record.meta, number) for number in record["pedestrian_ids"].tolist()]] = np.nan
     return drawn
 
 
-def _walks(meta: Mapping[str, Any], number: int) -> bool:
+def _has_legs(meta: Mapping[str, Any], number: int) -> bool:
     """Tell whether somebody walks on legs: all do but those whose type takes no part in social states, forklifts say."""
     kind = (meta["scenario"].get("pedestrian_types") or {}).get(str(number))
     types = meta["config"]["pedestrians"].get("types")

@@ -14,8 +14,8 @@ from arena_core import ArenaError, InputFileError
 from arena_core.commands import one_line
 from arena_core.files import LIMITS, read_bytes, read_table
 from arena_core.records import find_runs, read_grid
-from arena_viewer.document import FREE, OCCUPIED, UNKNOWN, document, finite, read_recorded
-from arena_viewer.time_left import RECENT, UnderWay, ends_of, episodes_of, read_begun, time_left
+from arena_viewer.document import FREE, OCCUPIED, UNKNOWN, null_nonfinite, read_recorded, replay_document
+from arena_viewer.time_left import RECENT, ActiveRun, end_times, episodes_of, read_run_start, time_left
 
 LOOK_EVERY, RUNS_EVERY = 0.2, 5.0  # s between two looks at the folder, and for new runs
 GRID = re.compile(r"worlds/[0-9a-f]+\.npz")  # as a run writes them
@@ -25,7 +25,7 @@ OWN = ("ends", "config")  # what is kept of a run, and not told
 ROW = ("episode", "preset", "robot", "world", "seed", "outcome", "success", "collisions", "time_to_goal", "error")
 
 
-class Watched:
+class LiveRuns:
     """The runs at or below a folder, which need not be there yet."""
 
     def __init__(self, folder: Path) -> None:
@@ -40,21 +40,21 @@ class Watched:
         now = time.monotonic()
         if now - self._looked >= LOOK_EVERY:
             self._looked = now
-            runs = [self._run(number, run) for number, run in enumerate(self._found(now))]
-            told = {"runs": [{key: value for key, value in run.items() if key not in OWN} for run in runs], **_sums(runs)}
-            self._state = json.dumps(finite(told)).encode()
+            runs = [self._run_state(number, run) for number, run in enumerate(self._find_folders(now))]
+            told = {"runs": [{key: value for key, value in run.items() if key not in OWN} for run in runs], **_run_totals(runs)}
+            self._state = json.dumps(null_nonfinite(told)).encode()
         return "application/json", self._state
 
     def document(self, asked: Mapping[str, str]) -> tuple[str, bytes]:
         """Return the replay document of an episode that has finished."""
-        return "application/octet-stream", document([read_recorded(self._asked(asked), _number(asked, "episode"))])
+        return "application/octet-stream", replay_document([read_recorded(self._requested_folder(asked), _read_number(asked, "episode"))])
 
     def map(self, asked: Mapping[str, str]) -> tuple[str, bytes]:
         """Return a run's map, JSON: its cells row by row, 0 free, 1 occupied, 2 unknown, each a digit."""
         name = asked.get("grid", "")
         if not GRID.fullmatch(name):
             raise InputFileError(f"grid is {one_line(repr(name), 80)}; allowed: worlds/HASH.npz, as an episode says")
-        grid = read_grid(self._asked(asked) / name)
+        grid = read_grid(self._requested_folder(asked) / name)
         cells = grid.data.copy()
         cells[:] = FREE
         cells[grid.data < 0] = UNKNOWN
@@ -63,35 +63,35 @@ class Watched:
         said = {"width": width, "height": height, "resolution": grid.resolution, "origin": grid.origin.array().tolist()}
         return "application/json", json.dumps({**said, "cells": (cells.astype("uint8") + ord("0")).tobytes().decode()}).encode()
 
-    def _found(self, now: float) -> list[Path]:
+    def _find_folders(self, now: float) -> list[Path]:
         if now - self._sought >= RUNS_EVERY:
             self._sought = now
             with suppress(InputFileError):  # nothing is there yet
                 self._runs += [run for run in find_runs(self._folder) if run not in self._runs]  # a run keeps its number
         return self._runs
 
-    def _asked(self, asked: Mapping[str, str]) -> Path:
-        number = _number(asked, "run")
+    def _requested_folder(self, asked: Mapping[str, str]) -> Path:
+        number = _read_number(asked, "run")
         if number >= len(self._runs):
             raise InputFileError(f"run is {number}; allowed: less than {len(self._runs)}")
         return self._runs[number]
 
-    def _run(self, number: int, folder: Path) -> dict[str, Any]:
-        begun = read_begun(folder)
-        rows = self._rows(folder)
+    def _run_state(self, number: int, folder: Path) -> dict[str, Any]:
+        begun = read_run_start(folder)
+        rows = self._read_rows(folder)
         return {
             "number": number,
             "name": str(folder.relative_to(self._folder)) if folder != self._folder else folder.name,
             "total": max(begun.episodes, len(rows)),
             "done": len(rows),
-            "ends": ends_of(folder, episodes_of(rows[-RECENT:]), begun.time),
+            "ends": end_times(folder, episodes_of(rows[-RECENT:]), begun.time),
             "config": begun.config,
             "succeeded": sum(row.get("success") in ("1", "1.0") for row in rows),
             "rows": [{name: row.get(name, "") for name in ROW} for row in rows[-SHOWN:]],
-            "running": _running(folder, set(episodes_of(rows))),
+            "running": _running_episodes(folder, set(episodes_of(rows))),
         }
 
-    def _rows(self, folder: Path) -> list[dict[str, str]]:
+    def _read_rows(self, folder: Path) -> list[dict[str, str]]:
         path = folder / "episodes.csv"
         with suppress(OSError, ArenaError):  # where it is being replaced, the next look finds it
             written = path.stat().st_mtime_ns
@@ -100,7 +100,7 @@ class Watched:
         return self._tables.get(folder, (0, []))[1]
 
 
-def _running(folder: Path, done: set[int]) -> list[dict[str, Any]]:
+def _running_episodes(folder: Path, done: set[int]) -> list[dict[str, Any]]:
     """Return what running episodes told last."""
     found = []
     for path in sorted((folder / "live").glob("*.json"))[: 4 * DRAWN]:
@@ -113,16 +113,16 @@ def _running(folder: Path, done: set[int]) -> list[dict[str, Any]]:
     return found[:DRAWN]
 
 
-def _sums(runs: list[dict[str, Any]]) -> dict[str, Any]:
+def _run_totals(runs: list[dict[str, Any]]) -> dict[str, Any]:
     """Return sums over runs, and how many s it may take still: None where too little of this start has finished to say."""
     total, done, succeeded = (sum(run[name] for run in runs) for name in ("total", "done", "succeeded"))
     workers = len({said.get("worker") for run in runs for said in run["running"]})
-    under_way = [UnderWay(run["config"], run["total"] - run["done"], run["ends"]) for run in runs]
+    under_way = [ActiveRun(run["config"], run["total"] - run["done"], run["ends"]) for run in runs]
     left = 0.0 if runs and total == done else time_left(under_way, time.time())
     return {"total": total, "done": done, "succeeded": succeeded, "left": left, "workers": workers}
 
 
-def _number(asked: Mapping[str, str], name: str) -> int:
+def _read_number(asked: Mapping[str, str], name: str) -> int:
     text = asked.get(name, "")
     if not text.isascii() or not text.isdecimal() or len(text) > 9:
         raise InputFileError(f"{name} is {text[:20]!r}; allowed: a number")

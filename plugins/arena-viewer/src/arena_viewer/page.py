@@ -30,32 +30,32 @@ MODULES = (
 LIVE_MODULES = ("camera", "live", "live_view", "live_words", "looks")
 
 
-def page(title: str, document: bytes | None) -> str:
+def replay_page(title: str, document: bytes | None) -> str:
     """Return the page; without a ``document`` it fetches one from where it came from."""
-    return _filled(title, "viewer", "main", MODULES, "" if document is None else base64.b64encode(document).decode())
+    return _fill_page(title, "viewer", "main", MODULES, "" if document is None else base64.b64encode(document).decode())
 
 
 def live_page(title: str) -> str:
     """Return the page that shows runs under way; it asks its server what is new."""
-    return _filled(title, "live", "live", LIVE_MODULES, "")
+    return _fill_page(title, "live", "live", LIVE_MODULES, "")
 
 
-def _filled(title: str, content: str, entry: str, modules: Sequence[str], document: str) -> str:
+def _fill_page(title: str, content: str, entry: str, modules: Sequence[str], document: str) -> str:
     """Return the page around a ``content``; ``entry`` is the module that it starts with."""
-    return Template(_read("page.html")).substitute(
+    return Template(_read_file("page.html")).substitute(
         title=escape(title),
-        style=_read("viewer.css"),
-        main=Template(_read(f"{content}.html")).substitute(title=escape(title)),
+        style=_read_file("viewer.css"),
+        main=Template(_read_file(f"{content}.html")).substitute(title=escape(title)),
         document=document,
-        modules=json.dumps({"imports": {f"arena/{module}.js": _module(module) for module in modules}}),
+        modules=json.dumps({"imports": {f"arena/{module}.js": _module_address(module) for module in modules}}),
         entry=entry,
     )
 
 
-def _read(name: str) -> str:
+def _read_file(name: str) -> str:
     return (files("arena_viewer") / "web" / name).read_text(encoding="utf-8")
 
 
-def _module(name: str) -> str:
+def _module_address(name: str) -> str:
     """Return a module as an address of its own content: modules of a file on disk may not be fetched from beside it."""
-    return "data:text/javascript;base64," + base64.b64encode(_read(f"{name}.js").encode()).decode()
+    return "data:text/javascript;base64," + base64.b64encode(_read_file(f"{name}.js").encode()).decode()

@@ -65,18 +65,18 @@ class _Handler(BaseHTTPRequestHandler):
         asked = dict(parse_qsl(parts.query))
         given = asked.get("token", "")
         if host not in (HOST, "localhost"):
-            self._answer(403, "text/plain", b"this server knows no such host")
+            self._send_answer(403, "text/plain", b"this server knows no such host")
         elif not hmac.compare_digest(given.encode(), self.token.encode()):
-            self._answer(403, "text/plain", b"the token is missing or wrong: open the address that `arena replay` printed")
+            self._send_answer(403, "text/plain", b"the token is missing or wrong: open the address that `arena replay` printed")
         elif parts.path not in self.answers:
-            self._answer(404, "text/plain", b"no such page")
+            self._send_answer(404, "text/plain", b"no such page")
         else:
             try:
-                self._answer(200, *self.answers[parts.path](asked))
+                self._send_answer(200, *self.answers[parts.path](asked))
             except ArenaError as error:  # what is asked for is not there, or cannot be read
-                self._answer(404, "text/plain; charset=utf-8", str(error).encode())
+                self._send_answer(404, "text/plain; charset=utf-8", str(error).encode())
 
-    def _answer(self, status: int, kind: str, content: bytes) -> None:
+    def _send_answer(self, status: int, kind: str, content: bytes) -> None:
         self.send_response(status)
         headers = {"Content-Type": kind, "Content-Length": str(len(content)), "Content-Security-Policy": POLICY}
         headers |= {"X-Content-Type-Options": "nosniff", "Referrer-Policy": "no-referrer", "Cache-Control": "no-store"}

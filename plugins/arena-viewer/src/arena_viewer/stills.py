@@ -8,22 +8,22 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from arena_core import ConfigurationError, Footprint, Path
-from arena_drawing.frames import FramePainter, Scene, Stage, Window, free_window
-from arena_viewer.document import Recorded
+from arena_drawing.frames import FramePainter, SceneState, StaticScene, Window, free_window
+from arena_viewer.document import RecordedEpisode
 
 Frame = NDArray[np.uint8]
 GAP = 6  # pixels between pictures
-NOBODY = np.empty((0, 2))
+NO_PEOPLE = np.empty((0, 2))
 LEAST = 14  # pixels of a robot's length, so that one sees where it looks
 ROOM = 0.12  # of the longer side, around the drive: marks are whole, and one sees what it drove past
 LEAST_ROOM = 1.5  # m
 DRIVER = "driver"  # the event by which a switch says which of its members drives
 
 
-class Moments:
+class EpisodeStills:
     """Draws moments of one recorded episode; the longer side has ``side`` pixels, ``window`` is what is shown of the map."""
 
-    def __init__(self, one: Recorded, side: int, window: Window | None = None, title: str = "") -> None:
+    def __init__(self, one: RecordedEpisode, side: int, window: Window | None = None, title: str = "") -> None:
         if one.grid is None:
             raise ConfigurationError("the episode has no map; allowed: episodes of a known world")
         record, scenario = one.record, one.record.meta["scenario"]
@@ -36,9 +36,9 @@ class Moments:
         self._contacts = np.asarray(record["contact_position"], np.float64).reshape(-1, 2)
         self._drivers = [(float(event["stamp"]), str(event["detail"])) for event in record.meta["events"] if event["kind"] == DRIVER]
         path, start, goal = first_path(one), np.array(scenario["start"]), np.array(scenario["goal"])
-        shown = window or window_of([one])
-        stage = Stage(one.grid, scenario["obstacles"], start, goal, Path(path) if len(path) else None, shown)
-        self._painter = FramePainter(stage, _footprint(one), side, LEAST)
+        shown = window or view_bounds([one])
+        stage = StaticScene(one.grid, scenario["obstacles"], start, goal, Path(path) if len(path) else None, shown)
+        self._painter = FramePainter(stage, _robot_footprint(one), side, LEAST)
 
     @property
     def end(self) -> float:
@@ -51,26 +51,28 @@ class Moments:
         now = float(self._stamp[row])
         touched = self._contacts[self._contact_stamp <= now + 1e-9]
         driven = self._pose[: row + 1, :2]
-        return self._painter.frame(Scene(self._pose[row], self._people[row], self._radii, NOBODY, now, driven, touched, self._said(now)))
+        return self._painter.frame(
+            SceneState(self._pose[row], self._people[row], self._radii, NO_PEOPLE, now, driven, touched, self._title_text(now))
+        )
 
-    def _said(self, now: float) -> str:
+    def _title_text(self, now: float) -> str:
         """Return the title, and which member of a switch drives now."""
         driver = next((name for stamp, name in reversed(self._drivers) if stamp <= now + 1e-9), "")
         return f"{self._title} ({driver})" if self._title and driver else self._title or driver
 
 
-def first_path(one: Recorded) -> NDArray[np.float64]:
+def first_path(one: RecordedEpisode) -> NDArray[np.float64]:
     """Return the poses of the first path that was planned; none where there was no path."""
     offsets = one.record["path_offsets"]
     return np.asarray(one.record["path_poses"], np.float64)[: int(offsets[1]) if len(offsets) > 1 else 0]
 
 
-def window_of(episodes: Sequence[Recorded]) -> Window:
+def view_bounds(episodes: Sequence[RecordedEpisode]) -> Window:
     """Return what is shown of the map: all that the robots drove and touched, their first paths, starts and goals, with room around.
 
     The shorter side is as long as the other, as far as the first map goes.
     """
-    points = np.concatenate([_points(one) for one in episodes])
+    points = np.concatenate([_shown_points(one) for one in episodes])
     points = points[np.isfinite(points).all(axis=1)]
     low, high = points.min(axis=0), points.max(axis=0)
     room = max(LEAST_ROOM, ROOM * float((high - low).max()))
@@ -78,38 +80,38 @@ def window_of(episodes: Sequence[Recorded]) -> Window:
     if episodes[0].grid is None:
         return left, right, bottom, top
     whole, side = free_window(episodes[0].grid), max(right - left, top - bottom)
-    return *_lengthened(left, right, side, whole[:2]), *_lengthened(bottom, top, side, whole[2:])
+    return *_extend_interval(left, right, side, whole[:2]), *_extend_interval(bottom, top, side, whole[2:])
 
 
-def _lengthened(low: float, high: float, side: float, bounds: tuple[float, float]) -> tuple[float, float]:
+def _extend_interval(low: float, high: float, side: float, bounds: tuple[float, float]) -> tuple[float, float]:
     """Return an interval of the length ``side`` around another one, or what of it lies within bounds; never less than that other one."""
     begin = min(max((low + high - side) / 2.0, bounds[0]), max(bounds[1] - side, bounds[0]))
     return min(low, begin), max(high, min(begin + side, bounds[1]))
 
 
-def _points(one: Recorded) -> NDArray[np.float64]:
+def _shown_points(one: RecordedEpisode) -> NDArray[np.float64]:
     record, scenario = one.record, one.record.meta["scenario"]
     parts: list[ArrayLike] = [record["pose"], first_path(one), [scenario["start"]], [scenario["goal"]]]
     places = [np.asarray(part, np.float64).reshape(len(np.asarray(part)), -1)[:, :2] for part in parts if len(np.asarray(part))]
     return np.concatenate([*places, np.asarray(record["contact_position"], np.float64).reshape(-1, 2)])
 
 
-def _footprint(one: Recorded) -> Footprint:
+def _robot_footprint(one: RecordedEpisode) -> Footprint:
     said = one.record.meta["robot"]["footprint"]
     vertices = np.asarray(said["vertices_xy"], np.float64).reshape(-1, 2)
     return Footprint.polygon(vertices) if len(vertices) else Footprint.circle(said["radius"])
 
 
-def strip(episodes: Sequence[Recorded], count: int, side: int) -> Frame:
+def strip_picture(episodes: Sequence[RecordedEpisode], count: int, side: int) -> Frame:
     """Return ``count`` moments at even distances, the first and the last among them, side by side; episodes below each other."""
-    return _joined([_strip(moments, count) for moments in _all_moments(episodes, side)], 0)
+    return _join_pictures([_moment_strip(moments, count) for moments in _all_moments(episodes, side)], 0)
 
 
-def _strip(moments: Moments, count: int) -> Frame:
-    return _joined([moments.at(stamp) for stamp in np.linspace(0.0, moments.end, count)], 1)
+def _moment_strip(moments: EpisodeStills, count: int) -> Frame:
+    return _join_pictures([moments.at(stamp) for stamp in np.linspace(0.0, moments.end, count)], 1)
 
 
-def frames(episodes: Sequence[Recorded], stamps: Sequence[float], side: int) -> tuple[tuple[int, int], Iterator[Frame]]:
+def film_frames(episodes: Sequence[RecordedEpisode], stamps: Sequence[float], side: int) -> tuple[tuple[int, int], Iterator[Frame]]:
     """Return the size (width, height) of a film's frames, both even, and the frames at these times, s; episodes stand side by side.
 
     One that has ended stays as it was then.
@@ -117,19 +119,19 @@ def frames(episodes: Sequence[Recorded], stamps: Sequence[float], side: int) -> 
     moments = _all_moments(episodes, side)
 
     def frame(stamp: float) -> Frame:
-        return _joined([each.at(stamp) for each in moments], 1)
+        return _join_pictures([each.at(stamp) for each in moments], 1)
 
     height, width = (length - length % 2 for length in frame(0.0).shape[:2])
     return (width, height), (frame(stamp)[:height, :width] for stamp in stamps)
 
 
-def _all_moments(episodes: Sequence[Recorded], side: int) -> list[Moments]:
+def _all_moments(episodes: Sequence[RecordedEpisode], side: int) -> list[EpisodeStills]:
     """Return the pictures of episodes on one scenario, all of the same stretch of the map; several are called by their planners."""
-    window = window_of(episodes)
-    return [Moments(one, side, window, one.name if len(episodes) > 1 else "") for one in episodes]
+    window = view_bounds(episodes)
+    return [EpisodeStills(one, side, window, one.name if len(episodes) > 1 else "") for one in episodes]
 
 
-def _joined(pictures: Sequence[Frame], axis: int) -> Frame:
+def _join_pictures(pictures: Sequence[Frame], axis: int) -> Frame:
     """Return pictures of one size with gaps between them, side by side (axis 1) or below each other (0)."""
     shape = list(pictures[0].shape)
     shape[axis] = GAP

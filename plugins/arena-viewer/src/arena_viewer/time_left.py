@@ -20,7 +20,7 @@ LONGEST = 9  # digits of an episode's number
 
 
 @dataclass(frozen=True, slots=True)
-class Begun:
+class RunStart:
     """What a run's folder says of its latest start: when that was, s since 1970, of how many episodes and which configuration."""
 
     time: float = 0.0
@@ -29,7 +29,7 @@ class Begun:
 
 
 @dataclass(frozen=True, slots=True)
-class UnderWay:
+class ActiveRun:
     """A run under way: its configuration (None: not known), episodes that are due, and when others of this start ended, s since 1970."""
 
     config: Mapping[str, Any] | None
@@ -37,14 +37,14 @@ class UnderWay:
     ends: Sequence[float]
 
 
-def read_begun(folder: Path) -> Begun:
+def read_run_start(folder: Path) -> RunStart:
     """Return what a run's folder says of its latest start, nothing where it has not begun."""
     path = folder / PROVENANCE
     try:
         facts = read_json(path, "what `arena run` wrote")
-        return Begun(path.stat().st_mtime, int(facts["episodes"]), dict(facts["config"]))
+        return RunStart(path.stat().st_mtime, int(facts["episodes"]), dict(facts["config"]))
     except (ArenaError, OSError, ValueError, KeyError, TypeError, OverflowError):
-        return Begun()
+        return RunStart()
 
 
 def episodes_of(rows: Iterable[Mapping[str, str]]) -> list[int]:
@@ -53,7 +53,7 @@ def episodes_of(rows: Iterable[Mapping[str, str]]) -> list[int]:
     return [int(text) for text in texts if text.isascii() and text.isdecimal() and len(text) <= LONGEST]
 
 
-def ends_of(folder: Path, episodes: Iterable[int], since: float) -> list[float]:
+def end_times(folder: Path, episodes: Iterable[int], since: float) -> list[float]:
     """Return when the records of these episodes were written, of those that were since then."""
     found = []
     for episode in episodes:
@@ -62,7 +62,7 @@ def ends_of(folder: Path, episodes: Iterable[int], since: float) -> list[float]:
     return [end for end in found if end >= since]
 
 
-def time_left(runs: Sequence[UnderWay], now: float) -> float | None:
+def time_left(runs: Sequence[ActiveRun], now: float) -> float | None:
     """Return how long the episodes that are due may take, s; None where too few of this start have ended to say."""
     configs = [run.config for run in runs if run.config is not None]
     if not runs or len(configs) < len(runs):

@@ -21,13 +21,13 @@ def keep_reachable(free: NDArray[np.bool_], resolution: float, radius: float) ->
     """
     reach = radius + 0.5 * resolution  # from a cell's centre to that of the nearest blocked one: half of that cell is blocked
     for _ in range(ROUNDS):
-        room = places(free, resolution, radius)
+        room = free_places(free, resolution, radius)
         labels, count = ndimage.label(room)
         if count == 0:
             break
-        main = _largest(labels, count)
+        main = _largest_region(labels, count)
         if count == 1:
-            return _touching(free, main)
+            return _connected_part(free, main)
         others = room & ~main
         beyond = free & (distance_field(main, resolution) >= reach)
         if (beyond & others).any():
@@ -37,13 +37,13 @@ def keep_reachable(free: NDArray[np.bool_], resolution: float, radius: float) ->
     return np.zeros_like(free)
 
 
-def places(free: NDArray[np.bool_], resolution: float, radius: float) -> NDArray[np.bool_]:
+def free_places(free: NDArray[np.bool_], resolution: float, radius: float) -> NDArray[np.bool_]:
     """Return in which cells (H, W) the centre of a disc of ``radius`` m can be."""
     blocked = np.pad(~free, 1, constant_values=True)
     return np.asarray(distance_field(blocked, resolution)[1:-1, 1:-1] >= radius + 0.5 * resolution)
 
 
-def _largest(labels: NDArray[np.int32], count: int) -> NDArray[np.bool_]:
+def _largest_region(labels: NDArray[np.int32], count: int) -> NDArray[np.bool_]:
     if count == 1:
         return np.asarray(labels > 0)
     sizes = np.bincount(labels.ravel())
@@ -60,7 +60,7 @@ def _parts_with(area: NDArray[np.bool_], marks: NDArray[np.bool_]) -> NDArray[np
     return np.asarray(marked[labels])
 
 
-def _touching(free: NDArray[np.bool_], main: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _connected_part(free: NDArray[np.bool_], main: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Return the connected free cells that ``main`` is part of."""
     labels, _ = ndimage.label(free)
     return np.asarray(labels == labels[np.unravel_index(main.argmax(), main.shape)])

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from torch import nn
 
 from arena_cadrl.training.networks import make_network
-from arena_cadrl.training.rounds import Lesson
+from arena_cadrl.training.rollouts import Rollout
 from arena_cadrl.training.settings import Learning, ValueSettings
 from arena_core import ArenaError, ConfigurationError
 from arena_core.files import write_bytes_whole
@@ -37,35 +37,35 @@ class Learner:
         self.average = make_network(network).to(device)
         self.average.load_state_dict(self.network.state_dict())
         self._optimizer = torch.optim.Adam(self.network.parameters(), settings.learning_rate)
-        self._lessons: deque[Lesson] = deque(maxlen=settings.memory)
+        self._rollouts: deque[Rollout] = deque(maxlen=settings.memory)
 
     def run(self, rows: Numbers) -> Numbers:
         """Return values (N,) of rows (N, D)."""
-        return self._asked(self.network, rows)
+        return self._run_network(self.network, rows)
 
-    def averaged(self, rows: Numbers) -> Numbers:
+    def run_averaged(self, rows: Numbers) -> Numbers:
         """Return values (N,) of rows (N, D) by the averaged weights."""
-        return self._asked(self.average, rows)
+        return self._run_network(self.average, rows)
 
-    def learn(self, lesson: Lesson, number: int, left: float) -> float:
+    def learn(self, lesson: Rollout, number: int, left: float) -> float:
         """Learn from the latest lessons, of which this is number ``number``; return the mean loss.
 
         ``left`` is the share of the training that is left. Raises DivergedTraining where a loss is not finite.
         """
-        self._lessons.append(lesson)
-        states = torch.from_numpy(np.concatenate([each.states for each in self._lessons]))
-        worth = torch.from_numpy(np.concatenate([each.worth for each in self._lessons]))
+        self._rollouts.append(lesson)
+        states = torch.from_numpy(np.concatenate([each.states for each in self._rollouts]))
+        worth = torch.from_numpy(np.concatenate([each.worth for each in self._rollouts]))
         final = self._settings.final_learning_rate
         for group in self._optimizer.param_groups:
             group["lr"] = self._settings.learning_rate * (final + (1.0 - final) * left)
         random = torch.Generator().manual_seed((self._seed << 24) + number)
-        losses = [self._update(states, worth, random) for _ in range(self._settings.updates)]
+        losses = [self._update_weights(states, worth, random) for _ in range(self._settings.updates)]
         mean = sum(losses) / len(losses)
         if not np.isfinite(mean):
             raise DivergedTraining(f"the loss of round {number} is not finite; the checkpoint before it is kept")
         return mean
 
-    def _update(self, states: torch.Tensor, worth: torch.Tensor, random: torch.Generator) -> float:
+    def _update_weights(self, states: torch.Tensor, worth: torch.Tensor, random: torch.Generator) -> float:
         chosen = torch.randint(len(states), (self._settings.minibatch,), generator=random)
         missed = self.network(states[chosen].to(self._device))[:, 0] - worth[chosen].to(self._device)
         loss = missed.square().mean()
@@ -78,7 +78,7 @@ class Learner:
                 kept.lerp_(new, 1.0 - self._settings.average)
         return float(loss.detach())
 
-    def _asked(self, network: nn.Module, rows: Numbers) -> Numbers:
+    def _run_network(self, network: nn.Module, rows: Numbers) -> Numbers:
         with torch.no_grad():
             parts = [network(part.to(self._device))[:, 0].cpu() for part in torch.split(torch.from_numpy(rows), 8192)]
         return np.asarray(torch.cat(parts).numpy())

@@ -24,11 +24,11 @@ class PairValue(nn.Module):
 
     def __init__(self, body: Sequence[int]) -> None:
         super().__init__()
-        self.value = _layers(OWN + PERSON, body, 1)
+        self.value = _linear_layers(OWN + PERSON, body, 1)
 
     def forward(self, rows: torch.Tensor) -> torch.Tensor:
         """Return values (N, 1)."""
-        least: torch.Tensor = self.value(_pairs(rows)).amin(dim=1)
+        least: torch.Tensor = self.value(_person_pairs(rows)).amin(dim=1)
         return least
 
 
@@ -38,14 +38,14 @@ class AttentionValue(nn.Module):
     def __init__(self, settings: ValueSettings) -> None:
         super().__init__()
         wide, told = settings.body[-1], settings.told[-1]
-        self.body = nn.Sequential(_layers(OWN + PERSON, settings.body[:-1], wide), nn.ReLU())
-        self.told = _layers(wide, settings.told[:-1], told)
-        self.attention = _layers(2 * wide, settings.attention, 1)
-        self.head = _layers(OWN + told, settings.head, 1)
+        self.body = nn.Sequential(_linear_layers(OWN + PERSON, settings.body[:-1], wide), nn.ReLU())
+        self.told = _linear_layers(wide, settings.told[:-1], told)
+        self.attention = _linear_layers(2 * wide, settings.attention, 1)
+        self.head = _linear_layers(OWN + told, settings.head, 1)
 
     def forward(self, rows: torch.Tensor) -> torch.Tensor:
         """Return values (N, 1)."""
-        pairs = _pairs(rows)
+        pairs = _person_pairs(rows)
         there = pairs[:, :, -1:]
         seen = self.body(pairs)
         mean = (seen * there).sum(dim=1, keepdim=True) / there.sum(dim=1, keepdim=True).clamp(min=1.0)
@@ -56,14 +56,14 @@ class AttentionValue(nn.Module):
         return value
 
 
-def _pairs(rows: torch.Tensor) -> torch.Tensor:
+def _person_pairs(rows: torch.Tensor) -> torch.Tensor:
     """Return the robot's numbers with each person's (N, K, OWN + PERSON)."""
     people = rows[:, OWN:].reshape(rows.shape[0], -1, PERSON)
     own = rows[:, None, :OWN].expand(-1, people.shape[1], -1)
     return torch.cat((own, people), dim=2)
 
 
-def _layers(reads: int, widths: Sequence[int], writes: int) -> nn.Sequential:
+def _linear_layers(reads: int, widths: Sequence[int], writes: int) -> nn.Sequential:
     """Return linear layers with rectifiers in between; a single output begins at ``FIRST_VALUE``."""
     sizes = [reads, *widths]
     layers: list[nn.Module] = []

@@ -9,7 +9,7 @@ Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 
-def traced_returns(
+def lambda_returns(
     rewards: Floats, values: Floats, last_values: Floats, ended: Flags, cut: Flags, chance: Flags, discount: float, trace: float
 ) -> Floats:
     """Return lambda-returns (T, N) of rewards (T, N), from values (T, N) of the states before them and (N,) of those after the last.

@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 import torch
 
-from arena_cadrl.eyes import Eyes, StateSettings
-from arena_cadrl.parameters import Choosing, Looking, Safety, Worth
+from arena_cadrl.parameters import ActionSettings, PerceptionSettings, RewardSettings, Safety
+from arena_cadrl.perception import Perception, StateSettings
 from arena_cadrl.policy import action_ends
 from arena_cadrl.training.learner import Learner, State
-from arena_cadrl.training.rounds import Explorer, chosen_commands, drive_round, valued
+from arena_cadrl.training.rollouts import Explorer, chosen_commands, collect_rollout, state_values
 from arena_cadrl.training.settings import Learning, ValueSettings
-from arena_cadrl.training.worlds import Worlds
+from arena_cadrl.training.worlds import VectorWorlds
 from arena_core import Trainer, random_generator
 from arena_core.files import write_bytes_whole, write_text_whole
 from arena_core.hosting import Registry, compose, load_registry, to_plain
@@ -31,7 +31,7 @@ from arena_gym.training.export import network_to_onnx
 from arena_gym.training.folder import open_folder
 from arena_gym.training.learning import choose_device
 from arena_policies.actions import ActionRange
-from arena_policies.card import PolicyCard, sha256, write_card
+from arena_policies.card import PolicyCard, content_sha256, write_card
 
 CHECKPOINT, CURVE = "checkpoint.pt", "curve.json"
 PACKAGES = ("arena-core", "arena-cadrl", "arena-gym", "arena-orca", "arena-policies", "arena-sim2d", "arena-crowds", "torch", "onnx")
@@ -67,10 +67,10 @@ class ValueTrainer(Trainer):
         self,
         network: ValueSettings,
         learning: Learning,
-        looking: Looking,
-        choosing: Choosing,
+        looking: PerceptionSettings,
+        choosing: ActionSettings,
         safety: Safety,
-        worth: Worth,
+        worth: RewardSettings,
         evaluation: Evaluation,
         threads: PositiveInt,
         teacher: str,
@@ -91,14 +91,14 @@ class ValueTrainer(Trainer):
         teacher = to_plain(compose([f"planner={self._teacher}", f"robot={parts.robot.name}"]))["planner"]
         unseen = unseen_worlds(config, chosen.episodes, chosen.seed, "trainer.evaluation.seed").batch
         settings = StateSettings(config["planner"], self._looking, self._choosing, self._safety, self._worth)
-        eyes = Eyes(parts.robot, read_settings(config["action"], ActionRange, "action"), settings, 0.0)  # contacts are learned from
+        eyes = Perception(parts.robot, read_settings(config["action"], ActionRange, "action"), settings, 0.0)  # contacts are learned from
         batch = NavigationBatch(parts, self._learning.environments)
         worlds, unseen_ones = (self._worlds(each, eyes, teacher, registry) for each in (batch, unseen))
         open_folder(folder, config, resume)  # once all is built: a request that is refused leaves nothing behind
         learner = Learner(self._network, self._learning, config["seed"], device)
         session = Session(self, config, learner, worlds, unseen_ones, folder)
         session.run()
-        self._export(config, parts, eyes, settings, session, folder)
+        self._export_policy(config, parts, eyes, settings, session, folder)
 
     @property
     def learning(self) -> Learning:
@@ -115,10 +115,12 @@ class ValueTrainer(Trainer):
         """Return what a second's delay leaves of a value."""
         return self._worth.discount
 
-    def _worlds(self, batch: NavigationBatch, eyes: Eyes, teacher: Mapping[str, Any], registry: Registry) -> Worlds:
-        return Worlds(batch, eyes, lambda: registry.build("planner", teacher, robot=batch.parts.robot), self._nodes, registry)
+    def _worlds(self, batch: NavigationBatch, eyes: Perception, teacher: Mapping[str, Any], registry: Registry) -> VectorWorlds:
+        return VectorWorlds(batch, eyes, lambda: registry.build("planner", teacher, robot=batch.parts.robot), self._nodes, registry)
 
-    def _export(self, config: Mapping[str, Any], parts: Parts, eyes: Eyes, settings: StateSettings, session: Session, folder: Path) -> None:
+    def _export_policy(
+        self, config: Mapping[str, Any], parts: Parts, eyes: Perception, settings: StateSettings, session: Session, folder: Path
+    ) -> None:
         learner = session.learner
         learner.average.load_state_dict(session.best)
         content = network_to_onnx(learner.average, eyes.size, "state", "value")
@@ -143,7 +145,7 @@ class ValueTrainer(Trainer):
             layout=eyes.layout(),
             action=action_ends(robot, range_),
             action_range=config["action"],
-            sha256=sha256(content),
+            sha256=content_sha256(content),
             training=training,
         )
         write_bytes_whole(folder / "policy.onnx", content)
@@ -155,7 +157,7 @@ class Session:
     """One training: what has been done, the best weights so far, and the curve of evaluations."""
 
     def __init__(
-        self, trainer: ValueTrainer, config: Mapping[str, Any], learner: Learner, worlds: Worlds, unseen: Worlds, folder: Path
+        self, trainer: ValueTrainer, config: Mapping[str, Any], learner: Learner, worlds: VectorWorlds, unseen: VectorWorlds, folder: Path
     ) -> None:
         self.learner = learner
         self._trainer, self._config = trainer, config
@@ -166,7 +168,7 @@ class Session:
         self.chosen: dict[str, float] = {}
         self.score: dict[str, float] = {}
         if (folder / CHECKPOINT).exists():
-            self._take_up()
+            self._resume_progress()
 
     def run(self) -> None:
         """Train until the steps are spent."""
@@ -178,18 +180,18 @@ class Session:
         if self.steps < total:
             self._worlds.begin([first + k * EPISODES_APART for k in range(learning.environments)])
         while self.steps < total:
-            self._round(explorer, self.steps / total)
+            self._train_round(explorer, self.steps / total)
             if self.steps >= self._next_evaluation or self.steps >= total:
                 self._next_evaluation = self.steps + self._trainer.evaluation.every
-                self._evaluate()
-            self._keep()
+                self._evaluate_policy()
+            self._save_progress()
 
-    def _round(self, explorer: Explorer, done: float) -> None:
+    def _train_round(self, explorer: Explorer, done: float) -> None:
         learning, period = self._trainer.learning, self._worlds.batch.parts.robot.control_period
         teaching = done < learning.imitation
         share = learning.exploration + (learning.final_exploration - learning.exploration) * done
         discount = self._trainer.discount ** (period * learning.every)
-        lesson = drive_round(self._worlds, self.learner.run, explorer, learning, discount, teaching, share)
+        lesson = collect_rollout(self._worlds, self.learner.run, explorer, learning, discount, teaching, share)
         self._rounds += 1
         loss = self.learner.learn(lesson, self._rounds, 1.0 - done)
         self.steps += learning.decisions * learning.every * learning.environments
@@ -199,9 +201,9 @@ class Session:
             flush=True,
         )
 
-    def _evaluate(self) -> None:
+    def _evaluate_policy(self) -> None:
         """Try the averaged weights in worlds of no training; keep them where they and those before them are the best on average."""
-        score = evaluated(self._unseen, self.learner, self._trainer.evaluation)
+        score = evaluate_weights(self._unseen, self.learner, self._trainer.evaluation)
         before = self.curve[-1]["success"] if self.curve else 0.0
         self.curve.append({"steps": self.steps, **score.as_row(), "average": 0.5 * (before + score.success)})
         if not self.chosen or self.curve[-1]["average"] >= self.chosen["average"]:
@@ -213,7 +215,7 @@ class Session:
             flush=True,
         )
 
-    def _keep(self) -> None:
+    def _save_progress(self) -> None:
         progress = {
             "steps": self.steps,
             "rounds": self._rounds,
@@ -225,7 +227,7 @@ class Session:
         self.learner.save(self._folder / CHECKPOINT, progress, self.best)
         write_text_whole(self._folder / CURVE, json.dumps(self.curve, indent=1) + "\n")
 
-    def _take_up(self) -> None:
+    def _resume_progress(self) -> None:
         """Go on where a checkpoint left: with its weights, in episodes that it did not meet."""
         progress, self.best = self.learner.load(self._folder / CHECKPOINT)
         self.steps, self._rounds = int(progress["steps"]), int(progress["rounds"])
@@ -233,7 +235,7 @@ class Session:
         self.curve, self.chosen, self.score = list(progress["curve"]), dict(progress["chosen"]), dict(progress["score"])
 
 
-def evaluated(worlds: Worlds, learner: Learner, settings: Evaluation) -> Score:
+def evaluate_weights(worlds: VectorWorlds, learner: Learner, settings: Evaluation) -> Score:
     """Return how well the averaged weights drive, without chance, in the first episodes of each world."""
     count = worlds.batch.worlds
     quota = np.full(count, settings.episodes // count)
@@ -242,8 +244,8 @@ def evaluated(worlds: Worlds, learner: Learner, settings: Evaluation) -> Score:
     worlds.begin([settings.seed + k for k in range(count)])
     nothing = np.full(count, -1)
     while any(len(world) < wanted for world, wanted in zip(ended, quota.tolist(), strict=True)):
-        seen = worlds.look(False)
-        step = worlds.drive(chosen_commands(seen, valued(learner.averaged, seen)[:, 1:], nothing))
+        seen = worlds.observe(False)
+        step = worlds.drive(chosen_commands(seen, state_values(learner.run_averaged, seen)[:, 1:], nothing))
         for slot in np.flatnonzero(step.terminated | step.truncated).tolist():
             if len(ended[slot]) < quota[slot]:
                 outcome = "collision" if step.collided[slot] else "goal_reached" if step.arrived[slot] else "time_out"

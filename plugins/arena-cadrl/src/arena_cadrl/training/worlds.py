@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_cadrl.eyes import Eyes, Sight
+from arena_cadrl.perception import ActionLookahead, Perception
 from arena_core import EpisodeStart, Observation, Planner, Robot, Twist
 from arena_core.hosting import Registry
 from arena_gym.batch import NavigationBatch, Step
@@ -19,13 +19,13 @@ from arena_policies.members import Members
 Floats = NDArray[np.float64]
 
 
-class Onlooker(Planner):
+class ExpertRecorder(Planner):
     """Notes what a robot sees; ``teacher`` drives while it is ``teaching``, else nobody does."""
 
-    def __init__(self, eyes: Eyes, teacher: Planner) -> None:
-        self._eyes, self._teacher = eyes, teacher
+    def __init__(self, eyes: Perception, teacher: Planner) -> None:
+        self._perception, self._teacher = eyes, teacher
         self.teaching = False
-        self.sight: Sight | None = None
+        self.sight: ActionLookahead | None = None
 
     def reset(self, episode: EpisodeStart) -> None:
         """Begin an episode."""
@@ -34,14 +34,14 @@ class Onlooker(Planner):
 
     def compute_velocity(self, observation: Observation) -> Twist:
         """Return the teacher's velocity; raise NoValidCommand where it has none."""
-        self.sight = self._eyes.look(observation)
+        self.sight = self._perception.observe(observation)
         return self._teacher.compute_velocity(observation) if self.teaching else Twist(0.0)
 
 
-class Onlookers(Members):
+class RecorderMembers(Members):
     """One who looks on, as a switch's only member; between decisions the tracker alone sees on, as it does on the robot."""
 
-    def __init__(self, onlooker: Onlooker) -> None:
+    def __init__(self, onlooker: ExpertRecorder) -> None:
         super().__init__({"onlooker": onlooker})
         self.deciding = True
 
@@ -54,24 +54,29 @@ class Onlookers(Members):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Seen:
+class WorldsObservation:
     """What all N robots see: ``rows`` (N, 1 + A, D), and each one's sight; ``taught`` (N, 3) is what the teacher would drive."""
 
     rows: NDArray[np.float32]
-    sights: Sequence[Sight]
+    sights: Sequence[ActionLookahead]
     taught: Floats
 
 
-class Worlds:
+class VectorWorlds:
     """N worlds, each with a local map and a tracker of its own; an episode that ends is followed by the next."""
 
     def __init__(
-        self, batch: NavigationBatch, eyes: Eyes, teacher: Callable[[], Planner], nodes: Mapping[str, Mapping[str, Any]], registry: Registry
+        self,
+        batch: NavigationBatch,
+        eyes: Perception,
+        teacher: Callable[[], Planner],
+        nodes: Mapping[str, Mapping[str, Any]],
+        registry: Registry,
     ) -> None:
         self.batch = batch
         robot: Robot = batch.parts.robot
-        self._onlookers = [Onlooker(eyes, teacher()) for _ in range(batch.worlds)]
-        self._members = [Onlookers(onlooker) for onlooker in self._onlookers]
+        self._onlookers = [ExpertRecorder(eyes, teacher()) for _ in range(batch.worlds)]
+        self._members = [RecorderMembers(onlooker) for onlooker in self._onlookers]
         self._drivers = [
             Driver(
                 robot,
@@ -89,7 +94,7 @@ class Worlds:
         self._places = [(self.batch.seen, slot) for slot in range(self.batch.worlds)]
         self._begin_drivers(range(self.batch.worlds))
 
-    def look(self, teaching: bool) -> Seen:
+    def observe(self, teaching: bool) -> WorldsObservation:
         """Let all robots look, with the teacher's velocities where it is ``teaching``."""
         taught = np.zeros((self.batch.worlds, 3))
         sights = []
@@ -99,7 +104,7 @@ class Worlds:
             assert onlooker.sight is not None
             sights.append(onlooker.sight)
             self._rows[slot, 0], self._rows[slot, 1:] = onlooker.sight.now, onlooker.sight.ahead
-        return Seen(self._rows, sights, taught)
+        return WorldsObservation(self._rows, sights, taught)
 
     def track(self) -> None:
         """Let all trackers see a scan between two decisions."""

@@ -7,12 +7,12 @@ from math import cos, pi, sin, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from arena_crowds.orca.parameters import Rules
+from arena_crowds.orca.parameters import OrcaRules
 from arena_kernels.compiled import borrowing
 from arena_kernels.crowds import Bodies, Robot
 from arena_kernels.ground import Ground, clearance_and_gradient
 from arena_kernels.half_planes import put_bound, put_person
-from arena_kernels.programme import nearest_allowed, safest
+from arena_kernels.linear_program import nearest_allowed, safest_velocity
 
 Floats = NDArray[np.float64]
 
@@ -33,7 +33,7 @@ def choose_velocity(
     speed: float,
     ground: Ground,
     robot: Robot,
-    rules: Rules,
+    rules: OrcaRules,
     lines: Floats,
     scratch: Floats,
 ) -> tuple[float, float]:
@@ -57,14 +57,14 @@ def choose_velocity(
         count += 1
     kept, vx, vy = nearest_allowed(lines, count, speed, wish, False)
     if kept < walls:  # squeezed between walls: they alone decide
-        return safest(lines, 0, walls, kept, speed, (vx, vy), scratch)
+        return safest_velocity(lines, 0, walls, kept, speed, (vx, vy), scratch)
     if kept < count:
-        return safest(lines, walls, count, kept, speed, (vx, vy), scratch)
+        return safest_velocity(lines, walls, count, kept, speed, (vx, vy), scratch)
     return vx, vy
 
 
 @borrowing
-def _put_walls(lines: Floats, ground: Ground, x: float, y: float, radius: float, speed: float, rules: Rules, points: Floats) -> int:
+def _put_walls(lines: Floats, ground: Ground, x: float, y: float, radius: float, speed: float, rules: OrcaRules, points: Floats) -> int:
     """Write a half-plane for the nearest point of the walls, drop what lies behind it, and so on; return how many there are.
 
     The convex free space round a position, after Deits and Tedrake, Computing large convex regions of obstacle-free space, WAFR 2014.

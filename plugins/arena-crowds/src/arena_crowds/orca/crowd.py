@@ -12,12 +12,12 @@ from arena_core import Crowd, Gait, PedestrianModel, RobotBatch, Scenario
 from arena_core.parameters import NonNegative, Positive, PositiveInt
 from arena_core.scenes import add_furniture, add_obstacles
 from arena_crowds.orca.orca_step import step_crowds
-from arena_crowds.orca.parameters import RobotRules, Rules, Wayfinding, WayRules
+from arena_crowds.orca.parameters import OrcaRules, RobotRules, RouteRules, Wayfinding
+from arena_crowds.orca.route_following import assign_routes
 from arena_crowds.orca.walkers import Walkers
-from arena_crowds.orca.ways import grant_wishes
-from arena_kernels.compiled import Entered
+from arena_kernels.compiled import TypedDispatch
 from arena_kernels.crowds import Crowds, Robots
-from arena_kernels.terrain import Terrain
+from arena_kernels.world_grids import WorldGrids
 
 
 class OrcaCrowd(PedestrianModel):
@@ -41,7 +41,7 @@ class OrcaCrowd(PedestrianModel):
         gait: Gait,
     ) -> None:
         self.gait = gait if body == "legs" else None
-        way = WayRules(*(float(getattr(wayfinding, name)) for name in WayRules._fields))
+        way = RouteRules(*(float(getattr(wayfinding, name)) for name in RouteRules._fields))
         distances = {
             "horizon": float(horizon),
             "wall_horizon": float(wall_horizon),
@@ -49,11 +49,11 @@ class OrcaCrowd(PedestrianModel):
             "range": float(range),
         }
         shares = {"side": float(side), "robot_share": float(robot.share), "robot_margin": float(robot.margin)}
-        self._rules = Rules(yields=reaction == "yield", neighbours=neighbours, way=way, **distances, **shares)
+        self._rules = OrcaRules(yields=reaction == "yield", neighbours=neighbours, way=way, **distances, **shares)
         self._cell = wayfinding.cell
         self._walkers = Walkers(0)
-        self._terrain = Terrain(self._cell)
-        self._step_crowds, self._grant_wishes = Entered(step_crowds), Entered(grant_wishes)
+        self._terrain = WorldGrids(self._cell)
+        self._step_crowds, self._grant_wishes = TypedDispatch(step_crowds), TypedDispatch(assign_routes)
 
     def reset(self, slots: NDArray[np.int64], scenarios: Sequence[Scenario], total: int) -> Crowd:
         """Begin ``scenarios`` in these slots; worlds in other slots are returned as ``step`` left them.
@@ -61,11 +61,11 @@ class OrcaCrowd(PedestrianModel):
         Raises ImpossibleScenario for somebody who starts in a wall or off the map.
         """
         if total != len(self._walkers):
-            self._walkers, self._terrain = Walkers(total), Terrain(self._cell)
+            self._walkers, self._terrain = Walkers(total), WorldGrids(self._cell)
         grids = [add_obstacles(add_furniture(scenario.world), scenario.obstacles) for scenario in scenarios]
         self._terrain.replace(slots, grids, total)
-        self._walkers.settle(dict(zip(slots.tolist(), scenarios, strict=True)), grids)
-        self._grant()
+        self._walkers.begin_slots(dict(zip(slots.tolist(), scenarios, strict=True)), grids)
+        self._plan_routes()
         return self._walkers.crowd
 
     def step(self, crowd: Crowd, robots: RobotBatch, ticks: NDArray[np.int64], dt: float) -> Crowd:
@@ -84,10 +84,10 @@ class OrcaCrowd(PedestrianModel):
         )
         walkers.crowd = Crowd(crowd.counts, crowd.ids, positions, velocities, crowd.radii, states)
         if wishes:
-            self._grant()
+            self._plan_routes()
         return walkers.crowd
 
-    def _grant(self) -> None:
+    def _plan_routes(self) -> None:
         crowd, walkers, terrain = self._walkers.crowd, self._walkers, self._terrain
         people = Crowds(crowd.counts, crowd.positions, crowd.velocities, crowd.radii, crowd.states)
         self._grant_wishes(people, walkers.memory, walkers.waypoints, walkers.corners, terrain.land, terrain.rooms, terrain.nodes)

@@ -28,7 +28,7 @@ class Wayfinding:
     stuck_speed: Fraction
 
 
-class WayRules(NamedTuple):
+class RouteRules(NamedTuple):
     """Numbers of ``Wayfinding``."""
 
     waypoint_radius: float
@@ -38,7 +38,7 @@ class WayRules(NamedTuple):
     stuck_speed: float
 
 
-class Rules(NamedTuple):
+class OrcaRules(NamedTuple):
     """All that does not change from step to step."""
 
     yields: bool
@@ -50,4 +50,4 @@ class Rules(NamedTuple):
     side: float
     robot_share: float
     robot_margin: float
-    way: WayRules
+    way: RouteRules

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import ImpossibleScenario, OccupancyGrid, Pedestrians, PedestrianSpec, Scenario, stream_key
-from arena_crowds.slots import grown, no_crowd, with_worlds
+from arena_crowds.slots import grow_array, no_crowd, with_worlds
 
 STANDING, WALKING = 1, 2  # states; ABSENT is 0
 NOTHING, NEXT_WAYPOINT, NEW_ROUTE = 0, 1, 2  # what a person wishes of the route search
@@ -50,22 +50,22 @@ class Walkers:
     def __len__(self) -> int:
         return len(self.memory)
 
-    def settle(self, scenarios: Mapping[int, Scenario], grids: Sequence[OccupancyGrid]) -> None:
+    def begin_slots(self, scenarios: Mapping[int, Scenario], grids: Sequence[OccupancyGrid]) -> None:
         """Put the people of scenarios in their slots; raise ImpossibleScenario if somebody starts in a wall or off the map."""
         for scenario, grid in zip(scenarios.values(), grids, strict=True):
             _check_starts(scenario, grid)
-        self.crowd = with_worlds(self.crowd, {slot: _people(scenario.pedestrians) for slot, scenario in scenarios.items()})
+        self.crowd = with_worlds(self.crowd, {slot: _resting_people(scenario.pedestrians) for slot, scenario in scenarios.items()})
         places = self.crowd.ids.shape[1]
         longest = max((len(spec.waypoints_xy) for scenario in scenarios.values() for spec in scenario.pedestrians), default=0)
-        self.memory = grown(self.memory, places, np.zeros((), WALKER))
-        self.waypoints = grown(grown(self.waypoints, places, 0.0), longest, 0.0, axis=2)
-        self.corners = grown(self.corners, places, 0.0)
+        self.memory = grow_array(self.memory, places, np.zeros((), WALKER))
+        self.waypoints = grow_array(grow_array(self.waypoints, places, 0.0), longest, 0.0, axis=2)
+        self.corners = grow_array(self.corners, places, 0.0)
         for slot, scenario in scenarios.items():
             for place, spec in enumerate(scenario.pedestrians):
-                self._remember(slot, place, spec)
+                self._remember_walker(slot, place, spec)
             self.memory["key"][slot] = stream_key(scenario.seed, scenario.name, "stays")
 
-    def _remember(self, slot: int, place: int, spec: PedestrianSpec) -> None:
+    def _remember_walker(self, slot: int, place: int, spec: PedestrianSpec) -> None:
         count = len(spec.waypoints_xy)
         self.memory[slot, place] = np.zeros((), WALKER)
         walker = self.memory[slot, place]
@@ -76,7 +76,7 @@ class Walkers:
         self.waypoints[slot, place, :count] = spec.waypoints_xy
 
 
-def _people(specs: Sequence[PedestrianSpec]) -> Pedestrians:
+def _resting_people(specs: Sequence[PedestrianSpec]) -> Pedestrians:
     """Return people at their starts, at rest."""
     positions = np.array([spec.position_xy for spec in specs], np.float64).reshape(-1, 2)
     states = np.array([WALKING if len(spec.waypoints_xy) else STANDING for spec in specs], np.int8)

@@ -26,7 +26,7 @@ from arena_core.files import local_path
 from arena_core.parameters import NonNegative, Positive
 from arena_crowds.replay.recordings import Format, read_recording
 from arena_crowds.replay.scale import Unit
-from arena_crowds.slots import grown, no_crowd, with_worlds
+from arena_crowds.slots import grow_array, no_crowd, with_worlds
 
 STANDING, WALKING = 1, 2
 STANDS = 0.1  # m/s: who is slower stands, more or less
@@ -60,7 +60,7 @@ class ReplayedCrowd(PedestrianModel):
     ) -> None:
         self.gait = gait if body == "legs" else None
         recording = read_recording(local_path(path), format, frame_rate, unit)
-        self._recording = recording.moved(np.array(offset_xy, np.float64), rotation)
+        self._recording = recording.transform(np.array(offset_xy, np.float64), rotation)
         if len(offset_xy) != 2:
             raise ConfigurationError(f"pedestrians.offset_xy has {len(offset_xy)} numbers; allowed: 2, x and y")
         if start_time is not None and start_time >= recording.duration:
@@ -70,9 +70,9 @@ class ReplayedCrowd(PedestrianModel):
         self._path, self._unaware_of_walls = path, True
         self._cubic = interpolation == "cubic"
         self._speed, self._start_time, self._clear_start, self._radius = speed, start_time, clear_start, radius
-        self._clear(0)
+        self._clear_worlds(0)
 
-    def _clear(self, total: int) -> None:
+    def _clear_worlds(self, total: int) -> None:
         """Empty all worlds. ``_walks`` (N, P) says whose walk is in each place, ``_times`` (N,) what time of the recording it is, s."""
         self._crowd = no_crowd(total)
         self._walks = np.full((total, 0), NOBODY)
@@ -81,20 +81,20 @@ class ReplayedCrowd(PedestrianModel):
     def reset(self, slots: NDArray[np.int64], scenarios: Sequence[Scenario], total: int) -> Crowd:
         """Begin in these slots at the start times of ``scenarios``; raise ImpossibleScenario when none has a clear start."""
         if total != len(self._times):
-            self._clear(total)
+            self._clear_worlds(total)
         worlds = {}
         for slot, scenario in zip(slots.tolist(), scenarios, strict=True):
             begin = self._start_of(scenario)
-            walks = self._between(begin, begin + self._speed * scenario.time_limit)
+            walks = self._walks_between(begin, begin + self._speed * scenario.time_limit)
             self._times[slot] = begin
-            self._walks = grown(self._walks, len(walks), NOBODY)
+            self._walks = grow_array(self._walks, len(walks), NOBODY)
             self._walks[slot, : len(walks)], self._walks[slot, len(walks) :] = walks, NOBODY
-            worlds[slot] = self._people(walks, begin)
-            self._tell_of_walls(walks, scenario.world)
+            worlds[slot] = self._make_people(walks, begin)
+            self._warn_of_walls(walks, scenario.world)
         self._crowd = with_worlds(self._crowd, worlds)
         return self._crowd
 
-    def _tell_of_walls(self, walks: NDArray[np.int64], world: World) -> None:
+    def _warn_of_walls(self, walks: NDArray[np.int64], world: World) -> None:
         """Tell once whether somebody walks where the map has a wall."""
         bounds, grid = self._recording.first, world.grid
         for walk in walks.tolist() if self._unaware_of_walls else ():
@@ -110,21 +110,21 @@ class ReplayedCrowd(PedestrianModel):
         there = self._walks != NOBODY
         positions, velocities = np.full((*there.shape, 2), np.nan), np.full((*there.shape, 2), np.nan)
         times = np.broadcast_to(self._times[:, None], there.shape)
-        positions[there], velocities[there] = self._at(self._walks[there], times[there])
-        self._crowd = Crowd(crowd.counts, crowd.ids, positions, velocities, crowd.radii, _states(positions, velocities))
+        positions[there], velocities[there] = self._sample_walks(self._walks[there], times[there])
+        self._crowd = Crowd(crowd.counts, crowd.ids, positions, velocities, crowd.radii, _walking_states(positions, velocities))
         return self._crowd
 
-    def _at(self, walks: NDArray[np.int64], times: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _sample_walks(self, walks: NDArray[np.int64], times: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         positions, velocities = self._recording.at(walks, times, self._cubic)
         return positions, self._speed * velocities
 
-    def _between(self, begin: float, end: float) -> NDArray[np.int64]:
+    def _walks_between(self, begin: float, end: float) -> NDArray[np.int64]:
         """Return the walks of which something lies between two times of the recording."""
         return np.flatnonzero((self._recording.ends >= begin) & (self._recording.begins <= end))
 
-    def _people(self, walks: NDArray[np.int64], time: float) -> Pedestrians:
-        positions, velocities = self._at(walks, np.full(len(walks), time))
-        states = _states(positions, velocities)
+    def _make_people(self, walks: NDArray[np.int64], time: float) -> Pedestrians:
+        positions, velocities = self._sample_walks(walks, np.full(len(walks), time))
+        states = _walking_states(positions, velocities)
         return Pedestrians(self._recording.ids[walks], positions, velocities, np.full(len(walks), float(self._radius)), states)
 
     def _start_of(self, scenario: Scenario) -> float:
@@ -135,7 +135,7 @@ class ReplayedCrowd(PedestrianModel):
         latest = max(self._recording.duration - self._speed * scenario.time_limit, 0.0)
         for _ in range(DRAWS):
             begin = float(random.uniform(0.0, latest))
-            positions = self._people(self._between(begin, begin), begin).positions
+            positions = self._make_people(self._walks_between(begin, begin), begin).positions
             if not (np.hypot(*(positions - (scenario.start.x, scenario.start.y)).T) < self._clear_start).any():
                 return begin
         raise ImpossibleScenario(
@@ -143,6 +143,6 @@ class ReplayedCrowd(PedestrianModel):
         )
 
 
-def _states(positions: NDArray[np.float64], velocities: NDArray[np.float64]) -> NDArray[np.int8]:
+def _walking_states(positions: NDArray[np.float64], velocities: NDArray[np.float64]) -> NDArray[np.int8]:
     speeds = np.hypot(velocities[..., 0], velocities[..., 1])
     return np.where(np.isfinite(positions[..., 0]), np.where(speeds < STANDS, STANDING, WALKING), ABSENT).astype(np.int8)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from arena_core import OccupancyGrid, PedestrianSpec
 from arena_kernels.compiled import compiled
 from arena_kernels.distance import grid_distance
-from arena_kernels.ground import Ground, clearance
+from arena_kernels.ground import Ground, wall_clearance
 
 Floats = NDArray[np.float64]
 
@@ -30,9 +30,9 @@ class Timetables(NamedTuple):
     smooth: NDArray[np.bool_]
 
 
-def packed(specs: Sequence[PedestrianSpec], begin: float) -> Timetables:
+def pack_timetables(specs: Sequence[PedestrianSpec], begin: float) -> Timetables:
     """Pack timetables, entered at ``begin`` s; who has none walks its waypoints in a round, from its start, at its greatest speed."""
-    rounds = [_round(spec) for spec in specs]
+    rounds = [_round_timetable(spec) for spec in specs]
     first = np.cumsum([0, *(len(stamps) for stamps, _ in rounds)])
     smooth = np.array([spec.stamps is not None for spec in specs], np.bool_)
     stamps = np.concatenate([np.zeros(0), *(stamps for stamps, _ in rounds)])
@@ -40,7 +40,7 @@ def packed(specs: Sequence[PedestrianSpec], begin: float) -> Timetables:
     return Timetables(first, stamps, places, np.where(smooth, begin, 0.0), smooth)
 
 
-def _round(spec: PedestrianSpec) -> tuple[Floats, Floats]:
+def _round_timetable(spec: PedestrianSpec) -> tuple[Floats, Floats]:
     """Return stamps (S,) s and places (S, 2) m of one body's round."""
     if spec.stamps is not None:
         return spec.stamps, spec.waypoints_xy
@@ -50,20 +50,20 @@ def _round(spec: PedestrianSpec) -> tuple[Floats, Floats]:
     return np.concatenate(((0.0,), np.cumsum(np.hypot(*np.diff(places, axis=0).T) / spec.desired_speed))), places
 
 
-def glide(tables: Timetables, elapsed: float, dt: float) -> tuple[Floats, Floats]:
+def sample_timetables(tables: Timetables, elapsed: float, dt: float) -> tuple[Floats, Floats]:
     """Return positions and velocities, each (P, 2), ``elapsed`` s into an episode.
 
     They are NaN for who has jumped from the end of its round to the begin within the last ``dt`` s.
     """
     people = len(tables.begins)
     positions, velocities = np.empty((people, 2)), np.empty((people, 2))
-    _glide(*tables, elapsed, dt, positions, velocities)
+    _sample_timetables(*tables, elapsed, dt, positions, velocities)
     return positions, velocities
 
 
-def hide(ground: Ground, radii: Floats, positions: Floats, velocities: Floats) -> None:
+def hide_in_walls(ground: Ground, radii: Floats, positions: Floats, velocities: Floats) -> None:
     """Set positions and velocities (P, 2) to NaN where bodies of ``radii`` (P,) m would reach into walls: they come out of them."""
-    _hide(ground, radii, positions, velocities)
+    _hide_in_walls(ground, radii, positions, velocities)
 
 
 def ground_under(grid: OccupancyGrid) -> Ground:
@@ -73,14 +73,14 @@ def ground_under(grid: OccupancyGrid) -> Ground:
 
 
 @compiled
-def _hide(ground: Ground, radii: Floats, positions: Floats, velocities: Floats) -> None:
+def _hide_in_walls(ground: Ground, radii: Floats, positions: Floats, velocities: Floats) -> None:
     for k in range(len(radii)):
-        if clearance(ground, positions[k, 0], positions[k, 1]) < radii[k]:
+        if wall_clearance(ground, positions[k, 0], positions[k, 1]) < radii[k]:
             positions[k], velocities[k] = np.nan, np.nan
 
 
 @compiled
-def _glide(
+def _sample_timetables(
     first: NDArray[np.int64],
     stamps: Floats,
     places: Floats,
@@ -112,14 +112,17 @@ def _glide(
             p, q = places[before, axis], places[before + 1, axis]
             leaving, arriving = q - p, q - p
             if smooth[k]:
-                leaving, arriving = _tangent(places, before, low, high, closed, axis), _tangent(places, before + 1, low, high, closed, axis)
+                leaving, arriving = (
+                    _spline_tangent(places, before, low, high, closed, axis),
+                    _spline_tangent(places, before + 1, low, high, closed, axis),
+                )
             a, b = 2.0 * (p - q) + leaving + arriving, 3.0 * (q - p) - 2.0 * leaving - arriving
             positions[k, axis] = p + share * (leaving + share * (b + share * a))
             velocities[k, axis] = (leaving + share * (2.0 * b + 3.0 * share * a)) / span if span > 0.0 else 0.0
 
 
 @compiled
-def _tangent(places: Floats, k: int, low: int, high: int, closed: bool, axis: int) -> float:
+def _spline_tangent(places: Floats, k: int, low: int, high: int, closed: bool, axis: int) -> float:
     """Return half the way from the place before to the place after, at an end half the way to its neighbour.
 
     Of a ``closed`` round, which ends where it began, both ends have the places on either side.

@@ -88,13 +88,13 @@ class Recording:
         ways = np.hypot(*(self.positions[later[there]] - self.positions[there]).T)
         return float(np.median(ways / (self.stamps[later[there]] - self.stamps[there])))
 
-    def moved(self, offset_xy: Floats, rotation: float) -> Recording:
+    def transform(self, offset_xy: Floats, rotation: float) -> Recording:
         """Return the recording turned about its origin, then shifted."""
         c, s = np.cos(rotation), np.sin(rotation)
         x, y = self.positions.T
         return replace(self, positions=np.stack((c * x - s * y, s * x + c * y), axis=1) + offset_xy)
 
-    def sampled(self, rate: float) -> Floats:
+    def sample_positions(self, rate: float) -> Floats:
         """Return positions (T, P, 2) m, ``rate`` times a second from 0 s on; NaN when absent."""
         times = np.arange(int(self.duration * rate + SAME) + 1) / rate
         walks = np.arange(len(self.ids))
@@ -104,7 +104,7 @@ class Recording:
     def at(self, people: NDArray[np.int64], times: Floats, cubic: bool = True) -> tuple[Floats, Floats]:
         """Return positions and velocities, each (K, 2), of ``people`` (K,), indices of walks, at ``times`` (K,) s; NaN when absent."""
         positions, velocities = np.empty((len(people), 2)), np.empty((len(people), 2))
-        interpolate(self.first, self.stamps, self.positions, self.longest_gap, people, times, cubic, positions, velocities)
+        interpolate_walks(self.first, self.stamps, self.positions, self.longest_gap, people, times, cubic, positions, velocities)
         return positions, velocities
 
 
@@ -115,7 +115,7 @@ def read_recording(path: Path, layout: Format, frame_rate: float | None = None, 
     at no human pace.
     """
     columns = FORMATS[layout]
-    comments, rows = _content(path, layout)
+    comments, rows = _read_content(path, layout)
     rows = rows[np.lexsort((rows[:, columns.frame], rows[:, columns.person]))]
     persons, frames = rows[:, columns.person], rows[:, columns.frame]
     twice = (np.diff(persons) == 0) & (np.diff(frames) == 0)
@@ -155,14 +155,14 @@ def _check_speed(path: Path, recording: Recording) -> None:
         print_notice(f"{path}: people walk at {speed:.2g} m/s (median), usual is {low:g} to {high:g}; is it the right unit and frame_rate?")
 
 
-def _content(path: Path, layout: Format) -> tuple[list[str], Floats]:
+def _read_content(path: Path, layout: Format) -> tuple[list[str], Floats]:
     """Return a file's comments and its rows, of which what the layout needs is there and finite; raise InputFileError."""
     columns = FORMATS[layout]
     wanted = f"{columns.least}" if columns.least == columns.most else f"at least {columns.least}"
     allowed = f"rows of {wanted} numbers for format {layout}"
     text = read_text(path, LIMITS.tracks_bytes, allowed)
     try:
-        comments, rows = _rows(text, columns)
+        comments, rows = _parse_rows(text, columns)
     except ValueError as error:
         raise InputFileError(f"{path}: {one_line(str(error))}; allowed: {allowed}") from error
     if len(rows) == 0 or not (np.abs(rows) <= LARGEST).all():
@@ -171,7 +171,7 @@ def _content(path: Path, layout: Format) -> tuple[list[str], Floats]:
     return comments, rows
 
 
-def _rows(text: str, columns: Columns) -> tuple[list[str], Floats]:
+def _parse_rows(text: str, columns: Columns) -> tuple[list[str], Floats]:
     """Return the comments, and the rows as far as a format needs them."""
     needed = max(columns.least, columns.y + 1)
     comments, numbers, row = list[str](), array("d"), 0
@@ -192,7 +192,7 @@ def _rows(text: str, columns: Columns) -> tuple[list[str], Floats]:
 
 
 @compiled
-def interpolate(
+def interpolate_walks(
     first: NDArray[np.int64],
     stamps: Floats,
     places: Floats,
@@ -232,19 +232,19 @@ def interpolate(
         for axis in range(2):
             p, q = places[before, axis], places[after, axis]
             leaving, arriving = (
-                _slope(stamps, places, longest, before, low, high, axis),
-                _slope(stamps, places, longest, after, low, high, axis),
+                _sample_velocity(stamps, places, longest, before, low, high, axis),
+                _sample_velocity(stamps, places, longest, after, low, high, axis),
             )
             if share == 0.0:
                 positions[k, axis], velocities[k, axis] = p, leaving
             elif cubic:
-                positions[k, axis], velocities[k, axis] = _hermite(p, q, span * leaving, span * arriving, share, span)
+                positions[k, axis], velocities[k, axis] = _hermite_value(p, q, span * leaving, span * arriving, share, span)
             else:
                 positions[k, axis], velocities[k, axis] = p + share * (q - p), (q - p) / span
 
 
 @compiled
-def _slope(stamps: Floats, places: Floats, longest: float, k: int, low: int, high: int, axis: int) -> float:
+def _sample_velocity(stamps: Floats, places: Floats, longest: float, k: int, low: int, high: int, axis: int) -> float:
     """Return the velocity at a sample, from the sample before to the one after, of which neither lies beyond a break."""
     earlier, later = max(k - 1, low), min(k + 1, high)
     if stamps[k] - stamps[earlier] > longest:
@@ -257,7 +257,7 @@ def _slope(stamps: Floats, places: Floats, longest: float, k: int, low: int, hig
 
 
 @compiled
-def _hermite(p: float, q: float, leaving: float, arriving: float, u: float, span: float) -> tuple[float, float]:
+def _hermite_value(p: float, q: float, leaving: float, arriving: float, u: float, span: float) -> tuple[float, float]:
     """Return value and derivative at share ``u`` of a span."""
     value = p + u * (leaving + u * (3.0 * (q - p) - 2.0 * leaving - arriving + u * (2.0 * (p - q) + leaving + arriving)))
     slope = leaving + u * (2.0 * (3.0 * (q - p) - 2.0 * leaving - arriving) + 3.0 * u * (2.0 * (p - q) + leaving + arriving))

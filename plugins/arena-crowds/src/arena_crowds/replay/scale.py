@@ -44,7 +44,7 @@ def scale_of(
     What the user says must not contradict what the file says. Raises InputFileError for that, and where nobody says.
     """
     known = known_recording(path, layout)
-    said_unit, said_rate = _said_unit(path, comments), _said_rate(path, comments)
+    said_unit, said_rate = _stated_unit(path, comments), _stated_rate(path, comments)
     fixed = "m" if layout == "obsmat" else None  # ETH, README: positions and velocities are in metres
     own_unit, own_rate = said_unit or fixed, said_rate or measured_rate
     if unit and own_unit and unit != own_unit:
@@ -55,31 +55,31 @@ def scale_of(
     found_unit = unit or own_unit or known.get("unit")
     found_rate = frame_rate or own_rate or known.get("frame_rate")
     if found_unit is None:
-        raise InputFileError(f"{path}: neither header nor name tells its unit of length; allowed: {_choices()}")
+        raise InputFileError(f"{path}: neither header nor name tells its unit of length; allowed: {_unit_choices()}")
     if found_rate is None:
         raise InputFileError(f"{path}: neither header nor name tells its frame rate; allowed: frame_rate=NUMBER (1/s)")
     return Scale(METRES[found_unit], float(found_rate))
 
 
 @cache
-def _known() -> list[dict[str, Any]]:
+def _known_recordings() -> list[dict[str, Any]]:
     return list(yaml.safe_load(files("arena_crowds").joinpath("known_recordings.yaml").read_text("utf-8")))
 
 
 def known_recording(path: Path, layout: str) -> Mapping[str, Any]:
     """Return what is known of a published recording by the name of its file or folder; empty for others."""
     names = (path.name, path.absolute().parent.name)
-    return next((row for row in _known() if row["format"] == layout and any(fnmatch(name, row["name"]) for name in names)), {})
+    return next((row for row in _known_recordings() if row["format"] == layout and any(fnmatch(name, row["name"]) for name in names)), {})
 
 
-def _said_unit(path: Path, comments: Sequence[str]) -> Unit | None:
+def _stated_unit(path: Path, comments: Sequence[str]) -> Unit | None:
     said = {next(filter(None, found.groups())).lower() for line in comments for found in SAID_UNIT.finditer(line)}
     if len(said) > 1:
         raise InputFileError(f"{path}: its header tells several units of length, {', '.join(sorted(said))}; allowed: one")
     return next((unit for unit in get_args(Unit) if unit in said), None)
 
 
-def _said_rate(path: Path, comments: Sequence[str]) -> float | None:
+def _stated_rate(path: Path, comments: Sequence[str]) -> float | None:
     texts = [next(filter(None, found.groups())) for line in comments for found in SAID_RATE.finditer(line)]
     if not texts:
         return None
@@ -110,5 +110,5 @@ def measured_rate(persons: Floats, frames: Floats, positions: Floats, velocities
     return float(round(rate)) if abs(round(rate) / rate - 1.0) < SAME_RATE else rate
 
 
-def _choices() -> str:
+def _unit_choices() -> str:
     return " or ".join(f"unit={unit}" for unit in METRES)

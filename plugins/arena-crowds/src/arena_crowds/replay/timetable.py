@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from arena_core import ABSENT, Crowd, PedestrianModel, Pedestrians, PedestrianSpec, RobotBatch, Scenario, random_generator
 from arena_core.parameters import NonNegative
-from arena_crowds.replay.gliding import Timetables, glide, ground_under, hide, packed
+from arena_crowds.replay.gliding import Timetables, ground_under, hide_in_walls, pack_timetables, sample_timetables
 from arena_crowds.slots import no_crowd, with_worlds
 from arena_kernels.ground import Ground
 
@@ -26,26 +26,26 @@ class TimetableCrowd(PedestrianModel):
 
     def __init__(self, start_time: NonNegative | None, latest: NonNegative) -> None:
         self._start_time, self._latest = start_time, latest
-        self._clear(0)
+        self._clear_worlds(0)
 
-    def _clear(self, total: int) -> None:
+    def _clear_worlds(self, total: int) -> None:
         """Empty all worlds. ``_times`` (N,) are the seconds since each episode began."""
         self._crowd = no_crowd(total)
-        self._tables: list[Timetables] = [packed((), 0.0)] * total
+        self._tables: list[Timetables] = [pack_timetables((), 0.0)] * total
         self._grounds: list[Ground | None] = [None] * total
         self._times = np.zeros(total)
 
     def reset(self, slots: NDArray[np.int64], scenarios: Sequence[Scenario], total: int) -> Crowd:
         """Begin ``scenarios`` in these slots, at their times of the timetables."""
         if total != len(self._times):
-            self._clear(total)
+            self._clear_worlds(total)
         worlds = {}
         for slot, scenario in zip(slots.tolist(), scenarios, strict=True):
-            self._tables[slot] = packed(scenario.pedestrians, self._start_of(scenario))
+            self._tables[slot] = pack_timetables(scenario.pedestrians, self._start_of(scenario))
             self._grounds[slot] = scenario.world.grid.derive(ground_under)
             self._times[slot] = 0.0
             radii = np.array([spec.radius for spec in scenario.pedestrians], np.float64)
-            worlds[slot] = _people(scenario.pedestrians, radii, *self._now(slot, radii, 0.0))
+            worlds[slot] = _make_people(scenario.pedestrians, radii, *self._current_motion(slot, radii, 0.0))
         self._crowd = with_worlds(self._crowd, worlds)
         return self._crowd
 
@@ -54,16 +54,16 @@ class TimetableCrowd(PedestrianModel):
         self._times = self._times + dt
         positions, velocities = np.full_like(crowd.positions, np.nan), np.full_like(crowd.positions, np.nan)
         for slot, count in enumerate(crowd.counts.tolist()):
-            positions[slot, :count], velocities[slot, :count] = self._now(slot, crowd.radii[slot, :count], dt)
-        self._crowd = Crowd(crowd.counts, crowd.ids, positions, velocities, crowd.radii, _states(positions, velocities))
+            positions[slot, :count], velocities[slot, :count] = self._current_motion(slot, crowd.radii[slot, :count], dt)
+        self._crowd = Crowd(crowd.counts, crowd.ids, positions, velocities, crowd.radii, _walking_states(positions, velocities))
         return self._crowd
 
-    def _now(self, slot: int, radii: NDArray[np.float64], dt: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _current_motion(self, slot: int, radii: NDArray[np.float64], dt: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return positions and velocities, each (P, 2), in one world; NaN for who is absent."""
-        positions, velocities = glide(self._tables[slot], self._times[slot], dt)
+        positions, velocities = sample_timetables(self._tables[slot], self._times[slot], dt)
         ground = self._grounds[slot]
         if ground is not None:
-            hide(ground, radii, positions, velocities)
+            hide_in_walls(ground, radii, positions, velocities)
         return positions, velocities
 
     def _start_of(self, scenario: Scenario) -> float:
@@ -72,13 +72,13 @@ class TimetableCrowd(PedestrianModel):
         return float(random_generator(scenario.seed, scenario.name, "timetable").uniform(0.0, self._latest))
 
 
-def _people(
+def _make_people(
     specs: Sequence[PedestrianSpec], radii: NDArray[np.float64], positions: NDArray[np.float64], velocities: NDArray[np.float64]
 ) -> Pedestrians:
     ids = np.array([spec.id for spec in specs], np.int32)
-    return Pedestrians(ids, positions, velocities, radii, _states(positions, velocities))
+    return Pedestrians(ids, positions, velocities, radii, _walking_states(positions, velocities))
 
 
-def _states(positions: NDArray[np.float64], velocities: NDArray[np.float64]) -> NDArray[np.int8]:
+def _walking_states(positions: NDArray[np.float64], velocities: NDArray[np.float64]) -> NDArray[np.int8]:
     speeds = np.hypot(velocities[..., 0], velocities[..., 1])
     return np.where(np.isfinite(positions[..., 0]), np.where(speeds < STANDS, STANDING, WALKING), ABSENT).astype(np.int8)

@@ -12,9 +12,9 @@ from arena_core import ConfigurationError, PedestrianModel
 from arena_core.commands import Command, complete_overrides, read_words
 from arena_core.files import csv_text, write_bytes_whole, write_text_whole
 from arena_core.hosting import compose, load_registry
-from arena_crowds.validation.findings import Findings, lines
+from arena_crowds.validation.findings import Findings, table_lines
 from arena_crowds.validation.measure import USAGE as MEASURE
-from arena_crowds.validation.measure import measure
+from arena_crowds.validation.measure import run_measurement
 
 EXPERIMENTS = {
     "speed_density": "walking speed over density in a corridor, against Weidmann and the Juelich recordings",
@@ -34,9 +34,9 @@ class CrowdCommand(Command):
     def run(self, arguments: Sequence[str]) -> int:
         """Run the experiments (all that the recordings allow, without names) and print their tables, or measure."""
         if arguments and arguments[0] == "measure" and not {"--help", "-h"} & set(arguments):
-            return measure(arguments[1:])
+            return run_measurement(arguments[1:])
         if not arguments or arguments[0] != "validate" or "--help" in arguments or "-h" in arguments:
-            print(_usage())
+            print(_usage_text())
             return 0 if not arguments or {"--help", "-h"} & set(arguments) else 2
         words = read_words(USAGE, arguments[1:], names=None, keys=KEYS, overrides=["pedestrians"])
         for name in words.names:
@@ -44,11 +44,11 @@ class CrowdCommand(Command):
                 raise ConfigurationError(f"arena crowd validate has no experiment {name!r} (possible: {', '.join(EXPERIMENTS)})")
         recordings = Path(words.keys["recordings"]) if "recordings" in words.keys else None
         chosen = words.keys.get("pedestrians", "social_force").split(",")
-        models = {preset: model(preset, words.overrides) for preset in chosen}
+        models = {preset: build_model(preset, words.overrides) for preset in chosen}
         for name in words.names or [name for name in EXPERIMENTS if name != "rollout" or recordings]:
             findings: Findings = importlib.import_module(f"arena_crowds.validation.{name}").run(models, recordings)
-            print(f"\n{name}: {EXPERIMENTS[name]}\n{lines(findings.rows)}")
-            write(findings, Path(words.keys.get("out", "crowds")), name)
+            print(f"\n{name}: {EXPERIMENTS[name]}\n{table_lines(findings.rows)}")
+            write_findings(findings, Path(words.keys.get("out", "crowds")), name)
         return 0
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
@@ -58,7 +58,7 @@ class CrowdCommand(Command):
         return [*(EXPERIMENTS if words[0] == "validate" else ()), *complete_overrides(words, word)]
 
 
-def model(preset: str, overrides: Sequence[str]) -> PedestrianModel:
+def build_model(preset: str, overrides: Sequence[str]) -> PedestrianModel:
     """Build a crowd model from its preset, as a run would."""
     from omegaconf import OmegaConf
 
@@ -66,7 +66,7 @@ def model(preset: str, overrides: Sequence[str]) -> PedestrianModel:
     return load_registry().build("pedestrians", node)  # type: ignore[no-any-return]
 
 
-def write(findings: Findings, folder: Path, name: str) -> None:
+def write_findings(findings: Findings, folder: Path, name: str) -> None:
     """Write NAME.csv and NAME.png."""
     from matplotlib.figure import Figure
 
@@ -80,5 +80,5 @@ def write(findings: Findings, folder: Path, name: str) -> None:
     print(f"written: {folder / name}.csv and .png")
 
 
-def _usage() -> str:
+def _usage_text() -> str:
     return "\n".join([f"usage: {USAGE}", f"       {MEASURE}", "", *(f"  {name:14} {what}" for name, what in EXPERIMENTS.items())])

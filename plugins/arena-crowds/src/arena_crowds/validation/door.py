@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from arena_core import PedestrianModel, PedestrianSpec, Scenario
 from arena_crowds.validation.findings import Findings
-from arena_crowds.validation.floor_plan import Area, floor, scenario
-from arena_crowds.validation.walks import walk
+from arena_crowds.validation.floor_plan import Area, floor_world, make_scenario
+from arena_crowds.validation.walks import simulate_walks
 
 Floats = NDArray[np.float64]
 
@@ -32,22 +32,22 @@ LITERATURE = (1.3, 1.9)  # 1/(m s), from the SFPE handbook to Seyfried et al. 20
 def run(models: Mapping[str, PedestrianModel], recordings: Path | None) -> Findings:
     """Empty the room through doors of all WIDTHS, and through one door in all HURRIES, SEEDS times; recordings are not used."""
     cases = [(width, SPEED) for width in WIDTHS] + [(HURRIED_WIDTH, speed) for speed in HURRIES]
-    problems = [evacuation(*case, seed) for case in cases for seed in range(SEEDS)]
+    problems = [evacuation_scenario(*case, seed) for case in cases for seed in range(SEEDS)]
     rows = []
     for name, model in models.items():
-        times = passing_times(walk(model, problems, SECONDS, RATE)).reshape(len(cases), SEEDS, PEOPLE)
-        rows += [_row(name, case, own) for case, own in zip(cases, times, strict=True)]
-    return Findings(rows, lambda figure: _draw(figure, list(models), rows), (9.5, 4.2))
+        times = passing_times(simulate_walks(model, problems, SECONDS, RATE)).reshape(len(cases), SEEDS, PEOPLE)
+        rows += [_case_row(name, case, own) for case, own in zip(cases, times, strict=True)]
+    return Findings(rows, lambda figure: _draw_figure(figure, list(models), rows), (9.5, 4.2))
 
 
-def evacuation(width: float, speed: float, seed: int) -> Scenario:
+def evacuation_scenario(width: float, speed: float, seed: int) -> Scenario:
     """Return people who leave a room through a door in the middle of its right wall, each to a place of its own outside."""
     random = np.random.default_rng((round(100 * width), round(100 * speed), seed))
     door = Area(SIDE - 0.1, SIDE + WALL + 0.1, SIDE / 2 - width / 2, SIDE / 2 + width / 2)
     starts, goals = START.places(PEOPLE, random), GOALS.places(PEOPLE, random)
     speeds = speed * np.clip(random.normal(1.0, SPREAD, PEOPLE), 0.5, 1.5)
     people = [PedestrianSpec(k, starts[k], goals[k : k + 1], float(speeds[k]), RADIUS) for k in range(PEOPLE)]
-    return scenario(floor("door", (ROOM, door, OUTSIDE)), people, SECONDS, f"door/{width:g}/{speed:g}/{seed}")
+    return make_scenario(floor_world("door", (ROOM, door, OUTSIDE)), people, SECONDS, f"door/{width:g}/{speed:g}/{seed}")
 
 
 def passing_times(positions: Floats) -> Floats:
@@ -56,15 +56,15 @@ def passing_times(positions: Floats) -> Floats:
     return np.sort(np.where(out.any(axis=0), out.argmax(axis=0) / RATE, np.inf), axis=-1)
 
 
-def flow(times: Floats) -> float:
+def door_flow(times: Floats) -> float:
     """Return the people a second between the first and the last of STEADY, of rising passing times; 0 if those never came out."""
     first, last = STEADY
     return float((last - first) / (times[last] - times[first])) if np.isfinite(times[last]) else 0.0
 
 
-def _row(name: str, case: tuple[float, float], times: Floats) -> dict[str, Any]:
+def _case_row(name: str, case: tuple[float, float], times: Floats) -> dict[str, Any]:
     """Return what came of one case over its seeds; ``seconds`` until nine in ten are out."""
-    flows = np.array([flow(own) for own in times])
+    flows = np.array([door_flow(own) for own in times])
     most = times[:, round(0.9 * PEOPLE) - 1]
     return {
         "who": name,
@@ -78,7 +78,7 @@ def _row(name: str, case: tuple[float, float], times: Floats) -> dict[str, Any]:
     }
 
 
-def _draw(figure: Any, names: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> None:
+def _draw_figure(figure: Any, names: Sequence[str], rows: Sequence[Mapping[str, Any]]) -> None:
     over_width, over_speed = figure.subplots(1, 2)
     ends = np.array((0.7, 2.5))
     over_width.fill_between(ends, LITERATURE[0] * ends, LITERATURE[1] * ends, color="0.85", label="measured: 1.3 to 1.9 /(m s)")

@@ -18,7 +18,7 @@ class Findings:
     size: tuple[float, float] = (7.0, 4.2)
 
 
-def lines(rows: Sequence[Mapping[str, Any]]) -> str:
+def table_lines(rows: Sequence[Mapping[str, Any]]) -> str:
     """Return rows as a table of text, numbers with four digits."""
     cells = [[value if isinstance(value, str) else f"{value:.4g}" for value in row.values()] for row in rows]
     return "\n".join(align_columns([list(rows[0]), *cells]))

@@ -42,22 +42,22 @@ class Area(NamedTuple):
         return (self.left, self.bottom) + shares * (self.right - self.left, self.top - self.bottom)
 
 
-def floor(name: str, areas: Sequence[Area]) -> World:
+def floor_world(name: str, areas: Sequence[Area]) -> World:
     """Return a world that is free in these areas."""
     left, bottom = min(area.left for area in areas) - WALL, min(area.bottom for area in areas) - WALL
     right, top = max(area.right for area in areas) + WALL, max(area.top for area in areas) + WALL
-    data = np.full((_cells(top - bottom), _cells(right - left)), OCCUPIED, np.int8)
+    data = np.full((_cell_count(top - bottom), _cell_count(right - left)), OCCUPIED, np.int8)
     for area in areas:
-        rows = slice(_cells(area.bottom - bottom), _cells(area.top - bottom))
-        data[rows, _cells(area.left - left) : _cells(area.right - left)] = 0
+        rows = slice(_cell_count(area.bottom - bottom), _cell_count(area.top - bottom))
+        data[rows, _cell_count(area.left - left) : _cell_count(area.right - left)] = 0
     return World(name, OccupancyGrid(data, RESOLUTION, Pose(left, bottom)))
 
 
-def _cells(length: float) -> int:
+def _cell_count(length: float) -> int:
     return round(length / RESOLUTION)
 
 
-def scenario(world: World, people: Sequence[PedestrianSpec], seconds: float, name: str) -> Scenario:
+def make_scenario(world: World, people: Sequence[PedestrianSpec], seconds: float, name: str) -> Scenario:
     """Return these people's problem; its robot is nowhere."""
     here = Pose(0.0, 0.0)
     return Scenario(name, 0, world, here, here, tuple(people), (), 0.3, seconds)

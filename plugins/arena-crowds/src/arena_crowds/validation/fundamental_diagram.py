@@ -12,7 +12,7 @@ Floats = NDArray[np.float64]
 SPAN = 0.3  # s before and after an instant over which a speed is taken: shorter spans measure the swaying of heads
 
 
-def measure(positions: Floats, rate: float, area: Area) -> tuple[Floats, Floats]:
+def measure_density_speed(positions: Floats, rate: float, area: Area) -> tuple[Floats, Floats]:
     """Return density (1/m^2) and mean speed (m/s) in the area at each instant with somebody in it.
 
     ``positions`` (T, P, 2) m, NaN where somebody is absent, ``rate`` in 1/s. Density is the number of people in the area over its size, as
@@ -29,13 +29,13 @@ def measure(positions: Floats, rate: float, area: Area) -> tuple[Floats, Floats]
     return counts[some] / area.size, means
 
 
-def binned(densities: Floats, speeds: Floats, width: float, least: int) -> tuple[Floats, Floats]:
+def bin_speeds(densities: Floats, speeds: Floats, width: float, least: int) -> tuple[Floats, Floats]:
     """Return mean density and mean speed of each bin of this width (1/m^2) that holds at least so many instants."""
     bins = (densities / width).astype(np.int64)
     kept = [bins == k for k in np.unique(bins) if (bins == k).sum() >= least]
     return np.array([densities[k].mean() for k in kept]), np.array([speeds[k].mean() for k in kept])
 
 
-def weidmann(densities: Floats, free_speed: float = 1.34) -> Floats:
+def weidmann_speed(densities: Floats, free_speed: float = 1.34) -> Floats:
     """Return the speed (m/s) at these densities after Weidmann, Transporttechnik der Fussgaenger, ETH Zuerich 1993."""
     return free_speed * (1.0 - np.exp(-1.913 * (1.0 / densities - 1.0 / 5.4)))

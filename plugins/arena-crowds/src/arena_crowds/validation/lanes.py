@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from arena_core import PedestrianModel, PedestrianSpec, Scenario
 from arena_crowds.validation.findings import Findings
-from arena_crowds.validation.floor_plan import Area, floor, scenario
-from arena_crowds.validation.walks import walk
+from arena_crowds.validation.floor_plan import Area, floor_world, make_scenario
+from arena_crowds.validation.walks import simulate_walks
 
 Floats = NDArray[np.float64]
 
@@ -30,14 +30,14 @@ FEWEST = 3  # people in each direction, with fewer there is nothing to order
 
 def run(models: Mapping[str, PedestrianModel], recordings: Path | None) -> Findings:
     """Let crowds of all NUMBERS walk to and fro, SEEDS times; recordings are not used."""
-    world = floor("lanes", (Area(0, ROOM, 0, ROOM), CORRIDOR, Area(ROOM + LENGTH, 2 * ROOM + LENGTH, 0, ROOM)))
-    problems = [_to_and_fro(world, number, seed) for number in NUMBERS for seed in range(SEEDS)]
-    courses = {name: [measure(positions) for positions in _walks(model, problems)] for name, model in models.items()}
-    rows = [_row(name, i, course[i * SEEDS : (i + 1) * SEEDS]) for name, course in courses.items() for i in range(len(NUMBERS))]
-    return Findings(rows, lambda figure: _draw(figure, courses, rows), (9.5, 4.2))
+    world = floor_world("lanes", (Area(0, ROOM, 0, ROOM), CORRIDOR, Area(ROOM + LENGTH, 2 * ROOM + LENGTH, 0, ROOM)))
+    problems = [_counterflow_scenario(world, number, seed) for number in NUMBERS for seed in range(SEEDS)]
+    courses = {name: [measure_lanes(positions) for positions in _walk_problems(model, problems)] for name, model in models.items()}
+    rows = [_lane_row(name, i, course[i * SEEDS : (i + 1) * SEEDS]) for name, course in courses.items() for i in range(len(NUMBERS))]
+    return Findings(rows, lambda figure: _draw_figure(figure, courses, rows), (9.5, 4.2))
 
 
-def _to_and_fro(world: Any, number: int, seed: int) -> Scenario:
+def _counterflow_scenario(world: Any, number: int, seed: int) -> Scenario:
     """Put half of the people in each room; everybody walks between a place in the one and a place in the other for ever."""
     random = np.random.default_rng((number, seed))
     left, right = LEFT.places((number + 1) // 2, random), RIGHT.places(number // 2, random)
@@ -45,15 +45,15 @@ def _to_and_fro(world: Any, number: int, seed: int) -> Scenario:
     goals = np.concatenate((RIGHT.places(len(left), random), LEFT.places(len(right), random)))
     speeds = np.clip(random.normal(SPEED, SPREAD, number), 0.6, None)
     people = [PedestrianSpec(k, starts[k], np.stack((goals[k], starts[k])), float(speeds[k]), RADIUS) for k in range(number)]
-    return scenario(world, people, SECONDS, f"lanes/{number}/{seed}")
+    return make_scenario(world, people, SECONDS, f"lanes/{number}/{seed}")
 
 
-def _walks(model: PedestrianModel, problems: list[Scenario]) -> list[Floats]:
-    positions = walk(model, problems, SECONDS, RATE)
+def _walk_problems(model: PedestrianModel, problems: list[Scenario]) -> list[Floats]:
+    positions = simulate_walks(model, problems, SECONDS, RATE)
     return [positions[:, k, : len(problem.pedestrians)] for k, problem in enumerate(problems)]
 
 
-def measure(positions: Floats) -> Floats:
+def measure_lanes(positions: Floats) -> Floats:
     """Return (T, 4): density (1/m^2), mean speed along the corridor (m/s), lane order, and that of directions dealt out at random.
 
     All of the corridor's measured part; all but the density are NaN where fewer than FEWEST people walk one way.
@@ -86,10 +86,10 @@ def lane_order(forward: NDArray[np.bool_], bands: NDArray[np.int64]) -> tuple[fl
     return order / people, expected / people
 
 
-def _row(name: str, i: int, courses: list[Floats]) -> dict[str, Any]:
+def _lane_row(name: str, i: int, courses: list[Floats]) -> dict[str, Any]:
     """Return means over time and seeds after SETTLING; ``order`` is 0 at random and 1 for lanes without strangers."""
     settled = np.concatenate([course[round(SETTLING * RATE) :] for course in courses])
-    density, speed, order, expected = _mean(settled)
+    density, speed, order, expected = _nan_mean(settled)
     return {
         "who": name,
         "people": NUMBERS[i],
@@ -101,19 +101,19 @@ def _row(name: str, i: int, courses: list[Floats]) -> dict[str, Any]:
     }
 
 
-def _mean(values: Floats) -> Floats:
+def _nan_mean(values: Floats) -> Floats:
     """Return the means along the first axis of what is not NaN."""
     valid = np.isfinite(values)
     counts = np.where(valid.any(axis=0), valid.sum(axis=0), np.nan)
     return np.asarray(np.where(valid, values, 0.0).sum(axis=0) / counts)
 
 
-def _draw(figure: Any, courses: Mapping[str, list[Floats]], rows: list[dict[str, Any]]) -> None:
+def _draw_figure(figure: Any, courses: Mapping[str, list[Floats]], rows: list[dict[str, Any]]) -> None:
     over_time, over_density = figure.subplots(1, 2)
     shown = len(NUMBERS) // 2 * SEEDS
     for name, course in courses.items():
-        mean = _mean(np.array(course[shown : shown + SEEDS]))
-        spans = np.array([_mean(span) for span in np.array_split(mean, round(SECONDS / SPAN))])
+        mean = _nan_mean(np.array(course[shown : shown + SEEDS]))
+        spans = np.array([_nan_mean(span) for span in np.array_split(mean, round(SECONDS / SPAN))])
         times = SPAN * (np.arange(len(spans)) + 0.5)
         line = over_time.plot(times, spans[:, 2], "o-", markersize=3, label=name)[0]
         over_time.plot(times, spans[:, 3], ":", color=line.get_color(), label=f"{name}, at random")

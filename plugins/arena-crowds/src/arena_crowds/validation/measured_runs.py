@@ -14,7 +14,7 @@ from arena_core.files import write_bytes_whole
 from arena_core.hosting import Benchmark, build_benchmark, compose, load_registry, to_plain
 from arena_core.records import record_path
 from arena_crowds.validation.phases import Phased
-from arena_crowds.validation.walked import Walked
+from arena_crowds.validation.walk_record import WalkRecord
 
 SAMPLE = 0.2  # s between instants beside a robot that stands
 MOST_EPISODES = 10_000
@@ -35,7 +35,7 @@ def benchmark_of(overrides: Sequence[str], phased: bool) -> Benchmark:
     return replace(benchmark, task=Phased(benchmark.task)) if phased else benchmark
 
 
-def stood(benchmark: Benchmark, extent: Extent) -> list[Walked]:
+def standing_episodes(benchmark: Benchmark, extent: Extent) -> list[WalkRecord]:
     """Return what people do round a robot that stands at its start."""
     seed, simulator = benchmark.settings.seed, benchmark.simulator
     scenarios = [benchmark.task.scenario(seed, number) for number in range(extent.episodes)]
@@ -46,14 +46,14 @@ def stood(benchmark: Benchmark, extent: Extent) -> list[Walked]:
     positions, states = np.array([moment.crowd.positions for moment in moments]), np.array([moment.crowd.states for moment in moments])
     people = [len(scenario.pedestrians) for scenario in scenarios]
     return [
-        Walked(scenario, stamps[:, k], poses[:, k], positions[:, k, : people[k]], states[:, k, : people[k]])
+        WalkRecord(scenario, stamps[:, k], poses[:, k], positions[:, k, : people[k]], states[:, k, : people[k]])
         for k, scenario in enumerate(scenarios)
     ]
 
 
-def driven(benchmark: Benchmark, extent: Extent, folder: Path) -> list[Walked]:
+def driven_episodes(benchmark: Benchmark, extent: Extent, folder: Path) -> list[WalkRecord]:
     """Return episodes that the planner drives, so many that they last ``extent.minutes`` in all."""
-    walked: list[Walked] = []
+    walked: list[WalkRecord] = []
     while sum(each.minutes for each in walked) < extent.minutes and len(walked) < MOST_EPISODES:
         number = len(walked)
         scenario = benchmark.task.scenario(benchmark.settings.seed, number)
@@ -61,13 +61,13 @@ def driven(benchmark: Benchmark, extent: Extent, folder: Path) -> list[Walked]:
     return walked
 
 
-def _of_record(scenario: Scenario, record: EpisodeRecord) -> Walked:
+def _of_record(scenario: Scenario, record: EpisodeRecord) -> WalkRecord:
     people = len(scenario.pedestrians)
     states = record.arrays.get("pedestrian_states", np.full(record["pedestrian_positions"].shape[:2], ABSENT))
-    return Walked(scenario, record["stamp"], record["pose"], record["pedestrian_positions"][:, :people], states[:, :people])
+    return WalkRecord(scenario, record["stamp"], record["pose"], record["pedestrian_positions"][:, :people], states[:, :people])
 
 
-def keep(walked: Sequence[Walked], folder: Path) -> None:
+def save_episodes(walked: Sequence[WalkRecord], folder: Path) -> None:
     """Write each episode to ``records/NNNN.npz``, under the names that the records of a run have."""
     for number, each in enumerate(walked):
         content = io.BytesIO()

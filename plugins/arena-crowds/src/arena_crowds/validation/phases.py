@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from arena_core import OccupancyGrid, PedestrianSpec, Scenario, TaskMode, random_generator
-from arena_kernels.ways import Ways, place_on_round
+from arena_kernels.shortest_path import ShortestPaths, place_on_patrol
 
 TRIES = 20
 APART = 0.1  # m between two people at the start, beyond their bodies
@@ -28,14 +28,14 @@ class Phased(TaskMode):
         random = random_generator(seed, f"{drawn.name}/{index}", "phases")
         people: list[PedestrianSpec] = []
         for spec in drawn.pedestrians:
-            people.append(_elsewhere(spec, people, drawn.world.grid, random))
+            people.append(_shift_start(spec, people, drawn.world.grid, random))
         return replace(drawn, name=f"{drawn.name}/phase{index:04d}", pedestrians=tuple(people))
 
 
-def _elsewhere(spec: PedestrianSpec, others: list[PedestrianSpec], grid: OccupancyGrid, random: np.random.Generator) -> PedestrianSpec:
-    legs = grid.derive(Ways).round(spec.waypoints_xy, spec.radius) if len(spec.waypoints_xy) > 1 else []
+def _shift_start(spec: PedestrianSpec, others: list[PedestrianSpec], grid: OccupancyGrid, random: np.random.Generator) -> PedestrianSpec:
+    legs = grid.derive(ShortestPaths).patrol_paths(spec.waypoints_xy, spec.radius) if len(spec.waypoints_xy) > 1 else []
     for share in random.random(TRIES) if legs else ():
-        place, leg = place_on_round(legs, float(share))
+        place, leg = place_on_patrol(legs, float(share))
         if all(np.hypot(*(place - other.position_xy)) >= spec.radius + other.radius + APART for other in others):
             return replace(spec, position_xy=place, waypoints_xy=np.roll(spec.waypoints_xy, -leg, axis=0))
     return spec

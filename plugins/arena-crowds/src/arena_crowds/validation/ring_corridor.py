@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import PedestrianModel, PedestrianSpec, World
-from arena_crowds.validation.floor_plan import Area, floor, scenario
-from arena_crowds.validation.walks import walk
+from arena_crowds.validation.floor_plan import Area, floor_world, make_scenario
+from arena_crowds.validation.walks import simulate_walks
 
 Floats = NDArray[np.float64]
 
@@ -17,18 +17,18 @@ RATE = 10.0  # 1/s
 SPEED_SPREAD = 0.2  # m/s, standard deviation of desired speeds (Weidmann 1993: 0.26 over all ages)
 
 
-def ring() -> World:
+def ring_world() -> World:
     """Return a rectangular ring, its inner lower left corner at the origin."""
     straights = (Area(0, LENGTH, 0, WIDTH), Area(0, LENGTH, HEIGHT - WIDTH, HEIGHT))
-    return floor("ring", (*straights, Area(0, WIDTH, 0, HEIGHT), Area(LENGTH - WIDTH, LENGTH, 0, HEIGHT)))
+    return floor_world("ring", (*straights, Area(0, WIDTH, 0, HEIGHT), Area(LENGTH - WIDTH, LENGTH, 0, HEIGHT)))
 
 
-def people(number: int, free_speed: float, radius: float, seed: int) -> tuple[PedestrianSpec, ...]:
+def spread_people(number: int, free_speed: float, radius: float, seed: int) -> tuple[PedestrianSpec, ...]:
     """Spread people along the corridor, each in a lane of its own; all walk round counter-clockwise."""
     random = np.random.default_rng(seed)
     specs = []
     for k in range(number):
-        corners = _lane(random.uniform(radius + 0.05, WIDTH - radius - 0.05))
+        corners = _lane_corners(random.uniform(radius + 0.05, WIDTH - radius - 0.05))
         sides = np.roll(corners, -1, axis=0) - corners
         lengths = np.abs(sides).sum(axis=1)
         way = (k + 0.5 * random.random()) * lengths.sum() / number
@@ -39,12 +39,12 @@ def people(number: int, free_speed: float, radius: float, seed: int) -> tuple[Pe
     return tuple(specs)
 
 
-def _lane(inset: float) -> Floats:
+def _lane_corners(inset: float) -> Floats:
     """Return the corners (4, 2) of a lane this far inside the outer wall."""
     return np.array([(inset, inset), (LENGTH - inset, inset), (LENGTH - inset, HEIGHT - inset), (inset, HEIGHT - inset)])
 
 
-def walk_round(model: PedestrianModel, specs: tuple[PedestrianSpec, ...], seconds: float, settling: float) -> Floats:
+def walk_ring(model: PedestrianModel, specs: tuple[PedestrianSpec, ...], seconds: float, settling: float) -> Floats:
     """Return positions (T, P, 2) at RATE, after a time for the crowd to settle."""
-    positions = walk(model, [scenario(ring(), specs, settling + seconds, "ring")], settling + seconds, RATE)
+    positions = simulate_walks(model, [make_scenario(ring_world(), specs, settling + seconds, "ring")], settling + seconds, RATE)
     return positions[round(settling * RATE) :, 0, : len(specs)]

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from arena_core import Crowd, InputFileError, PedestrianModel, PedestrianSpec, Scenario, World
 from arena_crowds.replay.recordings import Recording, read_recording
 from arena_crowds.validation.findings import Findings
-from arena_crowds.validation.floor_plan import Area, floor, scenario
-from arena_crowds.validation.walks import Lead, walk
+from arena_crowds.validation.floor_plan import Area, floor_world, make_scenario
+from arena_crowds.validation.walks import Lead, simulate_walks
 
 Floats = NDArray[np.float64]
 
@@ -45,23 +45,23 @@ def run(models: Mapping[str, PedestrianModel], recordings: Path | None) -> Findi
     if path is None:
         raise InputFileError("rollout needs a recording; allowed: recordings=DIR with DIR/ucy/zara01/obsmat.txt.gz")
     recording = read_recording(path, "obsmat")
-    found = moments(recording)
-    truth = np.concatenate([_truth(recording, moment) for moment in found])
-    guesses = {"constant velocity": _straight(found, False), "straight to the goal": _straight(found, True)}
+    found = find_moments(recording)
+    truth = np.concatenate([_recorded_positions(recording, moment) for moment in found])
+    guesses = {"constant velocity": _straight_predictions(found, False), "straight to the goal": _straight_predictions(found, True)}
     for name, model in models.items():
-        guesses[f"{name}, others as recorded"] = one_by_one(model, recording, found)
-        guesses[f"{name}, all simulated"] = all_together(model, recording, found)
+        guesses[f"{name}, others as recorded"] = predict_individually(model, recording, found)
+        guesses[f"{name}, all simulated"] = predict_jointly(model, recording, found)
     errors = {name: np.linalg.norm(guess - truth, axis=-1) for name, guess in guesses.items()}
-    return Findings([_row(name, own) for name, own in errors.items()], lambda figure: _draw(figure, errors))
+    return Findings([_error_row(name, own) for name, own in errors.items()], lambda figure: _draw_figure(figure, errors))
 
 
-def moments(recording: Recording) -> list[Moment]:
+def find_moments(recording: Recording) -> list[Moment]:
     """Return every sample at which somebody has been observed long enough and stays long enough."""
     samples = np.arange(int(recording.duration / INTERVAL + 0.5) + 1) * INTERVAL
-    return [moment for time in samples if (moment := _moment(recording, float(time))).asked.any()]
+    return [moment for time in samples if (moment := _make_moment(recording, float(time))).asked.any()]
 
 
-def _moment(recording: Recording, time: float) -> Moment:
+def _make_moment(recording: Recording, time: float) -> Moment:
     walks = np.flatnonzero((recording.begins <= time + 1e-6) & (recording.ends >= time - 1e-6))
     back = np.stack([recording.at(walks, np.full(len(walks), time - k * INTERVAL))[0] for k in range(OBSERVED)])
     steps = back[:-1] - back[1:]
@@ -74,7 +74,7 @@ def _moment(recording: Recording, time: float) -> Moment:
     return Moment(time, walks, back[0], velocities, np.maximum(speeds, SLOWEST), goals, (seen == OBSERVED - 1) & stays)
 
 
-def _truth(recording: Recording, moment: Moment) -> Floats:
+def _recorded_positions(recording: Recording, moment: Moment) -> Floats:
     """Return where those asked for really were, (K, PREDICTED, 2)."""
     walks = moment.walks[moment.asked]
     times = moment.time + INTERVAL * np.arange(1, PREDICTED + 1)
@@ -82,7 +82,7 @@ def _truth(recording: Recording, moment: Moment) -> Floats:
     return positions.reshape(len(walks), PREDICTED, 2)
 
 
-def _straight(found: list[Moment], to_goal: bool) -> Floats:
+def _straight_predictions(found: list[Moment], to_goal: bool) -> Floats:
     """Return predictions of people who keep their last velocity, or walk straight to their goals at their own speeds."""
     ahead = INTERVAL * np.arange(1, PREDICTED + 1)[:, None]
     guesses = []
@@ -95,41 +95,41 @@ def _straight(found: list[Moment], to_goal: bool) -> Floats:
     return np.array(guesses)
 
 
-def all_together(model: PedestrianModel, recording: Recording, found: list[Moment]) -> Floats:
+def predict_jointly(model: PedestrianModel, recording: Recording, found: list[Moment]) -> Floats:
     """Return predictions in which everybody who is there is simulated."""
-    guesses = _walks(model, recording, found, [None] * len(found))
+    guesses = _simulate_moments(model, recording, found, [None] * len(found))
     return np.concatenate([guess[moment.asked] for guess, moment in zip(guesses, found, strict=True)])
 
 
-def one_by_one(model: PedestrianModel, recording: Recording, found: list[Moment]) -> Floats:
+def predict_individually(model: PedestrianModel, recording: Recording, found: list[Moment]) -> Floats:
     """Return predictions of each person alone, among others who walk as recorded."""
     pairs = [(moment, int(k)) for moment in found for k in np.flatnonzero(moment.asked)]
-    guesses = _walks(model, recording, [moment for moment, _ in pairs], [k for _, k in pairs])
+    guesses = _simulate_moments(model, recording, [moment for moment, _ in pairs], [k for _, k in pairs])
     return np.array([guess[k] for guess, (_, k) in zip(guesses, pairs, strict=True)])
 
 
-def _walks(model: PedestrianModel, recording: Recording, found: list[Moment], only: list[Any]) -> list[Floats]:
+def _simulate_moments(model: PedestrianModel, recording: Recording, found: list[Moment], only: list[Any]) -> list[Floats]:
     """Return what becomes of everybody in every world, each (P, PREDICTED, 2); where ``only`` names one, the others are led."""
     low, high = recording.positions.min(axis=0) - MARGIN, recording.positions.max(axis=0) + MARGIN
-    world, guesses = floor("street", (Area(low[0], high[0], low[1], high[1]),)), []
+    world, guesses = floor_world("street", (Area(low[0], high[0], low[1], high[1]),)), []
     for first in range(0, len(found), AT_ONCE):
         batch = slice(first, first + AT_ONCE)
-        problems = [_problem(world, moment, f"rollout/{first + i}") for i, moment in enumerate(found[batch])]
-        lead = _lead(recording, found[batch], only[batch])
-        positions = walk(model, problems, PREDICTED * INTERVAL, 1.0 / INTERVAL, lead)[1:]
+        problems = [_moment_scenario(world, moment, f"rollout/{first + i}") for i, moment in enumerate(found[batch])]
+        lead = _make_lead(recording, found[batch], only[batch])
+        positions = simulate_walks(model, problems, PREDICTED * INTERVAL, 1.0 / INTERVAL, lead)[1:]
         guesses += [positions[:, k, : len(moment.walks)].transpose(1, 0, 2) for k, moment in enumerate(found[batch])]
     return guesses
 
 
-def _problem(world: World, moment: Moment, name: str) -> Scenario:
+def _moment_scenario(world: World, moment: Moment, name: str) -> Scenario:
     """Return the people of a moment, each on the way to where the recording last has it."""
     people = [
         PedestrianSpec(k, moment.positions[k], moment.goals[k : k + 1], float(moment.speeds[k]), RADIUS) for k in range(len(moment.walks))
     ]
-    return scenario(world, people, PREDICTED * INTERVAL, name)
+    return make_scenario(world, people, PREDICTED * INTERVAL, name)
 
 
-def _lead(recording: Recording, found: list[Moment], only: list[Any]) -> Lead:
+def _make_lead(recording: Recording, found: list[Moment], only: list[Any]) -> Lead:
     """Return what sets everybody's velocity at the start and, where ``only`` names one, puts the others where they were recorded.
 
     Who is recorded no longer walks on.
@@ -154,7 +154,7 @@ def _lead(recording: Recording, found: list[Moment], only: list[Any]) -> Lead:
     return lead
 
 
-def _row(name: str, errors: Floats) -> dict[str, Any]:
+def _error_row(name: str, errors: Floats) -> dict[str, Any]:
     """Return average and final displacement error, m, and the share of walks that end within half a metre."""
     final = errors[:, -1]
     return {
@@ -166,7 +166,7 @@ def _row(name: str, errors: Floats) -> dict[str, Any]:
     }
 
 
-def _draw(figure: Any, errors: Mapping[str, Floats]) -> None:
+def _draw_figure(figure: Any, errors: Mapping[str, Floats]) -> None:
     axes = figure.subplots()
     for name, own in errors.items():
         style = "k-" if name == "constant velocity" else "k--" if name == "straight to the goal" else "o-"

@@ -10,26 +10,26 @@ from typing import Any
 import numpy as np
 
 from arena_core.files import write_bytes_whole
-from arena_crowds.validation.walked import Walked
+from arena_crowds.validation.walk_record import WalkRecord
 
 PANELS = 4
 ROBOT = "#0072B2"
 
 
-def draw_tracks(walked: Sequence[Walked], path: Path) -> None:
+def draw_tracks(walked: Sequence[WalkRecord], path: Path) -> None:
     """Draw the first episodes: walls, everybody's track in a colour of its own with a ring at its start, and the robot's in bold."""
     from matplotlib.figure import Figure
 
     shown = walked[:PANELS]
     figure = Figure(figsize=(4.5 * len(shown), 4.5), layout="constrained")
     for axes, each in zip(np.ravel(figure.subplots(1, len(shown))), shown, strict=True):
-        _draw(axes, each)
+        _draw_episode(axes, each)
     picture = io.BytesIO()
     figure.savefig(picture, format="png", dpi=90)
     write_bytes_whole(path, picture.getvalue())
 
 
-def _draw(axes: Any, walked: Walked) -> None:
+def _draw_episode(axes: Any, walked: WalkRecord) -> None:
     from matplotlib import colormaps
 
     grid = walked.scenario.world.grid

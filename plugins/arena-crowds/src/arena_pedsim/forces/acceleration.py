@@ -12,8 +12,8 @@ from arena_kernels.compiled import compiled
 from arena_kernels.crowds import Bodies, Robot
 from arena_kernels.ground import Ground, clearance_and_gradient
 from arena_pedsim.forces.forces import sight_weight, social_force, wall_force
-from arena_pedsim.forces.giving_way import hold_back
 from arena_pedsim.forces.reactions import fear_of_robot, speed_limit
+from arena_pedsim.forces.yielding import brake_for_robot
 from arena_pedsim.state_ids import BLOCKING_ROBOT, NONE, SHYING_FROM_ROBOT, feels_forces, turns_to_robot
 
 Floats = NDArray[np.float64]
@@ -79,7 +79,7 @@ def sum_forces(
 
 
 @compiled
-def accelerate(bodies: Bodies, people: NDArray[np.void], robot: Robot, dt: float, parameters: Any, forces: Floats) -> None:
+def integrate_velocities(bodies: Bodies, people: NDArray[np.void], robot: Robot, dt: float, parameters: Any, forces: Floats) -> None:
     """Integrate the velocities, hold people back from a robot they see, and clip at their own greatest speeds."""
     positions, velocities, radii, states = bodies
     for i in range(len(positions)):
@@ -89,15 +89,15 @@ def accelerate(bodies: Bodies, people: NDArray[np.void], robot: Robot, dt: float
         if states[i] == SHYING_FROM_ROBOT:
             limit = speed_limit(people[i], velocities[i, 0], velocities[i, 1], dt, parameters)
         vx, vy = velocities[i, 0] + dt * forces[i, 0], velocities[i, 1] + dt * forces[i, 1]
-        vx, vy = clipped(vx, vy, limit)
+        vx, vy = clip_length(vx, vy, limit)
         if people[i].gives_way == 1:
-            vx, vy = hold_back(positions[i, 0], positions[i, 1], vx, vy, radii[i], states[i] == BLOCKING_ROBOT, robot, parameters)
-            vx, vy = clipped(vx, vy, people[i].max_speed)
+            vx, vy = brake_for_robot(positions[i, 0], positions[i, 1], vx, vy, radii[i], states[i] == BLOCKING_ROBOT, robot, parameters)
+            vx, vy = clip_length(vx, vy, people[i].max_speed)
         velocities[i, 0], velocities[i, 1] = vx, vy
 
 
 @compiled
-def clipped(x: float, y: float, longest: float) -> tuple[float, float]:
+def clip_length(x: float, y: float, longest: float) -> tuple[float, float]:
     """Return a vector, shortened to ``longest`` if it is longer."""
     squared = x * x + y * y
     if squared <= longest * longest:

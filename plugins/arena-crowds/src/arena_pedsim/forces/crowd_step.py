@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 from arena_kernels.compiled import compiled
 from arena_kernels.crowds import Bodies, Crowds, Robot, Robots, bodies_of, robot_of
-from arena_kernels.ground import Ground, Land, ground_below
+from arena_kernels.ground import Ground, GroundStack, world_ground
 from arena_kernels.neighbours import CELLS_FROM, near_pairs
-from arena_pedsim.forces.acceleration import accelerate, sum_forces
-from arena_pedsim.forces.giving_way import detour
-from arena_pedsim.forces.meetings import leave_out_passing, notice_meetings
+from arena_pedsim.forces.acceleration import integrate_velocities, sum_forces
+from arena_pedsim.forces.deadlock import detect_deadlocks, drop_passing_pairs
 from arena_pedsim.forces.reactions import notice_robot, turn_to_robot
-from arena_pedsim.forces.walking import walk
+from arena_pedsim.forces.walking import move_bodies
+from arena_pedsim.forces.yielding import detour_heading
 from arena_pedsim.people import COME, NOTHING, ON_ERRAND
 from arena_pedsim.routes.wayfinding import SLOWING, follow_way
 from arena_pedsim.state_ids import APPROACHING_ROBOT, NONE, desired_speed, turns_to_robot, walks_on
@@ -26,7 +26,7 @@ Floats = NDArray[np.float64]
 
 @compiled
 def step_crowds(
-    crowds: Crowds, people: NDArray[np.void], corners: Floats, land: Land, robots: Robots, dt: float, parameters: NDArray[np.void]
+    crowds: Crowds, people: NDArray[np.void], corners: Floats, land: GroundStack, robots: Robots, dt: float, parameters: NDArray[np.void]
 ) -> int:
     """Move everybody by ``dt`` s, in place; return how many people wish for a route, to come or to leave.
 
@@ -42,20 +42,20 @@ def step_crowds(
         n = crowds.counts[world]
         if n == 0:
             continue
-        bodies, robot, ground = bodies_of(crowds, world), robot_of(robots, world), ground_below(land, world)
+        bodies, robot, ground = bodies_of(crowds, world), robot_of(robots, world), world_ground(land, world)
         for _ in range(substeps):
             pairs = _step_crowd(
                 bodies, people[world], corners[world], ground, robot, dt / substeps, parameters[0], headings[:n], forces[:n], pairs
             )
         for i in range(n):
             if bodies.states[i] == NONE:
-                _await_coming(people[world, i], dt)
+                _await_spawn(people[world, i], dt)
             wishes += people[world, i].wish != NOTHING
     return wishes
 
 
 @compiled
-def _await_coming(person: Any, dt: float) -> None:
+def _await_spawn(person: Any, dt: float) -> None:
     """Let somebody who is not in the world wish to come when the time is up."""
     person.absence -= dt
     person.wish = COME if person.absence <= 0.0 else NOTHING
@@ -77,11 +77,11 @@ def _step_crowd(
     """Move the people of one world in place; return the pair list for further use."""
     _choose_headings(bodies, people, corners, ground, robot, dt, parameters, headings)
     pairs, found = near_pairs(bodies.positions, parameters.social_range, pairs)
-    found = leave_out_passing(bodies.positions, bodies.radii, headings, ground, pairs, found)
-    notice_meetings(bodies.positions, bodies.radii, people, headings, pairs, found)
+    found = drop_passing_pairs(bodies.positions, bodies.radii, headings, ground, pairs, found)
+    detect_deadlocks(bodies.positions, bodies.radii, people, headings, pairs, found)
     sum_forces(bodies, people, ground, robot, parameters, headings, pairs, found, forces)
-    accelerate(bodies, people, robot, dt, parameters, forces)
-    walk(bodies, people, ground, robot, dt, parameters, pairs, found, headings, forces)
+    integrate_velocities(bodies, people, robot, dt, parameters, forces)
+    move_bodies(bodies, people, ground, robot, dt, parameters, pairs, found, headings, forces)
     return pairs
 
 
@@ -114,6 +114,6 @@ def _choose_headings(
             if person.errand == ON_ERRAND and not walks_on(person, state):
                 speed = min(speed, to_goal / (SLOWING * parameters.relaxation_time))
         if person.gives_way == 1 and state != APPROACHING_ROBOT:
-            hx, hy = detour(ground, x, y, hx, hy, to_goal, radii[i], robot, parameters)
+            hx, hy = detour_heading(ground, x, y, hx, hy, to_goal, radii[i], robot, parameters)
         states[i] = state
         headings[i, 0], headings[i, 1], headings[i, 2] = hx, hy, speed

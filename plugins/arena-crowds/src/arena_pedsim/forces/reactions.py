@@ -15,7 +15,7 @@ from arena_core import ConfigurationError, PedestrianSpec
 from arena_kernels.compiled import compiled
 from arena_kernels.crowds import Robot
 from arena_kernels.ground import Ground
-from arena_kernels.sliding import is_visible
+from arena_kernels.slide_along import is_visible
 from arena_pedsim.parameters import Reactions
 from arena_pedsim.people import NEW_ROUTE
 from arena_pedsim.state_ids import (
@@ -64,7 +64,7 @@ def notice_robot(person: Any, state: int, x: float, y: float, ground: Ground, ro
     person.glance_clock += dt
     if person.glance_clock >= parameters.wayfinding_look_period:
         person.glance_clock = 0.0
-        person.sees_robot = 1 if _sees(x, y, person.sight, ground, robot) else 0
+        person.sees_robot = 1 if _sees_robot(x, y, person.sight, ground, robot) else 0
     if state != person.reaction_state:
         person.pause_left -= dt
         begins = person.sees_robot == 1 and person.pause_left <= 0.0 and is_open_to_robot(state, parameters)
@@ -81,7 +81,7 @@ def notice_robot(person: Any, state: int, x: float, y: float, ground: Ground, ro
 
 
 @compiled
-def _sees(x: float, y: float, sight: float, ground: Ground, robot: Robot) -> bool:
+def _sees_robot(x: float, y: float, sight: float, ground: Ground, robot: Robot) -> bool:
     if (robot.x - x) ** 2 + (robot.y - y) ** 2 > sight * sight:
         return False
     return is_visible(ground, x, y, robot.x, robot.y, EYE)

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from arena_kernels.compiled import compiled
 from arena_kernels.crowds import Bodies, Robot
 from arena_kernels.ground import Ground
-from arena_kernels.sliding import slide
-from arena_pedsim.forces.acceleration import clipped
-from arena_pedsim.forces.giving_way import keeps_off
-from arena_pedsim.forces.pushing import push_by_mass
+from arena_kernels.slide_along import slide_along
+from arena_pedsim.forces.acceleration import clip_length
+from arena_pedsim.forces.contact_forces import push_by_mass
+from arena_pedsim.forces.yielding import keeps_distance
 
 Floats = NDArray[np.float64]
 
@@ -24,7 +24,7 @@ FREE_STRIDE = 2.0  # no wall is met on a move of half the gap: the interpolated 
 
 
 @compiled
-def walk(
+def move_bodies(
     bodies: Bodies,
     people: NDArray[np.void],
     ground: Ground,
@@ -49,7 +49,7 @@ def walk(
         if starts[i, 3] > FREE_STRIDE * people[i].max_speed * dt:
             positions[i, 0], positions[i, 1] = x + dx, y + dy
         else:
-            positions[i, 0], positions[i, 1] = slide(ground, x, y, dx, dy, radii[i])
+            positions[i, 0], positions[i, 1] = slide_along(ground, x, y, dx, dy, radii[i])
         starts[i, 0], starts[i, 1] = x, y
         starts[i, 2] = 1.0 if positions[i, 0] != x + dx or positions[i, 1] != y + dy else 0.0
     touching = push_by_mass(positions, radii, people, pairs, found, pushes)
@@ -58,14 +58,14 @@ def walk(
             continue
         if touching and (pushes[i, 0] != 0.0 or pushes[i, 1] != 0.0):
             dx, dy = positions[i, 0] + pushes[i, 0] - starts[i, 0], positions[i, 1] + pushes[i, 1] - starts[i, 1]
-            dx, dy = clipped(dx, dy, people[i].max_speed * dt)
-            positions[i, 0], positions[i, 1] = slide(ground, starts[i, 0], starts[i, 1], dx, dy, radii[i])
+            dx, dy = clip_length(dx, dy, people[i].max_speed * dt)
+            positions[i, 0], positions[i, 1] = slide_along(ground, starts[i, 0], starts[i, 1], dx, dy, radii[i])
             starts[i, 2] = 1.0
-        if people[i].gives_way == 1 and not keeps_off(
+        if people[i].gives_way == 1 and not keeps_distance(
             starts[i, 0], starts[i, 1], positions[i, 0], positions[i, 1], radii[i], robot, parameters
         ):
             positions[i, 0], positions[i, 1] = starts[i, 0], starts[i, 1]
             starts[i, 2] = 1.0
         if starts[i, 2] == 1.0:
             vx, vy = (positions[i, 0] - starts[i, 0]) / dt, (positions[i, 1] - starts[i, 1]) / dt
-            velocities[i, 0], velocities[i, 1] = clipped(vx, vy, people[i].max_speed)
+            velocities[i, 0], velocities[i, 1] = clip_length(vx, vy, people[i].max_speed)

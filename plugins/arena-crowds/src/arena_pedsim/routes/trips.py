@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from arena_kernels.compiled import compiled
 from arena_kernels.crowds import Crowds, bodies_of
-from arena_kernels.ground import Ground, Land, clearance, ground_below
+from arena_kernels.ground import Ground, GroundStack, wall_clearance, world_ground
 from arena_kernels.random import uniform
-from arena_kernels.route_grid import Rooms, rooms_of
+from arena_kernels.route_grid import CoarseGrid, coarse_grid_of
 from arena_kernels.routes import find_corners, nearest_room
-from arena_kernels.sliding import SIGHT, is_visible
+from arena_kernels.slide_along import SIGHT, is_visible
 from arena_pedsim.people import NEW_ROUTE, NEXT_WAYPOINT, NO_ERRAND, NOTHING, ON_ERRAND
 
 Floats = NDArray[np.float64]
@@ -37,16 +37,22 @@ class Routes(NamedTuple):
 
 
 @compiled
-def grant_wishes(
-    crowds: Crowds, people: NDArray[np.void], routes: Routes, land: Land, rooms: Any, nodes: NDArray[np.int32], parameters: NDArray[np.void]
+def assign_routes(
+    crowds: Crowds,
+    people: NDArray[np.void],
+    routes: Routes,
+    land: GroundStack,
+    rooms: Any,
+    nodes: NDArray[np.int32],
+    parameters: NDArray[np.void],
 ) -> None:
     """Give everybody who wishes for it the next waypoint and a route there."""
     waypoints, corners, legs, leg_corners = routes
     for world in range(len(crowds.counts)):
-        if not anybody_wishes(people[world], crowds.counts[world]):
+        if not has_wishes(people[world], crowds.counts[world]):
             continue
         positions, _, radii, _ = bodies_of(crowds, world)
-        ground, world_rooms = ground_below(land, world), rooms_of(rooms, land.grids[world])
+        ground, world_rooms = world_ground(land, world), coarse_grid_of(rooms, land.grids[world])
         for i in range(len(positions)):
             person = people[world, i]
             if person.wish not in (NEXT_WAYPOINT, NEW_ROUTE):
@@ -54,7 +60,7 @@ def grant_wishes(
             x, y, radius, next_leg = positions[i, 0], positions[i, 1], radii[i], person.wish == NEXT_WAYPOINT
             if next_leg:
                 person.waypoint = _next_waypoint(person, i)
-                person.stay = _stay(person, i)
+                person.stay = _stay_time(person, i)
                 person.anchor_x, person.anchor_y, person.stuck_clock = x, y, 0.0
             person.wish, person.look_clock = NOTHING, 0.0
             if person.errand == ON_ERRAND:
@@ -68,16 +74,16 @@ def grant_wishes(
             leg, known = legs[world, i, person.waypoint], leg_corners[world, i, person.waypoint]
             if next_leg and known > 0 and is_visible(ground, x, y, leg[0, 0], leg[0, 1], SIGHT * radius):
                 person.corners = known
-                _copy(leg, corners[world, i], known)
+                _copy_points(leg, corners[world, i], known)
                 continue
             _find_route(person, x, y, radius, corners[world, i], ground, world_rooms, nodes)
             if next_leg:
                 leg_corners[world, i, person.waypoint] = person.corners
-                _copy(corners[world, i], leg, person.corners)
+                _copy_points(corners[world, i], leg, person.corners)
 
 
 @compiled
-def anybody_wishes(people: NDArray[np.void], number: int) -> bool:
+def has_wishes(people: NDArray[np.void], number: int) -> bool:
     """Tell whether anybody of a world has a wish."""
     wishes = 0
     for i in range(number):
@@ -98,7 +104,7 @@ def _next_waypoint(person: Any, i: int) -> int:
 
 
 @compiled
-def _stay(person: Any, i: int) -> float:
+def _stay_time(person: Any, i: int) -> float:
     """Return how long somebody will stay at the waypoint just chosen, s."""
     if person.waypoints == 1 or not uniform(person.key, person.legs, STAYS + i) < person.stay_chance:
         return 0.0
@@ -107,15 +113,15 @@ def _stay(person: Any, i: int) -> float:
 
 
 @compiled
-def _copy(source: Floats, target: Floats, number: int) -> None:
+def _copy_points(source: Floats, target: Floats, number: int) -> None:
     for k in range(number):
         target[k, 0], target[k, 1] = source[k, 0], source[k, 1]
 
 
 @compiled
-def _sees_goal(person: Any, x: float, y: float, radius: float, ground: Ground, rooms: Rooms) -> bool:
+def _sees_goal(person: Any, x: float, y: float, radius: float, ground: Ground, rooms: CoarseGrid) -> bool:
     """Move a goal without room to the nearest place with room, then tell whether the person can walk there straight."""
-    if clearance(ground, person.goal_x, person.goal_y) < SIGHT * radius:
+    if wall_clearance(ground, person.goal_x, person.goal_y) < SIGHT * radius:
         goal_x, goal_y, _ = nearest_room(ground, rooms, person.goal_x, person.goal_y, radius)
         person.goal_x, person.goal_y = goal_x, goal_y
     return is_visible(ground, x, y, person.goal_x, person.goal_y, SIGHT * radius)
@@ -123,7 +129,7 @@ def _sees_goal(person: Any, x: float, y: float, radius: float, ground: Ground, r
 
 @compiled
 def _find_route(
-    person: Any, x: float, y: float, radius: float, corners: Floats, ground: Ground, rooms: Rooms, nodes: NDArray[np.int32]
+    person: Any, x: float, y: float, radius: float, corners: Floats, ground: Ground, rooms: CoarseGrid, nodes: NDArray[np.int32]
 ) -> None:
     """Search the way to the goal and write its corners."""
     goal_x, goal_y = person.goal_x, person.goal_y

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from arena_kernels.compiled import compiled
 from arena_kernels.ground import Ground
-from arena_kernels.sliding import LOSING_SIGHT, SIGHT, is_visible
+from arena_kernels.slide_along import LOSING_SIGHT, SIGHT, is_visible
 from arena_pedsim.people import LEAVE, NEVER, NEW_ROUTE, NEXT_WAYPOINT, NO_ERRAND, NOTHING, ON_ERRAND
 from arena_pedsim.state_ids import SHYING_FROM_ROBOT, STANDING, WALKING, desired_speed, goes_somewhere
 
@@ -25,7 +25,7 @@ def follow_way(
 ) -> tuple[int, float, float, float]:
     """Return the state, the unit vector to walk along and the distance to the goal (inf when a corner comes first); note wishes."""
     if not goes_somewhere(state, parameters):
-        return _called_back(person, state, x, y, dt, parameters), 0.0, 0.0, 0.0
+        return _recalled_state(person, state, x, y, dt, parameters), 0.0, 0.0, 0.0
     if person.errand == ON_ERRAND:  # the place may move
         person.goal_x, person.goal_y = person.errand_x, person.errand_y
     to_goal = sqrt((person.goal_x - x) ** 2 + (person.goal_y - y) ** 2)
@@ -40,7 +40,7 @@ def follow_way(
                 person.stay -= dt
                 return (state if state == SHYING_FROM_ROBOT else STANDING), 0.0, 0.0, 0.0
             person.wish = NEXT_WAYPOINT
-        _notice_stuck(person, state, x, y, dt, parameters)
+        _detect_stuck(person, state, x, y, dt, parameters)
     person.look_clock += dt
     if person.look_clock >= parameters.wayfinding_look_period:
         person.look_clock = 0.0
@@ -49,7 +49,7 @@ def follow_way(
     if person.corner < person.corners:
         dx, dy = corners[person.corner, 0] - x, corners[person.corner, 1] - y
         distance = sqrt(dx * dx + dy * dy)
-        if not _passed(person, distance, x, y, radius, corners, ground, parameters):
+        if not _is_passed(person, distance, x, y, radius, corners, ground, parameters):
             return state, dx / distance, dy / distance, np.inf
         person.corner += 1
     if to_goal == 0.0:
@@ -58,7 +58,7 @@ def follow_way(
 
 
 @compiled
-def _called_back(person: Any, state: int, x: float, y: float, dt: float, parameters: Any) -> int:
+def _recalled_state(person: Any, state: int, x: float, y: float, dt: float, parameters: Any) -> int:
     """Return WALKING for who has stayed long enough, or was pushed away from the only waypoint, else the state."""
     if state != STANDING or person.waypoints == 0:
         return state
@@ -76,7 +76,7 @@ def _called_back(person: Any, state: int, x: float, y: float, dt: float, paramet
 
 
 @compiled
-def _notice_stuck(person: Any, state: int, x: float, y: float, dt: float, parameters: Any) -> None:
+def _detect_stuck(person: Any, state: int, x: float, y: float, dt: float, parameters: Any) -> None:
     """Wish for the next waypoint after a period with less progress than a share of the speed that the person wants now.
 
     The period is shorter for who stands face to face with somebody: those two wait in vain, a queue does not.
@@ -108,7 +108,7 @@ def _look_ahead(person: Any, x: float, y: float, radius: float, corners: NDArray
 
 
 @compiled
-def _passed(
+def _is_passed(
     person: Any, distance: float, x: float, y: float, radius: float, corners: NDArray[np.float64], ground: Ground, parameters: Any
 ) -> bool:
     """Tell whether a corner at this distance lies behind: what follows is in sight, or there is nothing left to walk."""

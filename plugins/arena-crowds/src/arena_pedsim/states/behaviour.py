@@ -57,7 +57,7 @@ START_UPS = ("default", "wait_timer", "trigger_zone")
 Check = tuple[Callable[[Any], bool], str]
 
 
-def _number(value: Any) -> bool:
+def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
 
 
@@ -65,15 +65,15 @@ def _one_of(*choices: object) -> Check:
     return lambda value: not isinstance(value, bool) and value in choices, "one of " + ", ".join(map(str, choices))
 
 
-NOT_NEGATIVE: Check = (lambda value: _number(value) and value >= 0.0, "a number >= 0")
-CHANCE: Check = (lambda value: _number(value) and 0.0 <= value <= 1.0, "a number 0 .. 1")
-INDEX: Check = (lambda value: _number(value) and value >= 0 and value == int(value), "a whole number >= 0")
+NOT_NEGATIVE: Check = (lambda value: _is_number(value) and value >= 0.0, "a number >= 0")
+CHANCE: Check = (lambda value: _is_number(value) and 0.0 <= value <= 1.0, "a number 0 .. 1")
+INDEX: Check = (lambda value: _is_number(value) and value >= 0 and value == int(value), "a whole number >= 0")
 ELSEWHERE: Check = (lambda value: True, "")
-NAME: Check = (lambda value: _number(value) or isinstance(value, str), "a number or a name")
+NAME: Check = (lambda value: _is_number(value) or isinstance(value, str), "a number or a name")
 
 KEYS: dict[str, Check] = {
     **{name: CHANCE if name in CHANCES else NOT_NEGATIVE for name in (*SHARED, *OWN)},
-    **{name: (_number, "a coordinate in m") for name in (*ZONE, *FURTHER) if not name.endswith("_radius")},
+    **{name: (_is_number, "a coordinate in m") for name in (*ZONE, *FURTHER) if not name.endswith("_radius")},
     **{name: NOT_NEGATIVE for name in FURTHER if name.endswith("_radius")},
     **{f"force_factor_{name}": NOT_NEGATIVE for name in ("desired", "social", "obstacle", "robot")},
     **dict.fromkeys(("type", "reaction", "spawn_time", "respawn"), ELSEWHERE),
@@ -84,7 +84,7 @@ KEYS: dict[str, Check] = {
     "group": NAME,
     "queue": NAME,
     "queue_waypoint": INDEX,
-    "queue_heading": (_number, "an angle in rad"),
+    "queue_heading": (_is_number, "an angle in rad"),
 }
 
 
@@ -116,6 +116,6 @@ def traits_of(spec: PedestrianSpec, defaults: Behaviour, sociable: bool) -> tupl
     return tuple(values.values())
 
 
-def serves(spec: PedestrianSpec) -> bool:
+def is_service_robot(spec: PedestrianSpec) -> bool:
     """Tell whether somebody is a service robot."""
     return type_name(spec) == "service_robot"

@@ -10,34 +10,34 @@ import numpy as np
 from arena_kernels.compiled import inner
 from arena_pedsim.people import NEXT_WAYPOINT
 from arena_pedsim.state_ids import STANDING, WALKING
-from arena_pedsim.states.minds import NOBODY
-from arena_pedsim.states.needs import COMPANY, LENGTH, LISTENER, QUEUE_GOAL, TALKING_DISTANCE, length_of_queue, random_of
-from arena_pedsim.states.scene import Scene, can_join
+from arena_pedsim.states.person_state import NOBODY
 from arena_pedsim.states.state_table import NO_KEY
+from arena_pedsim.states.transitions import COMPANY, LENGTH, LISTENER, QUEUE_GOAL, TALKING_DISTANCE, length_of_queue, random_of
+from arena_pedsim.states.world_view import WorldView, can_join
 
 
 @inner
-def change(scene: Scene, i: int, row: Any, partner: int) -> None:
+def change_state(scene: WorldView, i: int, row: Any, partner: int) -> None:
     """Make a transition: leave the old state, enter the new, and draw those in who are called."""
-    enter(scene, i, row.to, partner)
+    enter_state(scene, i, row.to, partner)
     if row.calls == 0:
         return
     scene.people[i].party = i  # and the others' will be this one, too
     if row.needs == LISTENER:
-        enter(scene, partner, row.calls, i)
+        enter_state(scene, partner, row.calls, i)
     elif row.needs == COMPANY:
         for j in range(len(scene.states)):
             if can_join(scene, i, j, scene.minds[i].traits[TALKING_DISTANCE]):
-                enter(scene, j, row.calls, i)
+                enter_state(scene, j, row.calls, i)
 
 
 @inner
-def enter(scene: Scene, i: int, state: int, partner: int) -> None:
+def enter_state(scene: WorldView, i: int, state: int, partner: int) -> None:
     """Put somebody in a state; who would walk but has no waypoint stands."""
     person, mind = scene.people[i], scene.minds[i]
     state = STANDING if state == WALKING and person.waypoints == 0 else state
     was_queueing = scene.table[mind.state].goal == QUEUE_GOAL
-    leave(scene, i)
+    leave_state(scene, i)
     mind.centre_x, mind.centre_y = scene.positions[i, 0], scene.positions[i, 1]
     if scene.table[state].goal == QUEUE_GOAL:
         mind.place = length_of_queue(scene, mind.queue)
@@ -47,12 +47,12 @@ def enter(scene: Scene, i: int, state: int, partner: int) -> None:
     mind.partner = partner
     person.party = partner if partner >= 0 else i
     scene.states[i] = state
-    mind.duration = _duration(scene, i, scene.table[state])
-    settle_into(scene, i)
+    mind.duration = _state_duration(scene, i, scene.table[state])
+    apply_state(scene, i)
 
 
 @inner
-def leave(scene: Scene, i: int) -> None:
+def leave_state(scene: WorldView, i: int) -> None:
     """Take somebody out of the state that the mind remembers: in a queue, those behind move up."""
     mind = scene.minds[i]
     if scene.table[mind.state].goal == QUEUE_GOAL:
@@ -66,7 +66,7 @@ def leave(scene: Scene, i: int) -> None:
 
 
 @inner
-def settle_into(scene: Scene, i: int) -> None:
+def apply_state(scene: WorldView, i: int) -> None:
     """Give somebody the speed and the sensitivity to others of the present state."""
     person, mind, state = scene.people[i], scene.minds[i], scene.table[scene.states[i]]
     mind.state = scene.states[i]
@@ -76,16 +76,16 @@ def settle_into(scene: Scene, i: int) -> None:
 
 
 @inner
-def take_note(scene: Scene) -> None:
+def follow_changes(scene: WorldView) -> None:
     """Follow changes of state that were made elsewhere: on arrival at an only waypoint, on coming and going."""
     for i in range(len(scene.states)):
         if scene.minds[i].state != scene.states[i]:
-            leave(scene, i)
-            settle_into(scene, i)
+            leave_state(scene, i)
+            apply_state(scene, i)
 
 
 @inner
-def _duration(scene: Scene, i: int, state: Any) -> float:
+def _state_duration(scene: WorldView, i: int, state: Any) -> float:
     """Return how long somebody will stay in a state, s."""
     if state.base_time == NO_KEY:
         return np.inf

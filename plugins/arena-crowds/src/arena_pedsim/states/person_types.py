@@ -24,6 +24,6 @@ def type_name(spec: PedestrianSpec) -> str:
     return name
 
 
-def embodied(spec: PedestrianSpec, kind: PersonType) -> PedestrianSpec:
+def with_body(spec: PedestrianSpec, kind: PersonType) -> PedestrianSpec:
     """Return somebody with the body of a type."""
     return replace(spec, desired_speed=kind.speed * spec.desired_speed, radius=kind.radius or spec.radius)

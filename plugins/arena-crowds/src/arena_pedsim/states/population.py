@@ -12,8 +12,8 @@ from arena_core import Crowd, ImpossibleScenario, OccupancyGrid, PedestrianSpec,
 from arena_pedsim.people import MAX_CORNERS, PERSON
 from arena_pedsim.routes.trips import Routes
 from arena_pedsim.state_ids import NONE
-from arena_pedsim.states.customs import Customs
-from arena_pedsim.states.draft import draft
+from arena_pedsim.states.initial_crowd import initial_crowd
+from arena_pedsim.states.person_defaults import CrowdDefaults
 
 
 class Population:
@@ -45,9 +45,9 @@ class Population:
     def __len__(self) -> int:
         return len(self.people)
 
-    def settle(self, slot: int, scenario: Scenario, grid: OccupancyGrid, customs: Customs) -> None:
+    def begin_slots(self, slot: int, scenario: Scenario, grid: OccupancyGrid, customs: CrowdDefaults) -> None:
         """Put a scenario's people in a slot, in place of those who were there; raise ImpossibleScenario if somebody starts in a wall."""
-        begin = draft(customs, tuple(scenario.pedestrians))
+        begin = initial_crowd(customs, tuple(scenario.pedestrians))
         _check_starts(begin.specs, scenario, grid)
         self._make_room(len(begin.specs), begin.waypoints.shape[1])
         crowd, people = self.crowd, len(begin.specs)
@@ -70,25 +70,25 @@ class Population:
         if missing:
             self.crowd = Crowd(
                 crowd.counts,
-                _widened(crowd.ids, missing, -1),
-                _widened(crowd.positions, missing, np.nan),
-                _widened(crowd.velocities, missing, np.nan),
-                _widened(crowd.radii, missing, 0.0),
-                _widened(crowd.states, missing, NONE),
+                _widen_array(crowd.ids, missing, -1),
+                _widen_array(crowd.positions, missing, np.nan),
+                _widen_array(crowd.velocities, missing, np.nan),
+                _widen_array(crowd.radii, missing, 0.0),
+                _widen_array(crowd.states, missing, NONE),
             )
             self.people = np.concatenate((self.people, np.zeros((len(self), missing), PERSON)), axis=1)
-            self.corners = _widened(self.corners, missing, 0.0)
-            self.waypoints = _widened(self.waypoints, missing, 0.0)
-            self.legs = _widened(self.legs, missing, 0.0)
-            self.leg_corners = _widened(self.leg_corners, missing, -1)
+            self.corners = _widen_array(self.corners, missing, 0.0)
+            self.waypoints = _widen_array(self.waypoints, missing, 0.0)
+            self.legs = _widen_array(self.legs, missing, 0.0)
+            self.leg_corners = _widen_array(self.leg_corners, missing, -1)
         more = max(waypoints - self.waypoints.shape[2], 0)
         if more:
-            self.waypoints = _widened(self.waypoints, more, 0.0, axis=2)
-            self.legs = _widened(self.legs, more, 0.0, axis=2)
-            self.leg_corners = _widened(self.leg_corners, more, -1, axis=2)
+            self.waypoints = _widen_array(self.waypoints, more, 0.0, axis=2)
+            self.legs = _widen_array(self.legs, more, 0.0, axis=2)
+            self.leg_corners = _widen_array(self.leg_corners, more, -1, axis=2)
 
 
-def _widened(array: NDArray[Any], missing: int, value: float, axis: int = 1) -> NDArray[Any]:
+def _widen_array(array: NDArray[Any], missing: int, value: float, axis: int = 1) -> NDArray[Any]:
     """Add empty slots: for people along axis 1, for waypoints along axis 2."""
     shape = (*array.shape[:axis], missing, *array.shape[axis + 1 :])
     return np.concatenate((array, np.full(shape, value, array.dtype)), axis=axis)

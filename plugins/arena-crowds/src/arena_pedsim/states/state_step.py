@@ -9,25 +9,25 @@ from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing, inner
 from arena_kernels.crowds import Crowds, Robots, bodies_of, robot_of
-from arena_kernels.ground import Land, ground_below
-from arena_pedsim.states.changes import change, take_note
-from arena_pedsim.states.errands import set_errands
+from arena_kernels.ground import GroundStack, world_ground
+from arena_pedsim.states.changes import change_state, follow_changes
 from arena_pedsim.states.group_walking import count_members, walk_in_groups
-from arena_pedsim.states.minds import Social
-from arena_pedsim.states.needs import QUEUE_GOAL, next_transition
-from arena_pedsim.states.scene import Scene
+from arena_pedsim.states.person_state import SocialArrays
+from arena_pedsim.states.state_goals import set_state_goals
 from arena_pedsim.states.state_table import StateRules
+from arena_pedsim.states.transitions import QUEUE_GOAL, next_transition
+from arena_pedsim.states.world_view import WorldView
 
 
 @borrowing
 def step_states(
     crowds: Crowds,
     people: NDArray[np.void],
-    social: Social,
+    social: SocialArrays,
     robots: Robots,
     ticks: NDArray[np.int64],
     dt: float,
-    land: Land,
+    land: GroundStack,
     rules: StateRules,
     parameters: NDArray[np.void],
 ) -> None:
@@ -40,7 +40,7 @@ def step_states(
             continue
         positions, velocities, radii, states = bodies_of(crowds, world)
         robot = robot_of(robots, world)
-        scene = Scene(
+        scene = WorldView(
             positions,
             velocities,
             radii,
@@ -55,17 +55,17 @@ def step_states(
             ticks[world],
             robot.x,
             robot.y,
-            ground_below(land, world),
+            world_ground(land, world),
             table,
             transitions,
             numbers[0],
             parameters[0],
         )
-        take_note(scene)
+        follow_changes(scene)
         if worlds[world].groups > 0:
             count_members(scene)
         _change_states(scene, dt, _is_check(worlds[world], dt, numbers[0].check_period))
-        set_errands(scene)
+        set_state_goals(scene)
         if worlds[world].groups > 0:
             walk_in_groups(scene)
 
@@ -81,7 +81,7 @@ def _is_check(world: Any, dt: float, period: float) -> bool:
 
 
 @inner
-def _change_states(scene: Scene, dt: float, chances: bool) -> None:
+def _change_states(scene: WorldView, dt: float, chances: bool) -> None:
     """Let clocks run, and everybody go on to another state who must or happens to."""
     for i in range(len(scene.states)):
         mind = scene.minds[i]
@@ -89,4 +89,4 @@ def _change_states(scene: Scene, dt: float, chances: bool) -> None:
             mind.clock += dt
         transition, partner = next_transition(scene, i, chances)
         if transition >= 0:
-            change(scene, i, scene.transitions[transition], partner)
+            change_state(scene, i, scene.transitions[transition], partner)

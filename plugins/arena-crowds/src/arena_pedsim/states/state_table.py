@@ -68,7 +68,7 @@ def read_table(table: Mapping[str, Any]) -> StateTable:
     names = tuple(sorted(rows, key=lambda name: int(rows[name]["code"])))
     if [rows[name]["code"] for name in names] != list(range(len(names))):
         raise ValueError(f"codes of states are {[rows[name]['code'] for name in names]}; allowed: 0, 1, 2 ... without a gap")
-    states = np.array([_state(rows[name]) for name in names], STATE)
+    states = np.array([_state_row(rows[name]) for name in names], STATE)
     leaving = _by_origin([dict(zip(table["transition_columns"], row, strict=True)) for row in table["transitions"]], names)
     states["last"] = np.cumsum([len(group) for group in leaving])
     states["first"] = states["last"] - [len(group) for group in leaving]
@@ -77,11 +77,11 @@ def read_table(table: Mapping[str, Any]) -> StateTable:
     return StateTable(names, StateRules(states, transitions, numbers))
 
 
-def _state(row: Mapping[str, Any]) -> tuple[Any, ...]:
+def _state_row(row: Mapping[str, Any]) -> tuple[Any, ...]:
     social = np.nan if row["social"] is None else row["social"]
     return (
         *(row["speed"], social, row["keep"]),
-        *(row["pushed"], GOALS.index(row["goal"]), _trait(row["base_time"]), row["exact"], row["free"], row["startled"], 0, 0),
+        *(row["pushed"], GOALS.index(row["goal"]), _trait_index(row["base_time"]), row["exact"], row["free"], row["startled"], 0, 0),
     )
 
 
@@ -91,11 +91,11 @@ def _by_origin(rows: Sequence[Mapping[str, Any]], names: tuple[str, ...]) -> lis
     for draw, row in enumerate(rows):
         of = sum(1 << names.index(name) for name in row["of"])
         calls = 0 if row["calls"] is None else names.index(row["calls"])
-        entry = (names.index(row["to"]), _trait(row["chance"]), NEEDS.index(row["needs"]), of, calls, draw)
+        entry = (names.index(row["to"]), _trait_index(row["chance"]), NEEDS.index(row["needs"]), of, calls, draw)
         for origin in [row["from"]] if isinstance(row["from"], str) else row["from"]:
             leaving[names.index(origin)].append(entry)
     return leaving
 
 
-def _trait(key: str | None) -> int:
+def _trait_index(key: str | None) -> int:
     return NO_KEY if key is None else TRAITS.index(key)

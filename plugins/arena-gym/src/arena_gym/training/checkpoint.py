@@ -17,7 +17,7 @@ from arena_core import ConfigurationError
 from arena_core.commands import one_line
 from arena_core.files import write_bytes_whole
 from arena_gym.training.learner import Learner
-from arena_gym.training.worlds_in_step import WorldsInStep
+from arena_gym.training.sb3_vec_env import Sb3VecEnv
 
 Weights = dict[str, torch.Tensor]
 
@@ -41,7 +41,7 @@ def all_finite(learner: PPO) -> bool:
 
 
 @contextmanager
-def of_this_training(path: Path) -> Iterator[None]:
+def checkpoint_errors(path: Path) -> Iterator[None]:
     """Say in one line that a file is none of this training's, whatever a missing, damaged or foreign one raises."""
     try:
         yield
@@ -50,7 +50,7 @@ def of_this_training(path: Path) -> Iterator[None]:
         raise ConfigurationError(f"{path}: is no checkpoint of this training ({reason}); remove the folder to begin anew") from error
 
 
-def save_checkpoint(path: Path, learner: Learner, worlds: WorldsInStep, progress: Mapping[str, Any], best: Weights | None) -> None:
+def save_checkpoint(path: Path, learner: Learner, worlds: Sb3VecEnv, progress: Mapping[str, Any], best: Weights | None) -> None:
     """Write weights, optimiser, random streams, running episodes, ``progress`` and the best weights, whole or not at all."""
     content = {
         "policy": learner.policy.state_dict(),
@@ -67,21 +67,21 @@ def save_checkpoint(path: Path, learner: Learner, worlds: WorldsInStep, progress
     write_bytes_whole(path, file.getvalue())
 
 
-def load_checkpoint(path: Path, learner: Learner, worlds: WorldsInStep | None = None) -> tuple[dict[str, Any], Weights | None]:
+def load_checkpoint(path: Path, learner: Learner, worlds: Sb3VecEnv | None = None) -> tuple[dict[str, Any], Weights | None]:
     """Give a learner and its worlds the state of a checkpoint; return its progress and the best weights.
 
     Without ``worlds`` only weights and optimiser are taken. Reads tensors and plain numbers, never code. Raises ConfigurationError for a
     file that is no checkpoint of this training.
     """
-    with of_this_training(path):
+    with checkpoint_errors(path):
         content = torch.load(path, weights_only=True, map_location=learner.device)
         learner.policy.load_state_dict(content["policy"])
         learner.policy.optimizer.load_state_dict(content["optimizer"])
-        learner.count_on(int(content["updates"]), int(content["steps"]))
+        learner.restore_counts(int(content["updates"]), int(content["steps"]))
         progress, best = dict(content["progress"]), content["best"]
         episodes, streams = _with_arrays(content["episodes"]), content["random"]
     if worlds is not None:
-        learner.look_on(*worlds.restore(episodes))
+        learner.restore_observations(*worlds.restore(episodes))
         _restore_random(streams)
     return progress, best
 
@@ -90,7 +90,7 @@ def steps_of(path: Path) -> int:
     """Return after how many steps a checkpoint was written, 0 where there is none; raise ConfigurationError for a file that is none."""
     if not path.exists():
         return 0
-    with of_this_training(path):
+    with checkpoint_errors(path):
         return int(torch.load(path, weights_only=True, map_location="cpu")["steps"])
 
 

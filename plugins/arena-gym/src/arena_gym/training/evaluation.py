@@ -53,7 +53,7 @@ def unseen_worlds(config: Mapping[str, Any], episodes: int, seed: int, name: str
     return env
 
 
-def check_apart(config: Mapping[str, Any]) -> None:
+def check_distinct_seeds(config: Mapping[str, Any]) -> None:
     """Raise ConfigurationError unless training, validation and test have seeds of their own."""
     trained, validated = config["environment"]["seed"], config["training"]["validation"]["seed"]
     check_unseen_seed(validated, trained, "training.validation.seed")
@@ -62,13 +62,15 @@ def check_apart(config: Mapping[str, Any]) -> None:
         raise ConfigurationError(f"training.test.seed is {tested}; allowed: any other than training.validation.seed, which chooses weights")
 
 
-def evaluate(env: NavigationVectorEnv, act: Act, episodes: int, seed: int, ended_one: Callable[[int], None] = lambda ended: None) -> Score:
+def evaluate_policy(
+    env: NavigationVectorEnv, act: Act, episodes: int, seed: int, ended_one: Callable[[int], None] = lambda ended: None
+) -> Score:
     """Return how well ``act`` drives in the first episodes of each world; ``ended_one`` hears how many have ended."""
-    ended = outcomes(env, act, episodes, seed, ended_one)
+    ended = episode_outcomes(env, act, episodes, seed, ended_one)
     return Score(len(ended), *(ended.count(outcome) / len(ended) for outcome in ("goal_reached", "collision", "time_out")))
 
 
-def outcomes(
+def episode_outcomes(
     env: NavigationVectorEnv, act: Act, episodes: int, seed: int, ended_one: Callable[[int], None] = lambda ended: None
 ) -> list[str]:
     """Drive the first episodes of each world until there are ``episodes`` of them; return how they ended, world by world.

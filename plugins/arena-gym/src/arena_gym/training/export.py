@@ -27,10 +27,10 @@ class Actor(nn.Module):
 
     def forward(self, observation: torch.Tensor) -> torch.Tensor:
         """Return the actions (N, A), or what each member is preferred by, for observations (N, D)."""
-        actions = self.means(observation)
+        actions = self.action_means(observation)
         return actions if self._chooses else actions.clamp(-1.0, 1.0)
 
-    def means(self, observation: torch.Tensor) -> torch.Tensor:
+    def action_means(self, observation: torch.Tensor) -> torch.Tensor:
         """Return the actions (N, A) before they are cut to their ranges."""
         actions: torch.Tensor = self.action(self.body(self.features(observation)))
         return actions
@@ -48,7 +48,7 @@ def to_onnx(learner: PPO, size: int) -> bytes:
     return network_to_onnx(Actor(learner.policy), size, "observation", "action")
 
 
-def round_as_kept(network: nn.Module) -> None:
+def round_weights(network: nn.Module) -> None:
     """Give a large network the weights that its file will keep, so that what is tested is what is shipped."""
     if _is_large(network):
         with torch.no_grad():
@@ -78,7 +78,7 @@ def network_to_onnx(network: nn.Module, size: int, input_name: str, output_name:
     model = program.model_proto
     strip_origin(model)
     if _is_large(network):
-        _halve(model)
+        _halve_weights(model)
     return bytes(model.SerializeToString())
 
 
@@ -94,7 +94,7 @@ def _is_large(network: nn.Module) -> bool:
     return sum(weights.numel() for weights in network.parameters()) > HALVED_BEYOND
 
 
-def _halve(model: Any) -> None:
+def _halve_weights(model: Any) -> None:
     """Keep large tensors in 16 bits; onnxruntime widens them once, as it opens the file."""
     from onnx import TensorProto, helper, numpy_helper
 

@@ -28,7 +28,7 @@ def open_folder(folder: Path, config: Mapping[str, Any], resume: bool, code: Cod
         return _write_code(folder, code)
     if not resume:
         raise ConfigurationError(f"{folder} holds a training already; resume=true goes on with it, out=DIR takes another folder")
-    differing = _differing(_read(file), json.loads(json.dumps(config)))
+    differing = _first_difference(_read_mapping(file), json.loads(json.dumps(config)))
     if differing:
         raise ConfigurationError(f"{folder} holds a training with another {differing}; resume=true goes on only with the same one")
     if code is not None and not force:
@@ -37,7 +37,7 @@ def open_folder(folder: Path, config: Mapping[str, Any], resume: bool, code: Cod
 
 
 def _check_code(folder: Path, code: Code) -> None:
-    before = _read(folder / CODE) if (folder / CODE).exists() else {}
+    before = _read_mapping(folder / CODE) if (folder / CODE).exists() else {}
     if before.get("digest") == code.digest:
         return
     parts = before.get("parts")
@@ -51,7 +51,7 @@ def _write_code(folder: Path, code: Code | None) -> list[str]:
     """Write the code that trains from now on, with what trained before; return that."""
     if code is None:
         return []
-    before = _read(folder / CODE) if (folder / CODE).exists() else {}
+    before = _read_mapping(folder / CODE) if (folder / CODE).exists() else {}
     digests = [*map(str, before.get("before") or ()), str(before.get("digest", code.digest))]
     others = [digest for digest in dict.fromkeys(digests) if digest != code.digest]
     content = {"digest": code.digest, "parts": dict(code.parts), "before": others}
@@ -59,18 +59,18 @@ def _write_code(folder: Path, code: Code | None) -> list[str]:
     return others
 
 
-def _read(file: Path) -> dict[str, Any]:
+def _read_mapping(file: Path) -> dict[str, Any]:
     content = read_json(file, "the configuration of a training that `arena train` wrote")
     if not isinstance(content, dict):
         raise RunFolderError(f"{file}: holds no mapping; allowed: the configuration of a training that `arena train` wrote")
     return content
 
 
-def _differing(before: Mapping[str, Any], now: Mapping[str, Any]) -> str | None:
+def _first_difference(before: Mapping[str, Any], now: Mapping[str, Any]) -> str | None:
     """Return the first key in which two configurations differ, with the keys that lead to it."""
     for key in sorted((before.keys() | now.keys()) - set(MAY_DIFFER)):
         then, here = before.get(key), now.get(key)
         if then != here:
-            inside = _differing(then, here) if isinstance(then, dict) and isinstance(here, dict) else None
+            inside = _first_difference(then, here) if isinstance(then, dict) and isinstance(here, dict) else None
             return f"{key}.{inside}" if inside else key
     return None

@@ -15,10 +15,10 @@ class Learner(PPO):
         """Return how many passes over a roll-out have been made."""
         return int(self._n_updates)
 
-    def count_on(self, updates: int, steps: int) -> None:
+    def restore_counts(self, updates: int, steps: int) -> None:
         """Count on from what was done before."""
         self._n_updates, self.num_timesteps = updates, steps
 
-    def look_on(self, observations: Any, begun: Any) -> None:
+    def restore_observations(self, observations: Any, begun: Any) -> None:
         """Go on from what was last observed, and which worlds began an episode with it."""
         self._last_obs, self._last_episode_starts = observations, begun

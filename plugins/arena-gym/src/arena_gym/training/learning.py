@@ -13,7 +13,7 @@ from torch import nn
 
 from arena_core import ConfigurationError, ObservationField
 from arena_gym.training.learner import Learner
-from arena_gym.training.network import BeamFeatures, TruthSeeingCritic
+from arena_gym.training.network import AsymmetricActorCritic, BeamFeatures
 from arena_gym.training.settings import Network, TrainingSettings
 from arena_policies.actions import ActionScale
 
@@ -23,11 +23,11 @@ def make_learner(env: VecEnv, layout: tuple[ObservationField, ...], settings: Tr
     torch.set_num_threads(settings.threads)
     chosen = settings.optimization
     truth = env.observation_space.shape[0] - sum(field.size for field in layout)  # type: ignore[index]
-    policy = _policy(settings.network, layout)
+    policy = _policy_kwargs(settings.network, layout)
     return Learner(
-        TruthSeeingCritic if truth else "MlpPolicy",
+        AsymmetricActorCritic if truth else "MlpPolicy",
         env,
-        learning_rate=_falling(chosen.learning_rate, chosen.final_learning_rate),
+        learning_rate=_linear_schedule(chosen.learning_rate, chosen.final_learning_rate),
         n_steps=chosen.steps,
         batch_size=chosen.minibatch,
         n_epochs=chosen.epochs,
@@ -45,13 +45,13 @@ def make_learner(env: VecEnv, layout: tuple[ObservationField, ...], settings: Tr
     )
 
 
-def _falling(initial: float, final_share: float) -> Any:
+def _linear_schedule(initial: float, final_share: float) -> Any:
     return lambda left: initial * (final_share + (1.0 - final_share) * left)
 
 
-def _policy(network: Network, layout: tuple[ObservationField, ...]) -> dict[str, Any]:
+def _policy_kwargs(network: Network, layout: tuple[ObservationField, ...]) -> dict[str, Any]:
     return {
-        **_features(network, layout),
+        **_feature_kwargs(network, layout),
         "net_arch": list(network.heads),
         "activation_fn": nn.ReLU,
         "log_std_init": network.log_std_init,
@@ -59,15 +59,15 @@ def _policy(network: Network, layout: tuple[ObservationField, ...]) -> dict[str,
     }
 
 
-def _features(network: Network, layout: tuple[ObservationField, ...]) -> dict[str, Any]:
+def _feature_kwargs(network: Network, layout: tuple[ObservationField, ...]) -> dict[str, Any]:
     if network.beams_field is None:
         return {}
-    beams, scans = beams_of(network, layout)
+    beams, scans = scan_columns(network, layout)
     extractor = {"beams": beams, "scans": scans, "convolutions": network.convolutions, "features": network.features}
     return {"features_extractor_class": BeamFeatures, "features_extractor_kwargs": extractor}
 
 
-def beams_of(network: Network, layout: tuple[ObservationField, ...]) -> tuple[slice, int]:
+def scan_columns(network: Network, layout: tuple[ObservationField, ...]) -> tuple[slice, int]:
     """Return where the observation has the scans that the convolutions read, and how many; raise ConfigurationError where it has none.
 
     Scans are fields of one size in a row: ``beams_field``, then any whose names go on from it.

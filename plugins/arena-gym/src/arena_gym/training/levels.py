@@ -25,7 +25,7 @@ class Levels(ABC):
         """Let episodes that begin from now on be of these levels; called as training begins and after every update."""
 
     @abstractmethod
-    def ended(self, stage: int | None, success: bool, batch: NavigationBatch) -> None:
+    def record_episode(self, stage: int | None, success: bool, batch: NavigationBatch) -> None:
         """Hear how an episode of level ``stage`` ended."""
 
     @property
@@ -34,11 +34,11 @@ class Levels(ABC):
         """Return the level of episodes that begin now, its mean where they differ."""
 
     @property
-    def on_top(self) -> bool:
+    def may_end(self) -> bool:
         """Tell whether training may end here."""
         return True
 
-    def shares(self) -> Sequence[float]:
+    def level_shares(self) -> Sequence[float]:
         """Return the share of episodes of each level, none where all are of one."""
         return ()
 
@@ -59,7 +59,7 @@ class NoLevels(Levels):
     def apply(self, batch: NavigationBatch) -> None:
         """Leave the worlds as they are."""
 
-    def ended(self, stage: int | None, success: bool, batch: NavigationBatch) -> None:
+    def record_episode(self, stage: int | None, success: bool, batch: NavigationBatch) -> None:
         """Take no notice."""
 
     def state(self) -> dict[str, Any]:
@@ -81,7 +81,7 @@ class Promotion(Levels):
         """Set the level."""
         batch.set_stage(self._stage)
 
-    def ended(self, stage: int | None, success: bool, batch: NavigationBatch) -> None:
+    def record_episode(self, stage: int | None, success: bool, batch: NavigationBatch) -> None:
         """Add an episode to the block; change the level at once where the block is full."""
         self._block.append(success)
         if len(self._block) >= self._staging.block:
@@ -94,7 +94,7 @@ class Promotion(Levels):
         return float(self._stage)
 
     @property
-    def on_top(self) -> bool:
+    def may_end(self) -> bool:
         """Tell whether this is the last level."""
         return self._stage == self._staging.levels - 1
 
@@ -123,9 +123,9 @@ class LevelMixture(Levels):
 
     def apply(self, batch: NavigationBatch) -> None:
         """Set the weights of the levels."""
-        batch.mix_stages(self.shares())
+        batch.mix_stages(self.level_shares())
 
-    def ended(self, stage: int | None, success: bool, batch: NavigationBatch) -> None:
+    def record_episode(self, stage: int | None, success: bool, batch: NavigationBatch) -> None:
         """Count an episode towards the success on its level."""
         assert stage is not None
         self._means[stage] += self._rates * (float(success) - self._means[stage])
@@ -133,10 +133,10 @@ class LevelMixture(Levels):
     @property
     def mean(self) -> float:
         """Return the mean level of episodes that begin now."""
-        shares = self.shares()
+        shares = self.level_shares()
         return float(np.dot(shares, np.arange(len(shares))))
 
-    def shares(self) -> Sequence[float]:
+    def level_shares(self) -> Sequence[float]:
         """Return the probability of each level."""
         progress = np.abs(self._means[:, 0] - self._means[:, 1])
         even, total = np.full(len(progress), 1.0 / len(progress)), float(progress.sum())

@@ -51,7 +51,7 @@ class BeamFeatures(BaseFeaturesExtractor):
         return torch.cat((seen, observations[:, :start], observations[:, stop:]), dim=1)
 
 
-class TruthSeeingCritic(ActorCriticPolicy):
+class AsymmetricActorCritic(ActorCriticPolicy):
     """A policy and a value of which only the value reads the last ``truth`` columns of what it is shown."""
 
     def __init__(self, *args: Any, truth: int, **kwargs: Any) -> None:

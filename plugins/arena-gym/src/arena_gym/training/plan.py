@@ -7,18 +7,18 @@ from collections.abc import Iterator
 from arena_gym.training.settings import TrainingSettings
 
 
-def steps_driven(settings: TrainingSettings, done: int = 0) -> int:
+def final_steps(settings: TrainingSettings, done: int = 0) -> int:
     """Return the steps after which a training ends that goes on from ``done``: whole rollouts, up to ``total_steps`` or beyond."""
     rollout = settings.optimization.environments * settings.optimization.steps
     return done + max(0, -(-(settings.total_steps - done) // rollout)) * rollout
 
 
-def plan(settings: TrainingSettings, done: int, taught: bool) -> Iterator[str]:
+def describe_plan(settings: TrainingSettings, done: int, taught: bool) -> Iterator[str]:
     """Yield what is going to be done, from ``done`` steps on; lessons are over where it has been ``taught``."""
     chosen, teacher = settings.optimization, settings.teacher
     if teacher.planner is not None and not taught:
         yield f"lessons: {teacher.rounds} of {teacher.decisions} decisions in each of {chosen.environments} worlds, of {teacher.planner}"
-    total, rollout = steps_driven(settings, done), chosen.environments * chosen.steps
+    total, rollout = final_steps(settings, done), chosen.environments * chosen.steps
     unlike = "" if total == settings.total_steps or total == done else f"; total_steps={settings.total_steps} ends within the last of them"
     already = f"{done} of them driven already, " if done else ""
     yield f"training: {total} steps, {already}in rollouts of {rollout} ({chosen.environments} worlds, {chosen.steps} steps){unlike}"

@@ -16,7 +16,7 @@ LATE = 300  # episodes that success and collisions are of
 NOT_KNOWN = "time left not known yet"
 
 
-class Times(ProgressColumn):
+class TimesColumn(ProgressColumn):
     """The time since a task began, and what is left of a training."""
 
     max_refresh = 0.5  # s
@@ -35,17 +35,17 @@ class TrainingReport(Progress):
 
     def __init__(self, total_steps: int) -> None:
         columns: tuple[Any, ...] = (TextColumn("{task.description}"), BarColumn(bar_width=20), MofNCompleteColumn())
-        columns += (TextColumn("{task.fields[said]}"), Times())
+        columns += (TextColumn("{task.fields[said]}"), TimesColumn())
         super().__init__(*columns, console=Console(stderr=True), disable=not sys.stderr.isatty())
-        self._steps = self.add_task("training", total=total_steps, said="", left=self.left, start=False, visible=False)
+        self._steps = self.add_task("training", total=total_steps, said="", left=self.time_left, start=False, visible=False)
         self._besides = self.add_task("", said="", left=None, visible=False)
         self._marks: list[tuple[float, int]] = []
 
-    def besides(self, what: str, total: int) -> None:
+    def start_side_task(self, what: str, total: int) -> None:
         """Show that something else is done, in so many parts, until all of them are."""
         self.reset(self._besides, description=what, total=total, visible=True)
 
-    def part(self, done: int) -> None:
+    def update_side_task(self, done: int) -> None:
         """Show how many parts of it are done."""
         task = next(task for task in self.tasks if task.id == self._besides)
         self.update(self._besides, completed=done, visible=done < (task.total or 0.0))
@@ -59,7 +59,7 @@ class TrainingReport(Progress):
         """Take in that an update is over, or the first rollout begins: these the time left follows from."""
         self._marks.append((monotonic(), steps))
 
-    def left(self) -> str:
+    def time_left(self) -> str:
         """Return the time left in words; the first rollout, in which kernels are compiled, does not count."""
         later = self._marks[1:]
         if len(later) < 2:
@@ -69,13 +69,13 @@ class TrainingReport(Progress):
         seconds = (last - first) / (done - begun) * (total - done) - (monotonic() - last)
         return f"{timedelta(seconds=max(0, round(seconds)))} left"
 
-    def note(self, steps: int, late: LateEpisodes, level: str) -> None:
+    def note(self, steps: int, late: RecentEpisodes, level: str) -> None:
         """Show how it stands; ``level`` is empty where there is none."""
         said = f"success {late.success:.2f} collisions {late.collisions:.2f}" if late.episodes else ""
         self.update(self._steps, completed=steps, description=f"training{level}", said=said)
 
 
-class LateEpisodes:
+class RecentEpisodes:
     """Success without collision, and collisions, of the latest training episodes."""
 
     def __init__(self) -> None:

@@ -23,7 +23,7 @@ class RunningEpisodes:
     actions: NDArray[Any]
     lengths: NDArray[np.int64]
 
-    def drive_again(self, batch: NavigationBatch) -> NDArray[np.float32]:
+    def replay_actions(self, batch: NavigationBatch) -> NDArray[np.float32]:
         """Bring worlds to where these episodes were, bit for bit, for an episode follows from its key and its actions; return what is seen.
 
         Each begins so many steps before the end as it has seen; until then its world is driven for nothing.
@@ -34,12 +34,12 @@ class RunningEpisodes:
         steps = len(self.actions)
         for step, actions in enumerate(self.actions):
             interrupts.check()
-            self._begin(steps - step, batch, observations)
+            self._begin_due(steps - step, batch, observations)
             observations = batch.step(actions).observations
-        self._begin(0, batch, observations)
+        self._begin_due(0, batch, observations)
         return observations
 
-    def _begin(self, left: int, batch: NavigationBatch, observations: NDArray[np.float32]) -> None:
+    def _begin_due(self, left: int, batch: NavigationBatch, observations: NDArray[np.float32]) -> None:
         slots = np.flatnonzero(self.lengths == left)
         if len(slots):
             observations[slots] = batch.begin_again(slots)
@@ -57,7 +57,7 @@ class ActionLog:
         self._actions.append(np.array(actions))
         self._lengths = np.where(ended, 0, self._lengths + 1)
 
-    def running(self, keys: Sequence[EpisodeKey]) -> RunningEpisodes:
+    def running_episodes(self, keys: Sequence[EpisodeKey]) -> RunningEpisodes:
         """Return the running episodes, which were drawn from these keys; forget what came before them."""
         longest = int(self._lengths.max())
         del self._actions[: len(self._actions) - longest]

@@ -27,7 +27,7 @@ class Choice:
         return cls(int(row["steps"]), int(row["validations"]), float(row["success"]))
 
 
-def candidate(curve: Sequence[Mapping[str, float]], settings: Validation) -> Choice:
+def latest_choice(curve: Sequence[Mapping[str, float]], settings: Validation) -> Choice:
     """Return what speaks for the weights of the last validation of a curve."""
     window = [float(row["success"]) for row in curve[-settings.average :]]
     return Choice(int(curve[-1]["steps"]), len(window), sum(window) / len(window))
@@ -38,7 +38,7 @@ def is_better(new: Choice, best: Choice | None) -> bool:
     return best is None or (new.validations, new.success) >= (best.validations, best.success)
 
 
-def rule(settings: Validation) -> str:
+def rule_text(settings: Validation) -> str:
     """Return the rule in words, for the policy's card."""
     return (
         f"the weights after the last of {settings.average} validations in a row (every {settings.every} steps, {settings.episodes} "

@@ -19,20 +19,20 @@ from arena_core.parameters import read_settings
 from arena_core.statistics import wilson
 from arena_gym.building import Parts, build_parts
 from arena_gym.training.checkpoint import digest_of, steps_of
-from arena_gym.training.evaluation import check_apart, evaluate, unseen_worlds
-from arena_gym.training.export import Actor, round_as_kept, to_onnx
+from arena_gym.training.evaluation import check_distinct_seeds, evaluate_policy, unseen_worlds
+from arena_gym.training.export import Actor, round_weights, to_onnx
 from arena_gym.training.folder import open_folder
+from arena_gym.training.imitation import ImitationWorlds
+from arena_gym.training.interruption import save_on_interrupt
 from arena_gym.training.levels import make_levels
-from arena_gym.training.plan import plan
+from arena_gym.training.plan import describe_plan
 from arena_gym.training.report import TrainingReport
-from arena_gym.training.selection import rule
+from arena_gym.training.selection import rule_text
 from arena_gym.training.settings import Network, TrainingSettings
-from arena_gym.training.teaching import Classroom
-from arena_gym.training.trainer import CHECKPOINT, Trained, prepare, train
-from arena_gym.training.unfinished import keeping_a_policy
+from arena_gym.training.trainer import CHECKPOINT, TrainingResult, prepare_learner, train_policy
 from arena_gym.vector_environment import NavigationVectorEnv
 from arena_policies.actions import ActionRange, ActionScale
-from arena_policies.card import PolicyCard, part_path, sha256, write_card
+from arena_policies.card import PolicyCard, content_sha256, part_path, write_card
 from arena_policies.network import network_content
 
 PACKAGES = ("arena-core", "arena-gym", "arena-policies", "arena-sim2d", "arena-crowds", "torch", "stable-baselines3", "onnx")
@@ -53,7 +53,7 @@ def run_training(config: Mapping[str, Any], folder: Path, resume: bool, force: b
 def _run_training(config: Mapping[str, Any], folder: Path, resume: bool, force: bool, robot: str | None) -> int:
     print(f"{config['planner']} for {robot or config['robot']['name']}, to {folder}: building its worlds", flush=True)
     settings = training_settings(config)
-    check_apart(config)
+    check_distinct_seeds(config)
     registry = load_registry()
     parts, chosen = build_parts(config, registry), settings.validation
     interrupts.check()
@@ -69,8 +69,8 @@ def _run_training(config: Mapping[str, Any], folder: Path, resume: bool, force: 
     changed = settings.later.reward
     later = None if changed is None else registry.build("reward", {**config["reward"], **changed}, robot=parts.robot)
     teacher = settings.teacher.planner
-    classroom = None if teacher is None else Classroom(env.batch, teacher, robot or parts.robot.name, registry)
-    learner, worlds = prepare(settings, env, folder)
+    classroom = None if teacher is None else ImitationWorlds(env.batch, teacher, robot or parts.robot.name, registry)
+    learner, worlds = prepare_learner(settings, env, folder)
     besides = ("gym",) if classroom is None else ("gym", classroom.plugin)
     code = digest_code(config, registry, apart=NO_PART, besides=besides)
     compared = config if classroom is None else {**config, "teacher": {**config["teacher"], "nodes": classroom.nodes}}
@@ -82,18 +82,18 @@ def _run_training(config: Mapping[str, Any], folder: Path, resume: bool, force: 
             print(f"note: {note}", flush=True)
     if (folder / CHECKPOINT).exists():
         classroom = None  # it has taught
-    for line in plan(settings, steps_of(folder / CHECKPOINT), classroom is None):
+    for line in describe_plan(settings, steps_of(folder / CHECKPOINT), classroom is None):
         print(line, flush=True)
     name = robot or parts.robot.name
-    told = {**_told_of(config), **told}
+    told = {**_training_info(config), **told}
 
     def write(found: Mapping[str, Any]) -> None:
         _write_policy(config, parts, name, learner, folder / "policy.onnx", {**told, **found})
 
     interrupts.check()
-    with TrainingReport(settings.total_steps) as report, keeping_a_policy(learner, folder, write):
-        trained = train(settings, learner, worlds, validation, levels, folder, later, classroom, report)
-        line = _export(config, parts, trained, told, folder, name, report)
+    with TrainingReport(settings.total_steps) as report, save_on_interrupt(learner, folder, write):
+        trained = train_policy(settings, learner, worlds, validation, levels, folder, later, classroom, report)
+        line = _export_policies(config, parts, trained, told, folder, name, report)
     print(line)
     print(f"policy: {folder / 'policy.onnx'}")
     return 0
@@ -109,16 +109,22 @@ def _check_switch(network: Network) -> None:
         raise ConfigurationError("training.network.log_std_unit is si; allowed: range for a switch, whose actions have no unit")
 
 
-def _told_of(config: Mapping[str, Any]) -> dict[str, Any]:
+def _training_info(config: Mapping[str, Any]) -> dict[str, Any]:
     """Return what a card tells of a training, whatever came of it."""
     told: dict[str, Any] = {"seed": config["seed"], "config": dict(config), "versions": {name: version(name) for name in PACKAGES}}
     if (begun := training_settings(config).start.policy) is not None:
-        told["start"] = sha256(network_content(local_path(begun)))
+        told["start"] = content_sha256(network_content(local_path(begun)))
     return told
 
 
-def _export(
-    config: Mapping[str, Any], parts: Parts, trained: Trained, by: Mapping[str, Any], folder: Path, robot: str, report: TrainingReport
+def _export_policies(
+    config: Mapping[str, Any],
+    parts: Parts,
+    trained: TrainingResult,
+    by: Mapping[str, Any],
+    folder: Path,
+    robot: str,
+    report: TrainingReport,
 ) -> str:
     """Write the last weights, then those that were chosen, with what a test says of them; return that.
 
@@ -127,9 +133,9 @@ def _export(
     told = {**by, "steps": trained.steps, "curve": trained.curve}
     _write_policy(config, parts, robot, trained.learner, folder / "last" / "policy.onnx", {**told, "weights": "last", "score": None})
     trained.learner.policy.load_state_dict(trained.best)
-    round_as_kept(Actor(trained.learner.policy))
-    score = _tested(config, trained, by["code"], folder / TESTED, report) if training_settings(config).test.episodes else None
-    choice = {**trained.choice.as_row(), "rule": rule(training_settings(config).validation)}
+    round_weights(Actor(trained.learner.policy))
+    score = _test_score(config, trained, by["code"], folder / TESTED, report) if training_settings(config).test.episodes else None
+    choice = {**trained.choice.as_row(), "rule": rule_text(training_settings(config).validation)}
     path = folder / "policy.onnx"
     _write_policy(config, parts, robot, trained.learner, path, {**told, "weights": "best", "choice": choice, "score": score})
     weights = f"weights after {trained.choice.steps} of {trained.steps} steps"
@@ -142,7 +148,7 @@ def _export(
     )
 
 
-def _tested(config: Mapping[str, Any], trained: Trained, code: str, file: Path, report: TrainingReport) -> dict[str, Any]:
+def _test_score(config: Mapping[str, Any], trained: TrainingResult, code: str, file: Path, report: TrainingReport) -> dict[str, Any]:
     """Return the score of the chosen weights in the test, from ``file`` where this ``code`` tested them before."""
     chosen = training_settings(config).test
     of = {"weights": digest_of(trained.best), "seed": chosen.seed, "wanted": chosen.episodes, "code": code}
@@ -152,8 +158,8 @@ def _tested(config: Mapping[str, Any], trained: Trained, code: str, file: Path, 
             return dict(before["score"])
     print(f"test: {chosen.episodes} episodes ...", flush=True)
     worlds = unseen_worlds(config, chosen.episodes, chosen.seed, "training.test.seed")
-    report.besides("test, episodes", chosen.episodes)
-    found = evaluate(worlds, Actor(trained.learner.policy).act, chosen.episodes, chosen.seed, report.part)
+    report.start_side_task("test, episodes", chosen.episodes)
+    found = evaluate_policy(worlds, Actor(trained.learner.policy).act, chosen.episodes, chosen.seed, report.update_side_task)
     score = {**found.as_row(), "interval": list(wilson(found.success, found.episodes)), "method": "Wilson, 95 %", "seed": chosen.seed}
     write_text_whole(file, json.dumps({"of": of, "score": score}, indent=1) + "\n")
     return score
@@ -162,7 +168,7 @@ def _tested(config: Mapping[str, Any], trained: Trained, code: str, file: Path, 
 def _write_policy(config: Mapping[str, Any], parts: Parts, robot: str, learner: PPO, path: Path, told: dict[str, Any]) -> None:
     content = to_onnx(learner, sum(field.size for field in parts.encoder.layout()))
     write_bytes_whole(path, content)
-    card = _card(config, parts, robot, content, told)
+    card = _make_card(config, parts, robot, content, told)
     write_card(path.with_suffix(".json"), replace(card, parts=_write_parts(path, parts.encoder)))
 
 
@@ -180,11 +186,11 @@ def _write_parts(policy: Path, encoder: ObservationEncoder) -> dict[str, str]:
         content = network_content(source)
         write_bytes_whole(target, content)
         write_bytes_whole(target.with_suffix(".json"), source.with_suffix(".json").read_bytes())
-        hashes[name] = sha256(content)
+        hashes[name] = content_sha256(content)
     return hashes
 
 
-def _card(config: Mapping[str, Any], parts: Parts, robot: str, content: bytes, told: Mapping[str, Any]) -> PolicyCard:
+def _make_card(config: Mapping[str, Any], parts: Parts, robot: str, content: bytes, told: Mapping[str, Any]) -> PolicyCard:
     switch = parts.switch
     action_range = dict.fromkeys(config["action"]) if switch else config["action"]  # members have their own, up to the robot's limits
     scale = ActionScale.of(parts.robot, read_settings(action_range, ActionRange, "action"))
@@ -198,7 +204,7 @@ def _card(config: Mapping[str, Any], parts: Parts, robot: str, content: bytes, t
         layout=parts.encoder.layout(),
         action={name: (low, high) for name, low, high in ends},
         action_range=action_range,
-        sha256=sha256(content),
+        sha256=content_sha256(content),
         training=told,
         members=switch.members if switch else {},
         every=switch.every if switch else parts.settings.every,

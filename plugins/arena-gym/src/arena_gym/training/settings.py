@@ -126,7 +126,7 @@ class Start:
 
 
 @dataclass(frozen=True, slots=True)
-class Teacher:
+class ExpertSettings:
     """A ``planner``, tuned for the robot where it can be, whom the policy imitates at first; None: nobody teaches.
 
     There are ``rounds`` of so many ``decisions`` of each world. In the first the teacher drives all worlds, in the last the policy does.
@@ -142,7 +142,7 @@ class Teacher:
 
 
 @dataclass(frozen=True, slots=True)
-class Later:
+class RewardSchedule:
     """What changes after this ``share`` of the steps: numbers of the reward; None: nothing does."""
 
     share: Fraction
@@ -160,8 +160,8 @@ class TrainingSettings:
     seed: NonNegativeInt
     total_steps: NonNegativeInt
     device: str
-    teacher: Teacher
-    later: Later
+    teacher: ExpertSettings
+    later: RewardSchedule
     threads: PositiveInt
     network: Network
     start: Start

@@ -18,19 +18,19 @@ from arena_core.commands import interrupts
 from arena_core.files import write_text_whole
 from arena_core.hosting import RunFolderError
 from arena_gym.training.checkpoint import Weights, all_finite, load_checkpoint, save_checkpoint, weights_of
-from arena_gym.training.evaluation import evaluate
+from arena_gym.training.evaluation import evaluate_policy
 from arena_gym.training.export import Actor
+from arena_gym.training.ground_truth import GroundTruth
+from arena_gym.training.imitation import IMITATED_FILE, ImitationWorlds, imitate_expert
+from arena_gym.training.initial_weights import freeze_policy, load_weights
 from arena_gym.training.learner import Learner
 from arena_gym.training.learning import limit_spread, make_learner, spread_in_si
 from arena_gym.training.levels import Levels
-from arena_gym.training.plan import steps_driven
-from arena_gym.training.report import LateEpisodes, TrainingReport
-from arena_gym.training.selection import Choice, candidate, is_better
+from arena_gym.training.plan import final_steps
+from arena_gym.training.report import RecentEpisodes, TrainingReport
+from arena_gym.training.sb3_vec_env import Sb3VecEnv
+from arena_gym.training.selection import Choice, is_better, latest_choice
 from arena_gym.training.settings import TrainingSettings
-from arena_gym.training.starting import hold_policy, take_weights
-from arena_gym.training.teaching import TAUGHT, Classroom, teach
-from arena_gym.training.truth import Truth
-from arena_gym.training.worlds_in_step import WorldsInStep
 from arena_gym.vector_environment import NavigationVectorEnv
 
 CHECKPOINT, CURVE = "checkpoint.pt", "curve.json"
@@ -42,7 +42,7 @@ class TrainingStopped(ArenaError):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Trained:
+class TrainingResult:
     """What a training made: a learner with its last weights after ``steps``, its curve, and the weights that were chosen."""
 
     learner: Learner
@@ -52,7 +52,7 @@ class Trained:
     best: Weights
 
 
-class Trainer(BaseCallback):
+class TrainingCallback(BaseCallback):
     """Watches a learner: moves its worlds between levels, validates it, keeps it, and says when it is good enough.
 
     All that matters happens between an update and the next rollout, where a checkpoint holds the whole state.
@@ -63,7 +63,7 @@ class Trainer(BaseCallback):
         learner: Learner,
         settings: TrainingSettings,
         levels: Levels,
-        worlds: WorldsInStep,
+        worlds: Sb3VecEnv,
         validation: NavigationVectorEnv,
         folder: Path,
         report: TrainingReport,
@@ -73,7 +73,7 @@ class Trainer(BaseCallback):
         self._learner, self._settings, self._levels = learner, settings, levels
         self._worlds, self._validation, self._later = worlds, validation, later
         self._folder, self._report = folder, report
-        self._late = LateEpisodes()
+        self._late = RecentEpisodes()
         self._next_validation = settings.validation.every
         self._kept_at = time.monotonic()
         self.curve: list[dict[str, float]] = []
@@ -96,7 +96,7 @@ class Trainer(BaseCallback):
         self._after_update()
         self._report.mark(self._learner.num_timesteps)
         if self._settings.begins_able:
-            hold_policy(self._learner, self._learner.num_timesteps < self._settings.start.value_steps)
+            freeze_policy(self._learner, self._learner.num_timesteps < self._settings.start.value_steps)
         if self._later is not None and self._learner.num_timesteps >= self._settings.later.share * self._settings.total_steps:
             self._worlds.env.batch.reward = self._later
         initial, final = self._settings.network.log_std_init, self._settings.network.log_std_final
@@ -109,15 +109,15 @@ class Trainer(BaseCallback):
             if "episode" in info:
                 success = bool(info["is_success"])
                 self._late.add(success, int(info["episode"]["c"]))
-                self._levels.ended(info["stage"], success, self._worlds.env.batch)
-        self._report.note(self._learner.num_timesteps, self._late, self._level())
+                self._levels.record_episode(info["stage"], success, self._worlds.env.batch)
+        self._report.note(self._learner.num_timesteps, self._late, self._level_text())
         return not self.good_enough
 
     def _on_rollout_end(self) -> None:
         self.logger.record("train/success", self._late.success)
         self.logger.record("train/collisions", self._late.collisions)
         self.logger.record("train/level", self._levels.mean)
-        for level, share in enumerate(self._levels.shares()):
+        for level, share in enumerate(self._levels.level_shares()):
             self.logger.record(f"levels/{level}", share)
 
     def _after_update(self) -> None:
@@ -127,7 +127,7 @@ class Trainer(BaseCallback):
         steps = self._learner.num_timesteps
         due = steps >= self._next_validation
         if time.monotonic() - self._kept_at >= self._settings.checkpoint and steps > self.kept:
-            self.keep()  # ahead of a validation, too, which takes its time
+            self.save_progress()  # ahead of a validation, too, which takes its time
         if due:
             self.validate()
 
@@ -135,24 +135,26 @@ class Trainer(BaseCallback):
         """Validate the weights as they are, take them where they are best, and keep all."""
         chosen, steps = self._settings.validation, self._learner.num_timesteps
         self._next_validation = steps + chosen.every
-        self._report.besides(f"validation after {steps} steps, episodes", chosen.episodes)
-        score = evaluate(self._validation, Actor(self._learner.policy).act, chosen.episodes, chosen.seed, self._report.part)
+        self._report.start_side_task(f"validation after {steps} steps, episodes", chosen.episodes)
+        score = evaluate_policy(
+            self._validation, Actor(self._learner.policy).act, chosen.episodes, chosen.seed, self._report.update_side_task
+        )
         training = {"training": self._late.success, "training_collisions": self._late.collisions}
         self.curve.append({"steps": steps, "level": self._levels.mean, **training, **score.as_row()})
-        found = candidate(self.curve, chosen)
+        found = latest_choice(self.curve, chosen)
         if is_better(found, self.choice):
             self.choice, self.best = found, weights_of(self._learner)
-        self.good_enough = chosen.target is not None and self._levels.on_top and score.success >= chosen.target
+        self.good_enough = chosen.target is not None and self._levels.may_end and score.success >= chosen.target
         self._learner.logger.record("validation/success", score.success)
         self._learner.logger.record("validation/collision", score.collision)
         self._learner.logger.record("validation/mean", found.success)
         print(
-            f"{steps:>9} steps{self._level()}, success {self._late.success:.2f}, collisions {self._late.collisions:.2f}; validation: "
+            f"{steps:>9} steps{self._level_text()}, success {self._late.success:.2f}, collisions {self._late.collisions:.2f}; validation: "
             f"success {score.success:.3f}, collision {score.collision:.3f}, time out {score.time_out:.3f} of {score.episodes}, "
             f"mean of {found.validations} {found.success:.3f}{', the best' if self.choice is found else ''}",
             flush=True,
         )
-        self.keep()
+        self.save_progress()
 
     def finish(self) -> None:
         """Validate the last weights, unless that was done."""
@@ -160,7 +162,7 @@ class Trainer(BaseCallback):
             self._check_weights()
             self.validate()
 
-    def keep(self) -> None:
+    def save_progress(self) -> None:
         """Write checkpoint and curve."""
         progress = {
             "levels": self._levels.state(),
@@ -176,16 +178,16 @@ class Trainer(BaseCallback):
 
     def _check_weights(self) -> None:
         if not all_finite(self._learner):
-            raise TrainingStopped(self._said(NO_NUMBER))
+            raise TrainingStopped(self._stop_message(NO_NUMBER))
 
-    def _level(self) -> str:
+    def _level_text(self) -> str:
         return f", level {self._levels.mean:.3g}" if self._levels.state() else ""
 
-    def _said(self, what: str) -> str:
+    def _stop_message(self, what: str) -> str:
         if self.kept:
             there = f"{self._folder / CHECKPOINT} holds the training up to {self.kept} steps"
-        elif (self._folder / TAUGHT).exists():
-            there = f"{self._folder / TAUGHT} holds what the lessons taught that are over"
+        elif (self._folder / IMITATED_FILE).exists():
+            there = f"{self._folder / IMITATED_FILE} holds what the lessons taught that are over"
         else:
             there = "there is no checkpoint as yet"
         return f"after {self._learner.num_timesteps} steps {what}; {there}"
@@ -196,41 +198,41 @@ class Trainer(BaseCallback):
         try:
             yield
         except RunFolderError as error:
-            raise TrainingStopped(self._said(f"it {error}")) from error
+            raise TrainingStopped(self._stop_message(f"it {error}")) from error
         except OSError as error:  # of what writes the logs
-            raise TrainingStopped(self._said(f"it cannot write to {self._folder}: {error.strerror or error}")) from error
+            raise TrainingStopped(self._stop_message(f"it cannot write to {self._folder}: {error.strerror or error}")) from error
         except ValueError as error:  # of what draws actions, where a weight is no number
             if all_finite(self._learner):
                 raise
-            raise TrainingStopped(self._said(NO_NUMBER)) from error
+            raise TrainingStopped(self._stop_message(NO_NUMBER)) from error
 
 
-def prepare(settings: TrainingSettings, env: NavigationVectorEnv, folder: Path) -> tuple[Learner, WorldsInStep]:
+def prepare_learner(settings: TrainingSettings, env: NavigationVectorEnv, folder: Path) -> tuple[Learner, Sb3VecEnv]:
     """Return a learner as it begins, with the worlds that it drives in; ``folder`` will have its logs.
 
     Raises InputFileError or ConfigurationError for weights that it cannot begin with.
     """
-    worlds = WorldsInStep(env, settings.seed, Truth(settings.truth) if settings.critic == "truth" else None)
+    worlds = Sb3VecEnv(env, settings.seed, GroundTruth(settings.truth) if settings.critic == "truth" else None)
     parts = env.batch.parts
     learner = make_learner(worlds, parts.encoder.layout(), settings, folder / "tensorboard")
     if settings.network.log_std_unit == "si":
         spread_in_si(learner, parts.scale)
     if settings.start.policy is not None:
-        take_weights(learner, settings.start.policy, parts.encoder.layout())
+        load_weights(learner, settings.start.policy, parts.encoder.layout())
     return learner, worlds
 
 
-def train(
+def train_policy(
     settings: TrainingSettings,
     learner: Learner,
-    worlds: WorldsInStep,
+    worlds: Sb3VecEnv,
     validation: NavigationVectorEnv,
     levels: Levels,
     folder: Path,
     later: Reward | None = None,
-    classroom: Classroom | None = None,
+    classroom: ImitationWorlds | None = None,
     report: TrainingReport | None = None,
-) -> Trained:
+) -> TrainingResult:
     """Train until the steps are spent or the target is reached; from ``settings.later.share`` of them on by the reward ``later``, if any.
 
     Where there is a ``classroom``, the policy imitates its teacher at first.
@@ -238,14 +240,14 @@ def train(
     ConfigurationError for one of another training, TrainingStopped where it cannot go on.
     """
     report = report or TrainingReport(settings.total_steps)  # which shows nothing, as nobody has started it
-    trainer = Trainer(learner, settings, levels, worlds, validation, folder, report, later)
+    trainer = TrainingCallback(learner, settings, levels, worlds, validation, folder, report, later)
     with trainer.stopping_in_one_line():
         if classroom is not None:
             levels.apply(worlds.env.batch)
-            teach(learner, classroom, settings.teacher, settings.seed, folder, report)
-        _go_on(trainer, learner, settings, worlds, folder, report)
+            imitate_expert(learner, classroom, settings.teacher, settings.seed, folder, report)
+        _resume_checkpoint(trainer, learner, settings, worlds, folder, report)
         levels.apply(worlds.env.batch)
-        report.begin(learner.num_timesteps, steps_driven(settings, learner.num_timesteps))
+        report.begin(learner.num_timesteps, final_steps(settings, learner.num_timesteps))
         left = settings.total_steps - learner.num_timesteps
         if left > 0 and not trainer.good_enough:
             learner.learn(left, trainer, tb_log_name="ppo", reset_num_timesteps=False)
@@ -256,17 +258,17 @@ def train(
         trainer.finish()
     assert trainer.choice is not None
     assert trainer.best is not None
-    return Trained(learner, int(trainer.curve[-1]["steps"]), trainer.curve, trainer.choice, trainer.best)
+    return TrainingResult(learner, int(trainer.curve[-1]["steps"]), trainer.curve, trainer.choice, trainer.best)
 
 
-def _go_on(
-    trainer: Trainer, learner: Learner, settings: TrainingSettings, worlds: WorldsInStep, folder: Path, report: TrainingReport
+def _resume_checkpoint(
+    trainer: TrainingCallback, learner: Learner, settings: TrainingSettings, worlds: Sb3VecEnv, folder: Path, report: TrainingReport
 ) -> None:
     """Take the state of the folder's checkpoint, if there is one; its running episodes only where training goes on."""
     if not (folder / CHECKPOINT).exists():
         return
     trainer.resume(*load_checkpoint(folder / CHECKPOINT, learner))
     if learner.num_timesteps < settings.total_steps and not trainer.good_enough:
-        report.besides("episodes that ran are driven again", 1)
+        report.start_side_task("episodes that ran are driven again", 1)
         load_checkpoint(folder / CHECKPOINT, learner, worlds)
-        report.part(1)
+        report.update_side_task(1)

@@ -13,7 +13,7 @@ import numpy as np
 from arena_core.statistics import ALPHA, Comparison, Estimate, after_holm, compare, estimate
 from arena_metrics.claims.model import RIVAL, Contrast
 from arena_metrics.pooling.cells import FACTORS, Cell, Cells
-from arena_metrics.pooling.problems import problem
+from arena_metrics.pooling.problems import problem_key
 from arena_metrics.pooling.runs import Column, Episode
 from arena_metrics.pooling.summary import success_column
 
@@ -23,7 +23,7 @@ TITLES = tuple(FACTORS.values())
 
 
 @dataclass(frozen=True, slots=True)
-class Value:
+class ProblemMean:
     """A metric of one problem under one condition, averaged over what was selected together; ``label`` and ``world`` for statistics."""
 
     mean: float
@@ -46,51 +46,51 @@ class Finding:
     more: float
 
 
-def findings(cells: Cells, columns: Mapping[str, Column], contrasts: Sequence[Contrast]) -> list[Finding]:
+def contrast_findings(cells: Cells, columns: Mapping[str, Column], contrasts: Sequence[Contrast]) -> list[Finding]:
     """Return what the cells say of each contrast, taken apart by ``each``; p after Holm among all that are given."""
-    parts = [part for contrast in contrasts for part in _apart(cells, contrast)]
-    compared = [_compared(cells, columns, part) for part in parts]
+    parts = [part for contrast in contrasts for part in _split_contrast(cells, contrast)]
+    compared = [_compare_pairs(cells, columns, part) for part in parts]
     known = [i for i, one in enumerate(compared) if isinstance(one, Comparison)]
     after = dict(zip(known, after_holm([one for one in compared if isinstance(one, Comparison)]), strict=True))
-    return [_finding(part, after.get(i, one)) for i, (part, one) in enumerate(zip(parts, compared, strict=True))]
+    return [_make_finding(part, after.get(i, one)) for i, (part, one) in enumerate(zip(parts, compared, strict=True))]
 
 
-def _apart(cells: Cells, contrast: Contrast) -> Iterator[Contrast]:
+def _split_contrast(cells: Cells, contrast: Contrast) -> Iterator[Contrast]:
     """Yield the contrast for every value, among the cells that it selects, of the factors in ``each``."""
     factors = [factor for factor in contrast.each if factor != RIVAL]
-    chosen = _selected(cells, contrast.of)
-    values = [_values(chosen, factor) for factor in factors]
-    rivals: list[Any] = _rivals(cells, contrast) if RIVAL in contrast.each else [None]
+    chosen = _selected_cells(cells, contrast.of)
+    values = [_factor_values(chosen, factor) for factor in factors]
+    rivals: list[Any] = _other_planners(cells, contrast) if RIVAL in contrast.each else [None]
     for rival, combination in product(rivals, product(*values)):
         own = {**contrast.of, **dict(zip(factors, combination, strict=True))}
         than = contrast.than if contrast.than is None or rival is None else {**contrast.than, "planner": rival}
         yield replace(contrast, of=own, than=than, each=[])
 
 
-def _rivals(cells: Cells, contrast: Contrast) -> list[str]:
+def _other_planners(cells: Cells, contrast: Contrast) -> list[str]:
     """Return the planners of ``than``, which "others" stands for all of, but those of ``of``."""
     assert contrast.than is not None
     wanted = contrast.than.get("planner", "others")
-    ours = {cell.factors["planner"] for cell in _selected(cells, contrast.of)}
-    named = _values(cells.cells, "planner") if wanted == "others" else [str(one) for one in _listed(wanted)]
+    ours = {cell.factors["planner"] for cell in _selected_cells(cells, contrast.of)}
+    named = _factor_values(cells.cells, "planner") if wanted == "others" else [str(one) for one in _as_list(wanted)]
     return [planner for planner in named if planner not in ours]
 
 
-def _values(cells: Sequence[Cell], factor: str) -> list[str]:
+def _factor_values(cells: Sequence[Cell], factor: str) -> list[str]:
     return list(dict.fromkeys(cell.factors[factor] for cell in cells if cell.factors[factor]))
 
 
-def _listed(wanted: Any) -> list[Any]:
+def _as_list(wanted: Any) -> list[Any]:
     return list(wanted) if isinstance(wanted, (list, tuple)) else [wanted]
 
 
-def _selected(cells: Cells, selection: Mapping[str, Any]) -> list[Cell]:
+def _selected_cells(cells: Cells, selection: Mapping[str, Any]) -> list[Cell]:
     """Return the cells of a selection; a planner is meant by its preset, or by its name where nobody drove such a preset."""
-    return [cell for cell in cells.cells if all(_is(cells, cell, factor, wanted) for factor, wanted in selection.items())]
+    return [cell for cell in cells.cells if all(_matches_factor(cells, cell, factor, wanted) for factor, wanted in selection.items())]
 
 
-def _is(cells: Cells, cell: Cell, factor: str, wanted: Any) -> bool:
-    values = [str(value) for value in _listed(wanted)]
+def _matches_factor(cells: Cells, cell: Cell, factor: str, wanted: Any) -> bool:
+    values = [str(value) for value in _as_list(wanted)]
     if factor != "planner":
         return cell.factors[factor] in values
     presets = {other.factors["planner"] for other in cells.cells}
@@ -98,39 +98,39 @@ def _is(cells: Cells, cell: Cell, factor: str, wanted: Any) -> bool:
     return cell.factors["planner"] in values or str(cell.episodes[0].row["planner"]) in named
 
 
-def _compared(cells: Cells, columns: Mapping[str, Column], contrast: Contrast) -> Comparison | Estimate | None:
+def _compare_pairs(cells: Cells, columns: Mapping[str, Column], contrast: Contrast) -> Comparison | Estimate | None:
     """Compare the pairs of a contrast, or estimate what a bound is for; None where episodes or the metric are missing."""
     column = columns.get(contrast.metric)
     if column is None:
         return None
-    ours = _side(cells, column, contrast, contrast.of)
+    ours = _side_values(cells, column, contrast, contrast.of)
     if contrast.than is None:
         values = list(ours.values())
         found = [value.mean for value in values]
         kind = column.kind(found)
         return estimate(found, kind, [v.label for v in values], [v.world for v in values]) if found else None
-    theirs = _side(cells, column, contrast, {**_shared(contrast.of, contrast.than), **contrast.than})
+    theirs = _side_values(cells, column, contrast, {**_shared_selection(contrast.of, contrast.than), **contrast.than})
     both = [key for key in ours if key in theirs]
     if not both:
         return None
-    a, b = [ours[key].mean + _shift(contrast) for key in both], [theirs[key].mean for key in both]
+    a, b = [ours[key].mean + _margin_shift(contrast) for key in both], [theirs[key].mean for key in both]
     kind = "figure" if contrast.margin or contrast.change else column.kind([*a, *b])
     return compare(a, b, kind, [ours[key].label for key in both], [ours[key].world for key in both])
 
 
-def _shared(of: Mapping[str, Any], than: Mapping[str, Any]) -> dict[str, Any]:
+def _shared_selection(of: Mapping[str, Any], than: Mapping[str, Any]) -> dict[str, Any]:
     """Return what is selected on both sides: factors that ``than`` says nothing of."""
     return {factor: wanted for factor, wanted in of.items() if factor not in than}
 
 
-def _shift(contrast: Contrast) -> float:
+def _margin_shift(contrast: Contrast) -> float:
     """Return what is added to our side, so that the difference is beyond 0 where it is beyond the margin."""
     return {"lower": contrast.margin, "higher": -contrast.margin, "not_higher": -contrast.margin, "not_lower": contrast.margin}.get(
         contrast.expected, 0.0
     )
 
 
-def _side(cells: Cells, column: Column, contrast: Contrast, selection: Mapping[str, Any]) -> dict[Hashable, Value]:
+def _side_values(cells: Cells, column: Column, contrast: Contrast, selection: Mapping[str, Any]) -> dict[Hashable, ProblemMean]:
     """Return the metric by problem and condition; of a change, the second value's less the first's."""
     free = {*contrast.of, *(contrast.than or {}), *(contrast.change or {})}
     if contrast.change is None:
@@ -140,11 +140,11 @@ def _side(cells: Cells, column: Column, contrast: Contrast, selection: Mapping[s
     return {key: replace(after[key], mean=after[key].mean - before[key].mean) for key in after if key in before}
 
 
-def _by_problem(cells: Cells, column: Column, selection: Mapping[str, Any], free: set[str]) -> dict[Hashable, Value]:
+def _by_problem(cells: Cells, column: Column, selection: Mapping[str, Any], free: set[str]) -> dict[Hashable, ProblemMean]:
     """Return means by problem and by the factors that are not ``free`` to differ; path metrics over successes alone."""
     found: dict[Hashable, list[tuple[float, Episode]]] = {}
     fixed = [title for title in TITLES if title not in free]
-    for cell in _selected(cells, selection):
+    for cell in _selected_cells(cells, selection):
         success = success_column(cell, column.pack)
         for episode in cell.episodes:
             value = float(episode.row.get(column.name, math.nan))
@@ -154,50 +154,50 @@ def _by_problem(cells: Cells, column: Column, selection: Mapping[str, Any], free
                 key = (*(cell.factors[f] for f in fixed), episode.row["seed"], episode.row["scenario"], walls)
                 found.setdefault(key, []).append((value, episode))
     return {
-        key: Value(float(np.mean([value for value, _ in values])), problem(values[0][1].row), str(values[0][1].row["world"]))
+        key: ProblemMean(float(np.mean([value for value, _ in values])), problem_key(values[0][1].row), str(values[0][1].row["world"]))
         for key, values in found.items()
     }
 
 
-def _finding(contrast: Contrast, found: Comparison | Estimate | None) -> Finding:
-    what = _spoken(contrast)
+def _make_finding(contrast: Contrast, found: Comparison | Estimate | None) -> Finding:
+    what = _describe_contrast(contrast)
     if found is None:
         return Finding(contrast, what, None, math.nan, "not tested", math.nan)
     if isinstance(found, Estimate):
-        return Finding(contrast, what, found, math.nan, _bound_state(contrast, found), _more(found, contrast.margin))
-    shift = _shift(contrast)
+        return Finding(contrast, what, found, math.nan, _bound_state(contrast, found), _problems_needed(found, contrast.margin))
+    shift = _margin_shift(contrast)
     shown = replace(
         found.difference, mean=found.difference.mean - shift, low=found.difference.low - shift, high=found.difference.high - shift
     )
-    return Finding(contrast, what, shown, found.holm, _state(contrast, found, shown), _more(found.difference, 0.0))
+    return Finding(contrast, what, shown, found.holm, _contrast_state(contrast, found, shown), _problems_needed(found.difference, 0.0))
 
 
 def _bound_state(contrast: Contrast, found: Estimate) -> State:
     if not found.has_interval:
         return "cannot be decided"
     if contrast.expected == "at_most":
-        return _decided(found.high <= contrast.margin, found.low > contrast.margin)
-    return _decided(found.low >= contrast.margin, found.high < contrast.margin)
+        return _choose_state(found.high <= contrast.margin, found.low > contrast.margin)
+    return _choose_state(found.low >= contrast.margin, found.high < contrast.margin)
 
 
-def _state(contrast: Contrast, found: Comparison, shown: Estimate) -> State:
+def _contrast_state(contrast: Contrast, found: Comparison, shown: Estimate) -> State:
     """Tell whether the contrast holds: by the test after Holm, for what is alike by the interval (Schuirmann 1987)."""
     if not shown.has_interval:
         return "cannot be decided"
     if contrast.expected == "alike":
         m = contrast.margin
-        return _decided(-m < shown.low and shown.high < m, shown.low > m or shown.high < -m)
+        return _choose_state(-m < shown.low and shown.high < m, shown.low > m or shown.high < -m)
     sure = found.holm <= ALPHA
     below = sure and found.difference.mean < 0.0
     above = sure and found.difference.mean > 0.0
-    return _decided(below, above) if contrast.expected in ("lower", "not_higher") else _decided(above, below)
+    return _choose_state(below, above) if contrast.expected in ("lower", "not_higher") else _choose_state(above, below)
 
 
-def _decided(holds: bool, fails: bool) -> State:
+def _choose_state(holds: bool, fails: bool) -> State:
     return "holds" if holds else "does not hold" if fails else "cannot be decided"
 
 
-def _more(found: Estimate, bound: float) -> float:
+def _problems_needed(found: Estimate, bound: float) -> float:
     """Return how many more problems would show that the mean is off ``bound``, if it is as far off as it seems; rough."""
     if not found.has_interval:
         return math.nan
@@ -205,9 +205,9 @@ def _more(found: Estimate, bound: float) -> float:
     return math.inf if off < 1e-9 else max(0.0, (POWERED * error / off) ** 2 - 1.0) * found.problems
 
 
-def _spoken(contrast: Contrast) -> str:
+def _describe_contrast(contrast: Contrast) -> str:
     """Return in words what is compared."""
-    ours, theirs = _named(contrast.of), _named(contrast.than or {})
+    ours, theirs = _describe_selection(contrast.of), _describe_selection(contrast.than or {})
     grows = "".join(f", grown from {a} to {b} {factor}" for factor, (a, b) in (contrast.change or {}).items())
     verb: Callable[[], str] = {
         "lower": lambda: f"lower than {theirs}" + (f" by {contrast.margin:g}" if contrast.margin else ""),
@@ -221,9 +221,9 @@ def _spoken(contrast: Contrast) -> str:
     return f"{contrast.metric.replace('_', ' ')}{grows} of {ours}: {verb()}"
 
 
-def _named(selection: Mapping[str, Any]) -> str:
+def _describe_selection(selection: Mapping[str, Any]) -> str:
     parts = []
     for factor, wanted in selection.items():
-        values = " and ".join(str(value) for value in _listed(wanted))
+        values = " and ".join(str(value) for value in _as_list(wanted))
         parts.append(f"{values} people" if factor == "people" else values)
     return ", ".join(parts) or "all"

@@ -74,17 +74,17 @@ def read_claims(name: str) -> Claims:
     if name not in known and not path.is_file():
         raise ConfigurationError(f"claims is {name}; allowed: {', '.join(known)} or a file")
     file = Path(str(known[name])) if name in known else path
-    return _of(read_yaml(file, ALLOWED), str(file))
+    return _parse_claims(read_yaml(file, ALLOWED), str(file))
 
 
-def _of(content: Any, file: str) -> Claims:
+def _parse_claims(content: Any, file: str) -> Claims:
     if not isinstance(content, dict):
         raise ConfigurationError(f"{file}: holds no mapping; allowed: {ALLOWED}")
     try:
-        return read_settings({"source": content.get("source"), "claims": content.get("claims"), **_rest(content)}, Claims, "")
+        return read_settings({"source": content.get("source"), "claims": content.get("claims"), **_other_keys(content)}, Claims, "")
     except ConfigurationError as error:
         raise ConfigurationError(f"{file}: {error}") from error
 
 
-def _rest(content: Mapping[str, Any]) -> dict[str, Any]:
+def _other_keys(content: Mapping[str, Any]) -> dict[str, Any]:
     return {str(key): value for key, value in content.items() if key not in ("source", "claims")}

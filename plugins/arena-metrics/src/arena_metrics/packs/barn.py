@@ -37,13 +37,13 @@ class BarnMetrics(MetricPack):
     def score(self, record: EpisodeRecord) -> float:
         """Return the score of one run, 0 for a failure."""
         time = self.time(record)
-        return float(score(math.isfinite(time), time, self.optimal_time(record), self._fastest, self._slowest))
+        return float(barn_score(math.isfinite(time), time, self.optimal_time(record), self._fastest, self._slowest))
 
     def time(self, record: EpisodeRecord) -> float:
         """Return the time from the first ``moved`` m to the arrival, s; NaN unless that was in time and before any contact."""
         scenario, stamps = record.meta["scenario"], record["stamp"]
-        moving = _first(_distances(record, scenario["start"]) >= self._moved)
-        arrived = _first(_distances(record, scenario["goal"]) <= self._arrival)
+        moving = _first_row(_place_distances(record, scenario["start"]) >= self._moved)
+        arrived = _first_row(_place_distances(record, scenario["goal"]) <= self._arrival)
         if moving is None or arrived is None:
             return math.nan
         contacts = record["contact_stamp"]
@@ -60,17 +60,17 @@ class BarnMetrics(MetricPack):
         return float(length) / self._reference_speed
 
 
-def score(success: bool, time: float, optimal_time: float, fastest: float, slowest: float) -> float:
+def barn_score(success: bool, time: float, optimal_time: float, fastest: float, slowest: float) -> float:
     """Return success x optimal time / time, the time held within ``fastest`` .. ``slowest`` optimal times."""
     if not success:
         return 0.0
     return optimal_time / min(max(time, fastest * optimal_time), slowest * optimal_time)
 
 
-def _distances(record: EpisodeRecord, place: Sequence[float]) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+def _place_distances(record: EpisodeRecord, place: Sequence[float]) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     """Return the true distance to a place in every row, (T,), m."""
     return np.hypot(record["pose"][:, 0] - place[0], record["pose"][:, 1] - place[1])
 
 
-def _first(rows: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> int | None:
+def _first_row(rows: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> int | None:
     return int(np.argmax(rows)) if rows.any() else None

@@ -13,7 +13,7 @@ from arena_metrics.packs.motion import polyline_length
 PERSON = 2  # contact_kind of a contact with a person
 
 
-def collisions(record: EpisodeRecord) -> float:
+def collision_count(record: EpisodeRecord) -> float:
     """Count contacts by their rising edges."""
     return float(len(record["contact_stamp"]))
 
@@ -55,17 +55,17 @@ def goal_error(record: EpisodeRecord) -> float:
     return float(math.dist(record["pose"][-1, :2], goal[:2]))
 
 
-def duration(record: EpisodeRecord) -> float:
+def episode_duration(record: EpisodeRecord) -> float:
     """Return the length of the episode, s."""
     return float(record["stamp"][-1] - record["stamp"][0])
 
 
 def time_to_goal(record: EpisodeRecord) -> float:
     """Return the time until arrival, s; NaN unless the goal was reached."""
-    return duration(record) if record.meta["outcome"] == "goal_reached" else math.nan
+    return episode_duration(record) if record.meta["outcome"] == "goal_reached" else math.nan
 
 
-def success(record: EpisodeRecord) -> float:
+def episode_success(record: EpisodeRecord) -> float:
     """Return 1 for an arrival near the true goal, in time, with fewer than two collisions, else 0: the core's word."""
     return float(is_success(record))
 
@@ -75,7 +75,7 @@ def strict_success(record: EpisodeRecord) -> float:
     return float(is_success(record, collisions_allowed=0))
 
 
-def spl(record: EpisodeRecord) -> float:
+def spl_value(record: EpisodeRecord) -> float:
     """Return success weighted by path length (Anderson et al. 2018, section 3.1), the first global path being the shortest one."""
     if not is_success(record):
         return 0.0
@@ -92,17 +92,17 @@ def _first_path_length(record: EpisodeRecord) -> float:
     return float(math.dist(record.meta["scenario"]["start"][:2], record.meta["scenario"]["goal"][:2]))
 
 
-def refusals(record: EpisodeRecord) -> float:
+def rejected_steps(record: EpisodeRecord) -> float:
     """Count the control steps in which the planner had no valid command."""
     return float(sum(event["kind"] == "no_valid_command" for event in record.meta["events"]))
 
 
-def replans(record: EpisodeRecord) -> float:
+def replan_count(record: EpisodeRecord) -> float:
     """Count the requests for a new global path after the first one."""
     return float(sum(event["kind"] == "replan" and event["detail"] != "start" for event in record.meta["events"]))
 
 
-def recoveries(record: EpisodeRecord) -> float:
+def recovery_count(record: EpisodeRecord) -> float:
     """Count the recovery behaviours that were tried."""
     return float(sum(event["kind"] == "recovery" for event in record.meta["events"]))
 

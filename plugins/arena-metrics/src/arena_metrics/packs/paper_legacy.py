@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from arena_core import Better, EpisodeRecord, Metric, MetricPack
 from arena_core.parameters import NonNegativeInt, Positive
-from arena_metrics.packs.motion import triangles
+from arena_metrics.packs.motion import triangle_geometry
 
 FloatArray = NDArray[np.float64]
 
@@ -42,7 +42,7 @@ class LegacyRows:
     curvature_normalised: FloatArray
     roughness: FloatArray
 
-    def keep(self, rows: NDArray[np.intp]) -> LegacyRows:
+    def select_rows(self, rows: NDArray[np.intp]) -> LegacyRows:
         """Return only these rows."""
         return LegacyRows(*(getattr(self, name)[rows] for name in self.__slots__))
 
@@ -75,43 +75,51 @@ class PaperLegacyMetrics(MetricPack):
     def metrics(self) -> Sequence[Metric]:
         """Return the columns of the release's summary that a record can give."""
         return [
-            Metric("success", "0/1", "higher", "within 1 m of the goal before 177 s, at most two collisions", self._success),
-            Metric("collision", "-", "lower", "rising edges of nearest return <= radius", self._of(_collisions)),
-            self._path("time", "s", "lower", "last record less first", duration),
-            self._path("path_length", "m", "lower", "sum of distances between records", path_length),
-            self._path("velocity", "m/s", "higher", "mean speed", lambda rows: _mean(rows.speed)),
-            self._path("acceleration", "m/s/record", "neither", "mean signed change of speed", lambda rows: _mean(rows.acceleration)),
-            self._path("jerk", "m/s/record^2", "lower", "mean second difference of speed", lambda rows: _mean(rows.jerk)),
-            self._path("curvature", "1/m", "lower", "mean Menger curvature of records", lambda rows: _mean(rows.curvature)),
-            self._path("curvature_max", "1/m", "lower", "greatest Menger curvature of records", lambda rows: _max(rows.curvature)),
-            self._path("curvature_normalised", "-", "lower", "mean curvature times chords", lambda rows: _mean(rows.curvature_normalised)),
-            self._path("roughness", "-", "lower", "mean height over base of records' triangles", lambda rows: _mean(rows.roughness)),
-            self._path("angle_over_length", "rad/m", "lower", "unwrapped change of heading over path length", angle_over_length),
-            self._path("clearing_distance_min", "m", "higher", "mean nearest return", lambda rows: _mean(rows.laser)),
+            Metric("success", "0/1", "higher", "within 1 m of the goal before 177 s, at most two collisions", self._episode_success),
+            Metric("collision", "-", "lower", "rising edges of nearest return <= radius", self._reduce_rows(_collision_rows)),
+            self._path_metric("time", "s", "lower", "last record less first", rows_duration),
+            self._path_metric("path_length", "m", "lower", "sum of distances between records", path_length),
+            self._path_metric("velocity", "m/s", "higher", "mean speed", lambda rows: _finite_mean(rows.speed)),
+            self._path_metric(
+                "acceleration", "m/s/record", "neither", "mean signed change of speed", lambda rows: _finite_mean(rows.acceleration)
+            ),
+            self._path_metric("jerk", "m/s/record^2", "lower", "mean second difference of speed", lambda rows: _finite_mean(rows.jerk)),
+            self._path_metric("curvature", "1/m", "lower", "mean Menger curvature of records", lambda rows: _finite_mean(rows.curvature)),
+            self._path_metric(
+                "curvature_max", "1/m", "lower", "greatest Menger curvature of records", lambda rows: _finite_max(rows.curvature)
+            ),
+            self._path_metric(
+                "curvature_normalised", "-", "lower", "mean curvature times chords", lambda rows: _finite_mean(rows.curvature_normalised)
+            ),
+            self._path_metric(
+                "roughness", "-", "lower", "mean height over base of records' triangles", lambda rows: _finite_mean(rows.roughness)
+            ),
+            self._path_metric("angle_over_length", "rad/m", "lower", "unwrapped change of heading over path length", angle_over_length),
+            self._path_metric("clearing_distance_min", "m", "higher", "mean nearest return", lambda rows: _finite_mean(rows.laser)),
         ]
 
     def rows(self, record: EpisodeRecord) -> LegacyRows:
         """Return the episode as the release recorded it, ended it at the goal, and cleaned it."""
         stamps = record["stamp"][: goal_row(record, self._goal_distance, self._goal_check_period) + 1]
         kept = recorded_rows(stamps[: len(record["stamp"]) - 1], self._record_period)
-        rows = figures(record, kept, self._decimals, self._radius(record))
-        return cleaned(rows, record["twist"][kept, :2], self._speed_max, self._jump_max)
+        rows = row_figures(record, kept, self._decimals, self._robot_radius(record))
+        return clean_rows(rows, record["twist"][kept, :2], self._speed_max, self._jump_max)
 
-    def _radius(self, record: EpisodeRecord) -> float:
+    def _robot_radius(self, record: EpisodeRecord) -> float:
         robot = record.meta["robot"]
         return float(self._radii.get(robot["name"], robot["footprint"]["radius"]))
 
-    def _success(self, record: EpisodeRecord) -> float:
+    def _episode_success(self, record: EpisodeRecord) -> float:
         rows = self.rows(record)
         end = goal_row(record, self._goal_distance, self._goal_check_period)
         arrived = goal_distances(record)[end] < self._goal_distance
-        return float(arrived and duration(rows) < self._time_out and _collisions(rows) <= self._collisions_allowed)
+        return float(arrived and rows_duration(rows) < self._time_out and _collision_rows(rows) <= self._collisions_allowed)
 
-    def _of(self, reduce: Callable[[LegacyRows], float]) -> Callable[[EpisodeRecord], float]:
+    def _reduce_rows(self, reduce: Callable[[LegacyRows], float]) -> Callable[[EpisodeRecord], float]:
         return lambda record: reduce(self.rows(record))
 
-    def _path(self, name: str, unit: str, better: Better, text: str, reduce: Callable[[LegacyRows], float]) -> Metric:
-        return Metric(name, unit, better, text, self._of(reduce), path_metric=True)
+    def _path_metric(self, name: str, unit: str, better: Better, text: str, reduce: Callable[[LegacyRows], float]) -> Metric:
+        return Metric(name, unit, better, text, self._reduce_rows(reduce), path_metric=True)
 
 
 def goal_distances(record: EpisodeRecord) -> FloatArray:
@@ -140,14 +148,14 @@ def recorded_rows(stamps: FloatArray, period: float) -> list[int]:
     return kept
 
 
-def figures(record: EpisodeRecord, kept: list[int], decimals: int | None, radius: float) -> LegacyRows:
+def row_figures(record: EpisodeRecord, kept: list[int], decimals: int | None, radius: float) -> LegacyRows:
     """Return the per-row figures of the recorded rows, all values rounded as the recorder did, or not at all."""
     stamp, pose, twist, laser = (record[name][kept] for name in ("stamp", "pose", "twist", "scan_min"))
     if decimals is not None:
         stamp, pose, twist, laser = (values.round(decimals) for values in (stamp, pose, twist, laser))
     hit = laser <= radius
     speed = np.hypot(twist[:, 0], twist[:, 1])
-    area, ab, bc, ac = triangles(pose[:, :2])
+    area, ab, bc, ac = triangle_geometry(pose[:, :2])
     with np.errstate(divide="ignore", invalid="ignore"):  # what is not finite is left out of every mean
         curvature, roughness = 4.0 * area / (ab * bc * ac), 2.0 * area / ac**2
     acceleration = np.diff(speed)
@@ -158,20 +166,20 @@ def figures(record: EpisodeRecord, kept: list[int], decimals: int | None, radius
         laser=laser,
         collision=hit & ~np.concatenate(([False], hit[:-1])),
         speed=speed,
-        acceleration=_padded(acceleration[:-1], len(kept)),
-        jerk=_padded(np.abs(np.diff(acceleration)), len(kept)),
-        curvature=_padded(curvature, len(kept)),
-        curvature_normalised=_padded(curvature * (ab + bc), len(kept)),
-        roughness=_padded(roughness, len(kept)),
+        acceleration=_pad_nan(acceleration[:-1], len(kept)),
+        jerk=_pad_nan(np.abs(np.diff(acceleration)), len(kept)),
+        curvature=_pad_nan(curvature, len(kept)),
+        curvature_normalised=_pad_nan(curvature * (ab + bc), len(kept)),
+        roughness=_pad_nan(roughness, len(kept)),
     )
 
 
-def _padded(values: FloatArray, length: int) -> FloatArray:
+def _pad_nan(values: FloatArray, length: int) -> FloatArray:
     """Append NaN up to ``length``: a triple's figure belongs to its first row."""
     return np.concatenate((values, np.full(length - len(values), np.nan)))
 
 
-def cleaned(rows: LegacyRows, velocities_xy: FloatArray, speed_max: float | None, jump_max: float | None) -> LegacyRows:
+def clean_rows(rows: LegacyRows, velocities_xy: FloatArray, speed_max: float | None, jump_max: float | None) -> LegacyRows:
     """Drop the rows up to and with the first jump (a late odometry reset), then those with a velocity component too high.
 
     None for either limit drops nothing for it.
@@ -179,10 +187,10 @@ def cleaned(rows: LegacyRows, velocities_xy: FloatArray, speed_max: float | None
     jumps = np.flatnonzero(np.hypot(*np.diff(rows.position, axis=0).T) > (math.inf if jump_max is None else jump_max))
     begin = int(jumps[0]) + 2 if len(jumps) else 0
     slow = np.flatnonzero(velocities_xy.max(axis=1, initial=-math.inf) < (math.inf if speed_max is None else speed_max))
-    return rows.keep(slow[slow >= begin])
+    return rows.select_rows(slow[slow >= begin])
 
 
-def duration(rows: LegacyRows) -> float:
+def rows_duration(rows: LegacyRows) -> float:
     """Return the time from the first to the last row, s."""
     return float(rows.time[-1] - rows.time[0]) if len(rows.time) else math.nan
 
@@ -198,15 +206,15 @@ def angle_over_length(rows: LegacyRows) -> float:
     return float(np.abs(np.diff(rows.yaw)).sum()) / length if length > 0.0 else math.nan
 
 
-def _collisions(rows: LegacyRows) -> float:
+def _collision_rows(rows: LegacyRows) -> float:
     return float(np.count_nonzero(rows.collision))
 
 
-def _mean(values: FloatArray) -> float:
+def _finite_mean(values: FloatArray) -> float:
     finite = values[np.isfinite(values)]
     return float(finite.mean()) if len(finite) else math.nan
 
 
-def _max(values: FloatArray) -> float:
+def _finite_max(values: FloatArray) -> float:
     finite = values[np.isfinite(values)]
     return float(finite.max()) if len(finite) else math.nan

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from arena_core import EpisodeRecord
 
 
-def _of_finite(values: NDArray[Any], reduce: Callable[[NDArray[Any]], Any]) -> float:
+def _reduce_finite(values: NDArray[Any], reduce: Callable[[NDArray[Any]], Any]) -> float:
     """Reduce the finite values; NaN where there is none (nothing near at any time)."""
     finite = values[np.isfinite(values)]
     return float(reduce(finite)) if len(finite) else math.nan
@@ -20,17 +20,17 @@ def _of_finite(values: NDArray[Any], reduce: Callable[[NDArray[Any]], Any]) -> f
 
 def clearance_mean(record: EpisodeRecord) -> float:
     """Return the mean distance from the footprint to the nearest thing, m."""
-    return _of_finite(record["clearance"], np.mean)
+    return _reduce_finite(record["clearance"], np.mean)
 
 
 def clearance_max(record: EpisodeRecord) -> float:
     """Return the greatest distance from the footprint to the nearest thing, m."""
-    return _of_finite(record["clearance"], np.max)
+    return _reduce_finite(record["clearance"], np.max)
 
 
 def clearance_min(record: EpisodeRecord) -> float:
     """Return the least distance from the footprint to the nearest thing, m."""
-    return _of_finite(record["clearance"], np.min)
+    return _reduce_finite(record["clearance"], np.min)
 
 
 def clearance_normalised(record: EpisodeRecord) -> float:
@@ -40,7 +40,7 @@ def clearance_normalised(record: EpisodeRecord) -> float:
 
 def clearance_people_min(record: EpisodeRecord) -> float:
     """Return the least distance from the footprint to a person, m; NaN without people."""
-    return _of_finite(record["clearance_people"], np.min)
+    return _reduce_finite(record["clearance_people"], np.min)
 
 
 def personal_space_time(record: EpisodeRecord, personal_space: float) -> float:
@@ -49,7 +49,7 @@ def personal_space_time(record: EpisodeRecord, personal_space: float) -> float:
     return float((np.diff(record["stamp"]) * 0.5 * (inside[1:] + inside[:-1])).sum())
 
 
-def encounters(record: EpisodeRecord, encounter_distance: float) -> float:
+def encounter_count(record: EpisodeRecord, encounter_distance: float) -> float:
     """Count how often the nearest person came nearer than ``encounter_distance``."""
     near = record["clearance_people"] < encounter_distance
     return float(near[0] + np.count_nonzero(near[1:] & ~near[:-1]))

@@ -13,19 +13,19 @@ import numpy as np
 from arena_core import EpisodeRecord
 
 
-def mean(record: EpisodeRecord, part: str) -> float:
+def mean_time(record: EpisodeRecord, part: str) -> float:
     """Return the mean time of a part over the control steps, ms; NaN where it was not timed."""
     seconds = record.timing.get(f"{part}_seconds", np.empty(0))
     return 1e3 * float(seconds.mean()) if len(seconds) else math.nan
 
 
-def total(record: EpisodeRecord, part: str) -> float:
+def total_time(record: EpisodeRecord, part: str) -> float:
     """Return the time of a part in the whole episode, s; NaN where it was not timed."""
     seconds = record.timing.get(f"{part}_seconds", np.empty(0))
     return float(seconds.sum()) if len(seconds) else math.nan
 
 
-def percentile(record: EpisodeRecord, part: str, percent: float) -> float:
+def time_percentile(record: EpisodeRecord, part: str, percent: float) -> float:
     """Return a percentile of a part's time over the control steps, ms; NaN where it was not timed."""
     seconds = record.timing.get(f"{part}_seconds", np.empty(0))
     return 1e3 * float(np.percentile(seconds, percent)) if len(seconds) else math.nan

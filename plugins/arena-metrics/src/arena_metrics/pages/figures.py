@@ -12,9 +12,9 @@ import numpy as np
 
 from arena_core.statistics import estimate
 from arena_metrics.pooling.cells import Cells
-from arena_metrics.pooling.problems import labels
+from arena_metrics.pooling.problems import problem_keys
 from arena_metrics.pooling.runs import Column
-from arena_metrics.pooling.summary import successful
+from arena_metrics.pooling.summary import success_mask
 from arena_metrics.tables.tables import unit_text
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ class Image:
 
 
 @contextmanager
-def style() -> Iterator[None]:
+def report_style() -> Iterator[None]:
     """Draw in the report's style, whatever the user's settings are."""
     import matplotlib as mpl
     import seaborn as sns
@@ -78,7 +78,7 @@ def style() -> Iterator[None]:
         yield
 
 
-def rendered(figure: Figure, name: str, caption: str, pdf: bool) -> Image:
+def render_figure(figure: Figure, name: str, caption: str, pdf: bool) -> Image:
     """Return a figure as PNG, with ``pdf`` as PDF too, the same bytes for the same figure."""
     figure.draw_without_rendering()
     figure.set_layout_engine("none")  # the layout is settled: solve it once, not for each format
@@ -93,14 +93,14 @@ def rendered(figure: Figure, name: str, caption: str, pdf: bool) -> Image:
 def metric_figures(cells: Cells, columns: Sequence[Column], pdf: bool) -> Iterator[Image]:
     """Draw every metric that is defined in some episode; those of the path over successful episodes, where there are any."""
     for column in columns:
-        data = _frame(cells, column)
+        data = _metric_frame(cells, column)
         if column.path_metric and data["success"].any():
             yield _metric_figure(cells, column, data[data["success"]], f"{column.description} (successful episodes)", pdf)
         elif len(data):
             yield _metric_figure(cells, column, data, column.description, pdf)
 
 
-def _frame(cells: Cells, column: Column) -> pd.DataFrame:
+def _metric_frame(cells: Cells, column: Column) -> pd.DataFrame:
     """Return one row for each episode in which the metric is defined: its planner, condition, number of people, success and value."""
     import pandas as pd
 
@@ -110,9 +110,9 @@ def _frame(cells: Cells, column: Column) -> pd.DataFrame:
                 "planner": cells.planner(cell),
                 "condition": cells.condition(cell, without=["people"]),
                 "people": [max(episode.row["n_pedestrians"], 0) for episode in cell.episodes],
-                "success": successful(cell, column.pack),
-                "problem": labels(cell),
-                "value": np.array(cell.values(column.name)) * (100.0 if column.proportion else 1.0),
+                "success": success_mask(cell, column.pack),
+                "problem": problem_keys(cell),
+                "value": np.array(cell.values(column.name)) * (100.0 if column.is_proportion else 1.0),
             }
         )
         for cell in cells.cells
@@ -129,31 +129,31 @@ def _metric_figure(cells: Cells, column: Column, data: pd.DataFrame, caption: st
     down = -(-len(conditions) // across)
     over_people = data["people"].nunique() > 1
     figure = Figure(figsize=(_panel_width(planners, over_people) * across, 2.7 * down), layout="constrained")
-    shared = _comparable(data)
+    shared = _is_comparable(data)
     panels = figure.subplots(down, across, sharey=shared, squeeze=False).ravel()
     for axes, condition in zip(panels, conditions, strict=False):
         part = data[(data["condition"] == condition) & data["planner"].isin(planners)]
-        _draw(axes, part, column, planners, over_people)
+        _draw_panel(axes, part, column, planners, over_people)
         axes.set_title(condition, loc="left")
     for axes in panels[: 1 if shared else len(conditions)]:  # only now: a limit set earlier would hold for panels yet to come
-        _limit(axes, column, data)
+        _limit_axis(axes, column, data)
     for axes in panels[len(conditions) :]:
         axes.set_axis_off()
     for axes in panels[::across]:
         axes.set_ylabel(axis_label(column))
     if over_people:
-        _legend(figure, planners)
-    return rendered(figure, column.name, caption, pdf)
+        _draw_legend(figure, planners)
+    return render_figure(figure, column.name, caption, pdf)
 
 
-def _comparable(data: pd.DataFrame) -> bool:
+def _is_comparable(data: pd.DataFrame) -> bool:
     """Tell whether one scale suits the panels of all conditions."""
     means = data.groupby("condition")["value"].mean().abs()
     return bool(means.max() <= 4.0 * means.min())
 
 
-def _limit(axes: Axes, column: Column, data: pd.DataFrame) -> None:
-    if column.proportion:
+def _limit_axis(axes: Axes, column: Column, data: pd.DataFrame) -> None:
+    if column.is_proportion:
         axes.set_ylim(-4, 104)
     elif data["value"].min() >= 0.0:
         axes.set_ylim(0.0, 1.04 * axes.get_ylim()[1])
@@ -169,17 +169,17 @@ def axis_label(column: Column) -> str:
     return f"{column.title} [{unit or '–'}]"
 
 
-def _draw(axes: Axes, data: pd.DataFrame, column: Column, planners: Sequence[str], over_people: bool) -> None:
+def _draw_panel(axes: Axes, data: pd.DataFrame, column: Column, planners: Sequence[str], over_people: bool) -> None:
     """Draw the episodes as faint points, and their means with 95 % intervals."""
     import seaborn as sns
 
     order = sorted(data["people"].unique()) if over_people else list(planners)
     gap = min(SPREAD, SPREAD_ALL / len(planners)) if over_people else 0.0
     spread = gap * (len(planners) - 1)
-    for i, planner in enumerate([] if column.proportion else planners):
+    for i, planner in enumerate([] if column.is_proportion else planners):
         own = data[data["planner"] == planner]
         at = [order.index(people) - spread / 2 + gap * i for people in own["people"]] if over_people else [i] * len(own)
-        axes.plot(at, own["value"], "o", color=_colour(i), markersize=3, alpha=0.25, markeredgewidth=0, zorder=1)
+        axes.plot(at, own["value"], "o", color=_planner_colour(i), markersize=3, alpha=0.25, markeredgewidth=0, zorder=1)
     sns.pointplot(
         data=data,
         x="people" if over_people else "planner",
@@ -187,10 +187,10 @@ def _draw(axes: Axes, data: pd.DataFrame, column: Column, planners: Sequence[str
         order=order,
         hue="planner",
         hue_order=list(planners),
-        palette={planner: _colour(i) for i, planner in enumerate(planners)},
-        markers=[_marker(i) for i in range(len(planners))],
+        palette={planner: _planner_colour(i) for i, planner in enumerate(planners)},
+        markers=[_planner_marker(i) for i in range(len(planners))],
         dodge=spread or False,
-        errorbar=_interval(column, data),
+        errorbar=_interval_function(column, data),
         err_kws={"linewidth": 1.6},
         linestyle="-" if over_people else "none",
         linewidth=1.2,
@@ -204,9 +204,9 @@ def _draw(axes: Axes, data: pd.DataFrame, column: Column, planners: Sequence[str
         axes.tick_params(axis="x", rotation=30)
 
 
-def _interval(column: Column, data: pd.DataFrame) -> Any:
+def _interval_function(column: Column, data: pd.DataFrame) -> Any:
     """Return the function by which seaborn gets our intervals for the values of rows of ``data``."""
-    scale = 100.0 if column.proportion else 1.0
+    scale = 100.0 if column.is_proportion else 1.0
     kind = column.kind(data["value"])
 
     def interval(values: pd.Series[float]) -> tuple[float, float]:
@@ -216,21 +216,21 @@ def _interval(column: Column, data: pd.DataFrame) -> Any:
     return interval
 
 
-def _colour(planner: int) -> str:
+def _planner_colour(planner: int) -> str:
     return PALETTE[planner % len(PALETTE)]
 
 
-def _marker(planner: int) -> str:
+def _planner_marker(planner: int) -> str:
     """Return a planner's mark; a colour that comes again comes with another mark."""
     return MARKERS[(planner + planner // len(PALETTE)) % len(MARKERS)]
 
 
-def _legend(figure: Figure, planners: Sequence[str]) -> None:
+def _draw_legend(figure: Figure, planners: Sequence[str]) -> None:
     """Put the legend outside, beside the panels."""
     from matplotlib.lines import Line2D
 
     handles = [
-        Line2D([], [], color=_colour(i), marker=_marker(i), markersize=5.5, linewidth=1.2, label=planner)
+        Line2D([], [], color=_planner_colour(i), marker=_planner_marker(i), markersize=5.5, linewidth=1.2, label=planner)
         for i, planner in enumerate(planners)
     ]
     figure.legend(handles=handles, loc="outside right upper", title="planner", title_fontsize=8.5, alignment="left")

@@ -10,13 +10,13 @@ from itertools import groupby
 import numpy as np
 
 from arena_core.statistics import Estimate, estimate
-from arena_metrics.pages.levels import Climb, climbs
+from arena_metrics.pages.levels import StagedRun, staged_runs
 from arena_metrics.pooling.cells import Cell, Cells
-from arena_metrics.pooling.problems import count, labels
+from arena_metrics.pooling.problems import problem_count, problem_keys
 from arena_metrics.pooling.runs import Column, Row
 from arena_metrics.pooling.summary import Over, Summary
-from arena_metrics.tables.tables import decimals, headline_columns, interval_text, mean_text, unit_text
-from arena_metrics.tables.verdicts import verdicts
+from arena_metrics.tables.comparison_sentences import comparison_sentences
+from arena_metrics.tables.tables import decimal_places, headline_columns, interval_text, mean_text, unit_text
 
 OUTCOMES = {  # how an episode ended, in words, with the colour of its bar
     "clean": ("success, no collision", "#0072B2"),
@@ -31,7 +31,7 @@ SPOKEN = 6  # planners that the answering sentence names
 
 
 @dataclass(frozen=True, slots=True)
-class Figure:
+class HeadlineValue:
     """One figure of the headline table: texts, and positions on the column's scale in percent (None where there is none)."""
 
     mean: str
@@ -44,7 +44,7 @@ class Figure:
 
 
 @dataclass(frozen=True, slots=True)
-class Segment:
+class OutcomeSegment:
     """One part of an outcome bar."""
 
     label: str
@@ -54,27 +54,27 @@ class Segment:
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
-    """One cell's row of the headline table; ``facts`` are its values of the factors that differ."""
+class HeadlineRow:
+    """One cell's row of the headline table; ``factor_values`` are its values of the factors that differ."""
 
     name: str
     facts: Mapping[str, str]
     n: int
     problems: int
-    outcomes: Sequence[Segment]
-    figures: Sequence[Figure]
+    outcomes: Sequence[OutcomeSegment]
+    figures: Sequence[HeadlineValue]
 
 
 @dataclass(frozen=True, slots=True)
-class Group:
+class ConditionGroup:
     """The rows of one condition."""
 
     condition: str
-    lines: Sequence[Line]
+    lines: Sequence[HeadlineRow]
 
 
 @dataclass(frozen=True, slots=True)
-class Heading:
+class HeadlineColumn:
     """A column of the headline table."""
 
     title: str
@@ -83,7 +83,7 @@ class Heading:
     description: str
 
 
-def outcome(row: Row) -> str:
+def outcome_text(row: Row) -> str:
     """Return how an episode ended, with its success where that is known."""
     if row.get("success") == 1.0:
         return "clean" if row.get("collisions") == 0.0 else "success"
@@ -91,62 +91,62 @@ def outcome(row: Row) -> str:
     return ended if ended in OUTCOMES else "reached"
 
 
-def facts(cells: Cells, cell: Cell) -> dict[str, str]:
+def factor_values(cells: Cells, cell: Cell) -> dict[str, str]:
     """Return a cell's values of the factors by which the page's rows can be chosen."""
     return {factor: cell.factors[factor] for factor in cells.varying if cell.factors[factor]}
 
 
-def outcome_segments(cell: Cell) -> list[Segment]:
+def outcome_segments(cell: Cell) -> list[OutcomeSegment]:
     """Return the parts of a cell's outcome bar."""
-    ended = [outcome(episode.row) for episode in cell.episodes]
+    ended = [outcome_text(episode.row) for episode in cell.episodes]
     counts = {kind: ended.count(kind) for kind in OUTCOMES}
-    return [Segment(*OUTCOMES[kind], 100.0 * n / len(ended), n) for kind, n in counts.items() if n]
+    return [OutcomeSegment(*OUTCOMES[kind], 100.0 * n / len(ended), n) for kind, n in counts.items() if n]
 
 
-def headings(summary: Summary) -> list[Heading]:
+def table_headings(summary: Summary) -> list[HeadlineColumn]:
     """Return the columns of the headline table."""
-    return [Heading(c.title, unit_text(c.unit), over, c.description) for c, over in headline_columns(summary)]
+    return [HeadlineColumn(c.title, unit_text(c.unit), over, c.description) for c, over in headline_columns(summary)]
 
 
-def groups(summary: Summary) -> list[Group]:
+def table_groups(summary: Summary) -> list[ConditionGroup]:
     """Return the headline table: cells grouped by condition, planners side by side."""
     columns = headline_columns(summary)
-    places = [decimals(summary.get(cell, column, over) for cell in summary.cells.cells) for column, over in columns]
-    scales = [_scale(summary, column, over) for column, over in columns]
+    places = [decimal_places(summary.get(cell, column, over) for cell in summary.cells.cells) for column, over in columns]
+    scales = [_scale_end(summary, column, over) for column, over in columns]
     found = []
     for condition, members in groupby(summary.cells.cells, key=summary.cells.condition):
         cells = list(members)
         best = [
-            _best([summary.get(cell, column, over) for cell in cells], cells, column, p)
+            _best_text([summary.get(cell, column, over) for cell in cells], cells, column, p)
             for (column, over), p in zip(columns, places, strict=True)
         ]
         lines = []
         for cell in cells:
             of = [summary.get(cell, column, over) for column, over in columns]
-            figures = [_figure(e, cell, c, p, s, b) for e, (c, _), p, s, b in zip(of, columns, places, scales, best, strict=True)]
+            figures = [_headline_value(e, cell, c, p, s, b) for e, (c, _), p, s, b in zip(of, columns, places, scales, best, strict=True)]
             lines.append(
-                Line(
+                HeadlineRow(
                     summary.cells.planner(cell),
-                    facts(summary.cells, cell),
+                    factor_values(summary.cells, cell),
                     len(cell.episodes),
-                    count(cell),
+                    problem_count(cell),
                     outcome_segments(cell),
                     figures,
                 )
             )
-        found.append(Group(condition, lines))
+        found.append(ConditionGroup(condition, lines))
     return found
 
 
-def _scale(summary: Summary, column: Column, over: Over) -> float:
+def _scale_end(summary: Summary, column: Column, over: Over) -> float:
     """Return the upper end of a column's strips; they begin at zero."""
-    if column.proportion:
+    if column.is_proportion:
         return 1.0
     found = [summary.get(cell, column, over) for cell in summary.cells.cells]
     return max((x for e in found for x in (e.mean, e.high) if math.isfinite(x)), default=0.0) or 1.0
 
 
-def _best(found: Sequence[Estimate], cells: Sequence[Cell], column: Column, places: int) -> str:
+def _best_text(found: Sequence[Estimate], cells: Sequence[Cell], column: Column, places: int) -> str:
     """Return the best mean of a group as it is written, empty where there is nothing to compare.
 
     Figures that are defined in less than half of a cell's episodes do not compete: they speak of the easy ones.
@@ -159,55 +159,55 @@ def _best(found: Sequence[Estimate], cells: Sequence[Cell], column: Column, plac
     return mean_text(choose(known, key=lambda e: e.mean), column, places)
 
 
-def _figure(found: Estimate, cell: Cell, column: Column, places: int, scale: float, best: str) -> Figure:
+def _headline_value(found: Estimate, cell: Cell, column: Column, places: int, scale: float, best: str) -> HeadlineValue:
     low, high = (found.low, found.high) if found.has_interval else (math.nan, math.nan)
-    at, low_at, high_at = (_percent(x / scale) for x in (found.mean, low, high))
+    at, low_at, high_at = (_to_percent(x / scale) for x in (found.mean, low, high))
     mean = mean_text(found, column, places)
     is_best = mean == best and 2 * found.n >= len(cell.episodes)
-    return Figure(mean, interval_text(found, column, places), found.n, at, low_at, high_at, is_best)
+    return HeadlineValue(mean, interval_text(found, column, places), found.n, at, low_at, high_at, is_best)
 
 
-def _percent(share: float) -> float | None:
+def _to_percent(share: float) -> float | None:
     return round(100.0 * min(1.0, max(0.0, share)), 2) if math.isfinite(share) else None
 
 
-def answers(summary: Summary, baseline: str | None = None) -> list[str]:
+def summary_sentences(summary: Summary, baseline: str | None = None) -> list[str]:
     """Return the sentences that say what came out: of staged runs their levels, because all of them succeed about equally often."""
     named = {column.name: column for column in summary.columns}
     success = named.get("success")
     if success is None:
         return []
-    climbed = list(climbs(summary.cells))
+    climbed = list(staged_runs(summary.cells))
     fixed = [cell for cell in summary.cells.cells if all(climb.cell is not cell for climb in climbed)]
     standing = replace(summary, cells=replace(summary.cells, cells=fixed))
     return (
-        _successes(standing)
-        + verdicts(standing.cells, success, named.get("time_to_goal"), baseline, SPOKEN)
-        + _levels(summary.cells, climbed)
+        _success_sentences(standing)
+        + comparison_sentences(standing.cells, success, named.get("time_to_goal"), baseline, SPOKEN)
+        + _level_sentences(summary.cells, climbed)
     )
 
 
-def _levels(cells: Cells, climbed: Sequence[Climb]) -> list[str]:
+def _level_sentences(cells: Cells, climbed: Sequence[StagedRun]) -> list[str]:
     ends = [(cells.name(c.cell), c.episodes[-1].row["stage"], max(e.row["stage"] for e in c.episodes)) for c in climbed]
     texts = [f"{name} ended on level {last} (highest {highest})" for name, last, highest in ends]
     more = f"; {len(texts) - SPOKEN} more below" if len(texts) > SPOKEN else ""
     return [f"{'; '.join(texts[:SPOKEN])}{more}."] if texts else []
 
 
-def _successes(summary: Summary) -> list[str]:
+def _success_sentences(summary: Summary) -> list[str]:
     cells = summary.cells
     if not cells.cells:
         return []
     planners = list(dict.fromkeys(cells.planner(cell) for cell in cells.cells))
     if len(cells.cells) == 1:
-        return [_single(summary, cells.cells[0])]
+        return [_single_sentence(summary, cells.cells[0])]
     if len(planners) == 1:
-        return [_spread(summary, planners[0])]
-    return [_ranking(cells, planners)]
+        return [_spread_sentence(summary, planners[0])]
+    return [_ranking_sentence(cells, planners)]
 
 
-def _single(summary: Summary, cell: Cell) -> str:
-    found, strict = _pooled([cell]), sum(v == 1.0 for v in cell.values("strict_success"))
+def _single_sentence(summary: Summary, cell: Cell) -> str:
+    found, strict = _pooled_success([cell]), sum(v == 1.0 for v in cell.values("strict_success"))
     succeeded = round(found.mean * found.n) if found.n else 0
     if not found.n:
         return f"{summary.cells.planner(cell)}: no episode could be judged."
@@ -216,8 +216,8 @@ def _single(summary: Summary, cell: Cell) -> str:
     return sentence + (f", {strict or 'none'} of them without any collision." if succeeded else ".")
 
 
-def _spread(summary: Summary, planner: str) -> str:
-    means = [(_pooled([cell]).mean, summary.cells.condition(cell)) for cell in summary.cells.cells]
+def _spread_sentence(summary: Summary, planner: str) -> str:
+    means = [(_pooled_success([cell]).mean, summary.cells.condition(cell)) for cell in summary.cells.cells]
     known = sorted(pair for pair in means if math.isfinite(pair[0]))
     if not known:
         return f"{planner}: no episode could be judged."
@@ -227,13 +227,13 @@ def _spread(summary: Summary, planner: str) -> str:
     return f"{planner} succeeded in {100 * worst:.0f} % ({where_worst}) to {100 * best:.0f} % ({where_best}) of the episodes."
 
 
-def _ranking(cells: Cells, planners: Sequence[str]) -> str:
+def _ranking_sentence(cells: Cells, planners: Sequence[str]) -> str:
     """Compare planners over all conditions, or say that they did not face the same ones."""
     conditions = {p: {cells.condition(c) for c in cells.cells if cells.planner(c) == p} for p in planners}
     shared = set.intersection(*conditions.values())
     if not shared:
         return "The planners shown did not face the same conditions; compare within a condition only."
-    pooled = {p: _pooled(c for c in cells.cells if cells.planner(c) == p and cells.condition(c) in shared) for p in planners}
+    pooled = {p: _pooled_success(c for c in cells.cells if cells.planner(c) == p and cells.condition(c) in shared) for p in planners}
     ranked = sorted((item for item in pooled.items() if item[1].n), key=lambda item: -item[1].mean)
     texts = [f"{p} {100 * e.mean:.0f} %" + (f" ({100 * e.low:.0f} to {100 * e.high:.0f})" if e.has_interval else "") for p, e in ranked]
     where = "" if len(shared) == 1 else f" over the {len(shared)} conditions that all planners faced"
@@ -241,9 +241,9 @@ def _ranking(cells: Cells, planners: Sequence[str]) -> str:
     return f"Success{where}: {', '.join(texts[:SPOKEN])}{more}."
 
 
-def _pooled(cells: Iterable[Cell]) -> Estimate:
+def _pooled_success(cells: Iterable[Cell]) -> Estimate:
     """Estimate the share of successes over cells, by problem and within worlds."""
     pooled = list(cells)
     worlds = [str(episode.row["world"]) for cell in pooled for episode in cell.episodes]
-    problems = [label for cell in pooled for label in labels(cell)]
+    problems = [label for cell in pooled for label in problem_keys(cell)]
     return estimate(np.concatenate([cell.values("success") for cell in pooled]), True, problems, worlds)

@@ -9,13 +9,21 @@ from importlib.resources import files
 from typing import Any
 
 from arena_metrics.pages.figures import Image
-from arena_metrics.pages.headline import OUTCOMES, Group, answers, facts, groups, headings, outcome
+from arena_metrics.pages.headline import (
+    OUTCOMES,
+    ConditionGroup,
+    factor_values,
+    outcome_text,
+    summary_sentences,
+    table_groups,
+    table_headings,
+)
 from arena_metrics.pages.profiles import PROFILES
-from arena_metrics.pages.replays import Replay, place, size_of
-from arena_metrics.pooling.cells import VARIANT, Cell, Cells, differences
+from arena_metrics.pages.replays import Replay, episode_anchor, total_size
+from arena_metrics.pooling.cells import VARIANT, Cell, Cells, config_differences
 from arena_metrics.pooling.codes import other_code
-from arena_metrics.pooling.drives import numbered
-from arena_metrics.pooling.endings import verdict
+from arena_metrics.pooling.drives import number_episodes
+from arena_metrics.pooling.outcomes import describe_outcome
 from arena_metrics.pooling.runs import Column, Episode, Run
 from arena_metrics.pooling.summary import Summary
 from arena_metrics.tables.cost import cost_table
@@ -34,7 +42,7 @@ CELLS_COMPARED = 12  # columns of that table
 PACKAGES = ("arena-", "numpy", "numba", "scipy", "shapely", "torch", "mujoco", "casadi", "ompl")
 
 
-def render(
+def render_page(
     summary: Summary,
     baseline: str | None,
     claims: Table | None,
@@ -57,13 +65,13 @@ def render(
     template = environment.from_string((files("arena_metrics") / "templates" / "report.html.j2").read_text(encoding="utf-8"))
     first = {PROFILES, *(column.name for column, _ in headline_columns(summary))}
     return template.render(
-        **_head(summary, baseline, runs, repeats),
+        **_page_head(summary, baseline, runs, repeats),
         script=(files("arena_metrics") / "templates" / "report.js").read_text(encoding="utf-8"),
         style=(files("arena_metrics") / "templates" / "report.css").read_text(encoding="utf-8"),
-        figures=[_embedded(image) for image in figures if image.name in first],
-        more_figures=[_embedded(image) for image in figures if image.name not in first],
-        pictures=[_picture(summary.cells, image, LARGE if len(pictures) == 1 else 1.0) for image in pictures[:PICTURES]],
-        more_pictures=[_picture(summary.cells, image) for image in pictures[PICTURES:]],
+        figures=[_embed_image(image) for image in figures if image.name in first],
+        more_figures=[_embed_image(image) for image in figures if image.name not in first],
+        pictures=[_cell_picture(summary.cells, image, LARGE if len(pictures) == 1 else 1.0) for image in pictures[:PICTURES]],
+        more_pictures=[_cell_picture(summary.cells, image) for image in pictures[PICTURES:]],
         of_drives=of_drives,
         pictures_first=len(summary.cells.cells) <= PICTURES_FIRST,
         pictures_left_out=len(summary.cells.cells) - len(pictures),
@@ -73,39 +81,39 @@ def render(
         levels=levels,
         problems=problems,
         cost=cost_table(summary.cells),
-        climbing=[_embedded(image) for image in climbing],
-        tables=_tables(summary),
+        climbing=[_embed_image(image) for image in climbing],
+        tables=_all_tables(summary),
         cells_in_full=CELLS_IN_FULL,
         replays=replays,
-        replays_size=size_of(replays),
+        replays_size=total_size(replays),
         failures=[replay for replay in replays.values() if replay.picture is not None],
-        **_episodes(summary),
-        **_provenance(summary.cells, runs),
+        **_episode_table(summary),
+        **_provenance_facts(summary.cells, runs),
     )
 
 
-def _head(summary: Summary, baseline: str | None, runs: Sequence[Run], repeats: int) -> dict[str, Any]:
+def _page_head(summary: Summary, baseline: str | None, runs: Sequence[Run], repeats: int) -> dict[str, Any]:
     cells = summary.cells
     episodes = [episode for cell in cells.cells for episode in cell.episodes]
-    shown, folded = _folded(groups(summary))
+    shown, folded = _split_groups(table_groups(summary))
     return {
-        "title": _title(cells),
+        "title": _page_title(cells),
         "common": {k: v for k, v in cells.common.items() if len(cells.cells) > 1 or k not in TITLE},
         "counts": {"runs": len(runs), "cells": len(cells.cells), "episodes": len(episodes), "repeats": repeats},
-        "seeds": _numbers(sorted({episode.row["seed"] for episode in episodes})),
-        "answers": answers(summary, baseline),
+        "seeds": _format_ranges(sorted({episode.row["seed"] for episode in episodes})),
+        "answers": summary_sentences(summary, baseline),
         "other_code": other_code(cells),
         "untuned": sorted({note for run in runs for note in run.provenance.get("untuned") or []}),
-        "headings": headings(summary),
+        "headings": table_headings(summary),
         "groups": shown,
         "folded": folded,
-        "outcomes": [OUTCOMES[kind] for kind in OUTCOMES if any(outcome(episode.row) == kind for episode in episodes)],
+        "outcomes": [OUTCOMES[kind] for kind in OUTCOMES if any(outcome_text(episode.row) == kind for episode in episodes)],
         "failed": [episode for episode in episodes if episode.row["outcome"] == "error"],
         "cells": cells,
     }
 
 
-def _title(cells: Cells) -> str:
+def _page_title(cells: Cells) -> str:
     """Return what was compared, or what the one cell is."""
     if len(cells.cells) == 1:
         factors = cells.cells[0].factors
@@ -118,21 +126,21 @@ def _title(cells: Cells) -> str:
     return " · ".join([compared, *single])
 
 
-def _folded(all_groups: Sequence[Group]) -> tuple[list[Group], list[Group]]:
+def _split_groups(all_groups: Sequence[ConditionGroup]) -> tuple[list[ConditionGroup], list[ConditionGroup]]:
     """Split the headline table where it grows too long, inside a group if need be."""
-    shown: list[Group] = []
-    folded: list[Group] = []
+    shown: list[ConditionGroup] = []
+    folded: list[ConditionGroup] = []
     room = LINES
     for group in all_groups:
         if group.lines[:room]:
-            shown.append(Group(group.condition, group.lines[:room]))
+            shown.append(ConditionGroup(group.condition, group.lines[:room]))
         if group.lines[room:]:
-            folded.append(Group(group.condition, group.lines[room:]))
+            folded.append(ConditionGroup(group.condition, group.lines[room:]))
         room = max(0, room - len(group.lines))
     return shown, folded
 
 
-def _numbers(numbers: Sequence[int]) -> str:
+def _format_ranges(numbers: Sequence[int]) -> str:
     """Return whole numbers in short, runs of them as a range."""
     parts: list[list[int]] = []
     for number in numbers:
@@ -143,23 +151,26 @@ def _numbers(numbers: Sequence[int]) -> str:
     return ", ".join(str(p[0]) if len(p) == 1 else f"{p[0]}–{p[-1]}" for p in parts)
 
 
-def _embedded(image: Image, scale: float = 1.0) -> dict[str, Any]:
+def _embed_image(image: Image, scale: float = 1.0) -> dict[str, Any]:
     return {"name": image.name, "caption": image.caption, "width": round(scale * image.width), "data": base64.b64encode(image.png).decode()}
 
 
-def _picture(cells: Cells, image: Image, scale: float = 1.0) -> dict[str, Any]:
+def _cell_picture(cells: Cells, image: Image, scale: float = 1.0) -> dict[str, Any]:
     """Return the picture of a cell with its episodes, whose numbers it shows."""
     cell = next(cell for cell in cells.cells if image.name == f"cell_{cell.hash}")
-    return {**_embedded(image, scale), "episodes": [_reference(cell, episode, label) for episode, label in numbered(cells, cell)]}
+    return {
+        **_embed_image(image, scale),
+        "episodes": [_episode_reference(cell, episode, label) for episode, label in number_episodes(cells, cell)],
+    }
 
 
-def _reference(cell: Cell, episode: Episode, label: str) -> dict[str, Any]:
+def _episode_reference(cell: Cell, episode: Episode, label: str) -> dict[str, Any]:
     """Return an episode's number, the place of its row in the page, how it ended, and whether it was no success."""
     row = episode.row
-    return {"label": label, "place": place(cell, episode), "verdict": verdict(row), "failed": row.get("success") != 1.0}
+    return {"label": label, "place": episode_anchor(cell, episode), "verdict": describe_outcome(row), "failed": row.get("success") != 1.0}
 
 
-def _tables(summary: Summary) -> list[tuple[str, list[Table]]]:
+def _all_tables(summary: Summary) -> list[tuple[str, list[Table]]]:
     shown = summary.cells.cells[:CELLS_IN_FULL]
     return [
         ("All episodes", metric_tables(summary, "all", shown)),
@@ -167,34 +178,38 @@ def _tables(summary: Summary) -> list[tuple[str, list[Table]]]:
     ]
 
 
-def _episodes(summary: Summary) -> dict[str, Any]:
+def _episode_table(summary: Summary) -> dict[str, Any]:
     """Return the table of episodes: what identifies each, how it ended, and the headline's metrics."""
     columns = [column for column, _ in headline_columns(summary)] + [c for c in summary.columns if c.name in BESIDE]
     columns += summary.texts
     rows = [
-        (cell, episode, _reference(cell, episode, label))
+        (cell, episode, _episode_reference(cell, episode, label))
         for cell in summary.cells.cells
-        for episode, label in numbered(summary.cells, cell)
+        for episode, label in number_episodes(summary.cells, cell)
     ]
     if len(rows) > EPISODES:  # those that were no success are looked for
         rows.sort(key=lambda row: not row[2]["failed"])
     shown = {"episode_columns": columns, "episode_rows": rows[:EPISODES], "episodes_left_out": max(0, len(rows) - EPISODES)}
-    return {**shown, "value": _value, "facts": lambda cell, episode: {**facts(summary.cells, cell), "outcome": outcome(episode.row)}}
+    return {
+        **shown,
+        "value": _format_value,
+        "facts": lambda cell, episode: {**factor_values(summary.cells, cell), "outcome": outcome_text(episode.row)},
+    }
 
 
-def _value(episode: Episode, column: Column) -> str:
+def _format_value(episode: Episode, column: Column) -> str:
     """Return what the table of episodes shows of a metric: words for texts and for what was so or not, else a number."""
     value = episode.row.get(column.name, float("nan"))
     if isinstance(value, str):
         return value or "–"
-    if column.proportion and value in (0.0, 1.0):
+    if column.is_proportion and value in (0.0, 1.0):
         return "yes" if value else "no"
     return "–" if value != value else f"{value:.4g}"
 
 
-def _provenance(cells: Cells, runs: Sequence[Run]) -> dict[str, Any]:
+def _provenance_facts(cells: Cells, runs: Sequence[Run]) -> dict[str, Any]:
     compared = cells.cells[:CELLS_COMPARED]
-    differing = differences([cell.config for cell in compared]) if len(compared) > 1 else {}
+    differing = config_differences([cell.config for cell in compared]) if len(compared) > 1 else {}
     versions: dict[str, set[str]] = {}
     for run in runs:
         for name, version in run.provenance.get("versions", {}).items():

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from arena_metrics.pooling.cells import Cells
-from arena_metrics.pooling.drives import Drive, Problem, name
+from arena_metrics.pooling.drives import Drive, Problem, problem_name
 from arena_metrics.tables.repeats import by_problem
 
 PANELS = 16  # most in one picture
@@ -34,16 +34,16 @@ class Layout:
     left_out: int
 
 
-def layouts(cells: Cells, drives: Mapping[str, Sequence[Drive]]) -> dict[str, Layout]:
+def picture_layouts(cells: Cells, drives: Mapping[str, Sequence[Drive]]) -> dict[str, Layout]:
     """Return the layout of every condition in which something was driven; ``drives`` are by the cells' hashes."""
     by_condition: dict[str, list[Sequence[Drive]]] = {}
     for cell in cells.cells:
         if drives.get(cell.hash):
             by_condition.setdefault(cells.condition(cell), []).append(drives[cell.hash])
-    return {condition: _layout(rivals) for condition, rivals in by_condition.items()}
+    return {condition: _condition_layout(rivals) for condition, rivals in by_condition.items()}
 
 
-def _layout(rivals: Sequence[Sequence[Drive]]) -> Layout:
+def _condition_layout(rivals: Sequence[Sequence[Drive]]) -> Layout:
     """Return a panel a problem where a planner drove one repeatedly, else one for all problems on one map among the same obstacles."""
     together = by_problem([drive for drives in rivals for drive in drives])
     repeated = any(len(group) > 1 for drives in rivals for group in by_problem(drives).values())
@@ -52,20 +52,20 @@ def _layout(rivals: Sequence[Sequence[Drive]]) -> Layout:
         groups.setdefault(problem if repeated else problem.place, []).extend(drives)
     shown = list(groups.values())[:PANELS]
     problems = [frozenset(drive.problem for drive in drives) for drives in shown]
-    titles = [name(drives) if len(of) == 1 else f"{len(of)} problems" for drives, of in zip(shown, problems, strict=True)]
-    windows = _alike([_window(drives) for drives in shown])
+    titles = [problem_name(drives) if len(of) == 1 else f"{len(of)} problems" for drives, of in zip(shown, problems, strict=True)]
+    windows = _equalise_windows([_axis_limits(drives) for drives in shown])
     panels = [Panel(*panel) for panel in zip(problems, titles, windows, strict=True)]
     return Layout(panels, len(together) - sum(map(len, problems)))
 
 
-def _window(drives: Sequence[Drive]) -> Window:
+def _axis_limits(drives: Sequence[Drive]) -> Window:
     """Return x and y limits that hold all trajectories, starts, goals and obstacles, m."""
     low = np.min([drive.low for drive in drives], axis=0) - MARGIN
     high = np.max([drive.high for drive in drives], axis=0) + MARGIN
     return float(low[0]), float(high[0]), float(low[1]), float(high[1])
 
 
-def _alike(windows: Sequence[Window]) -> list[Window]:
+def _equalise_windows(windows: Sequence[Window]) -> list[Window]:
     """Widen windows to one height over width, that of their mean, so that panels side by side leave no gaps."""
     sizes = np.array([(right - left, top - bottom) for left, right, bottom, top in windows])
     shape = float(np.clip(np.exp(np.log(sizes[:, 1] / sizes[:, 0]).mean()), FLATTEST, TALLEST))

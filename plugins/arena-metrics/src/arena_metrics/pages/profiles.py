@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from arena_core.statistics import FloatArray
-from arena_metrics.pages.figures import PALETTE, Image, rendered
+from arena_metrics.pages.figures import PALETTE, Image, render_figure
 from arena_metrics.pooling.cells import Cell
-from arena_metrics.tables.ranking import Contest, contest
+from arena_metrics.tables.ranking import CommonConditions, common_conditions
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,16 +30,16 @@ def profile_image(summary: Summary, pdf: bool) -> Image | None:
     """
     from matplotlib.figure import Figure
 
-    found = contest(summary.cells)
+    found = common_conditions(summary.cells)
     if found is None or not {"success", "collisions", "time_to_goal"} <= {column.name for column in summary.columns}:
         return None
     figure = Figure(figsize=(8.4, 3.0), layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True)
     factors = np.linspace(1.0, SLOWEST, 201)
     collisions = np.arange(MOST_COLLISIONS + 1.0)
-    for i, (name, shares) in enumerate(slowdowns(found).items()):
-        _draw(left, factors, _reached(shares, factors), name, i)
-        _draw(right, collisions, _reached(_all(found.planners[name], "collisions"), collisions), name, i, "o")
+    for i, (name, shares) in enumerate(slowdown_ratios(found).items()):
+        _draw_profile(left, factors, _share_below(shares, factors), name, i)
+        _draw_profile(right, collisions, _share_below(_all_values(found.planners[name], "collisions"), collisions), name, i, "o")
     left.set_xlabel("time to goal over that of the quickest [–]")
     left.set_ylabel("share of episodes [%]")
     right.set_xlabel("collisions, at most [–]")
@@ -48,27 +48,27 @@ def profile_image(summary: Summary, pdf: bool) -> Image | None:
     caption = (
         f"Performance profiles over {found.conditions} condition{'s' * (found.conditions > 1)} that all planners faced: higher is better"
     )
-    return rendered(figure, PROFILES, caption, pdf)
+    return render_figure(figure, PROFILES, caption, pdf)
 
 
-def slowdowns(found: Contest) -> dict[str, FloatArray]:
+def slowdown_ratios(found: CommonConditions) -> dict[str, FloatArray]:
     """Return by planner, of each scenario that all drove and one solved, its time over that of the quickest; inf where it failed."""
     times: dict[str, list[FloatArray]] = {name: [] for name in found.planners}
     for group in zip(*found.planners.values(), strict=True):
-        by_scenario = [dict(_times(cell)) for cell in group]
+        by_scenario = [dict(_goal_times(cell)) for cell in group]
         common = [key for key in by_scenario[0] if all(key in of for of in by_scenario)]
         for name, of in zip(times, by_scenario, strict=True):
             times[name].append(np.array([of[key] for key in common]))
-    return _over_the_quickest({name: np.concatenate(parts) for name, parts in times.items()})
+    return _time_ratios({name: np.concatenate(parts) for name, parts in times.items()})
 
 
-def _over_the_quickest(times: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+def _time_ratios(times: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
     least = np.min(list(times.values()), axis=0)
     solved = np.isfinite(least)
     return {name: of[solved] / least[solved] for name, of in times.items()}
 
 
-def _times(cell: Cell) -> Iterator[tuple[tuple[int, str], float]]:
+def _goal_times(cell: Cell) -> Iterator[tuple[tuple[int, str], float]]:
     """Yield each scenario of a cell with the time to its goal, s; inf where that was not reached with success."""
     for episode in cell.episodes:
         row = episode.row
@@ -76,17 +76,17 @@ def _times(cell: Cell) -> Iterator[tuple[tuple[int, str], float]]:
         yield (row["seed"], row["scenario"]), float(row["time_to_goal"]) if reached else np.inf
 
 
-def _all(cells: Sequence[Cell], column: str) -> FloatArray:
+def _all_values(cells: Sequence[Cell], column: str) -> FloatArray:
     return np.concatenate([cell.values(column) for cell in cells])
 
 
-def _reached(values: FloatArray, limits: FloatArray) -> FloatArray:
+def _share_below(values: FloatArray, limits: FloatArray) -> FloatArray:
     """Return the share of values that are at most each limit, %."""
     known = values[~np.isnan(values)]
     shares: FloatArray = 100.0 * np.searchsorted(np.sort(known), limits + 1e-9, side="right") / max(len(known), 1)
     return shares
 
 
-def _draw(axes: Axes, at: FloatArray, shares: FloatArray, name: str, planner: int, mark: str | None = None) -> None:
+def _draw_profile(axes: Axes, at: FloatArray, shares: FloatArray, name: str, planner: int, mark: str | None = None) -> None:
     colour, line = PALETTE[planner % len(PALETTE)], LINES[planner // len(PALETTE) % len(LINES)]
     axes.plot(at, shares, label=name, color=colour, linestyle=line, linewidth=1.6, marker=mark, markersize=4)

@@ -14,8 +14,8 @@ from arena_core import ArenaError
 from arena_core.commands import Command
 from arena_core.hosting import load_registry
 from arena_metrics.pooling.cells import Cell, Cells
-from arena_metrics.pooling.drives import numbered
-from arena_metrics.pooling.endings import verdict
+from arena_metrics.pooling.drives import number_episodes
+from arena_metrics.pooling.outcomes import describe_outcome
 from arena_metrics.pooling.runs import Episode
 
 MOMENTS, SIDE = 3, 200  # of the picture of a failure: moments side by side, and pixels of each one's longer side
@@ -32,42 +32,42 @@ class Replay:
     picture: str | None
 
 
-def place(cell: Cell, episode: Episode) -> str:
+def episode_anchor(cell: Cell, episode: Episode) -> str:
     """Return the name of an episode's row in the report, and of its replay."""
     return f"e-{cell.hash}-{episode.row['seed']}-{episode.row['episode']}"
 
 
 def write_replays(cells: Cells, target: Path, most: int) -> dict[str, Replay]:
     """Write ``most`` replays into ``target``/replays, failures first; return them by the names of their episodes' rows."""
-    command = _command()
+    command = _replay_command()
     if command is None or most <= 0:
         return {}
     found = {}
     with TemporaryDirectory() as scratch:
         for cell, episode, label in _failures_first(cells, most):
-            name = place(cell, episode)
+            name = episode_anchor(cell, episode)
             with suppress(ArenaError):  # a record that cannot be replayed, of no known world say, has no replay
-                found[name] = _replay(command, episode, target, name, f"{cells.name(cell)}, {label}", Path(scratch))
+                found[name] = _write_replay(command, episode, target, name, f"{cells.name(cell)}, {label}", Path(scratch))
     return found
 
 
-def _replay(command: Command, episode: Episode, target: Path, name: str, title: str, scratch: Path) -> Replay:
+def _write_replay(command: Command, episode: Episode, target: Path, name: str, title: str, scratch: Path) -> Replay:
     page, picture = target / "replays" / f"{name}.html", scratch / f"{name}.png"
     asked = [str(episode.run.folder), str(episode.row["episode"])]
-    _quietly(command, [*asked, "--to", str(page)])
+    _run_quietly(command, [*asked, "--to", str(page)])
     if episode.row.get("success") != 1.0:
         with suppress(ArenaError):
-            _quietly(command, [*asked, "--to", str(picture), f"moments={MOMENTS}", f"side={SIDE}"])
+            _run_quietly(command, [*asked, "--to", str(picture), f"moments={MOMENTS}", f"side={SIDE}"])
     shown = base64.b64encode(picture.read_bytes()).decode() if picture.exists() else None
-    return Replay(f"replays/{page.name}", page.stat().st_size, title, verdict(episode.row), shown)
+    return Replay(f"replays/{page.name}", page.stat().st_size, title, describe_outcome(episode.row), shown)
 
 
-def size_of(replays: Mapping[str, Replay]) -> str:
+def total_size(replays: Mapping[str, Replay]) -> str:
     """Return how large all replays are together."""
     return f"{sum(replay.size for replay in replays.values()) / 1e6:.1f} MB"
 
 
-def _command() -> Command | None:
+def _replay_command() -> Command | None:
     registry = load_registry()
     if "replay" not in registry.names("command"):
         return None
@@ -75,14 +75,16 @@ def _command() -> Command | None:
     return found
 
 
-def _quietly(command: Command, words: Sequence[str]) -> None:
+def _run_quietly(command: Command, words: Sequence[str]) -> None:
     with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
         command.run(words)
 
 
 def _failures_first(cells: Cells, most: int) -> Iterator[tuple[Cell, Episode, str]]:
     """Yield the first failures of all cells, one of each cell after the other, then successes in the same way."""
-    queues = [[(cell, episode, label) for episode, label in numbered(cells, cell) if episode.record_path.exists()] for cell in cells.cells]
+    queues = [
+        [(cell, episode, label) for episode, label in number_episodes(cells, cell) if episode.record_path.exists()] for cell in cells.cells
+    ]
     for failed in (True, False):
         rows = [[row for row in queue if (row[1].row.get("success") != 1.0) is failed] for queue in queues]
         for turn in range(max(map(len, rows), default=0)):

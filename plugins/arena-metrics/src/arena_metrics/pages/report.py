@@ -46,13 +46,13 @@ class Report(Reporter):
     def compare(self, folders: Sequence[Path], baseline: str | None = None) -> list[dict[str, Any]]:
         """Return a row for each planner, condition and metric: the mean difference to the baseline, its interval, p and effect."""
         from arena_metrics.pooling.cells import cells_of
-        from arena_metrics.pooling.runs import metric_columns, pooled, read_runs
-        from arena_metrics.tables.pairs import compared
+        from arena_metrics.pooling.runs import metric_columns, pool_episodes, read_runs
+        from arena_metrics.tables.pairs import comparison_rows
 
         runs = read_runs(folders)
-        cells = cells_of(pooled(runs)[0])
+        cells = cells_of(pool_episodes(runs)[0])
         _check_baseline(cells, baseline)
-        return list(compared(cells, metric_columns(runs), baseline))
+        return list(comparison_rows(cells, metric_columns(runs), baseline))
 
 
 class ReportCommand(Command):
@@ -65,7 +65,7 @@ class ReportCommand(Command):
         """Write the report and print its headline and place."""
         from arena_metrics.pooling.runs import read_runs
 
-        given = _parser(self.__doc__).parse_args(list(arguments))
+        given = _build_parser(self.__doc__).parse_args(list(arguments))
         folders = [Path(directory) for directory in given.directories]
         runs = read_runs(folders)
         target = Path(given.out) if given.out else folders[0] / "report"
@@ -80,7 +80,7 @@ class ReportCommand(Command):
         return OPTIONS if word.startswith("-") else ()
 
 
-def _parser(description: str | None) -> argparse.ArgumentParser:
+def _build_parser(description: str | None) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser("arena report", description=description)
     parser.add_argument("directories", nargs="+", metavar="DIR", help="a run's folder, or one above several")
     parser.add_argument(
@@ -116,11 +116,11 @@ def write_report(
     drawn either, and there are no ``replays``.
     """
     from arena_metrics.pages.levels import level_table
-    from arena_metrics.pages.page import render
+    from arena_metrics.pages.page import render_page
     from arena_metrics.pages.replays import write_replays
     from arena_metrics.pooling.cells import cells_of
-    from arena_metrics.pooling.runs import metric_columns, pooled
-    from arena_metrics.pooling.summary import summarise
+    from arena_metrics.pooling.runs import metric_columns, pool_episodes
+    from arena_metrics.pooling.summary import summarise_cells
     from arena_metrics.tables.pairs import paired_tables
     from arena_metrics.tables.problem_table import problem_table
     from arena_metrics.tables.query import write_table
@@ -128,21 +128,21 @@ def write_report(
 
     for part in PARTS:
         check_inside(target.parent if target.name == "report" else target, target / part)
-    episodes, repeats = pooled(runs)
+    episodes, repeats = pool_episodes(runs)
     if not episodes:
         raise InputFileError(f"{runs[0].folder / 'episodes.csv'}: holds no episode yet; allowed: a run with one finished episode or more")
-    summary = summarise(cells_of(episodes), metric_columns(runs))
+    summary = summarise_cells(cells_of(episodes), metric_columns(runs))
     _check_baseline(summary.cells, baseline)
     judged = _judge_claims(summary, claims, target) if claims else None
     pairs, levels, problems = paired_tables(summary, baseline), level_table(summary.cells), problem_table(summary.cells, summary.columns)
     ranking = ranking_table(summary)
     _write_tables(summary, ranking, pairs, levels, problems, target)
     write_table([run.folder for run in runs], target / "tables" / "episodes.parquet")
-    drives = _drives(summary, pictures) if figures != "none" else {}
+    drives = _read_drives(summary, pictures) if figures != "none" else {}
     tables = _tables_of_drives(summary, drives, target)
-    drawn = _draw(summary, drives, target, figures, pdf) if figures != "none" else ([], [], [])
+    drawn = _draw_pictures(summary, drives, target, figures, pdf) if figures != "none" else ([], [], [])
     shown = write_replays(summary.cells, target, replays if figures != "none" else 0)
-    page = render(summary, baseline, judged, ranking, pairs, levels, tables, problems, runs, repeats, *drawn, shown)
+    page = render_page(summary, baseline, judged, ranking, pairs, levels, tables, problems, runs, repeats, *drawn, shown)
     write_text_whole(target / "index.html", page)
     _print_headline(summary, baseline)
     if judged is not None:
@@ -159,23 +159,23 @@ def _check_baseline(cells: Cells, baseline: str | None) -> None:
 def _write_summaries(runs: Sequence[Run]) -> None:
     """Renew the summary in every run's own folder."""
     from arena_metrics.pooling.cells import cells_of
-    from arena_metrics.pooling.runs import metric_columns, pooled
-    from arena_metrics.pooling.summary import summarise, summary_csv
+    from arena_metrics.pooling.runs import metric_columns, pool_episodes
+    from arena_metrics.pooling.summary import summarise_cells, summary_csv
 
     columns = metric_columns(runs)
     for run in runs:
-        episodes, _ = pooled([run])
+        episodes, _ = pool_episodes([run])
         if episodes:
-            write_text_whole(run.folder / "summary.csv", summary_csv(summarise(cells_of(episodes), columns)))
+            write_text_whole(run.folder / "summary.csv", summary_csv(summarise_cells(cells_of(episodes), columns)))
 
 
 def _judge_claims(summary: Summary, name: str, target: Path) -> Table:
     """Write and return what the runs say of a source's claims."""
-    from arena_metrics.claims.judging import claims_table, judge
+    from arena_metrics.claims.claim_verdicts import claims_table, judge_claims
     from arena_metrics.claims.model import read_claims
 
     claims = read_claims(name)
-    table = claims_table(judge(summary.cells, summary.columns, claims), claims.source)
+    table = claims_table(judge_claims(summary.cells, summary.columns, claims), claims.source)
     _write_table(target, "claims", [table])
     return table
 
@@ -185,12 +185,12 @@ def _write_tables(
 ) -> None:
     from arena_metrics.pooling.summary import summary_csv
     from arena_metrics.tables.cost import cost_table
-    from arena_metrics.tables.tables import headline, metric_tables
+    from arena_metrics.tables.tables import headline_table, metric_tables
 
     cost = cost_table(summary.cells)
     write_text_whole(target / "summary.csv", summary_csv(summary))
     tables: dict[str, Sequence[Table]] = {
-        "headline": [headline(summary)],
+        "headline": [headline_table(summary)],
         "ranking": [ranking] if ranking else [],
         "all_episodes": metric_tables(summary, "all"),
         "successful_episodes": metric_tables(summary, "successful"),
@@ -204,14 +204,14 @@ def _write_tables(
 
 
 def _write_table(target: Path, name: str, content: Sequence[Table]) -> None:
-    from arena_metrics.tables.tables import comma_separated, latex, markdown
+    from arena_metrics.tables.tables import csv_tables, latex_tables, markdown_tables
 
-    write_text_whole(target / "tables" / f"{name}.csv", comma_separated(content))
-    write_text_whole(target / "tables" / f"{name}.md", markdown(content))
-    write_text_whole(target / "tables" / f"{name}.tex", latex(content))
+    write_text_whole(target / "tables" / f"{name}.csv", csv_tables(content))
+    write_text_whole(target / "tables" / f"{name}.md", markdown_tables(content))
+    write_text_whole(target / "tables" / f"{name}.tex", latex_tables(content))
 
 
-def _drives(summary: Summary, pictures: int) -> dict[str, list[Drive]]:
+def _read_drives(summary: Summary, pictures: int) -> dict[str, list[Drive]]:
     """Read the records of the cells that are drawn, by the cells' hashes."""
     from arena_metrics.pooling.drives import drives_of
 
@@ -229,21 +229,21 @@ def _tables_of_drives(summary: Summary, drives: Mapping[str, Sequence[Drive]], t
     return list(known.values())
 
 
-def _draw(
+def _draw_pictures(
     summary: Summary, drives: Mapping[str, Sequence[Drive]], target: Path, figures: Figures, pdf: bool
 ) -> tuple[list[Image], list[Image], list[Image]]:
     """Draw and write the figures of metrics, pictures and levels."""
-    from arena_metrics.pages.figures import metric_figures, style
+    from arena_metrics.pages.figures import metric_figures, report_style
     from arena_metrics.pages.levels import level_image
-    from arena_metrics.pages.panels import layouts
+    from arena_metrics.pages.panels import picture_layouts
     from arena_metrics.pages.profiles import profile_image
     from arena_metrics.pages.trajectories import cell_image
     from arena_metrics.tables.tables import headline_columns
 
     cells = summary.cells
     columns = summary.columns if figures == "all" else [column for column, _ in headline_columns(summary)]
-    panels = layouts(cells, drives)
-    with style():
+    panels = picture_layouts(cells, drives)
+    with report_style():
         profiles = profile_image(summary, pdf)
         metrics = [*([profiles] if profiles else []), *metric_figures(cells, columns, pdf)]
         images = [
@@ -259,11 +259,11 @@ def _draw(
 
 def _print_headline(summary: Summary, baseline: str | None) -> None:
     """Print the headline table with aligned columns, and what it answers."""
-    from arena_metrics.pages.headline import answers
-    from arena_metrics.tables.tables import headline
+    from arena_metrics.pages.headline import summary_sentences
+    from arena_metrics.tables.tables import headline_table
 
-    table = headline(summary)
+    table = headline_table(summary)
     print("\n".join(align_columns([table.head, *table.rows[:PRINTED]])))
     if len(table.rows) > PRINTED:
         print(f"... {len(table.rows) - PRINTED} more")
-    print("\n".join(answers(summary, baseline)))
+    print("\n".join(summary_sentences(summary, baseline)))

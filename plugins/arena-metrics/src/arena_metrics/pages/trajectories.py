@@ -14,7 +14,7 @@ from arena_core import EpisodeRecord
 from arena_core.records import read_grid, read_record
 from arena_drawing.painter import draw_goal, draw_map, draw_obstacles, draw_start, frame_axes
 from arena_metrics.packs.outcome import PERSON
-from arena_metrics.pages.figures import INK, Image, rendered
+from arena_metrics.pages.figures import INK, Image, render_figure
 from arena_metrics.pages.panels import Layout, Panel, Window
 from arena_metrics.pooling.cells import Cell, Cells
 from arena_metrics.pooling.drives import Drive
@@ -45,15 +45,15 @@ def cell_image(cells: Cells, cell: Cell, drives: Sequence[Drive], layout: Layout
     shown = [[drive for drive in drives if drive.problem in panel.problems] for panel in layout.panels]
     records = [[read_record(drive.episode.record_path) for drive in of] for of in shown]
     for axes, panel, of, read in zip(panels, layout.panels, shown, records, strict=False):
-        _draw(axes, panel, of, read)
+        _draw_panel(axes, panel, of, read)
         if titled:
             axes.set_title(panel.title, loc="left")
     for axes in panels[len(layout.panels) :]:
         axes.set_axis_off()
-    _legend(figure, [drive for of in shown for drive in of], [record for read in records for record in read])
+    _draw_legend(figure, [drive for of in shown for drive in of], [record for read in records for record in read])
     drawn = sum(map(len, shown))
     note = f" ({layout.left_out} more problem{'s' * (layout.left_out > 1)} not drawn)" if layout.left_out else ""
-    return rendered(figure, f"cell_{cell.hash}", f"{cells.name(cell)}: {drawn} episode{'s' * (drawn != 1)}{note}", pdf)
+    return render_figure(figure, f"cell_{cell.hash}", f"{cells.name(cell)}: {drawn} episode{'s' * (drawn != 1)}{note}", pdf)
 
 
 def _panel_sizes(panels: Sequence[Panel]) -> tuple[int, float, float]:
@@ -65,7 +65,7 @@ def _panel_sizes(panels: Sequence[Panel]) -> tuple[int, float, float]:
     return (across, most, most * shape) if most * shape <= HEIGHT else (across, HEIGHT / shape, HEIGHT)
 
 
-def _draw(axes: Axes, panel: Panel, drives: Sequence[Drive], records: Sequence[EpisodeRecord]) -> None:
+def _draw_panel(axes: Axes, panel: Panel, drives: Sequence[Drive], records: Sequence[EpisodeRecord]) -> None:
     frame_axes(axes, panel.window)
     if drives:
         grid = read_grid(drives[0].episode.run.folder / drives[0].problem.grid)
@@ -162,7 +162,7 @@ def scale_bar_length(width: float) -> float:
     return max(factor * power for factor in (1.0, 2.0, 5.0) if factor * power <= quarter * (1.0 + 1e-9))
 
 
-def _legend(figure: Figure, drives: Sequence[Drive], records: Sequence[EpisodeRecord]) -> None:
+def _draw_legend(figure: Figure, drives: Sequence[Drive], records: Sequence[EpisodeRecord]) -> None:
     """Put the legend below the maps, with what the picture shows."""
     from matplotlib.lines import Line2D
 

@@ -62,7 +62,8 @@ class Cells:
     def name(self, cell: Cell) -> str:
         """Return what tells this cell from the others."""
         return (
-            ", ".join(_spoken(factor, cell.factors[factor]) for factor in self.varying if cell.factors[factor]) or cell.factors["planner"]
+            ", ".join(_factor_text(factor, cell.factors[factor]) for factor in self.varying if cell.factors[factor])
+            or cell.factors["planner"]
         )
 
     def planner(self, cell: Cell) -> str:
@@ -73,10 +74,10 @@ class Cells:
     def condition(self, cell: Cell, without: Sequence[str] = ()) -> str:
         """Return what differs beyond the planner."""
         factors = [f for f in self.varying if f not in ("planner", VARIANT, *without)]
-        return ", ".join(_spoken(factor, cell.factors[factor]) for factor in factors if cell.factors[factor])
+        return ", ".join(_factor_text(factor, cell.factors[factor]) for factor in factors if cell.factors[factor])
 
 
-def _spoken(factor: str, value: str) -> str:
+def _factor_text(factor: str, value: str) -> str:
     return f"{value} people" if factor == "people" else value
 
 
@@ -86,8 +87,8 @@ def cells_of(episodes: Sequence[Episode]) -> Cells:
     for episode in episodes:
         groups.setdefault((episode.row["config_hash"], episode.row.get("code", "")), []).append(episode)
     codes = Counter(name for name, _ in groups)
-    plain = [_cell(name, code, codes[name] > 1, group) for (name, code), group in groups.items()]
-    cells = sorted(_with_variants(plain), key=lambda cell: [_natural(cell.factors[f]) for f in _sort_order()])
+    plain = [_make_cell(name, code, codes[name] > 1, group) for (name, code), group in groups.items()]
+    cells = sorted(_with_variants(plain), key=lambda cell: [_natural_key(cell.factors[f]) for f in _sort_order()])
     varying = [f for f in [*FACTORS.values(), SCENARIO, VARIANT] if len({cell.factors[f] for cell in cells}) > 1]
     common = {f: value for f, value in cells[0].factors.items() if f != VARIANT and f not in varying and value}
     return Cells(cells, varying, common)
@@ -98,23 +99,27 @@ def _sort_order() -> list[str]:
     return [SCENARIO, *(f for f in FACTORS.values() if f != "planner"), "planner", VARIANT]
 
 
-def _natural(text: str) -> list[tuple[int, float, str]]:
+def _natural_key(text: str) -> list[tuple[int, float, str]]:
     """Return a key that sorts the numbers in texts by value, ahead of words."""
     parts = [part for part in re.split(r"(\d+(?:\.\d+)?)", text) if part]
     return [(0, float(part), "") if part[0].isdigit() else (1, 0.0, part) for part in parts]
 
 
-def _cell(name: str, code: str, several: bool, group: Sequence[Episode]) -> Cell:
+def _make_cell(name: str, code: str, several: bool, group: Sequence[Episode]) -> Cell:
     """Make a cell; ``several`` says that its configuration was run with other code too."""
     episodes = sorted(group, key=lambda e: (e.row["seed"], e.row["episode"]))
     config = episodes[0].run.provenance.get("config", {})
     factors = {title: next((e.row[column] for e in episodes if e.row[column]), "") for column, title in FACTORS.items()}
     scenario = str(config.get("choices", {}).get("scenario", ""))
-    own = {FACTORS["n_pedestrians"]: _people(episodes, config), SCENARIO: scenario, VARIANT: f"code {code or 'unknown'}" if several else ""}
+    own = {
+        FACTORS["n_pedestrians"]: _people_text(episodes, config),
+        SCENARIO: scenario,
+        VARIANT: f"code {code or 'unknown'}" if several else "",
+    }
     return Cell(f"{name}-{code or 'unknown'}" if several else name, code, episodes, config, {**factors, **own})
 
 
-def _people(episodes: Sequence[Episode], config: Mapping[str, Any]) -> str:
+def _people_text(episodes: Sequence[Episode], config: Mapping[str, Any]) -> str:
     """Return the number of people, the range where it varies; what was asked for where no episode got so far as to have any."""
     counts = [e.row["n_pedestrians"] for e in episodes if e.row["n_pedestrians"] >= 0] or [config.get("task", {}).get("pedestrians")]
     if not all(isinstance(count, int) for count in counts):
@@ -128,31 +133,31 @@ def _with_variants(cells: Sequence[Cell]) -> Iterator[Cell]:
     for cell in cells:
         alike.setdefault(tuple(value for factor, value in cell.factors.items() if factor != VARIANT), []).append(cell)
     for group in alike.values():
-        differing = differences([cell.config for cell in group]) if len(group) > 1 else {}
+        differing = config_differences([cell.config for cell in group]) if len(group) > 1 else {}
         for i, cell in enumerate(group):
-            variant = ", ".join(f"{_short(key, differing)}={values[i]}" for key, values in list(differing.items())[:NAMED_KEYS])
+            variant = ", ".join(f"{_short_key(key, differing)}={values[i]}" for key, values in list(differing.items())[:NAMED_KEYS])
             more = len(differing) > NAMED_KEYS or (not differing and len({other.episodes[0].row["config_hash"] for other in group}) > 1)
             named = f"{variant} {cell.hash[:4]}".strip() if more else variant
             yield replace(cell, factors={**cell.factors, VARIANT: ", ".join(filter(None, (named, cell.factors[VARIANT])))})
 
 
-def _short(key: str, others: Mapping[str, Any]) -> str:
+def _short_key(key: str, others: Mapping[str, Any]) -> str:
     """Return the last part of a key where that is unique among the others."""
     last = key.rpartition(".")[2]
     return last if sum(other.rpartition(".")[2] == last for other in others) == 1 else key
 
 
-def differences(configs: Sequence[Mapping[str, Any]]) -> dict[str, list[str]]:
+def config_differences(configs: Sequence[Mapping[str, Any]]) -> dict[str, list[str]]:
     """Return every configuration key that is not the same in all, with its value in each ("–" where it is absent)."""
-    flat = [dict(_flattened({k: v for k, v in config.items() if k not in NOT_SHOWN})) for config in configs]
+    flat = [dict(_flatten_keys({k: v for k, v in config.items() if k not in NOT_SHOWN})) for config in configs]
     keys = dict.fromkeys(key for config in flat for key in config)
     table = {key: [config.get(key, "–") for config in flat] for key in keys}
     return {key: values for key, values in table.items() if len(set(values)) > 1}
 
 
-def _flattened(node: Any, prefix: str = "") -> Iterator[tuple[str, str]]:
+def _flatten_keys(node: Any, prefix: str = "") -> Iterator[tuple[str, str]]:
     if isinstance(node, Mapping):
         for key, value in node.items():
-            yield from _flattened(value, f"{prefix}{key}.")
+            yield from _flatten_keys(value, f"{prefix}{key}.")
     else:
         yield prefix.rstrip("."), node if isinstance(node, str) else json.dumps(node)

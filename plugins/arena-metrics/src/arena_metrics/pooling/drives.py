@@ -67,28 +67,30 @@ class Drive:
 def drives_of(cells: Cells, cell: Cell) -> list[Drive]:
     """Read the drives of a cell, in the order of its episodes; those without a record are left out."""
     return [
-        _drive(read_record(episode.record_path), episode, label) for episode, label in numbered(cells, cell) if episode.record_path.exists()
+        _make_drive(read_record(episode.record_path), episode, label)
+        for episode, label in number_episodes(cells, cell)
+        if episode.record_path.exists()
     ]
 
 
-def numbered(cells: Cells, cell: Cell) -> Iterator[tuple[Episode, str]]:
+def number_episodes(cells: Cells, cell: Cell) -> Iterator[tuple[Episode, str]]:
     """Yield every episode of a cell with its number, the seed ahead of it where the cells have several."""
     several = len({episode.row["seed"] for shown in cells.cells for episode in shown.episodes}) > 1
     for episode in cell.episodes:
         yield episode, f"{episode.row['seed']}:{episode.row['episode']}" if several else str(episode.row["episode"])
 
 
-def _drive(record: EpisodeRecord, episode: Episode, label: str) -> Drive:
+def _make_drive(record: EpisodeRecord, episode: Episode, label: str) -> Drive:
     positions = record["pose"][:, :2]
     problem = Problem.of(record)
-    points = np.vstack((positions, problem.start[:2], problem.goal[:2], *_corners(problem)))
+    points = np.vstack((positions, problem.start[:2], problem.goal[:2], *_obstacle_corners(problem)))
     path = resample_by_length(positions, STEP)
     return Drive(
         episode, label, problem, episode.row.get("success") == 1.0, path, positions[-1].copy(), points.min(axis=0), points.max(axis=0)
     )
 
 
-def _corners(problem: Problem) -> Iterator[FloatArray]:
+def _obstacle_corners(problem: Problem) -> Iterator[FloatArray]:
     """Yield the corners of the obstacles' outlines."""
     for obstacle in json.loads(problem.obstacles):
         vertices = np.asarray(obstacle["vertices_xy"], dtype=float)
@@ -96,7 +98,7 @@ def _corners(problem: Problem) -> Iterator[FloatArray]:
         yield vertices + obstacle["radius"]
 
 
-def name(drives: Sequence[Drive]) -> str:
+def problem_name(drives: Sequence[Drive]) -> str:
     """Return what a problem is called: the name that its episodes share, without the number of a repetition."""
     names = dict.fromkeys(str(drive.episode.row["scenario"]) for drive in drives)
     stems = dict.fromkeys(name.rpartition("/")[0] or name for name in names)

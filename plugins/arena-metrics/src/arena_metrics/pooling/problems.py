@@ -10,26 +10,26 @@ from arena_metrics.pooling.runs import Row
 FIXED = ("scenario", "barn", "dynabarn")  # tasks whose problems are those of files, the same for every seed
 
 
-def problem(row: Row) -> Hashable:
+def problem_key(row: Row) -> Hashable:
     """Return what tells an episode's problem from others: its name in its file, else seed and scenario; without one, the episode."""
     if not row["scenario"]:
         return (row["seed"], row["episode"])
-    name = of_file(row)
+    name = file_problem(row)
     return (row.get("scenario_hash", ""), name) if name else (row["seed"], row["scenario"])
 
 
-def of_file(row: Row) -> str:
+def file_problem(row: Row) -> str:
     """Return the name of the file's problem that was run; empty where problems are drawn."""
     name = str(row["scenario"]).rpartition("/")[0]
     drawn = row["task"] not in FIXED or (row["task"] != "scenario" and "/" not in name)  # the task barn in a world that is drawn
     return "" if drawn else name
 
 
-def labels(cell: Cell) -> list[Hashable]:
+def problem_keys(cell: Cell) -> list[Hashable]:
     """Return the problem of every episode of a cell."""
-    return [problem(episode.row) for episode in cell.episodes]
+    return [problem_key(episode.row) for episode in cell.episodes]
 
 
-def count(cell: Cell) -> int:
+def problem_count(cell: Cell) -> int:
     """Return how many problems a cell's episodes were."""
-    return len(set(labels(cell)))
+    return len(set(problem_keys(cell)))

@@ -43,7 +43,7 @@ class Column:
     path_metric: bool
 
     @property
-    def proportion(self) -> bool:
+    def is_proportion(self) -> bool:
         """Tell whether every value is 0 or 1, so that the mean is a proportion."""
         return self.unit == "0/1"
 
@@ -55,7 +55,7 @@ class Column:
     def kind(self, values: Iterable[float]) -> Kind:
         """Return what the values of all cells are: proportions, numbers of events, or figures, such as means of several of either."""
         whole = all(value >= 0.0 and value == int(value) for value in values if math.isfinite(value))
-        if self.proportion and whole:
+        if self.is_proportion and whole:
             return "proportion"
         return "count" if self.unit == "-" and whole else "figure"
 
@@ -68,12 +68,12 @@ class Column:
 def read_runs(directories: Iterable[Path]) -> list[Run]:
     """Read every run at or below the given folders once; raise InputFileError when there is none or a table is broken."""
     folders = {folder.resolve(): folder for directory in directories for folder in find_runs(directory)}
-    written = [Run(folder, _table(folder / "episodes.csv"), _provenance(folder)) for folder in folders.values()]
+    written = [Run(folder, _read_rows(folder / "episodes.csv"), _read_provenance(folder)) for folder in folders.values()]
     texts = {column.name for column in metric_columns(written) if column.text}
-    return [replace(run, rows=[_row(run.folder, n, row, texts) for n, row in enumerate(run.rows, start=2)]) for run in written]
+    return [replace(run, rows=[_parse_row(run.folder, n, row, texts) for n, row in enumerate(run.rows, start=2)]) for run in written]
 
 
-def _table(path: Path) -> list[Row]:
+def _read_rows(path: Path) -> list[Row]:
     """Read an episodes.csv as it is written, all texts; raise InputFileError (file, what is allowed)."""
     allowed = "a table that `arena run` or `arena evaluate` wrote"
     columns, rows = read_table(path, allowed)
@@ -83,7 +83,7 @@ def _table(path: Path) -> list[Row]:
     return list(rows)
 
 
-def _row(folder: Path, line: int, written: Row, texts: Container[str]) -> Row:
+def _parse_row(folder: Path, line: int, written: Row, texts: Container[str]) -> Row:
     """Return a row with its numbers as numbers; ``texts`` are the metrics that are none."""
     try:
         figures = [key for key in written if key not in EPISODE_COLUMNS and key not in texts]
@@ -97,18 +97,18 @@ def _row(folder: Path, line: int, written: Row, texts: Container[str]) -> Row:
     return {**written, **metrics, **numbers}
 
 
-def _provenance(folder: Path) -> Mapping[str, Any]:
+def _read_provenance(folder: Path) -> Mapping[str, Any]:
     path = folder / "provenance.json"
     if not path.exists():
         return {}
     provenance = read_json(path, "JSON that `arena run` wrote")
-    for where, mapping in {"it": provenance, **_parts(provenance)}.items():
+    for where, mapping in {"it": provenance, **_mapping_parts(provenance)}.items():
         if not isinstance(mapping, dict):
             raise InputFileError(f"{path}: {where} holds no mapping; allowed: JSON that `arena run` wrote")
     return provenance  # type: ignore[no-any-return]
 
 
-def _parts(provenance: Any) -> dict[str, Any]:
+def _mapping_parts(provenance: Any) -> dict[str, Any]:
     """Return the parts of a provenance that must be mappings, as far as they are there."""
     whole = provenance if isinstance(provenance, dict) else {}
     config = whole.get("config", {})
@@ -129,7 +129,7 @@ class Episode:
         return record_path(self.run.folder, self.row["episode"])
 
 
-def pooled(runs: Iterable[Run]) -> tuple[list[Episode], int]:
+def pool_episodes(runs: Iterable[Run]) -> tuple[list[Episode], int]:
     """Return the episodes of all runs and how many were left out as repeats (same cell, code, seed and number as another)."""
     episodes: dict[tuple[Any, ...], Episode] = {}
     total = 0
@@ -145,12 +145,12 @@ def metric_columns(runs: Sequence[Run]) -> list[Column]:
     names = dict.fromkeys(name for run in runs for row in run.rows[:1] for name in row if name not in EPISODE_COLUMNS)
     packs = {name: name.rpartition(".")[0] for name in names}
     chosen = dict.fromkeys(name for run in runs for name in run.provenance.get("config", {}).get("metrics") or {})
-    known = _described(runs, list(dict.fromkeys([*chosen, *filter(None, packs.values()), OWN_PACK])))
-    columns = [known[name] if name in known else _unknown(name, pack, runs) for name, pack in packs.items()]
+    known = _described_columns(runs, list(dict.fromkeys([*chosen, *filter(None, packs.values()), OWN_PACK])))
+    columns = [known[name] if name in known else _unknown_column(name, pack, runs) for name, pack in packs.items()]
     return sorted(columns, key=lambda column: column.pack)
 
 
-def _unknown(name: str, pack: str, runs: Sequence[Run]) -> Column:
+def _unknown_column(name: str, pack: str, runs: Sequence[Run]) -> Column:
     """Return the column of a pack that is not installed here: one of texts where no value is a number."""
     values = [row[name] for run in runs for row in run.rows if row.get(name, "") != ""]
     return Column(name, pack, TEXT if values and not any(map(_is_number, values)) else "", "neither", "", False)
@@ -173,12 +173,12 @@ def columns_of(packs: Mapping[str, Sequence[Metric]]) -> list[Column]:
     ]
 
 
-def _described(runs: Sequence[Run], packs: Sequence[str]) -> dict[str, Column]:
+def _described_columns(runs: Sequence[Run], packs: Sequence[str]) -> dict[str, Column]:
     """Return what these packs say about their columns; one that is not installed here is left out."""
     registry = load_registry()
     columns: dict[str, Column] = {}
     for pack in packs:
-        for node in _nodes(runs, pack):
+        for node in _pack_configs(runs, pack):
             try:
                 columns |= {c.name: c for c in columns_of(build_metrics({"metrics": {pack: node()}}, registry))}
                 break
@@ -187,7 +187,7 @@ def _described(runs: Sequence[Run], packs: Sequence[str]) -> dict[str, Column]:
     return columns
 
 
-def _nodes(runs: Sequence[Run], pack: str) -> Iterator[Callable[[], Any]]:
+def _pack_configs(runs: Sequence[Run], pack: str) -> Iterator[Callable[[], Any]]:
     """Yield ways to a pack's configuration: a run's own, then the preset, where the pack was evaluated afterwards or has new keys."""
     for run in runs:
         metrics = run.provenance.get("config", {}).get("metrics") or {}
@@ -195,10 +195,10 @@ def _nodes(runs: Sequence[Run], pack: str) -> Iterator[Callable[[], Any]]:
             yield partial(metrics.__getitem__, pack)
             break
     if pack in option_files("metrics", load_registry().manager):
-        yield partial(_preset, pack)
+        yield partial(_pack_preset, pack)
 
 
-def _preset(pack: str) -> Any:
+def _pack_preset(pack: str) -> Any:
     from omegaconf import OmegaConf
 
     return OmegaConf.to_container(compose([f"metrics=[{pack}]"], "component").metrics[pack], resolve=True)

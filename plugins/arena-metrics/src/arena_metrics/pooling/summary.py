@@ -14,7 +14,7 @@ from arena_core import Metric
 from arena_core.files import csv_text, write_text_whole
 from arena_core.statistics import Estimate, Kind, estimate
 from arena_metrics.pooling.cells import FACTORS, VARIANT, Cell, Cells, cells_of
-from arena_metrics.pooling.problems import labels
+from arena_metrics.pooling.problems import problem_keys
 from arena_metrics.pooling.runs import Column, Episode, Run, columns_of
 
 Over = Literal["all", "successful"]
@@ -36,30 +36,30 @@ class Summary:
         return self.of[cell.hash, column.name, over]
 
 
-def summarise(cells: Cells, columns: Sequence[Column]) -> Summary:
+def summarise_cells(cells: Cells, columns: Sequence[Column]) -> Summary:
     """Estimate every metric in every cell, unless it is a text."""
     texts = [column for column in columns if column.text]
     columns = [column for column in columns if not column.text]
     of: dict[tuple[str, str, Over], Estimate] = {}
     kinds = {column.name: column.kind(value for cell in cells.cells for value in cell.values(column.name)) for column in columns}
     for cell in cells.cells:
-        of.update(_estimated(cell, columns, "all", kinds))
-        of.update(_estimated(cell, [column for column in columns if column.path_metric], "successful", kinds))
+        of.update(_estimate_cell(cell, columns, "all", kinds))
+        of.update(_estimate_cell(cell, [column for column in columns if column.path_metric], "successful", kinds))
     return Summary(cells, columns, texts, of)
 
 
-def _estimated(cell: Cell, columns: Sequence[Column], over: Over, kinds: Mapping[str, Kind]) -> dict[tuple[str, str, Over], Estimate]:
-    problems = labels(cell)
+def _estimate_cell(cell: Cell, columns: Sequence[Column], over: Over, kinds: Mapping[str, Kind]) -> dict[tuple[str, str, Over], Estimate]:
+    problems = problem_keys(cell)
     found: dict[tuple[str, str, Over], Estimate] = {}
     for column in columns:
         values = np.array(cell.values(column.name))
         if over == "successful":
-            values = np.where(successful(cell, column.pack), values, np.nan)
+            values = np.where(success_mask(cell, column.pack), values, np.nan)
         found[cell.hash, column.name, over] = estimate(values, kinds[column.name], problems)
     return found
 
 
-def successful(cell: Cell, pack: str) -> NDArray[np.bool_]:
+def success_mask(cell: Cell, pack: str) -> NDArray[np.bool_]:
     """Tell which episodes succeeded, by the pack's own word where it has one, else by that of ``si``."""
     return np.equal(cell.values(success_column(cell, pack)), 1.0)
 
@@ -74,7 +74,7 @@ def write_summary(rows: Sequence[Mapping[str, Any]], metrics: Mapping[str, Seque
     """Write the summary of one run's rows, as ``arena run`` has them, whole or not at all."""
     run = Run(path.parent, rows, {})
     episodes = [Episode({"n_pedestrians": -1, "reaction": "", **row}, run) for row in rows]
-    write_text_whole(path, summary_csv(summarise(cells_of(episodes), columns_of(metrics))))
+    write_text_whole(path, summary_csv(summarise_cells(cells_of(episodes), columns_of(metrics))))
 
 
 def summary_csv(summary: Summary) -> str:

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 from arena_core.statistics import Estimate, estimate
 from arena_metrics.pooling.cells import Cell, Cells
-from arena_metrics.pooling.problems import of_file
+from arena_metrics.pooling.problems import file_problem
 from arena_metrics.pooling.runs import Column, Episode
-from arena_metrics.tables.tables import Table, column_title, decimals, estimate_text
+from arena_metrics.tables.tables import Table, column_title, decimal_places, estimate_text
 
 SHOWN = {"success": False, "collisions": False, "time_to_goal": True, "path_length": True}  # metrics of a problem; True: of its successes
 
@@ -21,7 +21,7 @@ def problem_table(cells: Cells, columns: Sequence[Column]) -> Table | None:
     if not shown or all(len(part.episodes) < 2 for _, _, part in found):
         return None
     figures = [[_over_repeats(part, column) for column in shown] for _, _, part in found]
-    places = [decimals(row[i] for row in figures) for i in range(len(shown))]
+    places = [decimal_places(row[i] for row in figures) for i in range(len(shown))]
     rows = []
     for (cell, name, part), row in zip(found, figures, strict=True):
         texts = [estimate_text(e, c, p) + (f" (n={e.n})" if SHOWN[c.name] else "") for e, c, p in zip(row, shown, places, strict=True)]
@@ -35,7 +35,7 @@ def _by_problem(cell: Cell) -> dict[str, Cell]:
     """Return a cell's episodes by problem, those of files alone."""
     groups: dict[str, list[Episode]] = {}
     for episode in cell.episodes:
-        groups.setdefault(of_file(episode.row), []).append(episode)
+        groups.setdefault(file_problem(episode.row), []).append(episode)
     return {name: replace(cell, episodes=groups[name]) for name in sorted(groups) if name}
 
 

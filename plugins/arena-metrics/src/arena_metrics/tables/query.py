@@ -33,18 +33,18 @@ class QueryCommand(Command):
         if find_spec("duckdb") is None:
             raise ConfigurationError("arena query needs duckdb; install the extra arena-metrics[query]")
         words = read_words(USAGE, arguments[1:], names=None, keys=("out",))
-        out = _file(words.keys.get("out"))
+        out = _output_file(words.keys.get("out"))
         runs = list(dict.fromkeys(run for folder in words.names or (".",) for run in find_runs(Path(folder))))
         beside = out.with_name(f".{out.name}.new") if out is not None and out.suffix == ".parquet" else None
-        with _connected(runs, beside) as database:
+        with _connect_database(runs, beside) as database:
             if beside is not None and out is not None:
                 _write_parquet(database, arguments[0], beside, out)
             else:
-                _tell(database, arguments[0], out)
+                _print_answer(database, arguments[0], out)
         return 0
 
 
-def _file(name: str | None) -> Path | None:
+def _output_file(name: str | None) -> Path | None:
     """Return the file to write, None for the terminal; raise ConfigurationError for another kind of file."""
     if name is None:
         return None
@@ -53,7 +53,7 @@ def _file(name: str | None) -> Path | None:
     return Path(name)
 
 
-def _connected(runs: Sequence[Path], out: Path | None) -> DuckDBPyConnection:
+def _connect_database(runs: Sequence[Path], out: Path | None) -> DuckDBPyConnection:
     """Return a database in memory that holds the table ``episodes`` and can reach nothing else but the file ``out``."""
     import duckdb
 
@@ -66,7 +66,7 @@ def _connected(runs: Sequence[Path], out: Path | None) -> DuckDBPyConnection:
             [files],
         )
         names = [name for name, *_ in database.execute("DESCRIBE written").fetchall() if name != "filename"]
-        columns = [_typed(database, name) for name in names]
+        columns = [_typed_column(database, name) for name in names]
         database.execute(f"CREATE TABLE episodes AS SELECT {', '.join(columns)}, filename AS run FROM written")  # noqa: S608 - quoted names
         database.execute("DROP TABLE written")
         if out is not None:
@@ -74,11 +74,11 @@ def _connected(runs: Sequence[Path], out: Path | None) -> DuckDBPyConnection:
         database.execute("SET enable_external_access = false")
         database.execute("SET lock_configuration = true")
     except duckdb.Error as error:
-        raise InputFileError(f"{files[0]}{' ...' if len(files) > 1 else ''}: {_reason(error)}; allowed: tables of runs") from None
+        raise InputFileError(f"{files[0]}{' ...' if len(files) > 1 else ''}: {_error_reason(error)}; allowed: tables of runs") from None
     return database
 
 
-def _typed(database: DuckDBPyConnection, name: str) -> str:
+def _typed_column(database: DuckDBPyConnection, name: str) -> str:
     """Return a column as a number, where every value of it is one; empty values are NULL."""
     quoted = f'"{name.replace(chr(34), chr(34) * 2)}"'
     if name in EPISODE_COLUMNS and name not in NUMBERS:
@@ -90,32 +90,32 @@ def _typed(database: DuckDBPyConnection, name: str) -> str:
     return quoted if wrong is None or wrong[0] else f"CAST(nullif({quoted}, '') AS {kind}) AS {quoted}"
 
 
-def _answer(database: DuckDBPyConnection, question: str) -> tuple[list[str], list[tuple[Any, ...]]]:
+def _run_query(database: DuckDBPyConnection, question: str) -> tuple[list[str], list[tuple[Any, ...]]]:
     import duckdb
 
     try:
         found = database.execute(question)
         return [str(column[0]) for column in found.description or ()], found.fetchall()
     except duckdb.Error as error:
-        raise ConfigurationError(f"the query cannot be answered: {_reason(error)}") from None
+        raise ConfigurationError(f"the query cannot be answered: {_error_reason(error)}") from None
 
 
-def _tell(database: DuckDBPyConnection, question: str, out: Path | None) -> None:
-    head, rows = _answer(database, question)
+def _print_answer(database: DuckDBPyConnection, question: str, out: Path | None) -> None:
+    head, rows = _run_query(database, question)
     if out is not None:
         write_text_whole(out, csv_text([head, *rows]))
         print(f"{len(rows)} rows: {out}")
         return
-    print("\n".join(align_columns([head, *([_text(value) for value in row] for row in rows[:PRINTED])])))
+    print("\n".join(align_columns([head, *([_cell_text(value) for value in row] for row in rows[:PRINTED])])))
     if len(rows) > PRINTED:
         print(f"... {len(rows) - PRINTED} more; out=FILE.csv writes all")
 
 
 def _write_parquet(database: DuckDBPyConnection, question: str, beside: Path, out: Path) -> None:
-    print(f"{_copy(database, question, beside, out)} rows: {out}")
+    print(f"{_copy_answer(database, question, beside, out)} rows: {out}")
 
 
-def _copy(database: DuckDBPyConnection, question: str, beside: Path, out: Path) -> int:
+def _copy_answer(database: DuckDBPyConnection, question: str, beside: Path, out: Path) -> int:
     """Write an answer to a Parquet file by way of the one that the database can reach; return its number of rows."""
     import duckdb
 
@@ -126,7 +126,7 @@ def _copy(database: DuckDBPyConnection, question: str, beside: Path, out: Path) 
         database.execute(f"COPY answer TO '{target}' (FORMAT parquet)")
         beside.replace(out)
     except duckdb.Error as error:
-        raise ConfigurationError(f"the query cannot be answered: {_reason(error)}") from None
+        raise ConfigurationError(f"the query cannot be answered: {_error_reason(error)}") from None
     finally:
         beside.unlink(missing_ok=True)
     return int(count[0]) if count else 0
@@ -138,16 +138,16 @@ def write_table(runs: Sequence[Path], out: Path) -> bool:
         return False
     out.parent.mkdir(parents=True, exist_ok=True)
     beside = out.with_name(f".{out.name}.new")
-    with _connected(runs, beside) as database:
-        _copy(database, "SELECT * FROM episodes", beside, out)
+    with _connect_database(runs, beside) as database:
+        _copy_answer(database, "SELECT * FROM episodes", beside, out)
     return True
 
 
-def _text(value: Any) -> str:
+def _cell_text(value: Any) -> str:
     if value is None:
         return ""
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
-def _reason(error: Exception) -> str:
+def _error_reason(error: Exception) -> str:
     return one_line(str(error).partition("\n\n")[0].replace("\n", " "), 300)

@@ -11,11 +11,11 @@ import numpy as np
 
 from arena_core.statistics import Estimate, FloatArray, after_holm, estimate, interquartile_mean
 from arena_metrics.pooling.cells import Cell, Cells
-from arena_metrics.pooling.problems import labels
+from arena_metrics.pooling.problems import problem_keys
 from arena_metrics.pooling.runs import Column
 from arena_metrics.pooling.summary import Summary
-from arena_metrics.tables.pairs import Pair, comparison, conditions, pairs
-from arena_metrics.tables.tables import Table, column_title, decimals, estimate_text
+from arena_metrics.tables.pairs import Pair, compare_pairs, condition_groups, metric_pairs
+from arena_metrics.tables.tables import Table, column_title, decimal_places, estimate_text
 
 RANKED = ("success", "strict_success", "collisions", "time_to_goal")
 MIDDLE = ("spl", "collisions")  # of which the interquartile mean says more than the mean
@@ -23,7 +23,7 @@ MOST_PLANNERS = 12  # which are 66 comparisons a metric
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Contest:
+class CommonConditions:
     """The conditions that all planners faced: of each planner its cells, in the order of the conditions."""
 
     cells: Cells
@@ -35,27 +35,27 @@ class Contest:
         return len(next(iter(self.planners.values())))
 
 
-def contest(cells: Cells) -> Contest | None:
+def common_conditions(cells: Cells) -> CommonConditions | None:
     """Return what all planners faced; None where there are not two of them, more than ``MOST_PLANNERS``, or no such condition."""
     names = list(dict.fromkeys(cells.planner(cell) for cell in cells.cells))
-    groups = [{cells.planner(cell): cell for cell in group} for group in conditions(cells)]
+    groups = [{cells.planner(cell): cell for cell in group} for group in condition_groups(cells)]
     faced = [group for group in groups if len(group) == len(names)]
     if not 2 <= len(names) <= MOST_PLANNERS or not faced:
         return None
-    return Contest(cells, {name: [group[name] for group in faced] for name in names})
+    return CommonConditions(cells, {name: [group[name] for group in faced] for name in names})
 
 
-def ranks(found: Contest, column: Column) -> dict[str, tuple[int, int]]:
+def planner_ranks(found: CommonConditions, column: Column) -> dict[str, tuple[int, int]]:
     """Return the best and the worst rank that each planner may have: p of all pairs after Holm leaves out what chance may explain.
 
     Empty where the planners drove no common scenarios.
     """
-    duels = {names: _met(found, *names, column) for names in combinations(found.planners, 2)}
+    duels = {names: _shared_pairs(found, *names, column) for names in combinations(found.planners, 2)}
     if not all(duels.values()):
         return {}
     lost = dict.fromkeys(found.planners, 0)
     won = dict.fromkeys(found.planners, 0)
-    for (ours, theirs), one in zip(duels, after_holm([comparison(met, column) for met in duels.values()]), strict=True):
+    for (ours, theirs), one in zip(duels, after_holm([compare_pairs(met, column) for met in duels.values()]), strict=True):
         if one.told_apart:
             better = (one.difference.mean > 0.0) == (column.better == "higher")
             winner, loser = (ours, theirs) if better else (theirs, ours)
@@ -66,7 +66,7 @@ def ranks(found: Contest, column: Column) -> dict[str, tuple[int, int]]:
 
 def ranking_table(summary: Summary) -> Table | None:
     """Return a line for each planner over the conditions that all faced, best success first; None where nothing is to be ranked."""
-    found = contest(summary.cells)
+    found = common_conditions(summary.cells)
     by_name = {column.name: column for column in summary.columns}
     ranked = [by_name[name] for name in RANKED if name in by_name]
     if found is None or not ranked:
@@ -84,29 +84,29 @@ def ranking_table(summary: Summary) -> Table | None:
     return Table(f"Ranking over {said}", head, [lines[i] for i in order])
 
 
-def _sort_key(found: Contest, column: Column, place: int) -> float:
-    mean = _pooled(list(found.planners.values())[place], column).mean
+def _sort_key(found: CommonConditions, column: Column, place: int) -> float:
+    mean = _pooled_estimate(list(found.planners.values())[place], column).mean
     return math.inf if math.isnan(mean) else -mean if column.better == "higher" else mean
 
 
-def _met(found: Contest, ours: str, theirs: str, column: Column) -> list[Pair]:
+def _shared_pairs(found: CommonConditions, ours: str, theirs: str, column: Column) -> list[Pair]:
     cells = zip(found.planners[ours], found.planners[theirs], strict=True)
-    return [pair for cell, other in cells for pair in pairs(cell, other, column)]
+    return [pair for cell, other in cells for pair in metric_pairs(cell, other, column)]
 
 
-def _rank_column(found: Contest, column: Column) -> Iterator[tuple[str, str]]:
+def _rank_column(found: CommonConditions, column: Column) -> Iterator[tuple[str, str]]:
     """Yield each planner's mean and rank."""
-    means = [_pooled(cells, column) for cells in found.planners.values()]
-    places, known = decimals(means), ranks(found, column)
+    means = [_pooled_estimate(cells, column) for cells in found.planners.values()]
+    places, known = decimal_places(means), planner_ranks(found, column)
     for name, mean in zip(found.planners, means, strict=True):
         best, worst = known.get(name, (0, 0))
         rank = "–" if not known else str(best) if best == worst else f"{best}–{worst}"
         yield estimate_text(mean, column, places), rank
 
 
-def _middle_column(found: Contest, column: Column) -> Iterator[tuple[str]]:
+def _middle_column(found: CommonConditions, column: Column) -> Iterator[tuple[str]]:
     means = [interquartile_mean([_by_problem(cell, column) for cell in cells]) for cells in found.planners.values()]
-    places = decimals(means)
+    places = decimal_places(means)
     for mean in means:
         yield (estimate_text(mean, column, places),)
 
@@ -114,13 +114,13 @@ def _middle_column(found: Contest, column: Column) -> Iterator[tuple[str]]:
 def _by_problem(cell: Cell, column: Column) -> FloatArray:
     """Return the mean of each problem's episodes, (P,)."""
     values: dict[object, list[float]] = {}
-    for label, value in zip(labels(cell), cell.values(column.name), strict=True):
+    for label, value in zip(problem_keys(cell), cell.values(column.name), strict=True):
         values.setdefault(label, []).append(value)
     return np.array([np.mean(of) for of in values.values()])
 
 
-def _pooled(cells: Sequence[Cell], column: Column) -> Estimate:
+def _pooled_estimate(cells: Sequence[Cell], column: Column) -> Estimate:
     """Estimate a mean over cells, by problem and within conditions."""
     values = np.concatenate([cell.values(column.name) for cell in cells])
-    problems = [(i, label) for i, cell in enumerate(cells) for label in labels(cell)]
+    problems = [(i, label) for i, cell in enumerate(cells) for label in problem_keys(cell)]
     return estimate(values, column.kind(values), problems, [i for i, _ in problems])

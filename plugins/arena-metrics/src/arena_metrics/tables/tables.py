@@ -11,7 +11,7 @@ from arena_core.commands import one_line
 from arena_core.files import csv_text
 from arena_core.statistics import Estimate
 from arena_metrics.pooling.cells import VARIANT, Cell
-from arena_metrics.pooling.problems import count
+from arena_metrics.pooling.problems import problem_count
 from arena_metrics.pooling.runs import Column
 from arena_metrics.pooling.summary import Over, Summary
 
@@ -51,7 +51,7 @@ def column_title(column: Column, over: Over = "all") -> str:
     return column.title + (f" [{unit}]" if unit else "") + (", successful" if over == "successful" else "")
 
 
-def decimals(found: Iterable[Estimate]) -> int:
+def decimal_places(found: Iterable[Estimate]) -> int:
     """Return how many decimals show three digits of the greatest mean, two of one below 1."""
     greatest = max((abs(e.mean) for e in found if math.isfinite(e.mean)), default=0.0)
     if greatest == 0.0:
@@ -63,7 +63,7 @@ def mean_text(estimate: Estimate, column: Column, places: int) -> str:
     """Return a mean, "–" where there is none."""
     if not math.isfinite(estimate.mean):
         return "–"
-    return f"{100.0 * estimate.mean:.0f}" if column.proportion else f"{estimate.mean:.{places}f}"
+    return f"{100.0 * estimate.mean:.0f}" if column.is_proportion else f"{estimate.mean:.{places}f}"
 
 
 def interval_text(estimate: Estimate, column: Column, places: int) -> str:
@@ -71,7 +71,7 @@ def interval_text(estimate: Estimate, column: Column, places: int) -> str:
     if not estimate.has_interval:
         return ""
     ends = (estimate.low, estimate.high)
-    low, high = (f"{100.0 * x:.0f}" if column.proportion else f"{x:.{places}f}" for x in ends)
+    low, high = (f"{100.0 * x:.0f}" if column.is_proportion else f"{x:.{places}f}" for x in ends)
     return f"{low} – {high}"
 
 
@@ -89,21 +89,23 @@ def headline_columns(summary: Summary) -> list[tuple[Column, Over]]:
     return usual or [(column, "all") for column in summary.columns[: len(HEADLINE)]]
 
 
-def headline(summary: Summary) -> Table:
+def headline_table(summary: Summary) -> Table:
     """Return the headline: one row a cell."""
     cells = summary.cells
     factors = [f for f in cells.varying if f != VARIANT] or ["planner"]
     factors += [VARIANT] if VARIANT in cells.varying else []
     columns = headline_columns(summary)
-    places = [decimals(summary.get(cell, column, over) for cell in cells.cells) for column, over in columns]
+    places = [decimal_places(summary.get(cell, column, over) for cell in cells.cells) for column, over in columns]
     head = [*factors, "n", *(column_title(column, over) for column, over in columns)]
-    rows = [[*(cell.factors[f] for f in factors), _numbers(cell), *_headline_texts(summary, cell, columns, places)] for cell in cells.cells]
+    rows = [
+        [*(cell.factors[f] for f in factors), _count_text(cell), *_headline_texts(summary, cell, columns, places)] for cell in cells.cells
+    ]
     return Table("Headline figures: mean [95 % interval]", head, rows)
 
 
-def _numbers(cell: Cell) -> str:
+def _count_text(cell: Cell) -> str:
     """Return how many episodes a cell has, and on how many problems, where that is another number."""
-    episodes, problems = len(cell.episodes), count(cell)
+    episodes, problems = len(cell.episodes), problem_count(cell)
     return str(episodes) if problems == episodes else f"{episodes} on {problems} problem{'s' * (problems > 1)}"
 
 
@@ -124,40 +126,40 @@ def _metric_table(summary: Summary, over: Over, pack: str, cells: Sequence[Cell]
     columns = [c for c in summary.columns if c.pack == pack and (over == "all" or c.path_metric)]
     rows = []
     for column in columns:
-        places = decimals(summary.get(cell, column, over) for cell in cells)
+        places = decimal_places(summary.get(cell, column, over) for cell in cells)
         found = [summary.get(cell, column, over) for cell in cells]
         rows.append([column.title, unit_text(column.unit), *(f"{estimate_text(e, column, places)} ({e.n})" for e in found)])
     texts = [column for column in summary.texts if column.pack == pack and over == "all"]
-    rows += [[column.title, "", *(_texts(cell.texts(column.name)) for cell in cells)] for column in texts]
+    rows += [[column.title, "", *(_frequent_texts(cell.texts(column.name)) for cell in cells)] for column in texts]
     name = f"{pack}: " if pack else ""
     caption = f"{name}mean [95 % interval] (n) over {over} episodes"
     return Table(caption, ["metric", "unit", *(summary.cells.name(cell) for cell in cells)], rows)
 
 
-def _texts(counts: Counter[str]) -> str:
+def _frequent_texts(counts: Counter[str]) -> str:
     """Return the texts that most episodes have, each with their number."""
     more = len(counts) - TEXTS
     return ", ".join([f"{text} ({n})" for text, n in counts.most_common(TEXTS)] + [f"{more} more"] * (more > 0)) or "–"
 
 
-def markdown(tables: Sequence[Table]) -> str:
+def markdown_tables(tables: Sequence[Table]) -> str:
     """Return tables as Markdown."""
-    return "\n".join(_markdown(table) for table in tables)
+    return "\n".join(_markdown_table(table) for table in tables)
 
 
-def _markdown(table: Table) -> str:
+def _markdown_table(table: Table) -> str:
     def line(texts: Iterable[str]) -> str:
         return "| " + " | ".join(one_line(text).replace("|", r"\|") for text in texts) + " |"
 
     return "\n".join([f"**{table.caption}**", "", line(table.head), line("---" for _ in table.head), *map(line, table.rows), ""])
 
 
-def latex(tables: Sequence[Table]) -> str:
+def latex_tables(tables: Sequence[Table]) -> str:
     """Return tables as LaTeX (needs the package booktabs)."""
-    return "\n".join(_latex(table) for table in tables)
+    return "\n".join(_latex_table(table) for table in tables)
 
 
-def _latex(table: Table) -> str:
+def _latex_table(table: Table) -> str:
     def line(texts: Iterable[str]) -> str:
         return " & ".join("".join(LATEX.get(c, c) for c in one_line(text)) for text in texts) + r" \\"
 
@@ -167,6 +169,6 @@ def _latex(table: Table) -> str:
     return "\n".join([*begin, *body, r"\end{tabular}", r"\end{table}", ""])
 
 
-def comma_separated(tables: Sequence[Table]) -> str:
+def csv_tables(tables: Sequence[Table]) -> str:
     """Return tables as CSV, one below the other."""
     return csv_text(row for table in tables for row in (table.head, *table.rows))

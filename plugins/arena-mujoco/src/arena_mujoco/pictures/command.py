@@ -20,10 +20,10 @@ from arena_core.parameters import NonNegative, NonNegativeInt, Positive, read_se
 from arena_core.records import find_runs, read_grid, read_record, record_path
 from arena_drawing.film import check_encoder, check_target, write_film, write_picture
 from arena_mujoco.body import UNKNOWN, Body, BodyFigures, body_of
-from arena_mujoco.pictures.drama import Drama
-from arena_mujoco.pictures.looks import Looks, looks
-from arena_mujoco.pictures.painting import Camera
-from arena_mujoco.pictures.stage import Stage
+from arena_mujoco.pictures.appearance import Appearance, load_appearance
+from arena_mujoco.pictures.rendering import Camera
+from arena_mujoco.pictures.scene import SceneModel
+from arena_mujoco.pictures.scene_states import SceneStates
 
 USAGE = (
     "arena render RUN [EPISODE] --to FILE.mp4|.gif|.png [camera=follow|top|onboard] [size=640x480] [rate=20] [speed=1] "
@@ -36,7 +36,7 @@ Window = tuple[float, float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
-class Request:
+class RenderRequest:
     """What is to be drawn: ``target`` from ``begin`` to ``until`` s (None: the end), or the picture at ``at`` s (None: the middle)."""
 
     folder: Path
@@ -52,19 +52,19 @@ class Request:
     lidar: bool
 
 
-def read_request(arguments: Sequence[str]) -> Request:
+def read_request(arguments: Sequence[str]) -> RenderRequest:
     """Return what the words after ``arena render`` ask for; raise ConfigurationError where they cannot be read."""
     words = read_words(USAGE, arguments, names=None, keys=KEYS)
     if len(words.names) not in (1, 2):
         raise ConfigurationError(f"arguments are {' '.join(words.names) or 'none'}; allowed: {USAGE}")
     target = Path(words.required("to"))
     check_target(target)
-    return Request(
+    return RenderRequest(
         Path(words.names[0]),
-        read_settings(_number(words.names[1]), NonNegativeInt, "EPISODE") if len(words.names) == 2 else 0,
+        read_settings(_parse_number(words.names[1]), NonNegativeInt, "EPISODE") if len(words.names) == 2 else 0,
         target,
         words.value("camera", Camera, "follow"),
-        _size(words.value("size", str, "640x480")),
+        _parse_size(words.value("size", str, "640x480")),
         words.value("rate", Positive, 20.0),
         words.value("speed", Positive, 1.0),
         words.value("from", NonNegative, 0.0),
@@ -88,9 +88,9 @@ class RenderCommand(Command):
         check_encoder(request.target)
         folder = _run_folder(request.folder)
         record = read_record(record_path(folder, request.episode))
-        drama = Drama(record, looks().follow.calm)
-        stamps = _stamps(request, drama.end)
-        with _painting(folder, record, drama, request.camera, request.size, request.lidar) as paint:
+        drama = SceneStates(record, load_appearance().follow.calm)
+        stamps = _frame_stamps(request, drama.end)
+        with _EpisodeRenderer(folder, record, drama, request.camera, request.size, request.lidar) as paint:
             if request.target.suffix == ".png":
                 write_picture(request.target, paint(0.5 * drama.end if request.at is None else min(request.at, drama.end)))
             else:
@@ -99,7 +99,7 @@ class RenderCommand(Command):
         return 0
 
 
-def _stamps(request: Request, last: float) -> list[float]:
+def _frame_stamps(request: RenderRequest, last: float) -> list[float]:
     """Return when a film's frames are, s; raise ConfigurationError where there are none, or more than a GIF may have."""
     end = last if request.until is None else min(request.until, last)
     count = int((end - request.begin) * request.rate / request.speed) + 1
@@ -110,34 +110,34 @@ def _stamps(request: Request, last: float) -> list[float]:
     return [request.begin + frame * request.speed / request.rate for frame in range(count)]
 
 
-class _painting:
+class _EpisodeRenderer:
     """Paints moments of a recorded episode; what the driver holds is given back at the end."""
 
-    def __init__(self, folder: Path, record: EpisodeRecord, drama: Drama, camera: Camera, size: tuple[int, int], lidar: bool) -> None:
-        from arena_mujoco.pictures.painting import Painter
+    def __init__(self, folder: Path, record: EpisodeRecord, drama: SceneStates, camera: Camera, size: tuple[int, int], lidar: bool) -> None:
+        from arena_mujoco.pictures.rendering import SceneRenderer
 
         name = record.meta["world"].get("grid")
         if name is None:
             raise ConfigurationError(f"{folder}: the episode has no map; allowed: episodes of a known world")
-        grid, own = read_grid(folder / name), looks()
-        robot = _robot(record)
-        body = _body(record, robot)
+        grid, own = read_grid(folder / name), load_appearance()
+        robot = _record_robot(record)
+        body = _record_body(record, robot)
         self._drama = drama
-        self._painter = Painter(Stage(record, grid, robot, body, own), robot, body, own, camera, size, lidar)
-        self._window = _window(grid.positions(np.argwhere(~grid.occupied)), own)
+        self._painter = SceneRenderer(SceneModel(record, grid, robot, body, own), robot, body, own, camera, size, lidar)
+        self._window = _camera_window(grid.positions(np.argwhere(~grid.occupied)), own)
         self._title = f"{record.meta['columns']['planner']} on {robot.name}"
 
     def __enter__(self) -> Callable[[float], NDArray[np.uint8]]:
-        return self._paint
+        return self._render_frame
 
     def __exit__(self, *error: object) -> None:
         self._painter.close()
 
-    def _paint(self, stamp: float) -> NDArray[np.uint8]:
-        return self._painter.paint(self._drama.at(stamp), f"{self._title}  {stamp:5.1f} s", self._window)
+    def _render_frame(self, stamp: float) -> NDArray[np.uint8]:
+        return self._painter.render(self._drama.at(stamp), f"{self._title}  {stamp:5.1f} s", self._window)
 
 
-def _window(free: NDArray[np.float64], own: Looks) -> Window:
+def _camera_window(free: NDArray[np.float64], own: Appearance) -> Window:
     """Return what a camera above is to show: the free cells and a margin."""
     (left, bottom), (right, top) = free.min(axis=0) - own.top.margin, free.max(axis=0) + own.top.margin
     return float(left), float(right), float(bottom), float(top)
@@ -150,14 +150,14 @@ def _run_folder(folder: Path) -> Path:
     return runs[0]
 
 
-def _robot(record: EpisodeRecord) -> Robot:
+def _record_robot(record: EpisodeRecord) -> Robot:
     """Return the robot as the record's configuration says it; raise ConfigurationError where its package is not installed."""
     config: Mapping[str, Any] = record.meta["config"].get("robot") or {}
     robot: Robot = load_registry().build("robot", config)
     return robot
 
 
-def _body(record: EpisodeRecord, robot: Robot) -> Body:
+def _record_body(record: EpisodeRecord, robot: Robot) -> Body:
     """Return the robot's body: of a file if it had one that is still there, else with its maker's figures where the package has them."""
     driven = (record.meta["config"].get("simulator") or {}).get("body") or {}
     if driven.get("model") is not None and local_path(driven["model"]).is_file():
@@ -168,11 +168,11 @@ def _body(record: EpisodeRecord, robot: Robot) -> Body:
     return body_of(robot, read_settings({**missing, **known}, BodyFigures, "body"))
 
 
-def _number(text: str) -> Any:
+def _parse_number(text: str) -> Any:
     return int(text) if text.isdecimal() else text
 
 
-def _size(text: str) -> tuple[int, int]:
+def _parse_size(text: str) -> tuple[int, int]:
     """Return width and height in pixels, both even, as films need them."""
     width, x, height = text.partition("x")
     if not (x and width.isdecimal() and height.isdecimal()):

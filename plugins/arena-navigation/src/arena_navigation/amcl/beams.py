@@ -20,7 +20,7 @@ _FIRST = np.zeros(1, np.int64)
 _rays = lru_cache(maxsize=8)(make_beams)
 
 
-class Walls(NamedTuple):
+class ExpectedWalls(NamedTuple):
     """What beams are expected to hit: the first grid of ``stack``, seen from a ``sensor`` at (x, y, theta) in ``map``.
 
     Beams that end more than ``short_by`` m in front of it have hit people; 0: the map tells nothing.
@@ -37,10 +37,10 @@ def _no_stack() -> GridStack:
     return GridStack(bytes_, np.empty(0, np.float32), bytes_, whole, whole, shapes, np.empty(0), np.empty((0, 3)), pairs)
 
 
-NO_WALLS = Walls(_no_stack(), (0.0, 0.0, 0.0), 0.0)
+NO_WALLS = ExpectedWalls(_no_stack(), (0.0, 0.0, 0.0), 0.0)
 
 
-class Look(NamedTuple):
+class ScanLayout(NamedTuple):
     """How a scan's B beams are looked at: ``directions`` (2, B) in ``base_link`` from ``mount`` (x, y), and ``rays`` to cast in a map.
 
     Then scratch space: the shortest ranges that count, ``least`` (B,), and where the beams end, ``ends`` (2 B,).
@@ -54,25 +54,25 @@ class Look(NamedTuple):
 
 
 @lru_cache(maxsize=8)
-def _look(angle_min: float, angle_increment: float, count: int, range_max: float, mount: Pose) -> Look:
+def _make_layout(angle_min: float, angle_increment: float, count: int, range_max: float, mount: Pose) -> ScanLayout:
     angles = mount.theta + angle_min + angle_increment * np.arange(count)
     rays = _rays(angle_min, angle_increment, count, range_max)
     at = float(mount.x), float(mount.y)
-    return Look(np.stack((np.cos(angles), np.sin(angles))), at, rays, np.empty(count, np.float32), np.empty(2 * count, np.float32))
+    return ScanLayout(np.stack((np.cos(angles), np.sin(angles))), at, rays, np.empty(count, np.float32), np.empty(2 * count, np.float32))
 
 
-def look_of(scan: LaserScan) -> Look:
+def scan_layout(scan: LaserScan) -> ScanLayout:
     """Return how a scan's beams are looked at, made once."""
-    return _look(scan.angle_min, scan.angle_increment, len(scan.ranges), scan.range_max, scan.mount)
+    return _make_layout(scan.angle_min, scan.angle_increment, len(scan.ranges), scan.range_max, scan.mount)
 
 
-def thinned(scan: LaserScan, max_beams: int) -> LaserScan:
+def thin_scan(scan: LaserScan, max_beams: int) -> LaserScan:
     """Return the scan with every k-th beam only, at most ``max_beams`` of them."""
     step = max(math.ceil(len(scan.ranges) / max_beams), 1)
     return replace(scan, angle_increment=step * scan.angle_increment, ranges=scan.ranges[::step])
 
 
-def predicted(scan: LaserScan, walls: Walls) -> NDArray[np.float32]:
+def predict_ranges(scan: LaserScan, walls: ExpectedWalls) -> NDArray[np.float32]:
     """Return the ranges (B,) that the same beams would have if they all hit the walls."""
     ranges = np.empty((1, len(scan.ranges)), np.float32)
     scan_grids(walls.stack, _FIRST, np.array((walls.sensor,)), rays_of(scan, scan.range_max), ranges)
@@ -81,7 +81,7 @@ def predicted(scan: LaserScan, walls: Walls) -> NDArray[np.float32]:
 
 
 @borrowing
-def write_least(walls: Walls, look: Look) -> None:
+def write_least(walls: ExpectedWalls, look: ScanLayout) -> None:
     """Write the range below which each beam ends too far in front of the walls."""
     look.least[:] = 0.0
     if walls.short_by > 0.0:
@@ -92,7 +92,7 @@ def write_least(walls: Walls, look: Look) -> None:
 
 
 @borrowing
-def write_ends(ranges: NDArray[np.float32], min_range: float, max_range: float, look: Look) -> tuple[Integer, float]:
+def write_ends(ranges: NDArray[np.float32], min_range: float, max_range: float, look: ScanLayout) -> tuple[Integer, float]:
     """Write where the beams of at least ``min_range`` and less than ``max_range`` m end, first all x, then all y, m in ``base_link``.
 
     Those shorter than the least ranges are left out; return how many are left, and what share that is.

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing
 from arena_kernels.scalars import Integer
-from arena_navigation.amcl.directions import wrapped
-from arena_navigation.amcl.histogram import Histogram, add, clear, find, neighbour, write_keys
+from arena_navigation.amcl.directions import wrap_angle
+from arena_navigation.amcl.histogram import Histogram, add_bin, clear_bins, find_bin, neighbour_key, write_keys
 
 
 class Clusters(NamedTuple):
@@ -30,19 +30,19 @@ def label_clusters(poses: NDArray[np.float64], count: Integer, clusters: Cluster
     filled: Integer = np.int64(0)
     write_keys(poses, count, clusters.keys)
     for i in range(count):
-        number = add(clusters.bins, clusters.keys[i], filled)
+        number = add_bin(clusters.bins, clusters.keys[i], filled)
         clusters.bin_of[i] = number
         filled = max(filled, number + 1)
     for b in range(filled):
         clusters.cluster_of[b] = -1
     for seed in range(filled):
         if clusters.cluster_of[seed] < 0:
-            _flood(clusters, seed)
+            _flood_cluster(clusters, seed)
     return filled
 
 
 @borrowing
-def _flood(clusters: Clusters, seed: int) -> None:
+def _flood_cluster(clusters: Clusters, seed: int) -> None:
     clusters.cluster_of[seed] = seed
     clusters.open[0] = seed
     waiting = 1
@@ -50,7 +50,7 @@ def _flood(clusters: Clusters, seed: int) -> None:
         waiting -= 1
         key = clusters.bins.keys[clusters.bins.slots[clusters.open[waiting]]]
         for step in range(27):
-            other = find(clusters.bins, neighbour(key, step // 9 - 1, step // 3 % 3 - 1, step % 3 - 1))
+            other = find_bin(clusters.bins, neighbour_key(key, step // 9 - 1, step // 3 % 3 - 1, step % 3 - 1))
             if other >= 0 and clusters.cluster_of[other] < 0:
                 clusters.cluster_of[other] = seed
                 clusters.open[waiting] = other
@@ -58,7 +58,7 @@ def _flood(clusters: Clusters, seed: int) -> None:
 
 
 @borrowing
-def heaviest(weights: NDArray[np.float64], count: Integer, clusters: Clusters, filled: Integer) -> Integer:
+def heaviest_cluster(weights: NDArray[np.float64], count: Integer, clusters: Clusters, filled: Integer) -> Integer:
     """Return the number of the cluster with the largest weight."""
     for b in range(filled):
         clusters.weight_of[b] = 0.0
@@ -72,7 +72,7 @@ def heaviest(weights: NDArray[np.float64], count: Integer, clusters: Clusters, f
 
 
 @borrowing
-def moments(
+def write_moments(
     poses: NDArray[np.float64],
     directions: NDArray[np.float64],
     weights: NDArray[np.float64],
@@ -98,7 +98,7 @@ def moments(
         if clusters.cluster_of[clusters.bin_of[i]] == cluster:
             w = weights[i] / total
             dx, dy = poses[0, i] - mean[0], poses[1, i] - mean[1]
-            turn = wrapped(poses[2, i] - mean[2])
+            turn = wrap_angle(poses[2, i] - mean[2])
             covariance[0, 0] += w * dx * dx
             covariance[0, 1] += w * dx * dy
             covariance[0, 2] += w * dx * turn
@@ -120,6 +120,6 @@ def best_cluster(
 ) -> Integer:
     """Write mean and covariance of the heaviest cluster of ``count`` particles; return how many bins hold any."""
     filled = label_clusters(poses, count, clusters)
-    moments(poses, directions, weights, count, clusters, heaviest(weights, count, clusters, filled), mean, covariance)
-    clear(clusters.bins, filled)
+    write_moments(poses, directions, weights, count, clusters, heaviest_cluster(weights, count, clusters, filled), mean, covariance)
+    clear_bins(clusters.bins, filled)
     return filled

@@ -33,7 +33,7 @@ def write_directions(angles: NDArray[np.float64], count: int, directions: NDArra
 
 
 @borrowing
-def wrapped(angle: float) -> float:
+def wrap_angle(angle: float) -> float:
     """Wrap an angle to [-pi, pi]; several times as fast as the remainder of a division."""
     turns: float = np.floor((angle + np.pi) / (2.0 * np.pi))
     return angle - 2.0 * np.pi * turns

@@ -11,30 +11,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing
-from arena_kernels.random import normals
+from arena_kernels.random import fill_normals
 from arena_kernels.scalars import Integer
-from arena_navigation.amcl.beams import Look, Walls, write_ends, write_least
+from arena_navigation.amcl.beams import ExpectedWalls, ScanLayout, write_ends, write_least
 from arena_navigation.amcl.clusters import Clusters, best_cluster
 from arena_navigation.amcl.directions import write_directions
-from arena_navigation.amcl.histogram import histogram
-from arena_navigation.amcl.motion import Motion, move
+from arena_navigation.amcl.histogram import make_histogram
+from arena_navigation.amcl.motion import OdometryMotion, move_particles
 from arena_navigation.amcl.ranges import View, match_ranges
 from arena_navigation.amcl.resampling import (
     FreeSpace,
-    Limits,
-    accumulate,
+    ParticleLimits,
+    accumulate_weights,
     draw_independently,
     free_pose,
-    needed,
-    offset,
-    scattered,
-    systematic,
+    is_scattered,
+    particles_needed,
+    resample_systematically,
+    resampling_offset,
 )
-from arena_navigation.amcl.sensor import Field, match, reweigh
+from arena_navigation.amcl.sensor import LikelihoodTable, match_endpoints, update_weights
 from arena_navigation.amcl.skipping import Skipping, skip_beams
 
 
-class Cloud(NamedTuple):
+class ParticleCloud(NamedTuple):
     """The particles: the first ``number[0]`` columns of ``poses`` (3, P), and their normalised weights; then scratch space.
 
     ``likelihoods`` are the slow and the fast running mean of how well a beam fits, and how many values they have seen; ``mean``
@@ -69,22 +69,22 @@ class Resampling(NamedTuple):
 
     due: bool
     estimate_after: bool
-    limits: Limits
+    limits: ParticleLimits
     free: FreeSpace
     recovery: Recovery
 
 
-def cloud(capacity: int, beams: int) -> Cloud:
+def make_cloud(capacity: int, beams: int) -> ParticleCloud:
     """Return room for ``capacity`` particles and scans of up to ``beams`` beams."""
     clusters = Clusters(
-        histogram(capacity),
+        make_histogram(capacity),
         np.empty(capacity, np.int64),
         np.empty(capacity, np.int32),
         np.empty(capacity, np.int32),
         np.empty(capacity),
         np.empty(capacity, np.int32),
     )
-    return Cloud(
+    return ParticleCloud(
         np.zeros(1, np.int64),
         np.empty((3, capacity)),
         np.empty(capacity),
@@ -103,13 +103,13 @@ def cloud(capacity: int, beams: int) -> Cloud:
 
 
 @borrowing
-def begin(cloud: Cloud, mean: NDArray[np.float64], root: NDArray[np.float64], key: np.uint64) -> None:
+def draw_particles(cloud: ParticleCloud, mean: NDArray[np.float64], root: NDArray[np.float64], key: np.uint64) -> None:
     """Draw all particles from a normal distribution; ``root`` (3, 3) times its transpose is the covariance. Takes tick 0."""
     capacity = cloud.poses.shape[1]
     cloud.number[0] = capacity
     cloud.weights[:] = 1.0 / capacity
     cloud.likelihoods[:] = 0.0
-    normals(key, np.int64(0), cloud.noise)
+    fill_normals(key, np.int64(0), cloud.noise)
     for i in range(capacity):
         a, b, c = cloud.noise[3 * i], cloud.noise[3 * i + 1], cloud.noise[3 * i + 2]
         for axis in range(3):
@@ -118,13 +118,13 @@ def begin(cloud: Cloud, mean: NDArray[np.float64], root: NDArray[np.float64], ke
 
 @borrowing
 def filter_scan(
-    cloud: Cloud,
-    motion: Motion,
+    cloud: ParticleCloud,
+    motion: OdometryMotion,
     ranges: NDArray[np.float32],
     limits: tuple[float, float],
-    walls: Walls,
-    look: Look,
-    field: Field,
+    walls: ExpectedWalls,
+    look: ScanLayout,
+    field: LikelihoodTable,
     skipping: Skipping,
     resampling: Resampling,
     key: np.uint64,
@@ -139,11 +139,11 @@ def filter_scan(
 
 @borrowing
 def filter_update(
-    cloud: Cloud,
-    motion: Motion,
+    cloud: ParticleCloud,
+    motion: OdometryMotion,
     beams: NDArray[np.float32],
     explained: float,
-    field: Field,
+    field: LikelihoodTable,
     skipping: Skipping,
     resampling: Resampling,
     key: np.uint64,
@@ -154,16 +154,16 @@ def filter_update(
     ``explained`` is the share of the beams that were not left out of ``beams``: those left out count as not fitting at all.
     """
     count = cloud.number[0]
-    move(cloud.poses, cloud.directions, count, motion, key, tick, cloud.noise)
+    move_particles(cloud.poses, cloud.directions, count, motion, key, tick, cloud.noise)
     number = skip_beams(cloud.poses, cloud.directions, count, beams, field, skipping, cloud.cells, cloud.fitting)
-    match(cloud.poses, cloud.directions, count, beams, number, field, cloud.cells, cloud.scores)
-    conclude(cloud, number, field.product, explained, resampling, key, tick)
+    match_endpoints(cloud.poses, cloud.directions, count, beams, number, field, cloud.cells, cloud.scores)
+    finish_update(cloud, number, field.product, explained, resampling, key, tick)
 
 
 @borrowing
 def filter_update_by_ranges(
-    cloud: Cloud,
-    motion: Motion,
+    cloud: ParticleCloud,
+    motion: OdometryMotion,
     ranges: NDArray[np.float32],
     explained: float,
     view: View,
@@ -173,33 +173,37 @@ def filter_update_by_ranges(
 ) -> None:
     """Do the same by the beam model: ``ranges`` (B,) m, not a number where one is left out."""
     count = cloud.number[0]
-    move(cloud.poses, cloud.directions, count, motion, key, tick, cloud.noise)
+    move_particles(cloud.poses, cloud.directions, count, motion, key, tick, cloud.noise)
     number = match_ranges(cloud.poses, cloud.directions, count, ranges, view, cloud.scores)
-    conclude(cloud, number, False, explained, resampling, key, tick)
+    finish_update(cloud, number, False, explained, resampling, key, tick)
 
 
 @borrowing
-def conclude(cloud: Cloud, beams: Integer, product: bool, explained: float, resampling: Resampling, key: np.uint64, tick: Integer) -> None:
+def finish_update(
+    cloud: ParticleCloud, beams: Integer, product: bool, explained: float, resampling: Resampling, key: np.uint64, tick: Integer
+) -> None:
     """Turn the scores of so many beams into weights, estimate, and resample if it is due."""
-    likelihood = reweigh(cloud.weights, cloud.number[0], cloud.scores, beams, product)
-    occupied = estimate(cloud)
+    likelihood = update_weights(cloud.weights, cloud.number[0], cloud.scores, beams, product)
+    occupied = estimate_pose(cloud)
     if beams > 0:
-        follow(cloud.likelihoods, explained * likelihood, resampling.recovery)
+        update_averages(cloud.likelihoods, explained * likelihood, resampling.recovery)
     if resampling.due:
-        redraw(cloud, occupied, injection(cloud.likelihoods, resampling.recovery), resampling.free, resampling.limits, key, tick)
+        resample_particles(
+            cloud, occupied, injection_share(cloud.likelihoods, resampling.recovery), resampling.free, resampling.limits, key, tick
+        )
         if resampling.estimate_after:
             write_directions(cloud.poses[2], cloud.number[0], cloud.directions)
-            estimate(cloud)
+            estimate_pose(cloud)
 
 
 @borrowing
-def estimate(cloud: Cloud) -> Integer:
+def estimate_pose(cloud: ParticleCloud) -> Integer:
     """Write the mean and the covariance of the heaviest cluster; return how many bins hold particles."""
     return best_cluster(cloud.poses, cloud.directions, cloud.weights, cloud.number[0], cloud.clusters, cloud.mean, cloud.covariance)
 
 
 @borrowing
-def follow(likelihoods: NDArray[np.float64], likelihood: float, recovery: Recovery) -> None:
+def update_averages(likelihoods: NDArray[np.float64], likelihood: float, recovery: Recovery) -> None:
     """Let the slow and the fast running mean follow (Probabilistic Robotics, table 8.3); the first values are averaged evenly."""
     likelihoods[2] += 1.0
     likelihoods[0] += max(recovery.alpha_slow, 1.0 / likelihoods[2]) * (likelihood - likelihoods[0])
@@ -207,7 +211,7 @@ def follow(likelihoods: NDArray[np.float64], likelihood: float, recovery: Recove
 
 
 @borrowing
-def injection(likelihoods: NDArray[np.float64], recovery: Recovery) -> float:
+def injection_share(likelihoods: NDArray[np.float64], recovery: Recovery) -> float:
     """Return the share of particles to scatter: how much worse than usual the scans fit of late."""
     if recovery.alpha_slow == 0.0 or likelihoods[0] == 0.0:
         return 0.0
@@ -216,19 +220,21 @@ def injection(likelihoods: NDArray[np.float64], recovery: Recovery) -> float:
 
 
 @borrowing
-def redraw(cloud: Cloud, occupied: Integer, injection: float, free: FreeSpace, limits: Limits, key: np.uint64, tick: Integer) -> None:
+def resample_particles(
+    cloud: ParticleCloud, occupied: Integer, injection: float, free: FreeSpace, limits: ParticleLimits, key: np.uint64, tick: Integer
+) -> None:
     """Replace the particles by as many as are needed, drawn by weight, a share of them anywhere on free space."""
     before = cloud.number[0]
     cumulative = cloud.scores
-    accumulate(cloud.weights, before, cumulative)
+    accumulate_weights(cloud.weights, before, cumulative)
     keys, bins = cloud.clusters.keys, cloud.clusters.bins
     if limits.independently:
         count = draw_independently(keys, cumulative, before, injection, free, limits, bins, key, tick, cloud.chosen)
     else:
-        count = needed(keys, cumulative, before, occupied, injection, free, limits, bins, key, tick)
-        systematic(cumulative, before, offset(key, tick), cloud.chosen[:count])
+        count = particles_needed(keys, cumulative, before, occupied, injection, free, limits, bins, key, tick)
+        resample_systematically(cumulative, before, resampling_offset(key, tick), cloud.chosen[:count])
     for i in range(count):
-        if scattered(key, tick, i, injection):
+        if is_scattered(key, tick, i, injection):
             cloud.drawn[0, i], cloud.drawn[1, i], cloud.drawn[2, i] = free_pose(free, key, tick, i)
         else:
             source = cloud.chosen[i]

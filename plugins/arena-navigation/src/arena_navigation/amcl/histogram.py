@@ -28,7 +28,7 @@ class Histogram(NamedTuple):
     slots: NDArray[np.int32]
 
 
-def histogram(capacity: int) -> Histogram:
+def make_histogram(capacity: int) -> Histogram:
     """Return an empty histogram for up to ``capacity`` bins."""
     size = 1 << max(4, math.ceil(math.log2(2 * capacity)))
     return Histogram(np.full(size, -1, np.int64), np.empty(size, np.int32), np.empty(capacity, np.int32))
@@ -51,14 +51,14 @@ def write_keys(poses: NDArray[np.float64], count: Integer, keys: NDArray[np.int6
 
 
 @borrowing
-def neighbour(key: Integer, rows: int, columns: int, headings: int) -> Integer:
+def neighbour_key(key: Integer, rows: int, columns: int, headings: int) -> Integer:
     """Return the key of the bin so many rows, columns and headings away."""
     heading = key % _COLUMN
     return key - heading + rows * _ROW + columns * _COLUMN + (heading + headings) % BINS_A_TURN
 
 
 @borrowing
-def _slot(bins: Histogram, key: Integer) -> Integer:
+def _find_slot(bins: Histogram, key: Integer) -> Integer:
     """Return where ``key`` lies, or the empty slot where it would."""
     mask = len(bins.keys) - 1
     slot = np.int64((np.uint64(key) * _GOLDEN) >> np.uint64(40)) & mask
@@ -68,16 +68,16 @@ def _slot(bins: Histogram, key: Integer) -> Integer:
 
 
 @borrowing
-def find(bins: Histogram, key: Integer) -> Integer:
+def find_bin(bins: Histogram, key: Integer) -> Integer:
     """Return the number of a bin, -1 when it holds nothing."""
-    slot = _slot(bins, key)
+    slot = _find_slot(bins, key)
     return np.int64(bins.numbers[slot]) if bins.keys[slot] == key else -1
 
 
 @borrowing
-def add(bins: Histogram, key: Integer, filled: Integer) -> Integer:
+def add_bin(bins: Histogram, key: Integer, filled: Integer) -> Integer:
     """Return the number of a bin; a new one gets the number ``filled``."""
-    slot = _slot(bins, key)
+    slot = _find_slot(bins, key)
     if bins.keys[slot] != key:
         bins.keys[slot] = key
         bins.numbers[slot] = filled
@@ -86,7 +86,7 @@ def add(bins: Histogram, key: Integer, filled: Integer) -> Integer:
 
 
 @borrowing
-def clear(bins: Histogram, filled: Integer) -> None:
+def clear_bins(bins: Histogram, filled: Integer) -> None:
     """Empty the ``filled`` bins."""
     for number in range(filled):
         bins.keys[bins.slots[number]] = -1

@@ -10,13 +10,13 @@ from typing import Literal
 import numpy as np
 
 from arena_core import LaserScan, OccupancyGrid
-from arena_kernels.compiled import Entered
+from arena_kernels.compiled import TypedDispatch
 from arena_kernels.grids import GridStack, stack_grids
-from arena_navigation.amcl.beams import Walls, look_of, measured_ranges, predicted, rays_of
-from arena_navigation.amcl.filter import Cloud, Resampling, filter_scan, filter_update_by_ranges
-from arena_navigation.amcl.motion import Motion
+from arena_navigation.amcl.beams import ExpectedWalls, measured_ranges, predict_ranges, rays_of, scan_layout
+from arena_navigation.amcl.filter import ParticleCloud, Resampling, filter_scan, filter_update_by_ranges
+from arena_navigation.amcl.motion import OdometryMotion
 from arena_navigation.amcl.ranges import Mixture, View
-from arena_navigation.amcl.sensor import Distances, Field, LikelihoodField
+from arena_navigation.amcl.sensor import Distances, LikelihoodField, LikelihoodTable
 from arena_navigation.amcl.skipping import NearMap, Skipping
 
 LaserModelType = Literal["beam", "likelihood_field", "likelihood_field_prob"]
@@ -47,49 +47,49 @@ class LaserModel:
     distances: Distances
     beam_weight: float
     skipping: BeamSkipping | None
-    _tables: tuple[OccupancyGrid, float, Field, Skipping] | None = None
-    _filter_scan: Callable[..., None] = field(default_factory=lambda: Entered(filter_scan))
+    _tables: tuple[OccupancyGrid, float, LikelihoodTable, Skipping] | None = None
+    _filter_scan: Callable[..., None] = field(default_factory=lambda: TypedDispatch(filter_scan))
 
     def update(
         self,
-        cloud: Cloud,
+        cloud: ParticleCloud,
         grid: OccupancyGrid,
-        motion: Motion,
+        motion: OdometryMotion,
         scan: LaserScan,
         limits: tuple[float, float],
-        walls: Walls,
+        walls: ExpectedWalls,
         resampling: Resampling,
         key: np.uint64,
         tick: int,
     ) -> None:
         """Run one update of the filter; ``limits`` are the shortest and the longest range, m."""
         if self.kind == "beam":
-            least = predicted(scan, walls) - walls.short_by if walls.short_by else 0.0
+            least = predict_ranges(scan, walls) - walls.short_by if walls.short_by else 0.0
             ranges, explained = measured_ranges(scan, *limits, least)
-            filter_update_by_ranges(cloud, motion, ranges, explained, self._view(grid, scan, limits[1]), resampling, key, tick)
+            filter_update_by_ranges(cloud, motion, ranges, explained, self._make_view(grid, scan, limits[1]), resampling, key, tick)
         else:
             ranges = np.ascontiguousarray(scan.ranges, np.float32)
             tables = self._tables_of(grid, limits[1])
-            self._filter_scan(cloud, motion, ranges, limits, walls, look_of(scan), *tables, resampling, key, tick)
+            self._filter_scan(cloud, motion, ranges, limits, walls, scan_layout(scan), *tables, resampling, key, tick)
 
-    def _tables_of(self, grid: OccupancyGrid, max_range: float) -> tuple[Field, Skipping]:
+    def _tables_of(self, grid: OccupancyGrid, max_range: float) -> tuple[LikelihoodTable, Skipping]:
         if self._tables is None or self._tables[0] is not grid or self._tables[1] != max_range:
-            self._tables = grid, max_range, grid.derive(self._field(max_range)), self._skipping(grid)
+            self._tables = grid, max_range, grid.derive(self._likelihood_field(max_range)), self._skipping_rule(grid)
         return self._tables[2:]
 
-    def _field(self, max_range: float) -> LikelihoodField:
+    def _likelihood_field(self, max_range: float) -> LikelihoodField:
         mixture, product = self.mixture, self.kind == "likelihood_field_prob"
         return LikelihoodField(
             product, mixture.z_hit, mixture.z_rand, mixture.sigma_hit, self.max_dist, self.distances, self.beam_weight, max_range
         )
 
-    def _skipping(self, grid: OccupancyGrid) -> Skipping:
+    def _skipping_rule(self, grid: OccupancyGrid) -> Skipping:
         if self.skipping is None:
             return KEEP_ALL
         near = grid.derive(NearMap(self.skipping.distance, self.distances))
         return Skipping(near, self.skipping.threshold, self.skipping.error_threshold)
 
-    def _view(self, grid: OccupancyGrid, scan: LaserScan, max_range: float) -> View:
+    def _make_view(self, grid: OccupancyGrid, scan: LaserScan, max_range: float) -> View:
         mount = float(scan.mount.x), float(scan.mount.y), float(scan.mount.theta)
         return View(grid.derive(own_frame), rays_of(scan, max_range), mount, self.mixture, _room(len(scan.ranges)))
 

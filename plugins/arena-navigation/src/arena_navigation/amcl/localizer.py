@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from arena_core import ConfigurationError, LaserScan, Localizer, OccupancyGrid, Pose, PoseEstimate, Robot, Sensors, wrap_angle
 from arena_kernels.grids import stack_grids
-from arena_navigation.amcl.beams import NO_WALLS, Walls, thinned
-from arena_navigation.amcl.filter import Recovery, Resampling, begin, cloud
+from arena_navigation.amcl.beams import NO_WALLS, ExpectedWalls, thin_scan
+from arena_navigation.amcl.filter import Recovery, Resampling, draw_particles, make_cloud
 from arena_navigation.amcl.laser import BeamSkipping, LaserModel
-from arena_navigation.amcl.motion import Alphas, motion
+from arena_navigation.amcl.motion import Alphas, odometry_motion
 from arena_navigation.amcl.odometry_history import OdometryHistory
 from arena_navigation.amcl.parameters import (
     BeamSkipParameters,
@@ -26,7 +26,7 @@ from arena_navigation.amcl.parameters import (
     UpdateParameters,
 )
 from arena_navigation.amcl.ranges import Mixture
-from arena_navigation.amcl.resampling import FreeSpace, Limits
+from arena_navigation.amcl.resampling import FreeSpace, ParticleLimits
 from arena_navigation.amcl.sensor import Distances
 
 NOWHERE = FreeSpace(np.zeros(1, np.int64), 1, 1.0)
@@ -49,7 +49,7 @@ class AmclLocalizer(Localizer):
         beam_skip: BeamSkipParameters,
         odom: OdomParameters,
     ) -> None:
-        self._limits = Limits(particles.min, particles.max, particles.kld_err, particles.kld_z, resample.independently)
+        self._limits = ParticleLimits(particles.min, particles.max, particles.kld_err, particles.kld_z, resample.independently)
         self._recovery = Recovery(recovery.alpha_slow, recovery.alpha_fast)
         self._update = update
         self._resample = resample
@@ -58,7 +58,7 @@ class AmclLocalizer(Localizer):
         self._laser = laser_model(laser, beam_skip)
         self._odometry_model = odom.model_type or ("omni-corrected" if robot.holonomic else "diff-corrected")
         self._alphas = Alphas(odom.alpha1, odom.alpha2, odom.alpha3, odom.alpha4, odom.alpha5)
-        self._cloud = cloud(particles.max, laser.max_beams)
+        self._cloud = make_cloud(particles.max, laser.max_beams)
 
     def reset(self, grid: OccupancyGrid | None, start: Pose, random: np.random.Generator) -> None:
         """Draw particles about ``start``; raise ConfigurationError in an unknown world."""
@@ -74,7 +74,7 @@ class AmclLocalizer(Localizer):
         self._filtered_odometry: Pose | None = None
         self._estimated_odometry: Pose | None = None
         believed = grid.origin.relative(start)
-        begin(self._cloud, believed.array(), _rotation(-grid.origin.theta) @ np.sqrt(self._initial_covariance), self._key)
+        draw_particles(self._cloud, believed.array(), _rotation_matrix(-grid.origin.theta) @ np.sqrt(self._initial_covariance), self._key)
         self._estimate, self._covariance = start, self._initial_covariance
 
     def update(self, sensors: Sensors) -> PoseEstimate:
@@ -83,51 +83,51 @@ class AmclLocalizer(Localizer):
         if self._filtered_odometry is None:
             self._filtered_odometry = self._estimated_odometry = self._history.at(sensors.stamp)
         if sensors.scan.stamp > self._filtered_at:
-            self._consider(sensors.scan, self._history.at(sensors.scan.stamp))
-        return PoseEstimate(self._carried_on(self._history.at(sensors.stamp)), self._covariance)
+            self._consider_scan(sensors.scan, self._history.at(sensors.scan.stamp))
+        return PoseEstimate(self._extrapolated_estimate(self._history.at(sensors.stamp)), self._covariance)
 
     @property
     def particles(self) -> NDArray[np.float64]:
         """Return the particles as rows of (x, y, theta) in ``map``, shape (N, 3)."""
-        poses = self._cloud.poses[:, : self._cloud.number[0]].T @ _rotation(self._grid.origin.theta).T + self._grid.origin.array()
+        poses = self._cloud.poses[:, : self._cloud.number[0]].T @ _rotation_matrix(self._grid.origin.theta).T + self._grid.origin.array()
         poses[:, 2] = wrap_angle(poses[:, 2])
         return poses
 
-    def _carried_on(self, odometry: Pose) -> Pose:
+    def _extrapolated_estimate(self, odometry: Pose) -> Pose:
         """Return the latest estimate, moved to where odometry says ``odometry``."""
         assert self._estimated_odometry is not None
         return self._estimate.compose(self._estimated_odometry.relative(odometry))
 
-    def _consider(self, scan: LaserScan, odometry: Pose) -> None:
+    def _consider_scan(self, scan: LaserScan, odometry: Pose) -> None:
         """Use a scan, seen when odometry said ``odometry``, if it is the first or the robot has moved enough since the last one."""
         assert self._filtered_odometry is not None
         displacement = self._filtered_odometry.relative(odometry)
         still = math.hypot(displacement.x, displacement.y) < self._update.min_d and abs(displacement.theta) < self._update.min_a
         if self._updates > 0 and still:
             return
-        if self._filter(scan, displacement, self._carried_on(odometry)):
+        if self._run_filter(scan, displacement, self._extrapolated_estimate(odometry)):
             self._estimated_odometry = odometry
         self._filtered_at, self._filtered_odometry = scan.stamp, odometry
 
-    def _filter(self, scan: LaserScan, displacement: Pose, believed: Pose) -> bool:
+    def _run_filter(self, scan: LaserScan, displacement: Pose, believed: Pose) -> bool:
         """Run one update of the filter, at ``believed`` so far, and take its estimate to ``map``; tell whether there is one."""
         laser, resample = self._parameters, self._resample
         max_range = float(scan.range_max if laser.max_range < 0.0 else min(laser.max_range, scan.range_max))
         min_range = float(scan.range_min if laser.min_range < 0.0 else laser.min_range)
-        thin = thinned(scan, laser.max_beams)
-        walls = self._walls(scan, believed)
+        thin = thin_scan(scan, laser.max_beams)
+        walls = self._expected_walls(scan, believed)
         self._updates += 1
         due = self._updates % resample.interval == 0
-        moved = motion(displacement, self._odometry_model, self._alphas)
+        moved = odometry_motion(displacement, self._odometry_model, self._alphas)
         resampling = Resampling(due, resample.estimate_after, self._limits, self._free, self._recovery)
         self._laser.update(self._cloud, self._grid, moved, thin, (min_range, max_range), walls, resampling, self._key, self._updates)
         if resample.estimate_after and not due:
             return False
         self._estimate = self._grid.origin.compose(Pose.of(self._cloud.mean))
-        self._covariance = _turned(self._cloud.covariance, self._grid.origin.theta)
+        self._covariance = _rotate_covariance(self._cloud.covariance, self._grid.origin.theta)
         return True
 
-    def _walls(self, scan: LaserScan, believed: Pose) -> Walls:
+    def _expected_walls(self, scan: LaserScan, believed: Pose) -> ExpectedWalls:
         """Return what the scan's beams are expected to hit, ``base_link`` at ``believed`` in ``map``.
 
         People shorten beams and never lengthen them (Fox, Burgard, Thrun, JAIR 11, 1999, call it a distance filter). The first scan is used
@@ -137,7 +137,7 @@ class AmclLocalizer(Localizer):
         if self._stack is None or short_by is None or self._updates == 0:
             return NO_WALLS
         sensor = believed.compose(scan.mount)
-        return Walls(self._stack, (sensor.x, sensor.y, sensor.theta), short_by)
+        return ExpectedWalls(self._stack, (sensor.x, sensor.y, sensor.theta), short_by)
 
 
 def laser_model(laser: LaserParameters, beam_skip: BeamSkipParameters) -> LaserModel:
@@ -163,13 +163,13 @@ def free_space(grid: OccupancyGrid) -> FreeSpace:
     return FreeSpace(cells.astype(np.int64), grid.data.shape[1], grid.resolution)
 
 
-def _turned(covariance: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
+def _rotate_covariance(covariance: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
     """Return the covariance over (x, y, theta), given in axes that are turned by ``angle``, in the axes that are not."""
-    rotation = _rotation(angle)
+    rotation = _rotation_matrix(angle)
     turned: NDArray[np.float64] = rotation @ covariance @ rotation.T
     return turned
 
 
-def _rotation(angle: float) -> NDArray[np.float64]:
+def _rotation_matrix(angle: float) -> NDArray[np.float64]:
     c, s = math.cos(angle), math.sin(angle)
     return np.array(((c, -s, 0.0), (s, c, 0.0), (0.0, 0.0, 1.0)))

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from arena_core import Pose
 from arena_kernels.compiled import borrowing
-from arena_kernels.random import normals
+from arena_kernels.random import fill_normals
 from arena_kernels.scalars import Integer
-from arena_navigation.amcl.directions import wrapped, write_directions
+from arena_navigation.amcl.directions import wrap_angle, write_directions
 
 OdometryModelType = Literal["diff", "omni", "diff-corrected", "omni-corrected"]
 
@@ -29,7 +29,7 @@ class Alphas(NamedTuple):
     strafe_from_translation: float
 
 
-class Motion(NamedTuple):
+class OdometryMotion(NamedTuple):
     """A displacement in three parts, each with its standard deviation: turn (rad), travel that way (m), turn again (rad).
 
     ``strafe_std`` is noise across the way travelled, m; it shares its draw with ``turn_std``, of which one is zero.
@@ -44,7 +44,7 @@ class Motion(NamedTuple):
     strafe_std: float
 
 
-def motion(displacement: Pose, model: OdometryModelType, alphas: Alphas) -> Motion:
+def odometry_motion(displacement: Pose, model: OdometryModelType, alphas: Alphas) -> OdometryMotion:
     """Return the motion that odometry reports as ``displacement`` (the new pose in the frame of the old one).
 
     Without ``-corrected`` the models are those of ROS 1, which takes the variance for a standard deviation, and in ``omni`` also
@@ -54,20 +54,20 @@ def motion(displacement: Pose, model: OdometryModelType, alphas: Alphas) -> Moti
         alphas = alphas._replace(
             rotation_from_rotation=alphas.translation_from_rotation, translation_from_rotation=alphas.rotation_from_rotation
         )
-    parts = _omni(displacement, alphas) if model.startswith("omni") else _diff(displacement, alphas)
+    parts = _omni_motion(displacement, alphas) if model.startswith("omni") else _diff_motion(displacement, alphas)
     if not model.endswith("-corrected"):
         return parts
-    return Motion(*parts[:3], *(math.sqrt(variance) for variance in parts[3:]))
+    return OdometryMotion(*parts[:3], *(math.sqrt(variance) for variance in parts[3:]))
 
 
-def _diff(displacement: Pose, alphas: Alphas) -> Motion:
+def _diff_motion(displacement: Pose, alphas: Alphas) -> OdometryMotion:
     """Decompose as Thrun, Burgard, Fox, Probabilistic Robotics, table 5.6; driving backwards is as noisy as forwards."""
     travel = math.hypot(displacement.x, displacement.y)
     turn = math.atan2(displacement.y, displacement.x) if travel >= SHORTEST_BEARING else 0.0
     turn_again = math.remainder(displacement.theta - turn, 2.0 * math.pi)
     first, second = _off_axis(turn) ** 2, _off_axis(turn_again) ** 2
     a1, a2, a3, a4, _ = alphas
-    return Motion(
+    return OdometryMotion(
         turn,
         travel,
         turn_again,
@@ -78,13 +78,13 @@ def _diff(displacement: Pose, alphas: Alphas) -> Motion:
     )
 
 
-def _omni(displacement: Pose, alphas: Alphas) -> Motion:
+def _omni_motion(displacement: Pose, alphas: Alphas) -> OdometryMotion:
     """Decompose into a travel in any direction and a rotation that does not depend on it (Nav2's omni model)."""
     travel = math.hypot(displacement.x, displacement.y)
     bearing = math.atan2(displacement.y, displacement.x)
     a1, a2, a3, a4, a5 = alphas
     turned = displacement.theta**2
-    return Motion(
+    return OdometryMotion(
         bearing,
         travel,
         displacement.theta - bearing,
@@ -101,11 +101,11 @@ def _off_axis(angle: float) -> float:
 
 
 @borrowing
-def move(
+def move_particles(
     poses: NDArray[np.float64],
     directions: NDArray[np.float64],
     count: int,
-    motion: Motion,
+    motion: OdometryMotion,
     key: np.uint64,
     tick: Integer,
     noise: NDArray[np.float64],
@@ -115,7 +115,7 @@ def move(
     The cosine and sine of its heading go to ``directions`` (2, P). ``noise`` is scratch space of 3 P. Headings stay in [-pi, pi].
     """
     draws = noise[: 3 * count]
-    normals(key, tick, draws)
+    fill_normals(key, tick, draws)
     for i in range(count):
         poses[2, i] += motion.turn + motion.turn_std * draws[3 * i]
     write_directions(poses[2], count, directions)
@@ -125,5 +125,5 @@ def move(
         strafe = motion.strafe_std * draws[3 * i]
         poses[0, i] += travel * c + strafe * s
         poses[1, i] += travel * s - strafe * c
-        poses[2, i] = wrapped(poses[2, i] + motion.turn_again + motion.turn_again_std * draws[3 * i + 2])
+        poses[2, i] = wrap_angle(poses[2, i] + motion.turn_again + motion.turn_again_std * draws[3 * i + 2])
     write_directions(poses[2], count, directions)

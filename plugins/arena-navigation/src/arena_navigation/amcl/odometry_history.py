@@ -25,7 +25,7 @@ class OdometryHistory:
         """Return the pose in ``odom`` at ``stamp``: between two messages on the straight line, after the last one along its twist."""
         last = self._messages[-1]
         if stamp >= last.stamp:
-            return _moved(last, stamp - last.stamp)
+            return _extrapolate_pose(last, stamp - last.stamp)
         later = bisect_right(self._messages, stamp, key=lambda message: message.stamp)
         if later == 0:
             return self._messages[0].pose
@@ -35,7 +35,7 @@ class OdometryHistory:
         return before.pose.compose(Pose(share * step.x, share * step.y, share * step.theta))
 
 
-def _moved(odometry: Odometry, duration: float) -> Pose:
+def _extrapolate_pose(odometry: Odometry, duration: float) -> Pose:
     """Return the pose ``duration`` s after a message, the twist held, the displacement along the mean heading."""
     if duration == 0.0:
         return odometry.pose

@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 from arena_kernels.compiled import borrowing
 from arena_kernels.random import uniform
 from arena_kernels.scalars import Integer
-from arena_navigation.amcl.histogram import Histogram, add, bin_key, clear
+from arena_navigation.amcl.histogram import Histogram, add_bin, bin_key, clear_bins
 
 GOLDEN_RATIO = 0.6180339887498949
 # First random index of each use within one filter update; numpy's integers, because each literal would be a type of its own to compile for.
 _SYSTEMATIC, _FIRST_POINT, _SCATTER, _DRAWS = np.int64(0), np.int64(1), np.int64(2), np.int64(1 << 40)
 
 
-class Limits(NamedTuple):
+class ParticleLimits(NamedTuple):
     """How many particles are allowed, and what the sample may miss of the distribution: ``kld_err``, with quantile ``kld_z``.
 
     Where they are drawn ``independently`` of one another, a single bin asks for the most, as in ROS amcl; else for the fewest.
@@ -39,7 +39,7 @@ class FreeSpace(NamedTuple):
 
 
 @borrowing
-def kld_bound(bins: Integer, limits: Limits) -> Integer:
+def kld_bound(bins: Integer, limits: ParticleLimits) -> Integer:
     """Return the number of particles for a distribution over ``bins`` bins, within the limits.
 
     Fox, Adapting the Sample Size in Particle Filters Through KLD-Sampling, IJRR 22, 2003, equation 7 (Wilson and Hilferty's
@@ -54,7 +54,7 @@ def kld_bound(bins: Integer, limits: Limits) -> Integer:
 
 
 @borrowing
-def accumulate(weights: NDArray[np.float64], count: Integer, cumulative: NDArray[np.float64]) -> None:
+def accumulate_weights(weights: NDArray[np.float64], count: Integer, cumulative: NDArray[np.float64]) -> None:
     """Write the running sum of normalised weights, the last one exactly 1."""
     total = 0.0
     for i in range(count):
@@ -64,7 +64,7 @@ def accumulate(weights: NDArray[np.float64], count: Integer, cumulative: NDArray
 
 
 @borrowing
-def systematic(cumulative: NDArray[np.float64], count: Integer, offset: float, chosen: NDArray[np.int32]) -> None:
+def resample_systematically(cumulative: NDArray[np.float64], count: Integer, offset: float, chosen: NDArray[np.int32]) -> None:
     """Choose ``len(chosen)`` of ``count`` particles at the points (k + offset) / len(chosen), one uniform number in all.
 
     Kitagawa, Monte Carlo Filter and Smoother, Journal of Computational and Graphical Statistics 5, 1996.
@@ -78,14 +78,14 @@ def systematic(cumulative: NDArray[np.float64], count: Integer, offset: float, c
 
 
 @borrowing
-def needed(
+def particles_needed(
     keys: NDArray[np.int64],
     cumulative: NDArray[np.float64],
     count: Integer,
     occupied: Integer,
     injection: float,
     free: FreeSpace,
-    limits: Limits,
+    limits: ParticleLimits,
     bins: Histogram,
     key: np.uint64,
     tick: Integer,
@@ -101,17 +101,17 @@ def needed(
     filled, drawn = np.int64(0), np.int64(0)
     enough: Integer = limits.min_particles
     while drawn < enough:
-        if scattered(key, tick, drawn, injection):
+        if is_scattered(key, tick, drawn, injection):
             x, y, theta = free_pose(free, key, tick, drawn)
             found = bin_key(x, y, theta)
         else:
             point = first + drawn * GOLDEN_RATIO
-            found = keys[_holder(cumulative, count, point - np.floor(point))]
+            found = keys[_particle_at(cumulative, count, point - np.floor(point))]
         drawn += 1
-        if add(bins, found, filled) == filled:
+        if add_bin(bins, found, filled) == filled:
             filled += 1
             enough = kld_bound(filled, limits)
-    clear(bins, filled)
+    clear_bins(bins, filled)
     return drawn
 
 
@@ -122,7 +122,7 @@ def draw_independently(
     count: Integer,
     injection: float,
     free: FreeSpace,
-    limits: Limits,
+    limits: ParticleLimits,
     bins: Histogram,
     key: np.uint64,
     tick: Integer,
@@ -135,21 +135,21 @@ def draw_independently(
     filled, drawn = np.int64(0), np.int64(0)
     enough: Integer = limits.max_particles
     while drawn <= enough and drawn < limits.max_particles:
-        chosen[drawn] = _holder(cumulative, count, uniform(key, tick, _DRAWS + drawn))
+        chosen[drawn] = _particle_at(cumulative, count, uniform(key, tick, _DRAWS + drawn))
         found = keys[chosen[drawn]]
-        if scattered(key, tick, drawn, injection):
+        if is_scattered(key, tick, drawn, injection):
             x, y, theta = free_pose(free, key, tick, drawn)
             found = bin_key(x, y, theta)
         drawn += 1
-        if add(bins, found, filled) == filled:
+        if add_bin(bins, found, filled) == filled:
             filled += 1
             enough = kld_bound(filled, limits)
-    clear(bins, filled)
+    clear_bins(bins, filled)
     return drawn
 
 
 @borrowing
-def _holder(cumulative: NDArray[np.float64], count: Integer, point: float) -> Integer:
+def _particle_at(cumulative: NDArray[np.float64], count: Integer, point: float) -> Integer:
     """Return which particle's share of the running sum holds ``point``."""
     low, high = 0, count - 1
     while low < high:
@@ -162,7 +162,7 @@ def _holder(cumulative: NDArray[np.float64], count: Integer, point: float) -> In
 
 
 @borrowing
-def scattered(key: np.uint64, tick: Integer, i: Integer, injection: float) -> bool:
+def is_scattered(key: np.uint64, tick: Integer, i: Integer, injection: float) -> bool:
     """Tell whether particle ``i`` is one of the share ``injection`` that is placed at random."""
     return bool(injection > 0.0 and uniform(key, tick, _SCATTER + 5 * i) < injection)
 
@@ -178,6 +178,6 @@ def free_pose(free: FreeSpace, key: np.uint64, tick: Integer, i: Integer) -> tup
 
 
 @borrowing
-def offset(key: np.uint64, tick: Integer) -> float:
-    """Return this filter update's random number for ``systematic``."""
+def resampling_offset(key: np.uint64, tick: Integer) -> float:
+    """Return this filter update's random number for ``resample_systematically``."""
     return uniform(key, tick, _SYSTEMATIC)

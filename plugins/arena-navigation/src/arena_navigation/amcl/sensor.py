@@ -27,7 +27,7 @@ class Distances(NamedTuple):
     hollow: bool
 
 
-class Field(NamedTuple):
+class LikelihoodTable(NamedTuple):
     """What a beam that ends in a cell adds to a particle's score: a padded table, flat, of ``rows`` by ``columns``.
 
     Its rim stands for all outside. The scores of beams are added; ``product`` tells whether they are logarithms.
@@ -57,13 +57,13 @@ class LikelihoodField:
     beam_weight: float
     max_range: float
 
-    def __call__(self, grid: OccupancyGrid) -> Field:
+    def __call__(self, grid: OccupancyGrid) -> LikelihoodTable:
         """Return the field of ``grid``."""
         distance = np.pad(np.minimum(distances_to(grid, self.distances), self.max_dist), 1, constant_values=self.max_dist)
         likelihood = self.z_hit * np.exp(-0.5 * np.square(distance / self.sigma_hit)) + self.z_rand / self.max_range
         table = self.beam_weight * np.log(likelihood) if self.product else likelihood**3
         rows, columns = table.shape
-        return Field(table.astype(np.float32).ravel(), rows, columns, 1.0 / grid.resolution, self.product)
+        return LikelihoodTable(table.astype(np.float32).ravel(), rows, columns, 1.0 / grid.resolution, self.product)
 
 
 def distances_to(grid: OccupancyGrid, distances: Distances) -> FloatTable:
@@ -94,7 +94,7 @@ def write_cells(
     i: Integer,
     beams: FloatTable,
     number: Integer,
-    field: Field,
+    field: LikelihoodTable,
     cells: NDArray[np.int32],
 ) -> None:
     """Write in which cells of the field the first ``number`` beams end, seen from particle ``i``."""
@@ -112,13 +112,13 @@ def write_cells(
 
 
 @borrowing
-def match(
+def match_endpoints(
     poses: NDArray[np.float64],
     directions: NDArray[np.float64],
     count: Integer,
     beams: FloatTable,
     number: Integer,
-    field: Field,
+    field: LikelihoodTable,
     cells: NDArray[np.int32],
     scores: NDArray[np.float64],
 ) -> None:
@@ -143,7 +143,7 @@ def match(
 
 
 @borrowing
-def reweigh(weights: NDArray[np.float64], count: Integer, scores: NDArray[np.float64], beams: Integer, product: bool) -> float:
+def update_weights(weights: NDArray[np.float64], count: Integer, scores: NDArray[np.float64], beams: Integer, product: bool) -> float:
     """Multiply the weights by what the scores stand for, normalise them, and return how well a beam fits under the old weights.
 
     That mean is taken per beam, unlike in ROS: a scan of which fewer beams hit anything is no sign of being lost.

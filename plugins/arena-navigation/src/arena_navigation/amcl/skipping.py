@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from arena_core import OccupancyGrid
 from arena_kernels.compiled import borrowing
 from arena_kernels.scalars import Integer
-from arena_navigation.amcl.sensor import Distances, Field, distances_to, write_cells
+from arena_navigation.amcl.sensor import Distances, LikelihoodTable, distances_to, write_cells
 
 CONVERGED = 0.5  # m; particles that are all so near to their mean, along either axis, agree on one place (ROS amcl)
 
@@ -47,7 +47,7 @@ def skip_beams(
     directions: NDArray[np.float64],
     count: Integer,
     beams: NDArray[np.float32],
-    field: Field,
+    field: LikelihoodTable,
     skipping: Skipping,
     cells: NDArray[np.int32],
     fitting: NDArray[np.int32],
@@ -57,7 +57,7 @@ def skip_beams(
     Particles that are scattered keep all. ``cells`` and ``fitting`` are scratch space of B.
     """
     number: Integer = beams.shape[1]
-    if len(skipping.near) == 0 or not converged(poses, count):
+    if len(skipping.near) == 0 or not has_converged(poses, count):
         return number
     _count_fitting(poses, directions, count, beams, field, skipping.near, cells, fitting)
     kept: Integer = np.int64(0)
@@ -74,7 +74,7 @@ def skip_beams(
 
 
 @borrowing
-def converged(poses: NDArray[np.float64], count: Integer) -> bool:
+def has_converged(poses: NDArray[np.float64], count: Integer) -> bool:
     """Tell whether all of ``count`` particles (3, P) are within ``CONVERGED`` of their mean, along either axis."""
     x, y = 0.0, 0.0
     for i in range(count):
@@ -92,7 +92,7 @@ def _count_fitting(
     directions: NDArray[np.float64],
     count: Integer,
     beams: NDArray[np.float32],
-    field: Field,
+    field: LikelihoodTable,
     near: NDArray[np.uint8],
     cells: NDArray[np.int32],
     fitting: NDArray[np.int32],

@@ -9,17 +9,17 @@ from numpy.typing import NDArray
 
 from arena_core import FREE, OCCUPIED, OccupancyGrid, Pose
 from arena_kernels.distance import grid_distance
-from arena_navigation.local_map.evidence import Evidence, weigh
-from arena_navigation.local_map.marks import NEVER, Beams, Reach
+from arena_navigation.local_map.log_odds import LogOddsUpdate, update_log_odds
+from arena_navigation.local_map.marks import NEVER, MarkingRange, PlacedScan
 
 _GROWTH = 5.0  # m by which the map grows beyond what is needed
 _RIM = 1.0  # m of free plane around a goal
 
 
-class SeenMap:
+class ScanMap:
     """A map of all cells that more speaks for than against; it grows with what it has to hold. Cells never hit are free."""
 
-    def __init__(self, resolution: float, reach: Reach, evidence: Evidence) -> None:
+    def __init__(self, resolution: float, reach: MarkingRange, evidence: LogOddsUpdate) -> None:
         self._resolution = resolution
         self._reach = reach
         self._evidence = evidence
@@ -27,21 +27,21 @@ class SeenMap:
         self._hit_at = np.empty((0, 0), np.float32)
         self._odds = np.empty((0, 0), np.float32)
 
-    def update(self, beams: Beams) -> None:
+    def update(self, beams: PlacedScan) -> None:
         """Take in one scan."""
-        self._hold(beams.sensor[0], beams.sensor[1], min(self._reach.marking, beams.range_max))
-        weigh(self._odds, self._hit_at, *self._corner, self._resolution, beams, self._reach, self._evidence)
+        self._grow_to_hold(beams.sensor[0], beams.sensor[1], min(self._reach.marking, beams.range_max))
+        update_log_odds(self._odds, self._hit_at, *self._corner, self._resolution, beams, self._reach, self._evidence)
 
     def grid(self, goal: Pose) -> OccupancyGrid:
         """Return the map as it is now, grown to hold ``goal``."""
-        self._hold(goal.x, goal.y, _RIM)
+        self._grow_to_hold(goal.x, goal.y, _RIM)
         data = np.where(self._odds > 0.0, OCCUPIED, FREE).astype(np.int8)
         return OccupancyGrid(data, self._resolution, Pose(self._corner[1] * self._resolution, self._corner[0] * self._resolution))
 
-    def _hold(self, x: float, y: float, around: float) -> None:
+    def _grow_to_hold(self, x: float, y: float, around: float) -> None:
         """Grow, if needed, so that all within ``around`` m of (x, y) is inside."""
-        low = _cells((y - around, x - around), self._resolution)
-        high = _cells((y + around, x + around), self._resolution) + 1
+        low = _cell_index((y - around, x - around), self._resolution)
+        high = _cell_index((y + around, x + around), self._resolution) + 1
         corner, size = np.array(self._corner), np.array(self._hit_at.shape)
         if self._hit_at.size == 0:
             corner = low
@@ -50,11 +50,11 @@ class SeenMap:
         margin = math.ceil(_GROWTH / self._resolution)
         new_corner = np.where(low < corner, low - margin, corner)
         new_end = np.where(high > corner + size, high + margin, corner + size)
-        self._hit_at, self._odds = (_grown(cells, new_end - new_corner, corner - new_corner) for cells in (self._hit_at, self._odds))
+        self._hit_at, self._odds = (_grow_cells(cells, new_end - new_corner, corner - new_corner) for cells in (self._hit_at, self._odds))
         self._corner = int(new_corner[0]), int(new_corner[1])
 
 
-def _grown(cells: NDArray[np.float32], shape: NDArray[np.int64], place: NDArray[np.int64]) -> NDArray[np.float32]:
+def _grow_cells(cells: NDArray[np.float32], shape: NDArray[np.int64], place: NDArray[np.int64]) -> NDArray[np.float32]:
     """Return cells (H, W) at ``place`` (row, column) of a larger array that is otherwise NEVER."""
     grown = np.full(shape, NEVER, np.float32)
     grown[place[0] : place[0] + cells.shape[0], place[1] : place[1] + cells.shape[1]] = cells
@@ -79,5 +79,5 @@ def with_marks(grid: OccupancyGrid, cells: NDArray[np.int64], resolution: float,
     return OccupancyGrid(data, grid.resolution, grid.origin, grid.occupied_from)
 
 
-def _cells(position_yx: tuple[float, float], resolution: float) -> NDArray[np.int64]:
+def _cell_index(position_yx: tuple[float, float], resolution: float) -> NDArray[np.int64]:
     return np.floor(np.array(position_yx) / resolution).astype(np.int64)

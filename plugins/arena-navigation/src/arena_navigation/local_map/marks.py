@@ -19,7 +19,7 @@ NEVER = np.float32(-np.inf)
 HIT_NOW = np.float32(-1.0)  # while a scan is taken in: stamps are never below 0
 
 
-class Reach(NamedTuple):
+class MarkingRange(NamedTuple):
     """How far beams count, m: hits up to ``marking``, free space up to ``clearing``; and what is forgotten.
 
     Hits within ``body`` of the robot's centre are its own and do not count. Marks that were not hit again for ``forget_after`` s go.
@@ -31,7 +31,7 @@ class Reach(NamedTuple):
     forget_after: float
 
 
-class Beams(NamedTuple):
+class PlacedScan(NamedTuple):
     """A scan in ``map``: the sensor's and the robot's pose (x, y, heading), and the scan's own figures."""
 
     ranges: NDArray[np.float32]
@@ -44,10 +44,10 @@ class Beams(NamedTuple):
     robot: tuple[float, float]
 
     @staticmethod
-    def of(scan: LaserScan, pose: Pose) -> Beams:
+    def of(scan: LaserScan, pose: Pose) -> PlacedScan:
         """Place a scan that was taken from ``pose`` (base_link in ``map``)."""
         sensor = pose.compose(scan.mount)
-        return Beams(
+        return PlacedScan(
             np.ascontiguousarray(scan.ranges, np.float32),
             float(scan.angle_min),
             float(scan.angle_increment),
@@ -60,12 +60,12 @@ class Beams(NamedTuple):
 
 
 @borrowing
-def take_in(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: Beams, reach: Reach) -> None:
+def update_marks(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: PlacedScan, reach: MarkingRange) -> None:
     """Forget, clear and mark: what is hit now stays. So it is marked first, as below 0, and need not be looked at to be cleared."""
     oldest = np.float32(beams.stamp - reach.forget_after)
     now = np.float32(beams.stamp)
-    _mark(hit_at, row0, column0, resolution, beams, reach, HIT_NOW)
-    _clear(hit_at, row0, column0, resolution, beams, reach, oldest)
+    _mark_cells(hit_at, row0, column0, resolution, beams, reach, HIT_NOW)
+    _clear_marks(hit_at, row0, column0, resolution, beams, reach, oldest)
     hits = hit_at.reshape(-1)
     for i in range(len(hits)):
         kept = NEVER if hits[i] < oldest else hits[i]
@@ -73,7 +73,9 @@ def take_in(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: fl
 
 
 @borrowing
-def _clear(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: Beams, reach: Reach, oldest: np.float32) -> None:
+def _clear_marks(
+    hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: PlacedScan, reach: MarkingRange, oldest: np.float32
+) -> None:
     """Clear marks under the robot, and those that a beam passes; not those that are too old to stay anyway.
 
     Instead of following every beam through all its cells, look up for each marked cell, of which there are few, the beams that
@@ -96,7 +98,7 @@ def _clear(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: flo
 
 
 @borrowing
-def seen_through(dx: float, dy: float, radius: float, beams: Beams, clearing: float) -> bool:
+def seen_through(dx: float, dy: float, radius: float, beams: PlacedScan, clearing: float) -> bool:
     """Tell whether a beam crosses the disc of ``radius`` at (dx, dy) from the sensor and ends behind it."""
     away = math.hypot(dx, dy)
     if away <= radius or away + radius > min(clearing, beams.range_max):
@@ -114,13 +116,15 @@ def seen_through(dx: float, dy: float, radius: float, beams: Beams, clearing: fl
 
 
 @borrowing
-def mark(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: Beams, reach: Reach) -> None:
+def mark_hits(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: PlacedScan, reach: MarkingRange) -> None:
     """Note the stamp in the cell behind every beam's end."""
-    _mark(hit_at, row0, column0, resolution, beams, reach, np.float32(beams.stamp))
+    _mark_cells(hit_at, row0, column0, resolution, beams, reach, np.float32(beams.stamp))
 
 
 @borrowing
-def _mark(hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: Beams, reach: Reach, note: np.float32) -> None:
+def _mark_cells(
+    hit_at: NDArray[np.float32], row0: int, column0: int, resolution: float, beams: PlacedScan, reach: MarkingRange, note: np.float32
+) -> None:
     """Write a note to the cell behind every beam's end.
 
     A beam ends on a surface, which often is the very edge of a cell: half a cell farther lies what it belongs to.

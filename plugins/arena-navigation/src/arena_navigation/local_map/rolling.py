@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from arena_core import Costmap, LaserScan, LocalMap, OccupancyGrid, Pose, Robot, Window
 from arena_core.parameters import NonNegative, Positive
-from arena_kernels.compiled import Entered
-from arena_navigation.local_map.evidence import Evidence
-from arena_navigation.local_map.mapping import SeenMap, with_marks
-from arena_navigation.local_map.marks import NEVER, Beams, Reach
-from arena_navigation.local_map.window import MapLayer, blocked_way, costs_of, covered_cells, moved_on
+from arena_kernels.compiled import TypedDispatch
+from arena_navigation.local_map.log_odds import LogOddsUpdate
+from arena_navigation.local_map.mapping import ScanMap, with_marks
+from arena_navigation.local_map.marks import NEVER, MarkingRange, PlacedScan
+from arena_navigation.local_map.window import MapLayer, costs_of, covered_cells, is_path_blocked, move_window
 from arena_navigation.planning.inflation import Inflation
 
 Floats = NDArray[np.float64]
@@ -39,25 +39,29 @@ class RollingMap(LocalMap):
         use_map: bool,
         forget_after: Positive | None,
         mapping_range: Positive,
-        evidence: Evidence,
+        evidence: LogOddsUpdate,
     ) -> None:
         inscribed = robot.footprint.inscribed_radius
         self._cells = max(1, math.ceil(size / resolution - 1e-9))
         self._resolution = resolution
-        self._reach = Reach(obstacle_range, raytrace_range, inscribed, math.inf if forget_after is None else forget_after)
-        self._mapping_reach = Reach(mapping_range, mapping_range, inscribed, math.inf)
+        self._reach = MarkingRange(obstacle_range, raytrace_range, inscribed, math.inf if forget_after is None else forget_after)
+        self._mapping_reach = MarkingRange(mapping_range, mapping_range, inscribed, math.inf)
         self._evidence = evidence
         self._table = Inflation(inscribed, inflation_radius, cost_scaling_factor).table(resolution)
         self._use_map = use_map
         self._body = covered_cells(self._table)
-        self._moved_on, self._costs_of, self._blocked_way = Entered(moved_on), Entered(costs_of), Entered(blocked_way)
+        self._moved_on, self._costs_of, self._blocked_way = (
+            TypedDispatch(move_window),
+            TypedDispatch(costs_of),
+            TypedDispatch(is_path_blocked),
+        )
         self.reset(None)
 
     def reset(self, grid: OccupancyGrid | None) -> None:
         """Begin an episode with no marks."""
         self._grid = grid
         self._layer = MapLayer.of(grid if self._use_map else None, self._resolution)
-        self._seen = SeenMap(self._resolution, self._mapping_reach, self._evidence) if grid is None else None
+        self._seen = ScanMap(self._resolution, self._mapping_reach, self._evidence) if grid is None else None
         self._corner = (0, 0)  # of the window, in cells: row, column
         self._hit_at = np.full((self._cells, self._cells), NEVER, np.float32)
         self._static = np.zeros((self._cells, self._cells), np.uint8)
@@ -69,11 +73,11 @@ class RollingMap(LocalMap):
 
     def take_in(self, scan: LaserScan, pose: Pose) -> Window:
         """Take in one scan; costs and distances of the window around ``pose`` are computed when somebody asks for them."""
-        beams = Beams.of(scan, pose)
+        beams = PlacedScan.of(scan, pose)
         self._move_to(pose, beams)
         if self._seen is not None:
             self._seen.update(beams)
-        return _RollingWindow(self._costmap, self._is_blocked)
+        return _RollingWindow(self._make_costmap, self._is_blocked)
 
     def clear(self, pose: Pose, beyond: float) -> None:
         """Forget the window's marks that are at least ``beyond`` m from ``pose``."""
@@ -90,7 +94,7 @@ class RollingMap(LocalMap):
         rows, columns = np.nonzero(self._hit_at > NEVER)
         return with_marks(self._grid, np.stack((columns, rows), axis=1) + self._corner[::-1], self._resolution, all_marks)
 
-    def _move_to(self, pose: Pose, beams: Beams) -> None:
+    def _move_to(self, pose: Pose, beams: PlacedScan) -> None:
         """Centre the window on the robot's cell and take in a scan; cells that come into it take their static part from the map."""
         half = self._cells // 2
         corner = math.floor(pose.y / self._resolution) - half, math.floor(pose.x / self._resolution) - half
@@ -98,7 +102,7 @@ class RollingMap(LocalMap):
         self._moved_on(self._hit_at, self._static, moved, corner, self._placed, self._layer, beams, self._reach)
         self._corner, self._placed = corner, True
 
-    def _costmap(self) -> Costmap:
+    def _make_costmap(self) -> Costmap:
         costs, distance = self._costs_of(self._hit_at, self._static, self._resolution, self._table)
         return Costmap(costs, distance, self._resolution, np.array(self._corner[::-1]) * self._resolution)
 

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from arena_core import INSCRIBED, OccupancyGrid
 from arena_kernels.compiled import borrowing, compiled, inner
 from arena_kernels.distance import write_distances
-from arena_navigation.local_map.marks import NEVER, Beams, Reach, take_in
-from arena_navigation.planning.inflation import inflate
+from arena_navigation.local_map.marks import NEVER, MarkingRange, PlacedScan, update_marks
+from arena_navigation.planning.inflation import inflate_costs
 
 
 class MapLayer(NamedTuple):
@@ -53,15 +53,15 @@ def covered_cells(table: NDArray[np.uint8]) -> NDArray[np.int64]:
 
 
 @borrowing
-def moved_on(
+def move_window(
     hit_at: NDArray[np.float32],
     static: NDArray[np.uint8],
     moved: tuple[int, int],
     corner: tuple[int, int],
     keep: bool,
     layer: MapLayer,
-    beams: Beams,
-    reach: Reach,
+    beams: PlacedScan,
+    reach: MarkingRange,
 ) -> None:
     """Move the window, in place, by so many rows and columns to its new ``corner``, and take in a scan.
 
@@ -71,17 +71,17 @@ def moved_on(
     down, left = moved if keep else (rows, columns)
     if down != 0 or left != 0:
         first, end = max(-left, 0), max(min(columns - left, columns), 0)  # the columns of which the window kept something
-        _shift(hit_at.reshape(-1), down * columns + left)  # as one row: what wraps round is new, and looked up
-        _shift(static.reshape(-1), down * columns + left)
+        _shift_values(hit_at.reshape(-1), down * columns + left)  # as one row: what wraps round is new, and looked up
+        _shift_values(static.reshape(-1), down * columns + left)
         for row in range(rows):
             known = 0 <= row + down < rows and first < end
-            _look_up(hit_at, static, layer, corner, row, 0, first if known else columns)
-            _look_up(hit_at, static, layer, corner, row, end if known else columns, columns)
-    take_in(hit_at, corner[0], corner[1], layer.window_resolution, beams, reach)
+            _read_static_cells(hit_at, static, layer, corner, row, 0, first if known else columns)
+            _read_static_cells(hit_at, static, layer, corner, row, end if known else columns, columns)
+    update_marks(hit_at, corner[0], corner[1], layer.window_resolution, beams, reach)
 
 
 @inner
-def _shift(values: NDArray[Any], by: int) -> None:
+def _shift_values(values: NDArray[Any], by: int) -> None:
     """Move ``values`` (K,) so that the first is what was at ``by``; those at the other end stay."""
     count = len(values) - abs(by)
     if by >= 0:
@@ -93,7 +93,7 @@ def _shift(values: NDArray[Any], by: int) -> None:
 
 
 @inner
-def _look_up(
+def _read_static_cells(
     hit_at: NDArray[np.float32], static: NDArray[np.uint8], layer: MapLayer, corner: tuple[int, int], row: int, first: int, end: int
 ) -> None:
     """Take the cells ``first`` to ``end`` of a row, which are new, from the map."""
@@ -127,11 +127,11 @@ def costs_of(
     """Return costs (H, W) and distances (H, W), m, of the window."""
     distance = np.empty(hit_at.shape, np.float32)
     write_distances(blocked_cells(hit_at, static), resolution, distance)
-    return inflate(distance, resolution, table), distance
+    return inflate_costs(distance, resolution, table), distance
 
 
 @borrowing
-def blocked_way(
+def is_path_blocked(
     hit_at: NDArray[np.float32],
     static: NDArray[np.uint8],
     corner: tuple[int, int],

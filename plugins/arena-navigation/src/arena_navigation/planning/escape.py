@@ -15,7 +15,7 @@ from arena_navigation.planning.search import DIAGONAL, STRAIGHT, Cell
 _MOVES = [(row, column) for row in (-1, 0, 1) for column in (-1, 0, 1) if row or column]
 
 
-def ways_out(costs: NDArray[np.uint8], start: Cell, reach: int) -> list[list[Cell]]:
+def escape_paths(costs: NDArray[np.uint8], start: Cell, reach: int) -> list[list[Cell]]:
     """Return the ways from ``start`` through inscribed cells to free ones, shortest first; each holds both its ends.
 
     A start that is free itself is its own way out. Only ways that stay within ``reach`` cells of the start are looked for.
@@ -29,21 +29,21 @@ def ways_out(costs: NDArray[np.uint8], start: Cell, reach: int) -> list[list[Cel
             continue
         came_from[cell] = previous
         if costs[cell] < INSCRIBED:
-            ways.append(_chain(came_from, cell))
+            ways.append(_trace_chain(came_from, cell))
             continue
         for row, column in _MOVES:
             neighbour = cell[0] + row, cell[1] + column
             near = max(abs(neighbour[0] - start[0]), abs(neighbour[1] - start[1])) <= reach
-            if near and all(_passable(costs, beside) for beside in (neighbour, (cell[0], neighbour[1]), (neighbour[0], cell[1]))):
+            if near and all(_is_passable(costs, beside) for beside in (neighbour, (cell[0], neighbour[1]), (neighbour[0], cell[1]))):
                 heapq.heappush(queue, (length + (DIAGONAL if row and column else STRAIGHT), neighbour, cell))
     return ways
 
 
-def _passable(costs: NDArray[np.uint8], cell: Cell) -> bool:
+def _is_passable(costs: NDArray[np.uint8], cell: Cell) -> bool:
     return 0 <= cell[0] < costs.shape[0] and 0 <= cell[1] < costs.shape[1] and bool(costs[cell] < LETHAL)
 
 
-def _chain(came_from: dict[Cell, Cell], end: Cell) -> list[Cell]:
+def _trace_chain(came_from: dict[Cell, Cell], end: Cell) -> list[Cell]:
     chain = [end]
     while came_from[chain[-1]] != chain[-1]:
         chain.append(came_from[chain[-1]])

@@ -58,7 +58,7 @@ class InflatedCosts:
 
     def __call__(self, grid: OccupancyGrid) -> NDArray[np.uint8]:
         """Return the cost of every cell, shape (H, W), read-only."""
-        costs = inflate(grid.derive(grid_distance), grid.resolution, self.inflation.table(grid.resolution))
+        costs = inflate_costs(grid.derive(grid_distance), grid.resolution, self.inflation.table(grid.resolution))
         if not self.allow_unknown:
             costs[grid.data == UNKNOWN] = NO_INFORMATION
         costs.flags.writeable = False
@@ -66,7 +66,7 @@ class InflatedCosts:
 
 
 @compiled
-def inflate(distance: NDArray[np.float32], resolution: float, table: NDArray[np.uint8]) -> NDArray[np.uint8]:
+def inflate_costs(distance: NDArray[np.float32], resolution: float, table: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """Look up the cost of each distance (H, W), m, in the table of ``Inflation.table``."""
     rows, columns = distance.shape
     costs = np.empty((rows, columns), np.uint8)

@@ -35,7 +35,7 @@ class Progress(NamedTuple):
 
 
 @compiled
-def follow(progress: Progress, k: int, path: FloatArray, robot: FloatArray, stamp: float) -> bool:
+def follow_path(progress: Progress, k: int, path: FloatArray, robot: FloatArray, stamp: float) -> bool:
     """Move robot k's place to the nearest pose not far ahead; return True if the path is a new one."""
     sum_x, sum_y = 0.0, 0.0
     for i in range(len(path)):
@@ -46,7 +46,7 @@ def follow(progress: Progress, k: int, path: FloatArray, robot: FloatArray, stam
         progress.paths[k, 0], progress.paths[k, 1], progress.paths[k, 2] = len(path), sum_x, sum_y
         progress.place[k], progress.travelled[k] = 0, 0.0
         progress.advance[k], progress.since[k] = -math.inf, stamp
-    joins_later = not same and distance(path, 0, robot) > _LOOK_AHEAD
+    joins_later = not same and distance_to_pose(path, 0, robot) > _LOOK_AHEAD
     _move_to_nearest(progress, k, path, robot, math.inf if joins_later else _LOOK_AHEAD)
     return not same
 
@@ -54,33 +54,33 @@ def follow(progress: Progress, k: int, path: FloatArray, robot: FloatArray, stam
 @compiled
 def _move_to_nearest(progress: Progress, k: int, path: FloatArray, robot: FloatArray, look_ahead: float) -> None:
     i = progress.place[k]
-    nearest = distance(path, i, robot)
+    nearest = distance_to_pose(path, i, robot)
     way = 0.0
     start = progress.travelled[k]
     while i + 1 < len(path) and way < look_ahead:
         i += 1
         way += math.hypot(path[i, 0] - path[i - 1, 0], path[i, 1] - path[i - 1, 1])
-        away = distance(path, i, robot)
+        away = distance_to_pose(path, i, robot)
         if away < nearest:
             nearest = away
             progress.place[k], progress.travelled[k] = i, start + way
 
 
 @compiled
-def distance(path: FloatArray, i: int, robot: FloatArray) -> float:
+def distance_to_pose(path: FloatArray, i: int, robot: FloatArray) -> float:
     """Return the distance of the robot from pose i, m."""
     return math.hypot(path[i, 0] - robot[0], path[i, 1] - robot[1])
 
 
 @compiled
-def in_time(progress: Progress, k: int, path: FloatArray, robot: FloatArray, stamp: float, t_lim: float, min_progress: float) -> bool:
+def is_on_time(progress: Progress, k: int, path: FloatArray, robot: FloatArray, stamp: float, t_lim: float, min_progress: float) -> bool:
     """Tell whether robot k has come ``min_progress`` m farther along its path, or nearer to it, within ``t_lim`` s.
 
     After False the clock starts anew: a path that is kept is not complained about at every step.
     """
     place = progress.place[k]
     dx, dy = robot[0] - path[place, 0], robot[1] - path[place, 1]
-    along, beside = _rotated(dx, dy, path[place, 2])
+    along, beside = _rotate_vector(dx, dy, path[place, 2])
     advance = progress.travelled[k] + along - abs(beside)
     late = stamp - progress.since[k] >= t_lim - 1e-9
     if advance >= progress.advance[k] + min_progress:
@@ -92,7 +92,7 @@ def in_time(progress: Progress, k: int, path: FloatArray, robot: FloatArray, sta
 
 
 @compiled
-def _rotated(x: float, y: float, heading: float) -> tuple[float, float]:
+def _rotate_vector(x: float, y: float, heading: float) -> tuple[float, float]:
     """Return the components of (x, y) along ``heading`` and to its left."""
     c, s = math.cos(heading), math.sin(heading)
     return c * x + s * y, c * y - s * x

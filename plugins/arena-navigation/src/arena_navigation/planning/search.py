@@ -90,22 +90,22 @@ class CostToGo:
             padded.ravel(), padded.shape[1], straight, diagonal, togo, np.zeros(padded.size, np.uint8), np.array(anchor, np.int64) + 1
         )
         self._queue = _new_queue(int(diagonal[INSCRIBED - 1]))
-        _begin(self._field, self._queue, self._index(goal))
+        _queue_goal(self._field, self._queue, self._cell_index(goal))
 
     def __call__(self, cell: Cell) -> float:
         """Return the cost from ``cell`` to the goal in free straight moves, inf when there is no way."""
-        index = self._index(cell)
-        while not _expand(self._field, self._queue, index):
+        index = self._cell_index(cell)
+        while not _expand_until(self._field, self._queue, index):
             self._queue = self._queue.doubled()
         togo = int(self._field.togo[index])
         return togo / STRAIGHT if 0 <= togo < UNREACHED else float("inf")
 
     def cells_from(self, cell: Cell) -> NDArray[np.int64]:
         """Return the cheapest way from ``cell`` to the goal, both included, (K, 2) of row and column; ``cell`` must have one."""
-        flat = _descend(self._field, self._index(cell))
+        flat = _trace_path(self._field, self._cell_index(cell))
         return np.stack(np.divmod(flat, self._field.width), axis=1) - 1
 
-    def _index(self, cell: Cell) -> int:
+    def _cell_index(self, cell: Cell) -> int:
         return (cell[0] + 1) * self._field.width + cell[1] + 1
 
 
@@ -117,30 +117,30 @@ def _new_queue(dearest: int) -> _Queue:
 
 
 @compiled
-def _estimate(row: int, column: int, anchor: NDArray[np.int64]) -> int:
+def _octile_distance(row: int, column: int, anchor: NDArray[np.int64]) -> int:
     """Return the octile distance to the anchor, the least that any way there can cost."""
     rows, columns = abs(row - anchor[0]), abs(column - anchor[1])
     return int(STRAIGHT * max(rows, columns) + (DIAGONAL - STRAIGHT) * min(rows, columns))
 
 
 @compiled
-def _level(field: _Field, cell: int, togo: int) -> int:
+def _bucket_level(field: _Field, cell: int, togo: int) -> int:
     """Return the bucket level of the least total cost of a way through ``cell``."""
-    return (togo + _estimate(cell // field.width, cell % field.width, field.anchor)) >> _BUCKET_BITS
+    return (togo + _octile_distance(cell // field.width, cell % field.width, field.anchor)) >> _BUCKET_BITS
 
 
 @compiled
-def _begin(field: _Field, queue: _Queue, goal: int) -> None:
+def _queue_goal(field: _Field, queue: _Queue, goal: int) -> None:
     """Queue the goal, unless it is blocked."""
     if field.togo[goal] == BLOCKED:
         return
     field.togo[goal] = 0
-    queue.state[LEVEL] = _level(field, goal, 0)
-    _push(queue, goal, queue.state[LEVEL])
+    queue.state[LEVEL] = _bucket_level(field, goal, 0)
+    _push_cell(queue, goal, queue.state[LEVEL])
 
 
 @compiled
-def _push(queue: _Queue, cell: int, level: int) -> None:
+def _push_cell(queue: _Queue, cell: int, level: int) -> None:
     state = queue.state
     entry = state[FREE]
     if entry >= 0:
@@ -156,7 +156,7 @@ def _push(queue: _Queue, cell: int, level: int) -> None:
 
 
 @compiled
-def _pop(queue: _Queue, bucket: int) -> int:
+def _pop_cell(queue: _Queue, bucket: int) -> int:
     state = queue.state
     entry = queue.heads[bucket]
     queue.heads[bucket] = queue.following[entry]
@@ -167,7 +167,7 @@ def _pop(queue: _Queue, bucket: int) -> int:
 
 
 @compiled
-def _expand(field: _Field, queue: _Queue, target: int) -> bool:
+def _expand_until(field: _Field, queue: _Queue, target: int) -> bool:
     """Search until ``target`` is settled or nothing is left; return False if the queue has to grow first.
 
     Within a bucket the order is last in, first out; a cell that is bettered after its expansion is expanded again, so the
@@ -179,11 +179,11 @@ def _expand(field: _Field, queue: _Queue, target: int) -> bool:
         while queue.heads[bucket] >= 0:
             if state[LENGTH] + _ROOM > queue.cells.size:
                 return False
-            cell = _pop(queue, bucket)
+            cell = _pop_cell(queue, bucket)
             if not field.expanded[cell]:
                 field.expanded[cell] = 1
                 _expand_cell(field, queue, cell)
-        if togo[target] < UNREACHED and _level(field, target, togo[target]) <= state[LEVEL]:
+        if togo[target] < UNREACHED and _bucket_level(field, target, togo[target]) <= state[LEVEL]:
             break
         state[LEVEL] += 1
     return True
@@ -208,11 +208,11 @@ def _expand_cell(field: _Field, queue: _Queue, cell: int) -> None:
             continue
         togo[neighbour] = value
         field.expanded[neighbour] = 0
-        _push(queue, neighbour, (value + _estimate(from_row, from_column, field.anchor)) >> _BUCKET_BITS)
+        _push_cell(queue, neighbour, (value + _octile_distance(from_row, from_column, field.anchor)) >> _BUCKET_BITS)
 
 
 @compiled
-def _descend(field: _Field, start: int) -> NDArray[np.int64]:
+def _trace_path(field: _Field, start: int) -> NDArray[np.int64]:
     """Follow from ``start`` the neighbours that explain each cell's value, straight on where there is a choice."""
     width, togo = field.width, field.togo
     steps = np.array((width, -width, 1, -1, width + 1, width - 1, -width + 1, -width - 1))

@@ -19,7 +19,7 @@ _PULL, _HOLD = 0.4, 0.2  # of the bend at a point, and of its way back, that it 
 
 
 @compiled
-def refine(
+def refine_path(
     costs: NDArray[np.uint8], weights: NDArray[np.float64], points: NDArray[np.float64], pinned: int, spacing: float, rounds: int
 ) -> NDArray[np.float64]:
     """Return points (M, 2) at most ``spacing`` cells apart along a path no costlier than ``points`` (K, 2), which lead from cell to cell.
@@ -27,10 +27,10 @@ def refine(
     ``weights`` (256,) is the cost of one cell of way by cell cost. The first ``pinned`` points are kept, and may lie in
     the inscribed zone. No line leaves the free cells, and smoothing moves no point by more than a cell.
     """
-    lines = _resample(_pull_tight(costs, weights, points[pinned:]), spacing)
+    lines = _resample_lines(_pull_tight(costs, weights, points[pinned:]), spacing)
     lines = _pull_tight(costs, weights, lines[::-1].copy())  # from the other end, to cut the corners that were left
-    even = np.concatenate((points[:pinned], _resample(lines[::-1].copy(), spacing)))
-    return _smooth(costs, weights, even, pinned, rounds)
+    even = np.concatenate((points[:pinned], _resample_lines(lines[::-1].copy(), spacing)))
+    return _smooth_points(costs, weights, even, pinned, rounds)
 
 
 @compiled
@@ -111,14 +111,14 @@ def _pull_tight(costs: NDArray[np.uint8], weights: NDArray[np.float64], points: 
     lines[0, 0], lines[0, 1] = points[0, 0], points[0, 1]
     number, last = 1, 0
     while last < count - 1:
-        last = _farthest(costs, weights, points, along, last)
+        last = _farthest_reachable(costs, weights, points, along, last)
         lines[number, 0], lines[number, 1] = points[last, 0], points[last, 1]
         number += 1
     return lines[:number]
 
 
 @compiled
-def _farthest(
+def _farthest_reachable(
     costs: NDArray[np.uint8], weights: NDArray[np.float64], points: NDArray[np.float64], along: NDArray[np.float64], start: int
 ) -> int:
     """Return the farthest point found that a line from ``start`` reaches as cheaply: ever longer leaps, then bisection."""
@@ -130,14 +130,14 @@ def _farthest(
         leap *= _GROWTH
         if tried <= best:
             continue
-        if _as_cheap(costs, weights, points, along, start, tried):
+        if _is_as_cheap(costs, weights, points, along, start, tried):
             best = tried
         else:
             failed = tried
             break
     while failed - best > 1:
         tried = (best + failed) // 2
-        if _as_cheap(costs, weights, points, along, start, tried):
+        if _is_as_cheap(costs, weights, points, along, start, tried):
             best = tried
         else:
             failed = tried
@@ -145,7 +145,7 @@ def _farthest(
 
 
 @compiled
-def _as_cheap(
+def _is_as_cheap(
     costs: NDArray[np.uint8], weights: NDArray[np.float64], points: NDArray[np.float64], along: NDArray[np.float64], i: int, j: int
 ) -> bool:
     direct = line_cost(costs, weights, points[i, 0], points[i, 1], points[j, 0], points[j, 1])
@@ -153,7 +153,7 @@ def _as_cheap(
 
 
 @compiled
-def _resample(lines: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
+def _resample_lines(lines: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
     """Divide each line evenly, corners included."""
     pieces = np.ones(len(lines), np.int64)
     total = 1
@@ -174,7 +174,7 @@ def _resample(lines: NDArray[np.float64], spacing: float) -> NDArray[np.float64]
 
 
 @compiled
-def _smooth(
+def _smooth_points(
     costs: NDArray[np.uint8], weights: NDArray[np.float64], even: NDArray[np.float64], pinned: int, rounds: int
 ) -> NDArray[np.float64]:
     """Pull every free point towards its neighbours and, softly, back; undo what leads through blocked cells."""
@@ -189,7 +189,7 @@ def _smooth(
     while undone:
         undone = False
         for i in range(pinned + 1, len(points)):
-            moved = _differ(points, even, i - 1) or _differ(points, even, i)
+            moved = _is_different(points, even, i - 1) or _is_different(points, even, i)
             if moved and line_cost(costs, weights, points[i - 1, 0], points[i - 1, 1], points[i, 0], points[i, 1]) == math.inf:
                 for k in (i - 1, i):
                     points[k, 0], points[k, 1] = even[k, 0], even[k, 1]
@@ -198,5 +198,5 @@ def _smooth(
 
 
 @compiled
-def _differ(a: NDArray[np.float64], b: NDArray[np.float64], i: int) -> bool:
+def _is_different(a: NDArray[np.float64], b: NDArray[np.float64], i: int) -> bool:
     return bool(a[i, 0] != b[i, 0] or a[i, 1] != b[i, 1])

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing, inner
 from arena_kernels.scalars import Integer
-from arena_navigation.local_map.marks import Beams
-from arena_navigation.tracking.returns import PastScans, Returns, followed, within_a_turn
+from arena_navigation.local_map.marks import PlacedScan
+from arena_navigation.tracking.returns import PastScans, Returns, is_followed, within_a_turn
 
 _STEPS = 8  # of Gauss-Newton at most
 _COARSE, _FINE = 1e-2, 1e-4  # m and rad of a step, after which outliers count less, and after which it is done
@@ -60,14 +60,14 @@ class Points(NamedTuple):
 
 
 @inner
-def spacing(beams: Beams, rules: Alignment) -> Integer:
+def beam_stride(beams: PlacedScan, rules: Alignment) -> Integer:
     """Return of how many beams one is used."""
     return max(len(beams.ranges) // rules.points, 1)
 
 
 @borrowing
-def slip(
-    beams: Beams,
+def estimate_slip(
+    beams: PlacedScan,
     returns: Returns,
     past: PastScans,
     k: Integer,
@@ -96,7 +96,7 @@ def slip(
             rx, ry = c * points.ends[i, 0] - s * points.ends[i, 1], s * points.ends[i, 0] + c * points.ends[i, 1]
             dx = beams.sensor[0] + rx + moved[0] - past.sensors[k, 0]
             dy = beams.sensor[1] + ry + moved[1] - past.sensors[k, 1]
-            _lay(beams, past, k, dx, dy, rules, points, i)
+            _write_past_line(beams, past, k, dx, dy, rules, points, i)
             nx, ny = points.lines[i, 2], points.lines[i, 3]
             off = nx * dx + ny * dy - points.lines[i, 4]
             if not points.found[i] or abs(off) > 10.0 * rules.outlier:
@@ -133,18 +133,18 @@ def slip(
 
 
 @inner
-def _standing_ends(beams: Beams, returns: Returns, tracks: NDArray[np.float64], rules: Alignment, points: Points) -> Integer:
+def _standing_ends(beams: PlacedScan, returns: Returns, tracks: NDArray[np.float64], rules: Alignment, points: Points) -> Integer:
     """Write where the chosen beams end, from the sensor in the axes of ``map``, and return how many there are.
 
     Returns on tracks are left out, and, with a map, those far from its walls: what moves by itself must not be taken for the robot's error.
     """
     count: Integer = np.int64(0)
-    for beam in range(0, len(beams.ranges), spacing(beams, rules)):
+    for beam in range(0, len(beams.ranges), beam_stride(beams, rules)):
         if not beams.range_min <= beams.ranges[beam] <= beams.range_max:
             continue
         x, y = returns.x[beam], returns.y[beam]
         astray = returns.free[beam] and returns.wall[beam] > 10.0 * rules.outlier
-        if astray or followed(tracks, beams.sensor[0] + x, beams.sensor[1] + y):
+        if astray or is_followed(tracks, beams.sensor[0] + x, beams.sensor[1] + y):
             continue
         points.ends[count, 0], points.ends[count, 1] = x, y
         points.half[count] = 0
@@ -153,7 +153,9 @@ def _standing_ends(beams: Beams, returns: Returns, tracks: NDArray[np.float64], 
 
 
 @inner
-def _lay(beams: Beams, past: PastScans, k: Integer, dx: float, dy: float, rules: Alignment, points: Points, i: Integer) -> None:
+def _write_past_line(
+    beams: PlacedScan, past: PastScans, k: Integer, dx: float, dy: float, rules: Alignment, points: Points, i: Integer
+) -> None:
     """Write the line that past scan ``k`` saw about point ``i``, ``dx`` and ``dy`` from its sensor, if the one written is not that line.
 
     As long as the point stays in one beam's sector and about as far away, it is.
@@ -170,12 +172,12 @@ def _lay(beams: Beams, past: PastScans, k: Integer, dx: float, dy: float, rules:
     points.half[i] = half if whole else 0
     angle = past.sensors[k, 2] + beams.angle_min + at * beams.angle_increment
     points.lines[i, 0], points.lines[i, 1] = math.cos(angle), math.sin(angle)
-    points.found[i] = _line(beams, past, k, at, half, rules, points.turns[half], points.lines[i])
+    points.found[i] = _fit_line(beams, past, k, at, half, rules, points.turns[half], points.lines[i])
 
 
 @inner
-def _line(
-    beams: Beams,
+def _fit_line(
+    beams: PlacedScan,
     past: PastScans,
     k: Integer,
     at: Integer,
@@ -205,8 +207,12 @@ def _line(
 
 
 @borrowing
-def carry(
-    beams: Beams, moved: NDArray[np.float64], states: NDArray[np.float64], covariances: NDArray[np.float64], sensors: NDArray[np.float64]
+def move_states(
+    beams: PlacedScan,
+    moved: NDArray[np.float64],
+    states: NDArray[np.float64],
+    covariances: NDArray[np.float64],
+    sensors: NDArray[np.float64],
 ) -> None:
     """Move what was believed before to where it lies seen from the new pose.
 

@@ -39,7 +39,7 @@ class Assignment(NamedTuple):
 
 
 @borrowing
-def assign(rows: Integer, columns: Integer, room: Assignment) -> None:
+def assign_rows(rows: Integer, columns: Integer, room: Assignment) -> None:
     """Write the column of each row, of which there are no more than columns.
 
     Shortest augmenting paths (D. F. Crouse, On implementing 2D rectangular assignment algorithms, IEEE Transactions on Aerospace and

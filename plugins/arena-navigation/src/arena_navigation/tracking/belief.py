@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from arena_kernels.compiled import borrowing, inner
 from arena_kernels.scalars import Integer
 from arena_navigation.tracking.discs import Discs
-from arena_navigation.tracking.filter import predict
-from arena_navigation.tracking.sight import GONE, SEEN
+from arena_navigation.tracking.filter import predict_tracks
+from arena_navigation.tracking.visibility import GONE, SEEN
 
 
 class Belief(NamedTuple):
@@ -51,7 +51,7 @@ class Belief(NamedTuple):
         return larger
 
 
-class Told(NamedTuple):
+class PublishedTracks(NamedTuple):
     """The tracks that are told of: ids (K,), states (K, 4), covariances (K, 4, 4), radii (K,)."""
 
     ids: NDArray[np.int32]
@@ -60,9 +60,9 @@ class Told(NamedTuple):
     radii: NDArray[np.float64]
 
     @staticmethod
-    def room(count: int) -> Told:
+    def room(count: int) -> PublishedTracks:
         """Return room for so many."""
-        return Told(np.empty(count, np.int32), np.empty((count, 4)), np.empty((count, 4, 4)), np.empty(count))
+        return PublishedTracks(np.empty(count, np.int32), np.empty((count, 4)), np.empty((count, 4, 4)), np.empty(count))
 
 
 class LifeSpan(NamedTuple):
@@ -77,7 +77,7 @@ class LifeSpan(NamedTuple):
 
 
 @inner
-def present(belief: Belief) -> Belief:
+def present_tracks(belief: Belief) -> Belief:
     """Return the tracks without the room behind them."""
     n = belief.numbers[0]
     return Belief(
@@ -160,8 +160,8 @@ def begin_tracks(belief: Belief, stamp: float, discs: Discs, taken: NDArray[np.u
 
 
 @borrowing
-def write_told(belief: Belief, confirm_hits: int, dt: float, density: float, written: Told) -> None:
-    """Write the tracks that are told of, moved by ``dt`` s as in ``predict``."""
+def write_published(belief: Belief, confirm_hits: int, dt: float, density: float, written: PublishedTracks) -> None:
+    """Write the tracks that are told of, moved by ``dt`` s as in ``predict_tracks``."""
     to = 0
     for k in range(belief.numbers[0]):
         if belief.hits[k] < confirm_hits:
@@ -173,4 +173,4 @@ def write_told(belief: Belief, confirm_hits: int, dt: float, density: float, wri
                 written.covariances[to, row, column] = belief.covariances[k, row, column]
         to += 1
     if dt > 0.0:
-        predict(written.states, written.covariances, dt, density)
+        predict_tracks(written.states, written.covariances, dt, density)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from arena_kernels.compiled import inner
 from arena_kernels.scalars import Integer
-from arena_navigation.local_map.marks import Beams
+from arena_navigation.local_map.marks import PlacedScan
 from arena_navigation.tracking.returns import Returns
 
 
@@ -40,19 +40,19 @@ class Pieces(NamedTuple):
 
 
 @inner
-def full_circle(beams: Beams) -> bool:
+def full_circle(beams: PlacedScan) -> bool:
     """Tell whether the first beam is the neighbour of the last one."""
     return bool(abs(len(beams.ranges) * beams.angle_increment - 2.0 * math.pi) < 0.5 * beams.angle_increment)
 
 
 @inner
-def cut_pieces(beams: Beams, returns: Returns, cut: Cut, pieces: Pieces) -> Integer:
+def cut_pieces(beams: PlacedScan, returns: Returns, cut: Cut, pieces: Pieces) -> Integer:
     """Write the pieces and return their number."""
-    count = _in_order(beams, returns, pieces)
+    count = _order_beams(beams, returns, pieces)
     found: Integer = np.int64(0)
     start = 0
     for k in range(1, count + 1):
-        if k < count and not _apart(beams, returns, pieces.beams[k - 1], pieces.beams[k], cut):
+        if k < count and not _are_apart(beams, returns, pieces.beams[k - 1], pieces.beams[k], cut):
             continue
         found = _cut_at_dents(returns, pieces, start, k, cut, found)
         start = k
@@ -60,7 +60,7 @@ def cut_pieces(beams: Beams, returns: Returns, cut: Cut, pieces: Pieces) -> Inte
 
 
 @inner
-def _in_order(beams: Beams, returns: Returns, pieces: Pieces) -> Integer:
+def _order_beams(beams: PlacedScan, returns: Returns, pieces: Pieces) -> Integer:
     """Write the beams that count, beginning behind a place where none does, so that nothing lies astride the first beam."""
     total = len(beams.ranges)
     first = 0
@@ -77,7 +77,7 @@ def _in_order(beams: Beams, returns: Returns, pieces: Pieces) -> Integer:
 
 
 @inner
-def _apart(beams: Beams, returns: Returns, one: Integer, other: Integer, cut: Cut) -> bool:
+def _are_apart(beams: PlacedScan, returns: Returns, one: Integer, other: Integer, cut: Cut) -> bool:
     """Tell whether two successive returns belong to two bodies: far from each other, or with a beam between them that goes on."""
     dx, dy = returns.x[other] - returns.x[one], returns.y[other] - returns.y[one]
     near = min(beams.ranges[one], beams.ranges[other])
@@ -111,7 +111,7 @@ def _first_dent(returns: Returns, pieces: Pieces, start: Integer, end: Integer, 
     """Return the deepest point of the first dent in the hull that faces the sensor (monotone chain), -1 if there is none."""
     hull, size = pieces.hull, 0
     for k in range(start, end):
-        while size >= 2 and _turn(returns, pieces.beams[hull[size - 2]], pieces.beams[hull[size - 1]], pieces.beams[k]) > 0.0:
+        while size >= 2 and _cross_product(returns, pieces.beams[hull[size - 2]], pieces.beams[hull[size - 1]], pieces.beams[k]) > 0.0:
             size -= 1
         hull[size] = k
         size += 1
@@ -120,7 +120,7 @@ def _first_dent(returns: Returns, pieces: Pieces, start: Integer, end: Integer, 
         length = math.hypot(returns.x[b] - returns.x[a], returns.y[b] - returns.y[a])
         deepest, at = depth, -1
         for k in range(hull[side] + 1, hull[side + 1]):
-            below = abs(_turn(returns, a, b, pieces.beams[k])) / max(length, 1e-9)
+            below = abs(_cross_product(returns, a, b, pieces.beams[k])) / max(length, 1e-9)
             if below > deepest:
                 deepest, at = below, k
         if at >= 0:
@@ -129,7 +129,7 @@ def _first_dent(returns: Returns, pieces: Pieces, start: Integer, end: Integer, 
 
 
 @inner
-def _turn(returns: Returns, a: Integer, b: Integer, c: Integer) -> float:
+def _cross_product(returns: Returns, a: Integer, b: Integer, c: Integer) -> float:
     """Return the cross product of a->b and b->c: positive where the way turns left, which a convex body's front never does."""
     x1, y1 = returns.x[b] - returns.x[a], returns.y[b] - returns.y[a]
     x2, y2 = returns.x[c] - returns.x[b], returns.y[c] - returns.y[b]

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing, inner
 from arena_kernels.scalars import Integer
-from arena_navigation.local_map.marks import Beams
+from arena_navigation.local_map.marks import PlacedScan
 from arena_navigation.tracking.clusters import Cut, Pieces, cut_pieces, full_circle
 from arena_navigation.tracking.legs import Legs, join_legs
-from arena_navigation.tracking.returns import NEW, OLD, Doubt, PastScans, Returns, note_unknown
+from arena_navigation.tracking.returns import NEW, OLD, PastScans, Returns, ReturnTolerance, note_unknown
 
 _STEPS = 8  # of Gauss-Newton at most; three are usual
 _CONVERGED = 1e-5  # m
@@ -31,7 +31,7 @@ class Shape(NamedTuple):
     misfit: float
 
 
-class PoseDoubt(NamedTuple):
+class PoseNoise(NamedTuple):
     """Standard deviations of the robot's own pose from scan to scan: ``position`` m, ``heading`` rad."""
 
     position: float
@@ -66,15 +66,15 @@ class Discs(NamedTuple):
         return Discs._make(values[:count] for values in self)
 
 
-class Rules(NamedTuple):
+class BodyRules(NamedTuple):
     """What a body is: returns up to ``farthest`` m, those within ``body`` m of the robot's centre left out, and the steps' own figures."""
 
     farthest: float
     body: float
-    doubt: Doubt
+    doubt: ReturnTolerance
     cut: Cut
     shape: Shape
-    pose_doubt: PoseDoubt
+    pose_doubt: PoseNoise
     legs: Legs
 
 
@@ -106,19 +106,19 @@ def first_discs(discs: Discs, count: Integer) -> Discs:
 
 
 @borrowing
-def find_discs(beams: Beams, past: PastScans, tracks: NDArray[np.float64], rules: Rules, scratch: Scratch) -> Integer:
+def find_discs(beams: PlacedScan, past: PastScans, tracks: NDArray[np.float64], rules: BodyRules, scratch: Scratch) -> Integer:
     """Write the bodies that the map does not explain and return their number; returns are placed, ``tracks`` as in ``note_unknown``."""
     note_unknown(beams, past, tracks, rules.doubt, rules.farthest, rules.body, scratch.returns)
     count = cut_pieces(beams, scratch.returns, rules.cut, scratch.pieces)
     for k in range(count):
         fit_disc(beams, scratch.returns, scratch.pieces, k, rules.cut.gap, rules.shape, rules.pose_doubt, scratch.discs)
-        scratch.discs.standing[k] = _stands(scratch.returns, scratch.pieces, k, rules.cut.least)
+        scratch.discs.standing[k] = _is_standing(scratch.returns, scratch.pieces, k, rules.cut.least)
     return join_legs(scratch.returns, scratch.pieces, count, rules.legs, rules.shape.radius, rules.shape.radius_std, scratch.discs)
 
 
 @inner
 def fit_disc(
-    beams: Beams, returns: Returns, pieces: Pieces, k: Integer, gap: float, shape: Shape, pose_doubt: PoseDoubt, discs: Discs
+    beams: PlacedScan, returns: Returns, pieces: Pieces, k: Integer, gap: float, shape: Shape, pose_doubt: PoseNoise, discs: Discs
 ) -> None:
     """Write the most likely disc behind piece ``k``, by Gauss-Newton over centre and radius.
 
@@ -127,8 +127,8 @@ def fit_disc(
     """
     begin, end = pieces.ends[k, 0], pieces.ends[k, 1]
     first, last = pieces.beams[begin], pieces.beams[end - 1]
-    right = _passes(beams, first, -1, gap)
-    left = _passes(beams, last, 1, gap)
+    right = _passes_behind(beams, first, -1, gap)
+    left = _passes_behind(beams, last, 1, gap)
     x, y = 0.0, 0.0
     for i in range(begin, end):
         x += returns.x[pieces.beams[i]]
@@ -198,13 +198,13 @@ def fit_disc(
         discs.leanings[k, 0], discs.leanings[k, 1] = cxr / det, cyr / det
         discs.radii[k], discs.radius_variances[k] = radius, crr / det
     else:
-        x, y = _middle(returns, pieces, k, shape, discs)
-    _add_pose_doubt(discs, k, x, y, pose_doubt)
+        x, y = _write_middle(returns, pieces, k, shape, discs)
+    _add_pose_noise(discs, k, x, y, pose_doubt)
     discs.positions[k, 0], discs.positions[k, 1] = beams.sensor[0] + x, beams.sensor[1] + y
 
 
 @inner
-def _stands(returns: Returns, pieces: Pieces, k: Integer, least: int) -> bool:
+def _is_standing(returns: Returns, pieces: Pieces, k: Integer, least: int) -> bool:
     """Tell whether past scans saw piece k where it is now: at least ``least`` returns are old, and hardly one is new."""
     old, new = 0, 0
     for i in range(pieces.ends[k, 0], pieces.ends[k, 1]):
@@ -214,7 +214,7 @@ def _stands(returns: Returns, pieces: Pieces, k: Integer, least: int) -> bool:
 
 
 @inner
-def _passes(beams: Beams, edge: Integer, step: int, gap: float) -> bool:
+def _passes_behind(beams: PlacedScan, edge: Integer, step: int, gap: float) -> bool:
     """Tell whether the beam beside an edge surely goes on behind it; one that hit nothing does only where the body is well in reach."""
     beside = edge + step
     if full_circle(beams):
@@ -226,7 +226,7 @@ def _passes(beams: Beams, edge: Integer, step: int, gap: float) -> bool:
 
 
 @inner
-def _middle(returns: Returns, pieces: Pieces, k: Integer, shape: Shape, discs: Discs) -> tuple[float, float]:
+def _write_middle(returns: Returns, pieces: Pieces, k: Integer, shape: Shape, discs: Discs) -> tuple[float, float]:
     """Describe what is no disc: the middle between its edges, uncertain by a quarter of its width."""
     first, last = pieces.beams[pieces.ends[k, 0]], pieces.beams[pieces.ends[k, 1] - 1]
     width = math.hypot(returns.x[last] - returns.x[first], returns.y[last] - returns.y[first])
@@ -238,7 +238,7 @@ def _middle(returns: Returns, pieces: Pieces, k: Integer, shape: Shape, discs: D
 
 
 @inner
-def _add_pose_doubt(discs: Discs, k: Integer, x: float, y: float, doubt: PoseDoubt) -> None:
+def _add_pose_noise(discs: Discs, k: Integer, x: float, y: float, doubt: PoseNoise) -> None:
     """Add what the robot's own position and heading leave open."""
     discs.covariances[k, 0, 0] += doubt.position**2 + doubt.heading**2 * y * y
     discs.covariances[k, 1, 1] += doubt.position**2 + doubt.heading**2 * x * x

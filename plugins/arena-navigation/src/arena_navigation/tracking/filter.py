@@ -12,7 +12,7 @@ POSITION, VELOCITY = 0, 2
 
 
 @borrowing
-def predict(states: NDArray[np.float64], covariances: NDArray[np.float64], dt: float, density: float) -> None:
+def predict_tracks(states: NDArray[np.float64], covariances: NDArray[np.float64], dt: float, density: float) -> None:
     """Move states (N, 4) and covariances (N, 4, 4) by ``dt`` s; ``density`` is that of the acceleration, m^2/s^3.
 
     Bar-Shalom, Li, Kirubarajan, Estimation with Applications to Tracking and Navigation, 2001, section 6.2.2.
@@ -36,7 +36,7 @@ def predict(states: NDArray[np.float64], covariances: NDArray[np.float64], dt: f
 
 
 @borrowing
-def correct(
+def correct_tracks(
     states: NDArray[np.float64],
     covariances: NDArray[np.float64],
     matches: NDArray[np.int64],

@@ -34,14 +34,14 @@ def join_legs(returns: Returns, pieces: Pieces, count: Integer, legs: Legs, radi
         if pieces.ends[k, 0] == pieces.ends[k, 1]:
             continue  # it is a leg of a body before
         if _is_leg(returns, pieces, k, legs):
-            _embody(discs, k, _other_leg(returns, pieces, k, count, legs, discs), pieces, legs, radius, radius_std)
-        _move(discs, k, kept)
+            _write_body(discs, k, _other_leg(returns, pieces, k, count, legs, discs), pieces, legs, radius, radius_std)
+        _move_disc(discs, k, kept)
         kept += 1
     return kept
 
 
 @inner
-def _move(discs, k: Integer, to: Integer) -> None:  # type: ignore[no-untyped-def]
+def _move_disc(discs, k: Integer, to: Integer) -> None:  # type: ignore[no-untyped-def]
     discs.radii[to], discs.radius_variances[to] = discs.radii[k], discs.radius_variances[k]
     discs.round[to], discs.standing[to] = discs.round[k], discs.standing[k]
     for axis in range(2):
@@ -69,7 +69,7 @@ def _other_leg(returns: Returns, pieces: Pieces, k: Integer, count: Integer, leg
 
 
 @inner
-def _embody(discs, k: Integer, other: Integer, pieces: Pieces, legs: Legs, radius: float, radius_std: float) -> None:  # type: ignore[no-untyped-def]
+def _write_body(discs, k: Integer, other: Integer, pieces: Pieces, legs: Legs, radius: float, radius_std: float) -> None:  # type: ignore[no-untyped-def]
     """Write the body of leg k, and of the ``other`` one (-1: none in sight), in place k."""
     discs.radii[k], discs.radius_variances[k] = radius, radius_std**2  # legs do not tell how wide a body is
     discs.leanings[k, 0], discs.leanings[k, 1] = 0.0, 0.0

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing, inner
 from arena_kernels.scalars import Integer
-from arena_navigation.tracking.assignment import Assignment, assign
+from arena_navigation.tracking.assignment import Assignment, assign_rows
 
 _IMPOSSIBLE = 1e9  # dearer than any sum of possible pairs
 
@@ -31,7 +31,7 @@ def match_discs(
     tracks, discs = len(states), len(positions)
     across, down = (discs, 1) if tracks <= discs else (1, tracks)  # rows are what there is less of
     _write_costs(states, covariances, radii, positions, noises, gate, across, down, room.costs)
-    assign(min(tracks, discs), max(tracks, discs), room)
+    assign_rows(min(tracks, discs), max(tracks, discs), room)
     for k in range(tracks):
         matches[k] = room.column_of[k] if tracks <= discs else room.row_of[k]
         if matches[k] >= 0 and room.costs[k * across + matches[k] * down] >= _IMPOSSIBLE:

@@ -12,7 +12,7 @@ from arena_core import OccupancyGrid
 from arena_kernels.compiled import borrowing, inner
 from arena_kernels.distance import grid_distance
 from arena_kernels.scalars import Integer
-from arena_navigation.local_map.marks import Beams
+from arena_navigation.local_map.marks import PlacedScan
 
 UNTOLD, OLD, NEW = 0, 1, 2
 _TURN = 2.0 * math.pi
@@ -37,10 +37,12 @@ class KnownPlane(NamedTuple):
             return KnownPlane(np.empty((0, 0), np.float32), np.empty((0, 0), np.uint8), 1.0, (0.0, 0.0), (1.0, 0.0))
         turn = float(grid.origin.theta)
         place = (float(grid.origin.x), float(grid.origin.y))
-        return KnownPlane(grid.derive(grid_distance), grid.derive(_free), float(grid.resolution), place, (math.cos(turn), math.sin(turn)))
+        return KnownPlane(
+            grid.derive(grid_distance), grid.derive(_free_cells), float(grid.resolution), place, (math.cos(turn), math.sin(turn))
+        )
 
 
-def _free(grid: OccupancyGrid) -> NDArray[np.uint8]:
+def _free_cells(grid: OccupancyGrid) -> NDArray[np.uint8]:
     return ((grid.data >= 0) & ~grid.occupied).astype(np.uint8)
 
 
@@ -57,7 +59,7 @@ class PastScans(NamedTuple):
         return PastScans(np.full((scans, beams), np.nan, np.float32), np.zeros((scans, 3)), np.zeros(scans))
 
 
-class Doubt(NamedTuple):
+class ReturnTolerance(NamedTuple):
     """How far off returns may be: ``map`` m from the map's walls, ``past`` m from what past scans saw; by ``heading`` rad more each.
 
     Within ``same`` m of what a past scan saw ``standing`` s ago something stands.
@@ -92,7 +94,7 @@ class Returns(NamedTuple):
 
 
 @borrowing
-def place_returns(beams: Beams, plane: KnownPlane, farthest: float, every: Integer, returns: Returns) -> None:
+def place_returns(beams: PlacedScan, plane: KnownPlane, farthest: float, every: Integer, returns: Returns) -> None:
     """Write where beams end, and what the map tells of it: those up to ``farthest`` m, and one of ``every`` so many."""
     reach = min(farthest, beams.range_max)
     for beam in range(len(beams.ranges)):
@@ -107,10 +109,10 @@ def place_returns(beams: Beams, plane: KnownPlane, farthest: float, every: Integ
 
 @inner
 def note_unknown(
-    beams: Beams,
+    beams: PlacedScan,
     past: PastScans,
     tracks: NDArray[np.float64],
-    doubt: Doubt,
+    doubt: ReturnTolerance,
     farthest: float,
     body: float,
     returns: Returns,
@@ -131,8 +133,8 @@ def note_unknown(
         x, y = beams.sensor[0] + returns.x[beam], beams.sensor[1] + returns.y[beam]
         if math.hypot(x - beams.robot[0], y - beams.robot[1]) < body:
             continue
-        returns.past[beam] = _in_the_past(past, beams, x, y, doubt)
-        returns.counts[beam] = returns.free[beam] or returns.past[beam] == NEW or followed(tracks, x, y)
+        returns.past[beam] = _past_state(past, beams, x, y, doubt)
+        returns.counts[beam] = returns.free[beam] or returns.past[beam] == NEW or is_followed(tracks, x, y)
 
 
 @inner
@@ -166,7 +168,7 @@ def within_a_turn(angle: float) -> float:
 
 
 @inner
-def followed(tracks: NDArray[np.float64], x: float, y: float) -> bool:
+def is_followed(tracks: NDArray[np.float64], x: float, y: float) -> bool:
     """Tell whether a point lies within reach of a track."""
     for k in range(len(tracks)):  # noqa: SIM110 - numba compiles no generator expressions
         if (x - tracks[k, 0]) ** 2 + (y - tracks[k, 1]) ** 2 < tracks[k, 2] ** 2:
@@ -175,7 +177,7 @@ def followed(tracks: NDArray[np.float64], x: float, y: float) -> bool:
 
 
 @inner
-def _in_the_past(past: PastScans, beams: Beams, x: float, y: float, doubt: Doubt) -> int:
+def _past_state(past: PastScans, beams: PlacedScan, x: float, y: float, doubt: ReturnTolerance) -> int:
     """Tell what past scans showed at a point.
 
     NEW: one of them saw beyond it, with all beams that pass nearer than half the doubt. OLD: none did, and one saw a return there

@@ -9,21 +9,21 @@ from numpy.typing import NDArray
 
 from arena_kernels.compiled import borrowing
 from arena_kernels.scalars import Integer
-from arena_navigation.local_map.marks import Beams
-from arena_navigation.tracking.alignment import Alignment, Points, carry, slip, spacing
+from arena_navigation.local_map.marks import PlacedScan
+from arena_navigation.tracking.alignment import Alignment, Points, beam_stride, estimate_slip, move_states
 from arena_navigation.tracking.assignment import Assignment
-from arena_navigation.tracking.belief import Belief, LifeSpan, begin_tracks, end_tracks, present, write_bodies
-from arena_navigation.tracking.discs import Rules, Scratch, find_discs, first_discs
-from arena_navigation.tracking.filter import POSITION, VELOCITY, correct, correct_radii, place_by_radii, predict
+from arena_navigation.tracking.belief import Belief, LifeSpan, begin_tracks, end_tracks, present_tracks, write_bodies
+from arena_navigation.tracking.discs import BodyRules, Scratch, find_discs, first_discs
+from arena_navigation.tracking.filter import POSITION, VELOCITY, correct_radii, correct_tracks, place_by_radii, predict_tracks
 from arena_navigation.tracking.matches import match_discs
 from arena_navigation.tracking.returns import KnownPlane, PastScans, place_returns
-from arena_navigation.tracking.sight import judge_sight
+from arena_navigation.tracking.visibility import judge_visibility
 
 
-class Figures(NamedTuple):
+class TrackerParameters(NamedTuple):
     """All figures of the tracker; ``standing_variance``, (m/s)^2, is that of the speed of a body that stands."""
 
-    rules: Rules
+    rules: BodyRules
     alignment: Alignment
     gate: float
     acceleration_density: float
@@ -39,7 +39,7 @@ class Known(NamedTuple):
     newest: int
 
 
-class Workings(NamedTuple):
+class TrackingScratch(NamedTuple):
     """Scratch space for N tracks: their ``bodies`` (N, 3), ``matches``, ``own`` and ``sight`` (N,), what is measured of each; and more."""
 
     scratch: Scratch
@@ -55,10 +55,10 @@ class Workings(NamedTuple):
     assignment: Assignment
 
     @staticmethod
-    def room(beams: int, tracks: int, discs: int) -> Workings:
+    def room(beams: int, tracks: int, discs: int) -> TrackingScratch:
         """Return room for so many beams, tracks and discs."""
         matches, own = np.zeros((2, tracks), np.int64)
-        return Workings(
+        return TrackingScratch(
             Scratch.room(beams),
             Points.room(beams),
             np.zeros(3),
@@ -78,19 +78,21 @@ class Workings(NamedTuple):
 
 
 @borrowing
-def take_in(beams: Beams, dt: float, known: Known, belief: Belief, figures: Figures, workings: Workings) -> Integer:
+def process_scan(
+    beams: PlacedScan, dt: float, known: Known, belief: Belief, figures: TrackerParameters, workings: TrackingScratch
+) -> Integer:
     """Take in a scan, ``dt`` s after the last one; return how many tracks are told of.
 
     At first all that is remembered is moved by how far the pose estimate has slipped since the last scan that was kept.
     """
-    rules, returns, past, tracks = figures.rules, workings.scratch.returns, known.past, present(belief)
+    rules, returns, past, tracks = figures.rules, workings.scratch.returns, known.past, present_tracks(belief)
     matches, bodies = workings.matches[: len(tracks.ids)], workings.bodies[: len(tracks.ids)]
-    predict(tracks.states, tracks.covariances, dt, figures.acceleration_density)
-    place_returns(beams, known.plane, rules.farthest, spacing(beams, figures.alignment), returns)
+    predict_tracks(tracks.states, tracks.covariances, dt, figures.acceleration_density)
+    place_returns(beams, known.plane, rules.farthest, beam_stride(beams, figures.alignment), returns)
     write_bodies(tracks, rules.doubt.past, bodies)
     if known.newest >= 0:
-        slip(beams, returns, past, known.newest, bodies, figures.alignment, workings.points, workings.moved)
-        carry(beams, workings.moved, tracks.states, tracks.covariances, past.sensors)
+        estimate_slip(beams, returns, past, known.newest, bodies, figures.alignment, workings.points, workings.moved)
+        move_states(beams, workings.moved, tracks.states, tracks.covariances, past.sensors)
         write_bodies(tracks, rules.doubt.past, bodies)
     discs = first_discs(workings.scratch.discs, find_discs(beams, past, bodies, rules, workings.scratch))
     match_discs(
@@ -103,13 +105,13 @@ def take_in(beams: Beams, dt: float, known: Known, belief: Belief, figures: Figu
         own[k] = k if matches[k] >= 0 else -1
         if matches[k] >= 0:
             taken[matches[k]] = 1
-    correct(tracks.states, tracks.covariances, own, positions, noises, POSITION)
+    correct_tracks(tracks.states, tracks.covariances, own, positions, noises, POSITION)
     for k in range(len(matches)):  # what stands where it stood does not move: what is seen of it may shift as the robot drives by
         own[k] = k if matches[k] >= 0 and discs.standing[matches[k]] else -1
         positions[k], noises[k] = 0.0, 0.0
         noises[k, 0, 0], noises[k, 1, 1] = figures.standing_variance, figures.standing_variance
-    correct(tracks.states, tracks.covariances, own, positions, noises, VELOCITY)
+    correct_tracks(tracks.states, tracks.covariances, own, positions, noises, VELOCITY)
     correct_radii(tracks.radii, tracks.radius_variances, matches, discs.radii, discs.radius_variances)
-    judge_sight(beams, tracks.states, tracks.radii, matches, rules.farthest, rules.doubt.past, workings.sight)
+    judge_visibility(beams, tracks.states, tracks.radii, matches, rules.farthest, rules.doubt.past, workings.sight)
     end_tracks(belief, beams.stamp, workings.sight, figures.life)
     return begin_tracks(belief, beams.stamp, discs, taken, figures.life)

@@ -8,16 +8,16 @@ import numpy as np
 
 from arena_core import NO_TRACKS, ConfigurationError, LaserScan, OccupancyGrid, Pose, Robot, Tracker, Tracks
 from arena_core.parameters import NonNegative, Positive, PositiveInt
-from arena_kernels.compiled import Entered
-from arena_navigation.local_map.marks import Beams
+from arena_kernels.compiled import TypedDispatch
+from arena_navigation.local_map.marks import PlacedScan
 from arena_navigation.tracking.alignment import Alignment
-from arena_navigation.tracking.belief import Belief, LifeSpan, Told, write_told
+from arena_navigation.tracking.belief import Belief, LifeSpan, PublishedTracks, write_published
 from arena_navigation.tracking.clusters import Cut
-from arena_navigation.tracking.discs import PoseDoubt, Rules, Shape
-from arena_navigation.tracking.keeper import ScanKeeper
+from arena_navigation.tracking.discs import BodyRules, PoseNoise, Shape
 from arena_navigation.tracking.legs import Legs
-from arena_navigation.tracking.returns import Doubt
-from arena_navigation.tracking.step import Figures, take_in
+from arena_navigation.tracking.returns import ReturnTolerance
+from arena_navigation.tracking.scan_memory import ScanMemory
+from arena_navigation.tracking.step import TrackerParameters, process_scan
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +85,7 @@ class LegRules:
 
 
 @dataclass(frozen=True, slots=True)
-class Motion:
+class MotionRules:
     """How bodies move: the density of their acceleration, m^2/s^3; how fast they may be when first seen and when they stand, m/s."""
 
     acceleration_density: Positive
@@ -123,25 +123,25 @@ class KalmanTracker(Tracker):
         position_doubt: NonNegative,
         heading_doubt: NonNegative,
         gate: Positive,
-        motion: Motion,
+        motion: MotionRules,
         life: Life,
     ) -> None:
         if not shape.radius_min <= shape.radius <= shape.radius_max:
             raise ConfigurationError(
                 f"kalman: shape.radius is {shape.radius}; allowed: from radius_min {shape.radius_min} to radius_max {shape.radius_max}"
             )
-        rules = Rules(
+        rules = BodyRules(
             farthest=returns.range,
             body=robot.footprint.inscribed_radius,
-            doubt=Doubt(returns.map_tolerance, memory.margin, returns.heading_tolerance, memory.same, memory.standing),
+            doubt=ReturnTolerance(returns.map_tolerance, memory.margin, returns.heading_tolerance, memory.same, memory.standing),
             cut=Cut(*astuple(cut)),
             shape=Shape(*astuple(shape)),
-            pose_doubt=PoseDoubt(position_doubt, heading_doubt),
+            pose_doubt=PoseNoise(position_doubt, heading_doubt),
             legs=Legs(legs.width, legs.apart or 0.0),
         )
         alignment = Alignment(align.position, align.heading, shape.noise, align.baseline, align.outlier, align.points)
         lasts = life.confirm_hits, life.misses, life.hidden_for, life.position_std**2
-        self._figures = Figures(
+        self._figures = TrackerParameters(
             rules,
             alignment,
             gate,
@@ -149,9 +149,9 @@ class KalmanTracker(Tracker):
             motion.standing_std**2,
             LifeSpan(*lasts, motion.speed_std, motion.standing_std),
         )
-        self._keeper = ScanKeeper(memory.scans, memory.interval, cut.least)
+        self._keeper = ScanMemory(memory.scans, memory.interval, cut.least)
         self._belief = Belief.room(0)
-        self._take_in, self._write_told = Entered(take_in), Entered(write_told)
+        self._take_in, self._write_told = TypedDispatch(process_scan), TypedDispatch(write_published)
         self.reset(None)
 
     def reset(self, grid: OccupancyGrid | None) -> None:
@@ -164,19 +164,19 @@ class KalmanTracker(Tracker):
     def update(self, scan: LaserScan, pose: Pose, stamp: float) -> Tracks:
         """Take in the scan, seen from ``pose`` (base_link in ``map`` at the scan's stamp), if it is new; return the tracks at ``stamp``."""
         if scan.stamp > self._stamp:
-            beams = Beams.of(scan, pose)
+            beams = PlacedScan.of(scan, pose)
             self._belief, workings = self._keeper.room(len(beams.ranges), self._belief)
             lapse = beams.stamp - self._stamp
             self._told = int(self._take_in(beams, lapse, self._keeper.known, self._belief, self._figures, workings))
             self._keeper.remember(beams)
             self._stamp = beams.stamp
-        return self._published(stamp)
+        return self._published_tracks(stamp)
 
-    def _published(self, stamp: float) -> Tracks:
+    def _published_tracks(self, stamp: float) -> Tracks:
         """Return the tracks that are believed, moved to ``stamp``."""
         if not self._told:
             return NO_TRACKS
-        told = Told.room(self._told)
+        told = PublishedTracks.room(self._told)
         figures = self._figures
         self._write_told(self._belief, figures.life.confirm_hits, max(stamp - self._stamp, 0.0), figures.acceleration_density, told)
         return Tracks(told.ids, told.states[:, :2].copy(), told.states[:, 2:].copy(), told.radii, told.covariances)

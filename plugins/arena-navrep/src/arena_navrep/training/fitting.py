@@ -13,14 +13,14 @@ from torch import nn
 
 from arena_core import ConfigurationError
 from arena_core.files import write_bytes_whole, write_text_whole
-from arena_gym.training.checkpoint import of_this_training
+from arena_gym.training.checkpoint import checkpoint_errors
 
 FINAL_SHARE = 0.05  # of the learning rate, at the end
 CHECKPOINT, CURVE = "checkpoint.pt", "curve.json"
 Curve = list[dict[str, float]]
 
 
-def fit(
+def fit_network(
     network: nn.Module,
     losses: Callable[[torch.Generator], Iterator[torch.Tensor]],
     score: Callable[[], dict[str, float]],
@@ -35,23 +35,23 @@ def fit(
     ConfigurationError once a score is no number.
     """
     optimizer = torch.optim.Adam(network.parameters(), learning_rate)
-    curve = _resumed(folder / CHECKPOINT, network, optimizer)
+    curve = _load_checkpoint(folder / CHECKPOINT, network, optimizer)
     for epoch in range(len(curve), epochs):
         for group in optimizer.param_groups:
             group["lr"] = learning_rate * (1.0 - (1.0 - FINAL_SHARE) * epoch / epochs)
         random = torch.Generator().manual_seed((seed << 16) + epoch)
-        total = [_descend(network, optimizer, loss) for loss in losses(random)]
+        total = [_gradient_step(network, optimizer, loss) for loss in losses(random)]
         row = {"epoch": epoch + 1, "loss": sum(total) / len(total), **score()}
         if not all(map(math.isfinite, row.values())):
             rate = f"the learning rate of {folder.name} is {learning_rate:g}, and in epoch {epoch + 1} it is no number how far off it is"
             raise ConfigurationError(f"{rate}; allowed: a smaller one, with out=DIR")
         curve.append(row)
         print(", ".join(f"{name} {value:.4g}" for name, value in curve[-1].items()), flush=True)
-        _keep(folder, network, optimizer, curve)
+        _save_checkpoint(folder, network, optimizer, curve)
     return curve
 
 
-def _descend(network: nn.Module, optimizer: torch.optim.Optimizer, loss: torch.Tensor) -> float:
+def _gradient_step(network: nn.Module, optimizer: torch.optim.Optimizer, loss: torch.Tensor) -> float:
     optimizer.zero_grad()
     loss.backward()  # type: ignore[no-untyped-call]
     nn.utils.clip_grad_norm_(network.parameters(), 10.0)
@@ -59,18 +59,18 @@ def _descend(network: nn.Module, optimizer: torch.optim.Optimizer, loss: torch.T
     return float(loss.detach())
 
 
-def _keep(folder: Path, network: nn.Module, optimizer: torch.optim.Optimizer, curve: Curve) -> None:
+def _save_checkpoint(folder: Path, network: nn.Module, optimizer: torch.optim.Optimizer, curve: Curve) -> None:
     content = io.BytesIO()
     torch.save({"network": network.state_dict(), "optimizer": optimizer.state_dict(), "curve": curve}, content)
     write_bytes_whole(folder / CHECKPOINT, content.getvalue())
     write_text_whole(folder / CURVE, json.dumps(curve, indent=1) + "\n")
 
 
-def _resumed(path: Path, network: nn.Module, optimizer: torch.optim.Optimizer) -> Curve:
+def _load_checkpoint(path: Path, network: nn.Module, optimizer: torch.optim.Optimizer) -> Curve:
     """Give network and optimiser what a checkpoint holds, if there is one, and return its curve."""
     if not path.exists():
         return []
-    with of_this_training(path):
+    with checkpoint_errors(path):
         content = torch.load(path, weights_only=True, map_location="cpu")
         network.load_state_dict(content["network"])
         optimizer.load_state_dict(content["optimizer"])

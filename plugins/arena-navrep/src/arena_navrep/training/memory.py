@@ -28,7 +28,7 @@ class Memory(nn.Module):
         candidate = torch.tanh(fresh + torch.sigmoid(reset + kept_reset) * kept_fresh)
         return share * hidden + (1.0 - share) * candidate
 
-    def unrolled(self, inputs: torch.Tensor, begins: torch.Tensor) -> torch.Tensor:
+    def unroll_memory(self, inputs: torch.Tensor, begins: torch.Tensor) -> torch.Tensor:
         """Return the memories (T, N, H) of inputs (T, N, Z + K); where an episode begins, (T, N), nothing is remembered."""
         taken = self.taken(inputs)
         hidden = inputs.new_zeros(inputs.shape[1], self.hidden)
@@ -38,19 +38,19 @@ class Memory(nn.Module):
             memories.append(hidden)
         return torch.stack(memories)
 
-    def mixture(self, memories: torch.Tensor, before: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
+    def code_mixture(self, memories: torch.Tensor, before: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
         """Return log weights, means and log standard deviations (..., Z, M) of the next code, whose means count from the code before."""
         shares, changes, log_stds = self.head(memories).unflatten(-1, (3, self.code, self._mixtures)).unbind(-3)
         return shares.log_softmax(-1), before.unsqueeze(-1) + changes, log_stds.clamp(*LOG_STD)
 
-    def expected(self, memories: torch.Tensor, before: torch.Tensor) -> torch.Tensor:
+    def expected_codes(self, memories: torch.Tensor, before: torch.Tensor) -> torch.Tensor:
         """Return the next codes (..., Z) that are expected."""
-        log_shares, means, _ = self.mixture(memories, before)
+        log_shares, means, _ = self.code_mixture(memories, before)
         return (log_shares.exp() * means).sum(-1)
 
-    def surprise(self, memories: torch.Tensor, before: torch.Tensor, codes: torch.Tensor) -> torch.Tensor:
+    def negative_log_likelihood(self, memories: torch.Tensor, before: torch.Tensor, codes: torch.Tensor) -> torch.Tensor:
         """Return the negative log likelihood (...) of the codes that came."""
-        log_shares, means, log_stds = self.mixture(memories, before)
+        log_shares, means, log_stds = self.code_mixture(memories, before)
         missed = (codes.unsqueeze(-1) - means) * (-log_stds).exp()
         return -(log_shares - log_stds - 0.5 * missed.square()).logsumexp(-1).sum(-1)
 
@@ -58,4 +58,4 @@ class Memory(nn.Module):
         """Return memory and expected next code (N, H + Z) for code, motion and memory (N, Z + K + H) of the step before."""
         inputs, hidden = numbers[:, : self._read], numbers[:, self._read :]
         memory = self.step(self.taken(inputs), hidden)
-        return torch.cat((memory, self.expected(memory, inputs[:, : self.code])), dim=1)
+        return torch.cat((memory, self.expected_codes(memory, inputs[:, : self.code])), dim=1)

@@ -12,28 +12,28 @@ from arena_core import ConfigurationError, random_generator
 from arena_gym.building import Parts, build_parts
 from arena_gym.seeds import check_unseen_seed, training_seed
 from arena_gym.vector_environment import NavigationVectorEnv
-from arena_navrep.rollouts import Rollouts, file_of, write_rollouts
+from arena_navrep.rollouts import Rollouts, rollout_file, write_rollouts
 from arena_navrep.training.settings import Recording
 from arena_navrep.training.wanderer import Wanderer
 
 WORLDS_APART = 2**20  # between the episode seeds of two files
 
 
-def record(config: Mapping[str, Any], settings: Recording, folder: Path) -> None:
+def record_missing(config: Mapping[str, Any], settings: Recording, folder: Path) -> None:
     """Write the roll-outs that are not there yet, each a pure function of configuration and number."""
     for kind, files in (("train", settings.files), ("test", settings.test_files)):
-        missing = [index for index in range(files) if not file_of(folder, kind, index).exists()]
-        env = _environment(config, settings, kind) if missing else None
+        missing = [index for index in range(files) if not rollout_file(folder, kind, index).exists()]
+        env = _make_environment(config, settings, kind) if missing else None
         for index in missing:
             assert env is not None
-            rollouts = _recorded(env, settings, config["seed"], kind, index)
-            write_rollouts(file_of(folder, kind, index), rollouts)
+            rollouts = _record_rollouts(env, settings, config["seed"], kind, index)
+            write_rollouts(rollout_file(folder, kind, index), rollouts)
             print(
                 f"{kind} roll-outs {index + 1} of {files}: {rollouts.begins.size} steps, {int(rollouts.begins.sum())} episodes", flush=True
             )
 
 
-def _environment(config: Mapping[str, Any], settings: Recording, kind: str) -> NavigationVectorEnv:
+def _make_environment(config: Mapping[str, Any], settings: Recording, kind: str) -> NavigationVectorEnv:
     """Return the worlds of a kind; those of tests are others."""
     own = config["environment"]
     unseen = check_unseen_seed(settings.test_seed, own["seed"], "recording.test_seed")
@@ -51,7 +51,7 @@ def _check_scan(parts: Parts) -> None:
         )
 
 
-def _recorded(env: NavigationVectorEnv, settings: Recording, seed: int, kind: str, index: int) -> Rollouts:
+def _record_rollouts(env: NavigationVectorEnv, settings: Recording, seed: int, kind: str, index: int) -> Rollouts:
     """Return roll-outs ``index``."""
     layout, first = env.batch.parts.encoder.layout(), seed * WORLDS_APART * 64 + index * WORLDS_APART
     random = random_generator(training_seed(seed), f"rollouts/{kind}/{index}", "wanderer")

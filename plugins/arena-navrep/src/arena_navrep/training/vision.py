@@ -39,7 +39,7 @@ class Vision(nn.Module):
 
     def forward(self, scans: torch.Tensor) -> torch.Tensor:
         """Return the codes (N, Z) that a controller sees: the means, within bounds."""
-        return self._posterior(scans)[0].clamp(-CODE_MAX, CODE_MAX)
+        return self._code_posterior(scans)[0].clamp(-CODE_MAX, CODE_MAX)
 
     def decode(self, codes: torch.Tensor) -> torch.Tensor:
         """Return the scans (N, S) that codes stand for."""
@@ -51,7 +51,7 @@ class Vision(nn.Module):
 
     def loss(self, scans: torch.Tensor, random: torch.Generator) -> torch.Tensor:
         """Return the negative evidence lower bound of scans (N, S), on average, but for what does not depend on the network."""
-        mean, log_variance = self._posterior(scans)
+        mean, log_variance = self._code_posterior(scans)
         noise = torch.randn(mean.shape, generator=random).to(mean.device)
         missed = self.decode(mean + (0.5 * log_variance).exp() * noise) - scans
         granted = self._noise * (-0.5 * self._near * scans).exp()
@@ -59,7 +59,7 @@ class Vision(nn.Module):
         divergence = 0.5 * (mean.square() + log_variance.exp() - 1.0 - log_variance).sum(dim=1)
         return (surprise + divergence).mean()
 
-    def _posterior(self, scans: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+    def _code_posterior(self, scans: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
         seen = scans.unsqueeze(1)
         for layer in self.seeing:
             seen = functional.relu(layer(seen))

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from arena_core import ObservationField
 from arena_policies.actions import ActionScale
-from arena_policies.encoding import columns
+from arena_policies.encoding import field_columns
 
 Numbers = NDArray[np.float32]
 KEPT = 0.9  # share of its noise that a step keeps
@@ -27,7 +27,7 @@ class Wanderer:
     def __init__(
         self, layout: Sequence[ObservationField], scale: ActionScale, worlds: int, wander: float, random: np.random.Generator
     ) -> None:
-        self._ways = [columns(layout, name) for name in ("waypoint_cos", "waypoint_sin")]
+        self._ways = [field_columns(layout, name) for name in ("waypoint_cos", "waypoint_sin")]
         self._beams = layout[0].size
         self._scale, self._wander, self._random = scale, wander, random
         self._noise = np.zeros((worlds, len(scale.names)))
@@ -42,12 +42,12 @@ class Wanderer:
         self._steps += 1
         fresh = self._random.standard_normal(self._noise.shape) * np.sqrt(1.0 - KEPT**2)
         self._noise = KEPT * self._noise + fresh
-        shares = self._aims(rows) + self._strength * self._noise
+        shares = self._aim_shares(rows) + self._strength * self._noise
         shares[:, 0] = np.clip(shares[:, 0], -BACKWARDS, 1.0)
         low, high = self._scale.low, self._scale.high
         return np.clip(2.0 * (np.clip(shares, -1.0, 1.0) * high - low) / (high - low) - 1.0, -1.0, 1.0).astype(np.float32)
 
-    def _aims(self, rows: Numbers) -> NDArray[np.float64]:
+    def _aim_shares(self, rows: Numbers) -> NDArray[np.float64]:
         """Return shares (N, A) of the greatest speeds that head for the waypoints."""
         cos, sin = (rows[:, way.start].astype(np.float64) for way in self._ways)
         room = np.clip(1.5 - rows[:, : self._beams].max(axis=1), 0.1, 1.0)

@@ -15,8 +15,8 @@ from itertools import pairwise
 import numpy as np
 
 from arena_ros import conversions as of
-from arena_ros.bags.roles import Cast
 from arena_ros.bags.stream import Bag, Channel
+from arena_ros.bags.topic_roles import RoleAssignment
 from arena_ros.codec import PEOPLE
 
 STAMPED = frozenset({"odometry", "reference", "estimate", "scan", "people", "path", "command", "clock", "tf"})
@@ -39,16 +39,16 @@ class Clock:
     def __init__(self, samples: Iterable[tuple[int, int]]) -> None:
         kept = _without_spikes(sorted(samples))
         self._recorded, self._offsets, self._leaps = array("q"), array("q"), array("q")
-        slope, leap = _slope(kept), 0
+        slope, leap = _drift_rate(kept), 0
         for (before, offset_before), (recorded, offset) in zip(kept[:1] + kept[:-1], kept, strict=True):
             lapse = recorded - before
             step = offset - offset_before - slope * lapse
             if abs(step) > max(STEP, 2.0 * (1.0 + abs(slope)) * lapse):  # it was set, or began anew
                 leap += round(-step) if step < -LEAP else 0
-                self._add(recorded - 1, offset_before, self._leaps[-1])
-            self._add(recorded, offset, leap)
+                self._add_sample(recorded - 1, offset_before, self._leaps[-1])
+            self._add_sample(recorded, offset, leap)
 
-    def _add(self, recorded: int, offset: int, leap: int) -> None:
+    def _add_sample(self, recorded: int, offset: int, leap: int) -> None:
         self._recorded.append(recorded)
         self._offsets.append(offset)
         self._leaps.append(leap)
@@ -75,16 +75,16 @@ class Clock:
 
     def rate(self) -> float:
         """Return how many of its own seconds pass in one of the recording."""
-        return 1.0 - _slope(list(zip(self._recorded, self._offsets, strict=True)))
+        return 1.0 - _drift_rate(list(zip(self._recorded, self._offsets, strict=True)))
 
-    def lags(self, other: Clock) -> tuple[int, int]:
+    def lag_range(self, other: Clock) -> tuple[int, int]:
         """Return by how much it is behind another clock, ns: a tenth of 200 samples is less, a tenth more."""
         places = self._recorded[:: max(len(self._recorded) // 200, 1)]
         low, high = np.quantile([self.offset(recorded) - other.offset(recorded) for recorded in places], (0.1, 0.9))
         return int(low), int(high)
 
 
-def _slope(samples: list[tuple[int, int]]) -> float:
+def _drift_rate(samples: list[tuple[int, int]]) -> float:
     """Return by how much an offset grows in a ns of the recording, by the median over twenty parts."""
     recorded, offsets = np.array(samples, np.int64).reshape(-1, 2).T
     place = np.unique(np.linspace(0, max(len(recorded) - 1, 0), 21).astype(int))
@@ -109,17 +109,17 @@ class Clocks:
     def __init__(self, main: Clock | None, own: Source, others: Mapping[Source, Clock], in_time: Sequence[bool]) -> None:
         self._main, self._own, self._shifts, self.in_time = main, own, dict[Source, Clock | None](), in_time
         self.off = 0  # stamps that lie off their clock
-        self.lines = _of_main(main, own) if main is not None else []
+        self.lines = _describe_main(main, own) if main is not None else []
         for source, clock in others.items():
             if main is None or source == own or not clock:
                 continue
-            low, high = clock.lags(main)
+            low, high = clock.lag_range(main)
             agrees = -(FORESEEN if source[1] else AGREE) <= low and high <= AGREE
             self._shifts[source] = None if agrees else clock
             if not agrees:
-                self.lines.append(f"{source[0]}: its clock is {_seconds(max(low, high, key=abs))} that of {own[0]}; shifted")
+                self.lines.append(f"{source[0]}: its clock is {_lag_text(max(low, high, key=abs))} that of {own[0]}; shifted")
 
-    def leads(self, topic: str) -> bool:
+    def is_reference(self, topic: str) -> bool:
         """Return whether a topic's stamps are those by which all others go."""
         return topic == self._own[0]
 
@@ -141,27 +141,27 @@ class Clocks:
         return made
 
 
-def _of_main(clock: Clock, source: Source) -> list[str]:
+def _describe_main(clock: Clock, source: Source) -> list[str]:
     lines, rate = [], clock.rate()
     offset = clock.offset(0)
     if abs(rate - 1.0) > 0.01:
         lines.append(f"{source[0]}: its clock runs at {rate:.3g} times that of the recording; its seconds count")
     elif abs(offset) > AGREE:
-        lines.append(f"{source[0]}: its clock is {_seconds(offset)} that of the recording; its stamps count")
+        lines.append(f"{source[0]}: its clock is {_lag_text(offset)} that of the recording; its stamps count")
     if clock.has_leapt():
         lines.append(f"{source[0]}: its clock was set ahead; the time of recording bridges that")
     return lines
 
 
-def _seconds(lag: int) -> str:
+def _lag_text(lag: int) -> str:
     return f"{abs(lag) * 1e-9:.2f} s {'behind' if lag > 0 else 'ahead of'}"
 
 
-def clocks(bags: Sequence[Bag], cast: Cast) -> Clocks:
+def read_clocks(bags: Sequence[Bag], cast: RoleAssignment) -> Clocks:
     """Return the clocks of recordings, by reading the stamps of all that is stamped."""
     stamped = {channel.topic for role, channel in cast.by_role.items() if role in STAMPED}
     samples: dict[Source, list[tuple[int, int]]] = {}
-    orders = [_read(bag, stamped, samples) for bag in bags]
+    orders = [_read_samples(bag, stamped, samples) for bag in bags]
     known = {source: Clock(found) for source, found in samples.items()}
     for role in MOTION:
         channel = cast.by_role.get(role)
@@ -173,7 +173,7 @@ def clocks(bags: Sequence[Bag], cast: Cast) -> Clocks:
     return Clocks(None, ("", ""), {}, orders)
 
 
-def _read(bag: Bag, topics: Collection[str], samples: dict[Source, list[tuple[int, int]]]) -> bool:
+def _read_samples(bag: Bag, topics: Collection[str], samples: dict[Source, list[tuple[int, int]]]) -> bool:
     """Add the samples of a recording; return whether it is to be read by time rather than as it lies in the file."""
     ranges: dict[Source, list[list[int]]] = {}
     for channel, recorded, content in bag.messages(topics, in_time=False):
@@ -187,10 +187,10 @@ def _read(bag: Bag, topics: Collection[str], samples: dict[Source, list[tuple[in
         found = samples.setdefault(source, [])
         if not found or abs(recorded - found[-1][0]) >= SPACING or abs(recorded - own - found[-1][1]) > STEP:
             found.append((recorded, recorded - own))
-    return not any(_overlap(runs) for runs in ranges.values())
+    return not any(_has_overlap(runs) for runs in ranges.values())
 
 
-def _overlap(runs: list[list[int]]) -> bool:
+def _has_overlap(runs: list[list[int]]) -> bool:
     """Return whether one topic was recorded twice at a time: then the recorder's own clock began anew, unless all are out of order."""
     if sum(run[3] for run in runs) < SHORTEST_RUN * len(runs):
         return False
@@ -202,9 +202,9 @@ def source_of(channel: Channel, content: bytes) -> tuple[Source, int]:
     """Return whose clock a message was stamped by and the stamp in ns, 0 for none, without decoding all of it."""
     try:
         if channel.type == of.TF:
-            return (channel.topic, _child(channel, content)), _time(channel, content, 8)
+            return (channel.topic, _child_frame(channel, content)), _read_stamp(channel, content, 8)
         bare = channel.type == of.CLOCK and channel.ros == 1
-        return (channel.topic, ""), _time(channel, content, 0 if bare else 4) if channel.type in HEADED else 0
+        return (channel.topic, ""), _read_stamp(channel, content, 0 if bare else 4) if channel.type in HEADED else 0
     except struct.error:
         return (channel.topic, ""), 0
 
@@ -214,19 +214,19 @@ HEADED = frozenset(
 )
 
 
-def _order(channel: Channel, content: bytes) -> str:
+def _byte_order(channel: Channel, content: bytes) -> str:
     return ">" if channel.ros == 2 and content[1:2] in (b"\x00", b"\x02") else "<"
 
 
-def _time(channel: Channel, content: bytes, at: int) -> int:
+def _read_stamp(channel: Channel, content: bytes, at: int) -> int:
     """Return a stamp that lies at a byte: behind the encapsulation in ROS 2, behind the sequence number in ROS 1."""
-    seconds, nanoseconds = struct.unpack_from(_order(channel, content) + ("iI" if channel.ros == 2 else "II"), content, at)
+    seconds, nanoseconds = struct.unpack_from(_byte_order(channel, content) + ("iI" if channel.ros == 2 else "II"), content, at)
     return int(seconds) * 10**9 + int(nanoseconds)
 
 
-def _child(channel: Channel, content: bytes) -> str:
+def _child_frame(channel: Channel, content: bytes) -> str:
     """Return the child frame of the first transform of a message."""
-    size = _order(channel, content) + "I"
+    size = _byte_order(channel, content) + "I"
     at = 16
     length = struct.unpack_from(size, content, at)[0]
     at += 4 + length

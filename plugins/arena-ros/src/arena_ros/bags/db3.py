@@ -8,8 +8,8 @@ from contextlib import closing
 
 from arena_core import InputFileError
 from arena_core.commands import one_line
-from arena_ros.bags.packing import Allowance
-from arena_ros.bags.stream import LARGEST_MESSAGE, Bag, Channel, Cut, Message, normalised
+from arena_ros.bags.decompression import UnpackLimit
+from arena_ros.bags.stream import LARGEST_MESSAGE, Bag, Channel, Message, TruncatedBag, ros2_type_name
 
 MAGIC = b"SQLite format 3\0"
 WROTE = "what `ros2 bag record -s sqlite3` wrote"
@@ -22,12 +22,12 @@ class Db3(Bag):
 
     def channels(self) -> dict[Channel, int]:
         """Return the channels with the numbers of their messages."""
-        with closing(self._open()) as database:
+        with closing(self._open_database()) as database:
             try:
-                known = _known(database)
+                known = _known_channels(database)
                 counts = dict(database.execute("SELECT topic_id, COUNT(*) FROM messages GROUP BY topic_id"))
             except DAMAGED as error:
-                known, counts = self._known_or_refuse(database, error), {}
+                known, counts = self._read_channels(database, error), {}
         found: dict[Channel, int] = {}
         for number, channel in known.items():
             found[channel] = found.get(channel, 0) + (counts.get(number, 0) if counts else 1)
@@ -35,10 +35,10 @@ class Db3(Bag):
 
     def read(self, topics: Collection[str], in_time: bool) -> Iterator[Message]:
         """Yield the messages of these topics, of all where there are none; raise Cut where the file is damaged."""
-        allowance = Allowance(self.path)
-        with closing(self._open()) as database:
+        allowance = UnpackLimit(self.path)
+        with closing(self._open_database()) as database:
             try:
-                known = {number: channel for number, channel in _known(database).items() if not topics or channel.topic in topics}
+                known = {number: channel for number, channel in _known_channels(database).items() if not topics or channel.topic in topics}
                 wanted = ",".join("?" * len(known))
                 order = "timestamp, id" if in_time else "id"
                 query = f"SELECT id, topic_id, timestamp, length(data) FROM messages WHERE topic_id IN ({wanted}) ORDER BY {order}"  # noqa: S608 - marks
@@ -48,9 +48,9 @@ class Db3(Bag):
                         content = database.execute("SELECT data FROM messages WHERE id = ?", (row,)).fetchone()[0]
                     yield known[number], int(stamp), allowance.message(bytes(content))
             except DAMAGED as error:
-                raise Cut(f"the data base is damaged ({one_line(str(error), 80)})") from None
+                raise TruncatedBag(f"the data base is damaged ({one_line(str(error), 80)})") from None
 
-    def _open(self) -> sqlite3.Connection:
+    def _open_database(self) -> sqlite3.Connection:
         with self.path.open("rb") as file:
             if file.read(len(MAGIC)) != MAGIC:
                 raise InputFileError(f"{self.name}: is no SQLite file; allowed: {WROTE}")
@@ -68,9 +68,9 @@ class Db3(Bag):
             raise InputFileError(f"{self.name}: {wrong} is no table as recorders write it; allowed: {WROTE}")
         return database
 
-    def _known_or_refuse(self, database: sqlite3.Connection, error: Exception) -> dict[int, Channel]:
+    def _read_channels(self, database: sqlite3.Connection, error: Exception) -> dict[int, Channel]:
         try:
-            return _known(database)
+            return _known_channels(database)
         except DAMAGED:
             raise InputFileError(f"{self.name}: cannot be read ({one_line(str(error), 80)}); allowed: {WROTE}") from None
 
@@ -84,6 +84,6 @@ def _is_plain_table(database: sqlite3.Connection, name: str, columns: tuple[str,
     return stored.keys() >= set(columns) and (str(stored["id"][0]).upper(), stored["id"][1]) == ("INTEGER", 1)
 
 
-def _known(database: sqlite3.Connection) -> dict[int, Channel]:
+def _known_channels(database: sqlite3.Connection) -> dict[int, Channel]:
     rows = database.execute("SELECT id, name, type FROM topics")
-    return {int(number): Channel(str(topic), normalised(str(name)), 2) for number, topic, name in rows}
+    return {int(number): Channel(str(topic), ros2_type_name(str(name)), 2) for number, topic, name in rows}

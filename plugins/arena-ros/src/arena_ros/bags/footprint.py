@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from arena_core import Footprint, LaserScan, Pose
 
 
-def clearances(footprint: Footprint, points: NDArray[np.float64]) -> NDArray[np.float64]:
+def point_clearances(footprint: Footprint, points: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the distance of points (..., 2) in ``base_link`` to a convex footprint, m; 0 inside."""
     vertices = np.asarray(footprint.vertices_xy, np.float64).reshape(-1, 2)
     if len(vertices) < 3:
@@ -26,18 +26,18 @@ def clearances(footprint: Footprint, points: NDArray[np.float64]) -> NDArray[np.
     return result
 
 
-def nearest(footprint: Footprint, scan: LaserScan) -> tuple[float, float]:
+def nearest_return(footprint: Footprint, scan: LaserScan) -> tuple[float, float]:
     """Return the nearest return of a scan and the distance of the nearest one to the footprint, m; inf where nothing was hit."""
     least = float(np.min(scan.ranges, initial=np.inf, where=np.isfinite(scan.ranges)))
     if not np.isfinite(least):
         return float("inf"), float("inf")
-    beams = np.flatnonzero(scan.ranges <= least + _margin(footprint, scan.mount))
+    beams = np.flatnonzero(scan.ranges <= least + _mount_margin(footprint, scan.mount))
     ranges = scan.ranges[beams].astype(np.float64)
     angles = scan.angle_min + scan.angle_increment * beams + scan.mount.theta
     points = np.stack((scan.mount.x + ranges * np.cos(angles), scan.mount.y + ranges * np.sin(angles)), axis=1)
-    return least, float(clearances(footprint, points).min())
+    return least, float(point_clearances(footprint, points).min())
 
 
-def _margin(footprint: Footprint, mount: Pose) -> float:
+def _mount_margin(footprint: Footprint, mount: Pose) -> float:
     """Return by how much more than another a return may be away from the laser and yet be nearer to the footprint, m, at most."""
     return 2.0 * (footprint.radius + float(np.hypot(mount.x, mount.y)))

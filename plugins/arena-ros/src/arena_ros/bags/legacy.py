@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from arena_core import EpisodeRecord, InputFileError, Pose, Robot
 from arena_core.commands import one_line
-from arena_ros.bags.records import ALL_PEOPLE, Arrays, Reading, ending, identity, no_contacts
+from arena_ros.bags.records import ALL_PEOPLE, Arrays, Reading, empty_contacts, episode_ending, episode_identity
 
 ENDING = ".csv"
 PERIOD = 0.4  # s between two rows, as the recorder was configured
@@ -50,15 +50,15 @@ class LegacyFile:
                 if missing:
                     raise InputFileError(f"{self.path}: has no column {missing[0]}; allowed: files of Arena-Bench's data recorder")
                 for number, rows in groupby(reader, key=lambda row: row["episode"]):
-                    if (episode := self._episode(number, rows)) is not None:
+                    if (episode := self._make_episode(number, rows)) is not None:
                         yield episode
         except csv.Error as error:
             raise InputFileError(f"{self.path}: is no CSV ({one_line(str(error), 80)}); allowed: files of the recorder") from None
 
-    def _episode(self, number: str, rows: Iterator[Mapping[str, Any]]) -> LegacyEpisode | None:
+    def _make_episode(self, number: str, rows: Iterator[Mapping[str, Any]]) -> LegacyEpisode | None:
         figures, actions = list[list[float]](), list[list[float]]()
         for row in rows:
-            read = _read(row)
+            read = _parse_row(row)
             if read is None or (figures and read[0][0] <= figures[-1][0]) or len(figures) == LONGEST:
                 self.left_out += 1
                 continue
@@ -67,7 +67,7 @@ class LegacyFile:
         return LegacyEpisode(number, np.array(figures), np.array(actions)) if len(figures) > 1 else None
 
 
-def _read(row: Mapping[str, Any]) -> tuple[list[float], list[float]] | None:
+def _parse_row(row: Mapping[str, Any]) -> tuple[list[float], list[float]] | None:
     """Return figures and action of a row; None where they are no numbers. The scan is a list of one, its nearest range."""
     scan, action = NUMBER.findall(row["laser_scan"] or ""), NUMBER.findall(row["action"] or "")
     try:
@@ -95,19 +95,19 @@ def legacy_record(
     """
     since = episode.figures[:, 0] - episode.figures[0, 0]
     rows = episode.figures[:, [6, 7, 5]]
-    last, outcome, error = ending(goal, rows, since, reading, "the rows end")
-    arrays = _arrays(episode.figures[: last + 1], episode.actions[: last + 1])
+    last, outcome, error = episode_ending(goal, rows, since, reading, "the rows end")
+    arrays = _record_arrays(episode.figures[: last + 1], episode.actions[: last + 1])
     unknown = {"estimate": "without a reference pose the truth is itself an estimate"}
     unknown["clearance"] = "of each scan only the nearest range was recorded"
     if "people" not in reading.without:
         unknown |= dict.fromkeys(ALL_PEOPLE, "the recorder did not write where people were")
-    arrays |= no_contacts(len(arrays["stamp"]), reading, unknown)
+    arrays |= empty_contacts(len(arrays["stamp"]), reading, unknown)
     end = goal.array().tolist() if goal is not None else rows[-1].tolist()
     facts = {"outcome": outcome, "error": error, "truth": "odometry", "unknown": unknown}
-    return EpisodeRecord(arrays, {**identity(arrays, robot, reading, number, columns, world, end), **facts})
+    return EpisodeRecord(arrays, {**episode_identity(arrays, robot, reading, number, columns, world, end), **facts})
 
 
-def _arrays(figures: NDArray[np.float64], actions: NDArray[np.float64]) -> Arrays:
+def _record_arrays(figures: NDArray[np.float64], actions: NDArray[np.float64]) -> Arrays:
     held, nothing = np.concatenate((figures, figures[-1:])), np.full((1, 3), np.nan)
     rows = len(held)
     stamps = np.append(figures[:, 0], figures[-1, 0] + PERIOD) - figures[0, 0]

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from arena_core import EpisodeRecord, Pose, Robot
 from arena_core.files import LIMITS
 from arena_core.records import robot_meta
-from arena_ros.bags.footprint import clearances
-from arena_ros.bags.gathered import Gathered
-from arena_ros.bags.placing import Placed
-from arena_ros.bags.series import People, Series
+from arena_ros.bags.episode_messages import EpisodeMessages
+from arena_ros.bags.footprint import point_clearances
+from arena_ros.bags.series import PersonSightings, Series
+from arena_ros.bags.transformed_episode import TransformedEpisode
 
 Arrays = dict[str, NDArray[Any]]
 STALE_PEOPLE = 10**9  # ns after which somebody who is not seen any more is not there
@@ -50,7 +50,7 @@ class Reading:
     without: frozenset[str]
 
 
-def restored(gathered: Gathered) -> EpisodeRecord:
+def restore_record(gathered: EpisodeMessages) -> EpisodeRecord:
     """Return the record that our own export wrote, value for value; raise ValueError where parts of it are missing."""
     own = gathered.meta or {}
     ending, people = gathered.ending, own["people"]
@@ -59,22 +59,22 @@ def restored(gathered: Gathered) -> EpisodeRecord:
     truth, believed = next(iter(gathered.reference.values())), next(iter(gathered.estimate.values()), Series(12))
     stamps = truth.stamps
     ids = np.array(people["ids"], np.int32)
-    reference, amcl = truth.exactly(stamps), believed.exactly(stamps)
+    reference, amcl = truth.exact_at(stamps), believed.exact_at(stamps)
     width = 6 + len(ids)
     state = np.full((len(stamps), width), np.nan)
     for stamp, numbers in gathered.state:
         place = int(np.searchsorted(stamps, stamp))
         if place < len(stamps) and stamps[place] == stamp and len(numbers) == width:
             state[place] = numbers
-    _, seen = next(iter(gathered.people.values()), People()).table(stamps, 0, ids)
+    _, seen = next(iter(gathered.people.values()), PersonSightings()).table(stamps, 0, ids)
     arrays: Arrays = {
-        "stamp": np.where(np.isfinite(state[:, 0]), state[:, 0], _seconds(stamps, gathered.begin)),
+        "stamp": np.where(np.isfinite(state[:, 0]), state[:, 0], _to_seconds(stamps, gathered.begin)),
         "pose": reference[:, :3],
         "twist": reference[:, 3:],
         "estimate": amcl[:, :3],
         "estimate_covariance": amcl[:, 3:].reshape(-1, 3, 3).astype(np.float32),
-        "command": gathered.command.exactly(stamps),
-        "waypoint": gathered.waypoint.exactly(stamps),
+        "command": gathered.command.exact_at(stamps),
+        "waypoint": gathered.waypoint.exact_at(stamps),
         "clearance": state[:, 1],
         "clearance_people": state[:, 2],
         "in_contact": state[:, 3] == 1.0,
@@ -85,13 +85,13 @@ def restored(gathered: Gathered) -> EpisodeRecord:
         "pedestrian_positions": seen[:, :, :2],
         "pedestrian_velocities": seen[:, :, 2:],
         "pedestrian_states": np.nan_to_num(state[:, 6:]).astype(np.int8),
-        **_routes(people),
-        **_paths([(stamp, poses) for stamp, _, poses in gathered.paths], gathered.begin),
+        **_route_arrays(people),
+        **_path_arrays([(stamp, poses) for stamp, _, poses in gathered.paths], gathered.begin),
     }
     contacts = ending["contacts"] if ending else {}
     arrays |= {name: np.array(contacts.get(name, []), kind) for name, kind in CONTACT_TYPES.items()}
     arrays["contact_position"] = arrays["contact_position"].reshape(-1, 2)
-    arrays |= _scans(gathered, stamps[:-1])
+    arrays |= _scan_arrays(gathered, stamps[:-1])
     if ending and len(ending["path_stamps"]) == len(arrays["path_stamps"]):
         arrays["path_stamps"] = np.array(ending["path_stamps"], np.float64)
     ends = ending or {"outcome": "error", "error": gathered.why_ended, "events": []}
@@ -99,35 +99,35 @@ def restored(gathered: Gathered) -> EpisodeRecord:
     return EpisodeRecord(arrays, meta)
 
 
-def measured(
-    placed: Placed, robot: Robot, reading: Reading, number: int, columns: Mapping[str, Any], world: Mapping[str, Any]
+def foreign_record(
+    placed: TransformedEpisode, robot: Robot, reading: Reading, number: int, columns: Mapping[str, Any], world: Mapping[str, Any]
 ) -> EpisodeRecord:
     """Return the record of a foreign recording; ``meta["unknown"]`` names the arrays that nobody recorded, with the reason."""
     gathered = placed.gathered
-    stamps, poses, twists = _motion(placed, reading)
+    stamps, poses, twists = _motion_arrays(placed, reading)
     goal = placed.goal.array().tolist() if placed.goal is not None else poses[-1].tolist()
     since = (stamps - stamps[0]) * 1e-9
-    last, outcome, error = ending(placed.goal, poses, since, reading, placed.why_ended)
+    last, outcome, error = episode_ending(placed.goal, poses, since, reading, placed.why_ended)
     stamps, poses, twists = stamps[: last + 1], poses[: last + 1], twists[: last + 1]
     unknown: dict[str, str] = {}
-    arrays: Arrays = {"stamp": _seconds(stamps, stamps[0]), "pose": poses, "twist": twists}
-    arrays |= _estimate(placed, stamps, unknown)
-    arrays["command"] = gathered.command.in_order().held(stamps)
+    arrays: Arrays = {"stamp": _to_seconds(stamps, stamps[0]), "pose": poses, "twist": twists}
+    arrays |= _estimate_arrays(placed, stamps, unknown)
+    arrays["command"] = gathered.command.in_order().latest_at(stamps)
     arrays["command"][-1] = np.nan
     arrays["waypoint"] = np.full((len(stamps), 3), np.nan)
-    arrays |= _by_scan(gathered, stamps, unknown)
-    arrays |= _people(placed, stamps, poses, robot, reading, unknown)
-    arrays |= _contacts(placed, stamps, unknown) if gathered.counts_collisions else no_contacts(len(stamps), reading, unknown)
-    arrays |= _paths([each for each in placed.paths if each[0] <= stamps[-1]], stamps[0])
-    arrays |= _scans(gathered, stamps[:-1])
+    arrays |= _scan_clearances(gathered, stamps, unknown)
+    arrays |= _people_arrays(placed, stamps, poses, robot, reading, unknown)
+    arrays |= _contact_arrays(placed, stamps, unknown) if gathered.counts_collisions else empty_contacts(len(stamps), reading, unknown)
+    arrays |= _path_arrays([each for each in placed.paths if each[0] <= stamps[-1]], stamps[0])
+    arrays |= _scan_arrays(gathered, stamps[:-1])
     arrays["clearance"] = np.fmin(arrays["clearance"], arrays["clearance_people"])
     facts: dict[str, Any] = {"outcome": outcome, "error": error, "truth": placed.truth, "unknown": unknown}
     if any(placed.shift):
         facts["shift"] = list(placed.shift)
-    return EpisodeRecord(arrays, {**identity(arrays, robot, reading, number, columns, world, goal), **facts})
+    return EpisodeRecord(arrays, {**episode_identity(arrays, robot, reading, number, columns, world, goal), **facts})
 
 
-def identity(
+def episode_identity(
     arrays: Arrays,
     robot: Robot,
     reading: Reading,
@@ -160,23 +160,23 @@ def identity(
     }
 
 
-def _seconds(stamps: NDArray[np.int64], begin: int) -> NDArray[np.float64]:
+def _to_seconds(stamps: NDArray[np.int64], begin: int) -> NDArray[np.float64]:
     return np.round((stamps - begin) * 1e-9, 9)
 
 
-def _motion(placed: Placed, reading: Reading) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
+def _motion_arrays(placed: TransformedEpisode, reading: Reading) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
     """Return stamps, poses and twists."""
     first, step = max(placed.begin, int(placed.motion.stamps.min())), round(reading.period * 1e9)
     stamps = first + step * np.arange(max((placed.end - first) // step, 0) + 1, dtype=np.int64)
-    poses = placed.motion.between(stamps)
-    twists = placed.gathered.odometry.in_order().held(stamps)[:, 3:]
-    own = placed.twists.held(stamps)[:, 3:]
+    poses = placed.motion.interpolate_at(stamps)
+    twists = placed.gathered.odometry.in_order().latest_at(stamps)[:, 3:]
+    own = placed.twists.latest_at(stamps)[:, 3:]
     twists = np.where(np.isfinite(own), own, twists)
     known = np.isfinite(twists)
-    return stamps, poses, np.where(known, twists, _twists(stamps, poses))
+    return stamps, poses, np.where(known, twists, _pose_twists(stamps, poses))
 
 
-def _twists(stamps: NDArray[np.int64], poses: NDArray[np.float64]) -> NDArray[np.float64]:
+def _pose_twists(stamps: NDArray[np.int64], poses: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return velocities in ``base_link`` as differences of poses."""
     if len(stamps) < 2:
         return np.zeros((len(stamps), 3))
@@ -187,7 +187,7 @@ def _twists(stamps: NDArray[np.int64], poses: NDArray[np.float64]) -> NDArray[np
     return np.stack((c * rates[:, 0] + s * rates[:, 1], -s * rates[:, 0] + c * rates[:, 1], rates[:, 2]), axis=1)
 
 
-def ending(
+def episode_ending(
     goal: Pose | None, poses: NDArray[np.float64], stamps: NDArray[np.float64], reading: Reading, why_ended: str
 ) -> tuple[int, str, str]:
     """Return the last row, the outcome and the error; stamps are s since the begin."""
@@ -203,27 +203,32 @@ def ending(
     return len(stamps) - 1, "error", f"{why_ended}, and the robot was not at its goal"
 
 
-def _estimate(placed: Placed, stamps: NDArray[np.int64], unknown: dict[str, str]) -> Arrays:
-    rows = placed.estimate.held(stamps)
+def _estimate_arrays(placed: TransformedEpisode, stamps: NDArray[np.int64], unknown: dict[str, str]) -> Arrays:
+    rows = placed.estimate.latest_at(stamps)
     estimate = rows[:, :3]
     if placed.truth != "reference":
         unknown["estimate"] = "without a reference pose the truth is itself an estimate"
     elif len(placed.believed):
-        estimate = placed.believed.between(stamps)
+        estimate = placed.believed.interpolate_at(stamps)
     elif not len(placed.estimate):
         unknown["estimate"] = "no topic says where the robot believed to be"
     return {"estimate": estimate, "estimate_covariance": rows[:, 3:].reshape(-1, 3, 3).astype(np.float32)}
 
 
-def _by_scan(gathered: Gathered, stamps: NDArray[np.int64], unknown: dict[str, str]) -> Arrays:
-    rows = gathered.scan.in_order().held(stamps)
+def _scan_clearances(gathered: EpisodeMessages, stamps: NDArray[np.int64], unknown: dict[str, str]) -> Arrays:
+    rows = gathered.scan.in_order().latest_at(stamps)
     if not len(gathered.scan):
         unknown |= dict.fromkeys(("clearance", "scan_min"), "no scan was recorded")
     return {"scan_min": rows[:, 0], "clearance": rows[:, 1]}
 
 
-def _people(
-    placed: Placed, stamps: NDArray[np.int64], poses: NDArray[np.float64], robot: Robot, reading: Reading, unknown: dict[str, str]
+def _people_arrays(
+    placed: TransformedEpisode,
+    stamps: NDArray[np.int64],
+    poses: NDArray[np.float64],
+    robot: Robot,
+    reading: Reading,
+    unknown: dict[str, str],
 ) -> Arrays:
     ids, seen = placed.people.table(stamps, STALE_PEOPLE)
     if not len(placed.people) and "people" not in reading.without:
@@ -232,7 +237,7 @@ def _people(
     delta = positions - poses[:, None, :2]
     c, s = np.cos(poses[:, 2])[:, None], np.sin(poses[:, 2])[:, None]
     local = np.stack((c * delta[..., 0] + s * delta[..., 1], -s * delta[..., 0] + c * delta[..., 1]), axis=-1)
-    gaps = np.maximum(clearances(robot.footprint, local) - reading.person_radius, 0.0)
+    gaps = np.maximum(point_clearances(robot.footprint, local) - reading.person_radius, 0.0)
     nearest = np.where(np.isfinite(gaps), gaps, np.inf).min(axis=1, initial=np.inf)
     return {
         "clearance_people": nearest,
@@ -244,30 +249,30 @@ def _people(
     }
 
 
-def _contacts(placed: Placed, stamps: NDArray[np.int64], unknown: dict[str, str]) -> Arrays:
+def _contact_arrays(placed: TransformedEpisode, stamps: NDArray[np.int64], unknown: dict[str, str]) -> Arrays:
     """Return the collisions that a topic counts, of which it is not known with what."""
     told = placed.gathered.collisions
     counts, touches = told.values[:, 0].astype(np.int64), told.values[:, 1]
     when = np.repeat(told.stamps, counts)
     when = np.sort(when[(when >= stamps[0]) & (when <= stamps[-1])])
-    touching = np.nan_to_num(told.in_order().held(stamps)[:, 1]) > 0.0
+    touching = np.nan_to_num(told.in_order().latest_at(stamps)[:, 1]) > 0.0
     touching[np.searchsorted(stamps, when)] = True
     unknown |= dict.fromkeys(UNDESCRIBED, "collisions were counted, not described")
     if np.isnan(touches).all():
         unknown["contact_time"] = "collisions were counted, not timed"
     return {
-        "contact_stamp": _seconds(when, int(stamps[0])),
+        "contact_stamp": _to_seconds(when, int(stamps[0])),
         "contact_kind": np.zeros(len(when), np.int8),
         "contact_person": np.full(len(when), -1, np.int32),
         "contact_speed": np.zeros(len(when)),
         "contact_caused": np.zeros(len(when), np.bool_),
-        "contact_position": placed.motion.between(when)[:, :2],
+        "contact_position": placed.motion.interpolate_at(when)[:, :2],
         "in_contact": touching,
         "contact_time": np.where(touching, np.diff(stamps, prepend=stamps[0]) * 1e-9, 0.0),
     }
 
 
-def no_contacts(rows: int, reading: Reading, unknown: dict[str, str]) -> Arrays:
+def empty_contacts(rows: int, reading: Reading, unknown: dict[str, str]) -> Arrays:
     """Return no contacts, which are unknown unless it was said that there were none."""
     if "contacts" not in reading.without:
         unknown |= dict.fromkeys(ALL_CONTACTS, "nothing recorded contacts; without=contacts says that there were none")
@@ -276,16 +281,16 @@ def no_contacts(rows: int, reading: Reading, unknown: dict[str, str]) -> Arrays:
     return {**none, "in_contact": np.zeros(rows, np.bool_), "contact_time": np.zeros(rows)}
 
 
-def _paths(paths: Sequence[tuple[int, NDArray[np.float64]]], begin: int) -> Arrays:
+def _path_arrays(paths: Sequence[tuple[int, NDArray[np.float64]]], begin: int) -> Arrays:
     kept = sorted(((max(stamp, begin), poses) for stamp, poses in paths if len(poses)), key=lambda each: each[0])
     return {
         "path_poses": np.concatenate([poses for _, poses in kept]) if kept else np.empty((0, 3)),
         "path_offsets": np.cumsum([0, *(len(poses) for _, poses in kept)], dtype=np.int64),
-        "path_stamps": _seconds(np.array([stamp for stamp, _ in kept], np.int64), begin),
+        "path_stamps": _to_seconds(np.array([stamp for stamp, _ in kept], np.int64), begin),
     }
 
 
-def _routes(people: Mapping[str, Any]) -> Arrays:
+def _route_arrays(people: Mapping[str, Any]) -> Arrays:
     """Return where everybody was to go, as our export says it; raise ValueError for routes that are none."""
     if "routes" not in people:
         return {}
@@ -296,7 +301,7 @@ def _routes(people: Mapping[str, Any]) -> Arrays:
     return {"route_points": points, "route_offsets": np.cumsum([0, *map(len, routes)], dtype=np.int64)}
 
 
-def _scans(gathered: Gathered, stamps: NDArray[np.int64]) -> Arrays:
+def _scan_arrays(gathered: EpisodeMessages, stamps: NDArray[np.int64]) -> Arrays:
     """Return the newest scan at each of some stamps; nothing where none is kept."""
     if not gathered.ranges or not len(stamps):
         return {}

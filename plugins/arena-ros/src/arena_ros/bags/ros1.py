@@ -10,8 +10,19 @@ from pathlib import Path
 from typing import IO
 
 from arena_core import InputFileError
-from arena_ros.bags.packing import Allowance, unpacked_bz2, unpacked_lz4
-from arena_ros.bags.stream import LARGEST_CHUNK, LARGEST_RECORD, MOST_PIECES, Bag, Channel, Cut, Message, Piece, by_time, normalised
+from arena_ros.bags.decompression import UnpackLimit, unpack_bz2, unpack_lz4
+from arena_ros.bags.stream import (
+    LARGEST_CHUNK,
+    LARGEST_RECORD,
+    MOST_PIECES,
+    Bag,
+    Channel,
+    Message,
+    Piece,
+    TruncatedBag,
+    by_time,
+    ros2_type_name,
+)
 
 MAGIC = b"#ROSBAG V2.0\n"
 MESSAGE, INDEX_DATA, CHUNK, CHUNK_INFO, CONNECTION = 2, 4, 5, 6, 7
@@ -31,13 +42,13 @@ class Ros1Bag(Bag):
     def channels(self) -> dict[Channel, int]:
         """Return the channels from the index; from all of the bag where it has none, as one that was cut off."""
         with self.path.open("rb") as file:
-            _begin(file, self.name)
+            _check_magic(file, self.name)
             try:
-                known, counts = _indexed(file, _record(file)[0])
-            except (Cut, *FAULTS):
+                known, counts = _read_index(file, _read_record(file)[0])
+            except (TruncatedBag, *FAULTS):
                 known, counts = {}, {}
         if not known:
-            return self.counted()
+            return self.count_messages()
         self._known = known
         found: dict[Channel, int] = {}
         for number, channel in known.items():
@@ -50,12 +61,12 @@ class Ros1Bag(Bag):
             self.channels()  # a connection may be told of in a chunk that lies later in the file than in time
         known: Connections = dict(self._known or {})
         with self.path.open("rb") as file:
-            _begin(file, self.name)
+            _check_magic(file, self.name)
             try:
-                complete = _uint64(_record(file)[0], b"index_pos") != 0
+                complete = _uint64_field(_read_record(file)[0], b"index_pos") != 0
             except FAULTS as error:
-                raise Cut(f"a damaged header ({type(error).__name__})") from None
-            pieces, cut = _pieces(file, known, topics, Allowance(self.path))
+                raise TruncatedBag(f"a damaged header ({type(error).__name__})") from None
+            pieces, cut = _find_pieces(file, known, topics, UnpackLimit(self.path))
             if in_time:
                 yield from by_time(pieces)
             else:
@@ -63,166 +74,166 @@ class Ros1Bag(Bag):
                     yield from piece.read()
         self._known = known
         if cut or not complete:
-            raise Cut(cut or "it was never closed")
+            raise TruncatedBag(cut or "it was never closed")
 
 
-def _indexed(file: IO[bytes], header: Fields) -> tuple[Connections, dict[int, int]]:
+def _read_index(file: IO[bytes], header: Fields) -> tuple[Connections, dict[int, int]]:
     """Return the connections that the index at the end names, and the numbers of their messages."""
-    position, known, counts = _uint64(header, b"index_pos"), Connections(), dict[int, int]()
+    position, known, counts = _uint64_field(header, b"index_pos"), Connections(), dict[int, int]()
     if not position:
         return {}, {}
     file.seek(position)
-    while (record := _next(file)) is not None:
+    while (record := _next_record(file)) is not None:
         fields, data = record
         if fields[b"op"][0] == CONNECTION:
-            known[_uint32(fields, b"conn")] = _channel(fields, data)
+            known[_uint32_field(fields, b"conn")] = _make_channel(fields, data)
         elif fields[b"op"][0] == CHUNK_INFO:
             for connection, count in struct.iter_unpack("<II", data):
                 counts[connection] = counts.get(connection, 0) + count
     return known, counts
 
 
-def _pieces(file: IO[bytes], known: Connections, topics: Collection[str], allowance: Allowance) -> tuple[list[Piece], str]:
+def _find_pieces(file: IO[bytes], known: Connections, topics: Collection[str], allowance: UnpackLimit) -> tuple[list[Piece], str]:
     """Return the chunks of a bag, and messages that lie outside of any, by their heads alone; and why it ends early."""
     size, found = file.seek(0, 2), list[Piece]()
     file.seek(len(MAGIC))
     untimed = 0  # chunks since the last index of one: of one that was cut off before its own, it is not known when it begins
     try:
-        _skipped(file, size)
+        _skip_record(file, size)
         while file.tell() < size:
             if len(found) == MOST_PIECES:
-                raise Cut(f"more than {MOST_PIECES} chunks")
+                raise TruncatedBag(f"more than {MOST_PIECES} chunks")
             at = file.tell()
-            fields = _fields(_sized(file, file.read(4)))
+            fields = _parse_fields(_read_sized(file, file.read(4)))
             kind = fields[b"op"][0]
             if kind == CHUNK:
-                found.append(Piece(0, partial(_chunk, file, at, known, topics, allowance)))
+                found.append(Piece(0, partial(_read_chunk, file, at, known, topics, allowance)))
                 untimed = 1
-                _skip(file, size)
+                _skip_part(file, size)
             elif kind == INDEX_DATA and untimed:
-                found[-1] = _earlier(found[-1], _sized(file, file.read(4)), bool(untimed == 1))
+                found[-1] = _correct_begin(found[-1], _read_sized(file, file.read(4)), bool(untimed == 1))
                 untimed += 1
             elif kind in (MESSAGE, CONNECTION):
                 untimed = 0
                 file.seek(at)
-                found.append(Piece(_time(fields) if kind == MESSAGE else 0, partial(_single, file, at, known, topics)))
-                _skipped(file, size)
+                found.append(Piece(_record_time(fields) if kind == MESSAGE else 0, partial(_read_single, file, at, known, topics)))
+                _skip_record(file, size)
             else:
                 untimed = 0
-                _skip(file, size)
-    except Cut as cut:
+                _skip_part(file, size)
+    except TruncatedBag as cut:
         return found, str(cut)
     except FAULTS as error:
         return found, f"a damaged record at byte {file.tell()} ({type(error).__name__})"
     return found, ""
 
 
-def _earlier(piece: Piece, index: bytes, alone: bool) -> Piece:
+def _correct_begin(piece: Piece, index: bytes, alone: bool) -> Piece:
     """Return a chunk that begins no later than the messages which its index names."""
     firsts = [seconds * 10**9 + nanoseconds for seconds, nanoseconds, _ in struct.iter_unpack("<III", index)]
     first = min(firsts, default=piece.first)
     return Piece(first if alone else min(first, piece.first), piece.read)
 
 
-def _skipped(file: IO[bytes], size: int) -> None:
+def _skip_record(file: IO[bytes], size: int) -> None:
     """Go behind a record."""
-    _skip(file, size)
-    _skip(file, size)
+    _skip_part(file, size)
+    _skip_part(file, size)
 
 
-def _skip(file: IO[bytes], size: int) -> None:
+def _skip_part(file: IO[bytes], size: int) -> None:
     """Go behind a part that begins with its length; raise Cut where the file ends before."""
     length = file.read(4)
     if len(length) < 4 or file.tell() + UINT32.unpack(length)[0] > size:
-        raise Cut("it ends within a record")
+        raise TruncatedBag("it ends within a record")
     file.seek(UINT32.unpack(length)[0], 1)
 
 
-def _begin(file: IO[bytes], path: Path) -> None:
+def _check_magic(file: IO[bytes], path: Path) -> None:
     if file.read(len(MAGIC)) != MAGIC:
         raise InputFileError(f"{path}: is no bag of ROS 1, version 2.0; allowed: what `rosbag record` wrote")
 
 
-def _chunk(file: IO[bytes], begin: int, known: Connections, topics: Collection[str], allowance: Allowance) -> Iterator[Message]:
+def _read_chunk(file: IO[bytes], begin: int, known: Connections, topics: Collection[str], allowance: UnpackLimit) -> Iterator[Message]:
     file.seek(begin)
     try:
-        content = BytesIO(_unpacked(*_record(file), allowance))
-        while (record := _next(content)) is not None:
-            yield from _taken(*record, known, topics)
+        content = BytesIO(_unpack_chunk(*_read_record(file), allowance))
+        while (record := _next_record(content)) is not None:
+            yield from _take_record(*record, known, topics)
     except FAULTS as error:
-        raise Cut(f"a damaged chunk at byte {begin} ({type(error).__name__})") from None
+        raise TruncatedBag(f"a damaged chunk at byte {begin} ({type(error).__name__})") from None
 
 
-def _single(file: IO[bytes], begin: int, known: Connections, topics: Collection[str]) -> Iterator[Message]:
+def _read_single(file: IO[bytes], begin: int, known: Connections, topics: Collection[str]) -> Iterator[Message]:
     file.seek(begin)
     try:
-        yield from _taken(*_record(file), known, topics)
+        yield from _take_record(*_read_record(file), known, topics)
     except FAULTS as error:
-        raise Cut(f"a damaged record at byte {begin} ({type(error).__name__})") from None
+        raise TruncatedBag(f"a damaged record at byte {begin} ({type(error).__name__})") from None
 
 
-def _taken(fields: Fields, data: bytes, known: Connections, topics: Collection[str]) -> Iterator[Message]:
+def _take_record(fields: Fields, data: bytes, known: Connections, topics: Collection[str]) -> Iterator[Message]:
     """Yield the message of a record, if it is one of these topics; keep what a record says of a connection."""
     if fields[b"op"][0] == CONNECTION:
-        known[_uint32(fields, b"conn")] = _channel(fields, data)
+        known[_uint32_field(fields, b"conn")] = _make_channel(fields, data)
     elif fields[b"op"][0] == MESSAGE:
-        channel = known[_uint32(fields, b"conn")]
+        channel = known[_uint32_field(fields, b"conn")]
         if not topics or channel.topic in topics:
-            yield channel, _time(fields), data
+            yield channel, _record_time(fields), data
 
 
-def _time(fields: Fields) -> int:
+def _record_time(fields: Fields) -> int:
     seconds, nanoseconds = struct.unpack("<II", fields[b"time"])
     return int(seconds * 10**9 + nanoseconds)
 
 
-def _unpacked(fields: Fields, data: bytes, allowance: Allowance) -> bytes:
+def _unpack_chunk(fields: Fields, data: bytes, allowance: UnpackLimit) -> bytes:
     """Return the content of a chunk."""
-    size, compression = _uint32(fields, b"size"), fields[b"compression"]
+    size, compression = _uint32_field(fields, b"size"), fields[b"compression"]
     if size > LARGEST_CHUNK:
-        raise Cut(f"a chunk of {size} bytes; allowed: up to {LARGEST_CHUNK}")
+        raise TruncatedBag(f"a chunk of {size} bytes; allowed: up to {LARGEST_CHUNK}")
     if compression == b"none":
         return data
     allowance.take(size)
     if compression == b"bz2":
-        return unpacked_bz2(data, size)
+        return unpack_bz2(data, size)
     if compression == b"lz4":
-        return unpacked_lz4(data, size)
-    raise Cut(f"chunks are compressed by {compression[:20]!r}; allowed: none, bz2, lz4")
+        return unpack_lz4(data, size)
+    raise TruncatedBag(f"chunks are compressed by {compression[:20]!r}; allowed: none, bz2, lz4")
 
 
-def _channel(fields: Fields, data: bytes) -> Channel:
-    own = _fields(data)
+def _make_channel(fields: Fields, data: bytes) -> Channel:
+    own = _parse_fields(data)
     topic = fields[b"topic"].decode(errors="replace")
-    return Channel("/" + "/".join(part for part in topic.split("/") if part), normalised(own[b"type"].decode(errors="replace")), 1)
+    return Channel("/" + "/".join(part for part in topic.split("/") if part), ros2_type_name(own[b"type"].decode(errors="replace")), 1)
 
 
-def _next(file: IO[bytes]) -> tuple[Fields, bytes] | None:
+def _next_record(file: IO[bytes]) -> tuple[Fields, bytes] | None:
     """Return the next record, None at the end; raise Cut within one."""
     begun = file.read(4)
     if not begun:
         return None
-    return _record(file, begun)
+    return _read_record(file, begun)
 
 
-def _record(file: IO[bytes], begun: bytes = b"") -> tuple[Fields, bytes]:
-    fields = _fields(_sized(file, begun or file.read(4)))
-    return fields, _sized(file, file.read(4))
+def _read_record(file: IO[bytes], begun: bytes = b"") -> tuple[Fields, bytes]:
+    fields = _parse_fields(_read_sized(file, begun or file.read(4)))
+    return fields, _read_sized(file, file.read(4))
 
 
-def _sized(file: IO[bytes], length: bytes) -> bytes:
+def _read_sized(file: IO[bytes], length: bytes) -> bytes:
     if len(length) < 4:
-        raise Cut("it ends within a record")
+        raise TruncatedBag("it ends within a record")
     size = UINT32.unpack(length)[0]
     if size > LARGEST_RECORD:
-        raise Cut(f"a record of {size} bytes; allowed: up to {LARGEST_RECORD}")
+        raise TruncatedBag(f"a record of {size} bytes; allowed: up to {LARGEST_RECORD}")
     data = file.read(size)
     if len(data) < size:
-        raise Cut("it ends within a record")
+        raise TruncatedBag("it ends within a record")
     return data
 
 
-def _fields(data: bytes) -> Fields:
+def _parse_fields(data: bytes) -> Fields:
     fields, at = Fields(), 0
     while at < len(data):
         size = UINT32.unpack_from(data, at)[0]
@@ -232,9 +243,9 @@ def _fields(data: bytes) -> Fields:
     return fields
 
 
-def _uint32(fields: Fields, name: bytes) -> int:
+def _uint32_field(fields: Fields, name: bytes) -> int:
     return int(UINT32.unpack(fields[name])[0])
 
 
-def _uint64(fields: Fields, name: bytes) -> int:
+def _uint64_field(fields: Fields, name: bytes) -> int:
     return int(struct.unpack("<Q", fields[name])[0])

@@ -29,7 +29,7 @@ def scenario_from(paths: Sequence[Path], target: Path, request: Request) -> int:
     with tempfile.TemporaryDirectory() as folder:
         import_bags(paths, Path(folder) / "run", request)
         records = [read_record(path) for path in record_paths(Path(folder) / "run")]
-    problems = [_problem(record) for record in records]
+    problems = [_make_problem(record) for record in records]
     content: dict[str, Any] = {"format": "arena-scenario", "version": 2, "title": f"Recorded: {paths[0].name}"[:80]}
     if request.map is not None:
         content["map"] = str(request.map)
@@ -40,9 +40,9 @@ def scenario_from(paths: Sequence[Path], target: Path, request: Request) -> int:
     return len(problems)
 
 
-def _problem(record: EpisodeRecord) -> dict[str, Any]:
+def _make_problem(record: EpisodeRecord) -> dict[str, Any]:
     scenario = record.meta["scenario"]
-    people = [_person(record, k) for k in range(len(record["pedestrian_ids"]))]
+    people = [_make_person(record, k) for k in range(len(record["pedestrian_ids"]))]
     return {
         "name": scenario["name"],
         "start": [round(value, 3) for value in scenario["start"]],
@@ -54,7 +54,7 @@ def _problem(record: EpisodeRecord) -> dict[str, Any]:
     }
 
 
-def _person(record: EpisodeRecord, k: int) -> dict[str, Any] | None:
+def _make_person(record: EpisodeRecord, k: int) -> dict[str, Any] | None:
     """Return how a person starts, where it goes and how fast; None for who was seen but once."""
     seen = np.isfinite(record["pedestrian_positions"][:, k]).all(axis=1)
     if np.count_nonzero(seen) < 2:
@@ -63,14 +63,14 @@ def _person(record: EpisodeRecord, k: int) -> dict[str, Any] | None:
     person: dict[str, Any] = {"position": np.round(way[0], 3).tolist(), "radius": float(record["pedestrian_radii"][k])}
     if np.hypot(*(way - way[0]).T).max() < STANDS:
         return {**person, "waypoints": []}
-    corners = way[simplified(way, CORNER)]
+    corners = way[simplify_path(way, CORNER)]
     steps, times = np.hypot(*np.diff(way, axis=0).T), np.diff(stamps)
     walking = steps / np.maximum(times, 1e-9) > SLOWEST
     speed = float(steps[walking].sum() / times[walking].sum()) if walking.any() else SLOWEST
     return {**person, "waypoints": np.round(corners, 3).tolist(), "desired_speed": round(speed, 3)}
 
 
-def simplified(way: NDArray[np.float64], off: float) -> list[int]:
+def simplify_path(way: NDArray[np.float64], off: float) -> list[int]:
     """Return which points of a way (K, 2) are enough, none being farther off than ``off`` m (Douglas and Peucker 1973)."""
     kept, parts = {0, len(way) - 1}, [(0, len(way) - 1)]
     while parts:

@@ -45,7 +45,7 @@ class Series:
         """Return the rows, (K, width)."""
         return np.array(self._values, np.float64).reshape(-1, self._width)
 
-    def sorted(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    def sorted_rows(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """Return stamps that rise, (K,), and their rows, (K, width); of rows with one stamp the last."""
         stamps, order = np.unique(self.stamps[::-1], return_index=True)
         return stamps, self.values[::-1][order]
@@ -53,11 +53,11 @@ class Series:
     def in_order(self) -> Series:
         """Return the rows with stamps that rise, of those with one stamp the last."""
         stamps = self.stamps
-        return self if (np.diff(stamps) > 0).all() else _of(*self.sorted())
+        return self if (np.diff(stamps) > 0).all() else _make_series(*self.sorted_rows())
 
     def where(self, kept: NDArray[np.bool_]) -> Series:
         """Return some of the rows."""
-        return _of(self.stamps[kept], self.values[kept])
+        return _make_series(self.stamps[kept], self.values[kept])
 
     def at(self, stamp: int) -> NDArray[np.float64] | None:
         """Return the pose (x, y, theta first) between two rows of rising stamps; None before the first and after the last."""
@@ -78,7 +78,7 @@ class Series:
         k = max(bisect_right(self._stamps, stamp) - 1, 0)
         return np.array(self._values[k * self._width : (k + 1) * self._width])
 
-    def held(self, stamps: NDArray[np.int64]) -> NDArray[np.float64]:
+    def latest_at(self, stamps: NDArray[np.int64]) -> NDArray[np.float64]:
         """Return at each of some stamps the newest row until then; NaN before the first."""
         values = np.full((len(stamps), self._width), np.nan)
         if len(self):
@@ -86,7 +86,7 @@ class Series:
             values[place >= 0] = self.values[place[place >= 0]]
         return values
 
-    def exactly(self, stamps: NDArray[np.int64]) -> NDArray[np.float64]:
+    def exact_at(self, stamps: NDArray[np.int64]) -> NDArray[np.float64]:
         """Return the rows that have just these stamps; NaN where there is none."""
         values = np.full((len(stamps), self._width), np.nan)
         if len(self):
@@ -96,25 +96,25 @@ class Series:
             values[there] = self.values[place[there]]
         return values
 
-    def between(self, stamps: NDArray[np.int64]) -> NDArray[np.float64]:
+    def interpolate_at(self, stamps: NDArray[np.int64]) -> NDArray[np.float64]:
         """Return poses (x, y, theta first) interpolated at some stamps, the first and last held beyond; NaN where there is none."""
-        from arena_ros.conversions import at_stamps
+        from arena_ros.conversions import interpolate_poses
 
         if not len(self):
             return np.full((len(stamps), 3), np.nan)
         own, first = self.stamps, self.stamps[0]
         order = np.argsort(own, kind="stable")
-        return at_stamps((stamps - first) * 1e-9, (own[order] - first) * 1e-9, self.values[order][:, :3])
+        return interpolate_poses((stamps - first) * 1e-9, (own[order] - first) * 1e-9, self.values[order][:, :3])
 
 
-def _of(stamps: NDArray[np.int64], values: NDArray[np.float64]) -> Series:
+def _make_series(stamps: NDArray[np.int64], values: NDArray[np.float64]) -> Series:
     series = Series(values.shape[1])
     for stamp, row in zip(stamps.tolist(), values, strict=True):
         series.extend(stamp, row)
     return series
 
 
-class People:
+class PersonSightings:
     """Who was seen when: any number at each stamp."""
 
     def __init__(self) -> None:
@@ -131,13 +131,13 @@ class People:
         self._stamps.append(stamp)
         self._counts.append((len(self._values) - before) // 6)
 
-    def with_rows(self, rows: NDArray[np.float64]) -> People:
+    def with_rows(self, rows: NDArray[np.float64]) -> PersonSightings:
         """Return the same sightings with other rows, (N, 6)."""
-        people = People()
+        people = PersonSightings()
         people._stamps, people._counts, people._values = self._stamps, self._counts, array("d", rows.ravel().tolist())
         return people
 
-    def each(self) -> Iterator[tuple[int, NDArray[np.float64]]]:
+    def iter_sightings(self) -> Iterator[tuple[int, NDArray[np.float64]]]:
         """Yield each stamp and who was seen then, (n, 6)."""
         stamps, counts, rows = self.rows()
         for stamp, count, end in zip(stamps.tolist(), counts.tolist(), np.cumsum(counts).tolist(), strict=True):

@@ -31,7 +31,7 @@ class Channel:
 Message = tuple[Channel, int, bytes]  # channel, time of recording in ns, content
 
 
-class Cut(Exception):
+class TruncatedBag(Exception):
     """A recording ends early, or is damaged from here on; what came before is good."""
 
 
@@ -65,16 +65,16 @@ class Bag(ABC):
         """Yield the messages of these topics, of all where there are none, as far as there are any."""
         try:
             yield from self.read(topics, in_time)
-        except Cut as cut:
+        except TruncatedBag as cut:
             self.cut = str(cut)
 
-    def counted(self) -> dict[Channel, int]:
+    def count_messages(self) -> dict[Channel, int]:
         """Return the channels by reading all of the file."""
         found: dict[Channel, int] = {}
         try:
             for channel, _, _ in self.read((), False):
                 found[channel] = found.get(channel, 0) + 1
-        except Cut as cut:
+        except TruncatedBag as cut:
             self.cut = str(cut)
         return found
 
@@ -96,20 +96,20 @@ def by_time(pieces: Iterable[Piece]) -> Iterator[Message]:
                 heappush(waiting, (stamp, number, place, channel, content))
                 held += len(content) + OVERHEAD
                 if held > LARGEST_OVERLAP:
-                    raise Cut(f"more than {LARGEST_OVERLAP // 10**6} MB of it are not in the order of time")
-        except Cut as cut:
-            yield from _rest(waiting)
+                    raise TruncatedBag(f"more than {LARGEST_OVERLAP // 10**6} MB of it are not in the order of time")
+        except TruncatedBag as cut:
+            yield from _drain_heap(waiting)
             raise cut from None
-    yield from _rest(waiting)
+    yield from _drain_heap(waiting)
 
 
-def _rest(waiting: list[tuple[int, int, int, Channel, bytes]]) -> Iterator[Message]:
+def _drain_heap(waiting: list[tuple[int, int, int, Channel, bytes]]) -> Iterator[Message]:
     while waiting:
         stamp, _, _, channel, content = heappop(waiting)
         yield channel, stamp, content
 
 
-def normalised(name: str) -> str:
+def ros2_type_name(name: str) -> str:
     """Return a type as ROS 2 names it: ``sensor_msgs/msg/LaserScan``."""
     package, _, own = name.partition("/")
     full = name if own.startswith(("msg/", "srv/", "action/")) else f"{package}/msg/{own}"

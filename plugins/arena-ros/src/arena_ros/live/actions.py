@@ -12,7 +12,7 @@ from typing import Any
 
 from arena_core import Pose
 from arena_ros import conversions as to
-from arena_ros.codec import BadMessage, codec, stamp_of
+from arena_ros.codec import BadMessage, get_codec, stamp_of
 from arena_ros.transport import Transport
 
 GOAL = "move_base_msgs/msg/MoveBaseActionGoal"
@@ -24,7 +24,7 @@ KEPT = 5.0  # s that a goal which has ended stays in them, likewise
 AGAIN = 0.5  # s after which a goal is sent again that the server does not know: it may have come later
 
 
-class State(IntEnum):
+class GoalState(IntEnum):
     """What becomes of a goal, as actionlib_msgs/GoalStatus numbers it."""
 
     PENDING = 0
@@ -38,12 +38,12 @@ class State(IntEnum):
 
 
 @dataclass(slots=True, eq=False)
-class Asked:
+class GoalRequest:
     """A goal that somebody has sent: ``identity`` and ``target`` are messages; ``ended`` is when, s of the monotonic clock."""
 
     identity: Any
     target: Any
-    state: State = State.PENDING
+    state: GoalState = GoalState.PENDING
     text: str = ""
     ended: float | None = None
 
@@ -55,56 +55,56 @@ class ActionServer:
     """
 
     def __init__(self, transport: Transport, name: str) -> None:
-        self._codec = codec(1)
+        self._codec = get_codec(1)
         self._heard: deque[tuple[str, bytes]] = deque(maxlen=100)
         transport.subscribe(f"{name}/goal", GOAL, lambda content: self._heard.append((GOAL, content)))
         transport.subscribe(f"{name}/cancel", GOAL_ID, lambda content: self._heard.append((GOAL_ID, content)))
         self._send_status = transport.publisher(f"{name}/status", STATUSES, latched=True)
         self._send_feedback = transport.publisher(f"{name}/feedback", FEEDBACK)
         self._send_result = transport.publisher(f"{name}/result", RESULT)
-        self._known: list[Asked] = []
-        self._waiting: Asked | None = None
-        self._current: Asked | None = None
+        self._known: list[GoalRequest] = []
+        self._waiting: GoalRequest | None = None
+        self._current: GoalRequest | None = None
         self._count = 0
         self._told = float("-inf")
         self.tick()
 
-    def take(self) -> Asked | None:
+    def take(self) -> GoalRequest | None:
         """Return the goal that waits, once."""
-        self._look()
+        self._read_messages()
         asked, self._waiting = self._waiting, None
         return asked
 
-    def accept(self, asked: Asked | None) -> None:
+    def accept(self, asked: GoalRequest | None) -> None:
         """Have a goal driven to from now on, or None: one that is not of this action."""
-        self.end(State.PREEMPTED, "another goal came")
+        self.end(GoalState.PREEMPTED, "another goal came")
         self._current = asked
         if asked is not None:
-            asked.state = State.ACTIVE
+            asked.state = GoalState.ACTIVE
         self.tick(at_once=True)
 
-    def refuse(self, asked: Asked, text: str) -> None:
+    def reject_goal(self, asked: GoalRequest, text: str) -> None:
         """Say that a goal is not driven to."""
-        self._finish(asked, State.REJECTED, text)
+        self._finish_goal(asked, GoalState.REJECTED, text)
 
     @property
     def is_cancelled(self) -> bool:
         """Tell whether the goal that is driven to is not wanted any more."""
-        self._look()
-        return self._current is not None and self._current.state is State.PREEMPTING
+        self._read_messages()
+        return self._current is not None and self._current.state is GoalState.PREEMPTING
 
-    def end(self, state: State, text: str) -> None:
+    def end(self, state: GoalState, text: str) -> None:
         """Say what became of the goal that was driven to, if there is one."""
         asked, self._current = self._current, None
         if asked is not None:
-            self._finish(asked, State.PREEMPTED if asked.state is State.PREEMPTING else state, text)
+            self._finish_goal(asked, GoalState.PREEMPTED if asked.state is GoalState.PREEMPTING else state, text)
 
-    def tell(self, pose: Pose) -> None:
+    def publish_feedback(self, pose: Pose) -> None:
         """Say where the robot is, in ``map``."""
         if self._current is not None:
             own, now = self._codec, time.time_ns()
-            inner = own.make("move_base_msgs/msg/MoveBaseFeedback", base_position=to.pose_stamped(own, pose, now, "map"))
-            message = own.make(FEEDBACK, header=own.header(now, ""), status=self._status(self._current), feedback=inner)
+            inner = own.make("move_base_msgs/msg/MoveBaseFeedback", base_position=to.pose_stamped_msg(own, pose, now, "map"))
+            message = own.make(FEEDBACK, header=own.header(now, ""), status=self._goal_status(self._current), feedback=inner)
             self._send_feedback(own.encode(message, FEEDBACK))
 
     def tick(self, at_once: bool = False) -> None:
@@ -113,11 +113,11 @@ class ActionServer:
         if at_once or now - self._told >= STATUS_PERIOD:
             self._told = now
             self._known = [each for each in self._known if each.ended is None or now - each.ended < KEPT]
-            statuses = [self._status(each) for each in self._known]
+            statuses = [self._goal_status(each) for each in self._known]
             message = own.make(STATUSES, header=own.header(time.time_ns(), ""), status_list=statuses)
             self._send_status(own.encode(message, STATUSES))
 
-    def _look(self) -> None:
+    def _read_messages(self) -> None:
         while self._heard:
             kind, content = self._heard.popleft()
             try:
@@ -127,7 +127,7 @@ class ActionServer:
             if kind == GOAL:
                 self._take_goal(message)
             else:
-                self._cancel(message)
+                self._cancel_goals(message)
 
     def _take_goal(self, message: Any) -> None:
         self._count += 1
@@ -137,31 +137,31 @@ class ActionServer:
         if any(each.identity.id == identity.id for each in self._known):
             return
         if self._waiting is not None:
-            self._finish(self._waiting, State.RECALLED, "another goal came")
-        self._waiting = Asked(identity, message.goal.target_pose)
+            self._finish_goal(self._waiting, GoalState.RECALLED, "another goal came")
+        self._waiting = GoalRequest(identity, message.goal.target_pose)
         self._known.append(self._waiting)
         self.tick(at_once=True)
 
-    def _cancel(self, message: Any) -> None:
-        if self._waiting is not None and _is_meant(self._waiting, message):
-            self._finish(self._waiting, State.RECALLED, "it was cancelled")
+    def _cancel_goals(self, message: Any) -> None:
+        if self._waiting is not None and _matches_goal(self._waiting, message):
+            self._finish_goal(self._waiting, GoalState.RECALLED, "it was cancelled")
             self._waiting = None
-        if self._current is not None and _is_meant(self._current, message):
-            self._current.state = State.PREEMPTING
+        if self._current is not None and _matches_goal(self._current, message):
+            self._current.state = GoalState.PREEMPTING
 
-    def _finish(self, asked: Asked, state: State, text: str) -> None:
+    def _finish_goal(self, asked: GoalRequest, state: GoalState, text: str) -> None:
         asked.state, asked.text, asked.ended = state, text, time.monotonic()
         own = self._codec
         result = own.make("move_base_msgs/msg/MoveBaseResult")
-        message = own.make(RESULT, header=own.header(time.time_ns(), ""), status=self._status(asked), result=result)
+        message = own.make(RESULT, header=own.header(time.time_ns(), ""), status=self._goal_status(asked), result=result)
         self._send_result(own.encode(message, RESULT))
         self.tick(at_once=True)
 
-    def _status(self, asked: Asked) -> Any:
+    def _goal_status(self, asked: GoalRequest) -> Any:
         return self._codec.make(STATUS, goal_id=asked.identity, status=int(asked.state), text=asked.text)
 
 
-def _is_meant(asked: Asked, cancel: Any) -> bool:
+def _matches_goal(asked: GoalRequest, cancel: Any) -> bool:
     """Tell whether a cancellation means a goal: it may name it, name nothing and so mean all, or mean all up to a stamp."""
     if cancel.id:
         return bool(cancel.id == asked.identity.id)
@@ -177,14 +177,14 @@ class ActionClient:
 
     def __init__(self, transport: Transport, name: str, heard: Callable[[], None] = lambda: None) -> None:
         self.name = name
-        self.ended: tuple[State, str] | None = None
-        self._codec, self._heard = codec(1), heard
+        self.ended: tuple[GoalState, str] | None = None
+        self._codec, self._heard = get_codec(1), heard
         self._send_goal = transport.publisher(f"{name}/goal", GOAL)
         self._send_cancel = transport.publisher(f"{name}/cancel", GOAL_ID)
         self._id, self._content, self._count = "", b"", 0
         self.is_known, self._sent = False, 0.0
-        transport.subscribe(f"{name}/status", STATUSES, self._hear_status)
-        transport.subscribe(f"{name}/result", RESULT, self._hear_result)
+        transport.subscribe(f"{name}/status", STATUSES, self._on_status)
+        transport.subscribe(f"{name}/result", RESULT, self._on_result)
 
     def send(self, goal: Pose, stamp: int) -> None:
         """Send a goal in ``map``; ``stamp`` ns is that of the clock which counts."""
@@ -193,12 +193,12 @@ class ActionClient:
         self.ended, self.is_known = None, False
         self._id = f"arena-{os.getpid()}-{self._count}"
         identity = own.make(GOAL_ID, stamp=own.time(time.time_ns()), id=self._id)  # servers leave out what is older than the one before
-        inner = own.make("move_base_msgs/msg/MoveBaseGoal", target_pose=to.pose_stamped(own, goal, stamp, "map"))
+        inner = own.make("move_base_msgs/msg/MoveBaseGoal", target_pose=to.pose_stamped_msg(own, goal, stamp, "map"))
         self._content = own.encode(own.make(GOAL, header=own.header(stamp, ""), goal_id=identity, goal=inner), GOAL)
         self._send_goal(self._content)
         self._sent = time.monotonic()
 
-    def remind(self) -> None:
+    def resend_goal(self) -> None:
         """Send the goal again to a server that has not said that it knows it."""
         if self._id and not self.is_known and self.ended is None and time.monotonic() - self._sent > AGAIN:
             self._send_goal(self._content)
@@ -210,18 +210,18 @@ class ActionClient:
             identity = self._codec.make(GOAL_ID, stamp=self._codec.time(0), id=self._id)
             self._send_cancel(self._codec.encode(identity, GOAL_ID))
 
-    def _hear_status(self, content: bytes) -> None:
-        if not self.is_known and (message := self._read(content, STATUSES)) is not None:
+    def _on_status(self, content: bytes) -> None:
+        if not self.is_known and (message := self._read_message(content, STATUSES)) is not None:
             self.is_known = any(each.goal_id.id == self._id for each in message.status_list)
 
-    def _hear_result(self, content: bytes) -> None:
-        message = self._read(content, RESULT)
-        if message is None or message.status.goal_id.id != self._id or message.status.status not in [each.value for each in State]:
+    def _on_result(self, content: bytes) -> None:
+        message = self._read_message(content, RESULT)
+        if message is None or message.status.goal_id.id != self._id or message.status.status not in [each.value for each in GoalState]:
             return
-        self.ended = State(message.status.status), message.status.text
+        self.ended = GoalState(message.status.status), message.status.text
         self._heard()
 
-    def _read(self, content: bytes, kind: str) -> Any | None:
+    def _read_message(self, content: bytes, kind: str) -> Any | None:
         try:
             return self._codec.decode(content, kind)
         except BadMessage:

@@ -17,8 +17,8 @@ from arena_core import ConfigurationError
 from arena_core.commands import read_words
 from arena_core.hosting import OutsideRun, build_benchmark, compose, load_registry, to_plain
 from arena_core.parameters import Count, Positive
-from arena_ros.live.settings import Settings, settings
-from arena_ros.places import pose_of
+from arena_ros.live.settings import Settings, live_settings
+from arena_ros.pose_argument import read_pose
 from arena_ros.transport import open_transport
 
 if TYPE_CHECKING:
@@ -29,14 +29,14 @@ DRIVE_KEYS = ("transport", "map", "goal", "start", "pose", "scan", "odometry", "
 SIMULATE_KEYS = ("transport", "episode", "rate", "lock_step", "action", *FIGURES)
 
 
-def drive(usage: str, arguments: Sequence[str]) -> int:
+def drive_robot(usage: str, arguments: Sequence[str]) -> int:
     """Drive a robot; return 0 where every goal was reached, else 1."""
     from arena_ros.live.driver import Driver
-    from arena_ros.live.senses import Senses, Topics
+    from arena_ros.live.sensor_inputs import SensorInputs, SensorTopics
 
     words = read_words(usage, arguments, keys=DRIVE_KEYS, overrides=None)
-    figures, pose = settings(words), words.value("pose", str, "")
-    start, goal = pose_of(words, "start"), pose_of(words, "goal")
+    figures, pose = live_settings(words), words.value("pose", str, "")
+    start, goal = read_pose(words, "start"), read_pose(words, "goal")
     where = ["world=ros_map", f"world.path={words.required('map')}"]
     config = compose([*where, *words.overrides, *(["localizer=ground_truth"] if pose else [])])
     registry = load_registry()
@@ -45,53 +45,57 @@ def drive(usage: str, arguments: Sequence[str]) -> int:
         raise ConfigurationError("recording.live is true; allowed with arena ros drive: false, topics show a drive as it goes")
     world = registry.build("world", to_plain(config)["world"]).world(0, 0)
     folder = Path(words.value("out", str, f"outputs/{datetime.now():%Y-%m-%d/%H-%M-%S-%f}"))
-    topics = Topics(words.value("scan", str, "/scan"), words.value("odometry", str, "/odom"), pose)
+    topics = SensorTopics(words.value("scan", str, "/scan"), words.value("odometry", str, "/odom"), pose)
     target = words.value("cmd_vel", str, "/cmd_vel")
     if words.value("dry_run", bool, False):
         target = "/arena/dry_run/cmd_vel"
     with (
-        _stopped() as why,
+        _note_signals() as why,
         closing(open_transport(words.value("transport", str, None), "arena_drive")) as transport,
         OutsideRun(folder, benchmark.config, registry, benchmark.code) as run,
     ):
-        senses, alone = Senses(transport, topics, benchmark.robot, figures), words.value("alone", bool, True)
+        senses, alone = SensorInputs(transport, topics, benchmark.robot, figures), words.value("alone", bool, True)
         action = words.value("action", str, None)
         driver = Driver(transport, senses, benchmark, world, run, figures, target, alone, action)
         driver.drive(start, goal, why)
-        _tell_latency(driver, benchmark.navigator.control_period)
+        _print_latency(driver, benchmark.navigator.control_period)
     print(f"records: {folder}" if run.rows else "no records: there was no goal")
     return int(any(row["outcome"] != "goal_reached" for row in run.rows))
 
 
-def simulate(usage: str, arguments: Sequence[str]) -> int:
+def simulate_robot(usage: str, arguments: Sequence[str]) -> int:
     """Be a robot."""
-    from arena_ros.live.simulated import SimulatedRobot
+    from arena_ros.live.simulated_robot import SimulatedRobot
 
     words = read_words(usage, arguments, keys=SIMULATE_KEYS, overrides=None)
-    figures = settings(words)
+    figures = live_settings(words)
     benchmark = build_benchmark(compose(words.overrides), load_registry())
-    with _stopped() as why, closing(open_transport(words.value("transport", str, None), "arena_simulate")) as transport:
+    with _note_signals() as why, closing(open_transport(words.value("transport", str, None), "arena_simulate")) as transport:
         robot = SimulatedRobot(transport, benchmark, figures.sensor_period, words.value("action", str, None))
         print("the robot is on the air", flush=True)
         robot.run(words.value("episode", Count, 0), words.value("rate", Positive, 1.0), words.value("lock_step", bool, False), why)
     return 0
 
 
-def watchdog(usage: str, arguments: Sequence[str]) -> int:
+def run_watchdog(usage: str, arguments: Sequence[str]) -> int:
     """Relay velocities and stop the robot when they end."""
-    from arena_ros.live.watchdog import watch
+    from arena_ros.live.watchdog import relay_velocities
 
     words = read_words(usage, arguments, keys=("transport", "from", "to", *FIGURES))
-    with _stopped() as why, closing(open_transport(words.value("transport", str, None), "arena_watchdog")) as transport:
+    with _note_signals() as why, closing(open_transport(words.value("transport", str, None), "arena_watchdog")) as transport:
         print("watching", flush=True)
-        watch(
-            transport, words.value("from", str, "/arena/cmd_vel"), words.value("to", str, "/cmd_vel"), settings(words), lambda: bool(why())
+        relay_velocities(
+            transport,
+            words.value("from", str, "/arena/cmd_vel"),
+            words.value("to", str, "/cmd_vel"),
+            live_settings(words),
+            lambda: bool(why()),
         )
     return 0
 
 
 @contextmanager
-def _stopped() -> Iterator[Callable[[], str]]:
+def _note_signals() -> Iterator[Callable[[], str]]:
     """Note Ctrl-C, SIGTERM and SIGHUP within the block: yield what says why it is to end, empty while it is not."""
     came: list[int] = []
 
@@ -109,7 +113,7 @@ def _stopped() -> Iterator[Callable[[], str]]:
             signal.signal(number, usual)
 
 
-def _tell_latency(driver: Driver, period: float) -> None:
+def _print_latency(driver: Driver, period: float) -> None:
     """Print what control steps took, what of it was not the navigator's, and how evenly they came: median and p99 in ms."""
     if len(driver.latencies) > 1:
         shown = {"took": driver.latencies, "beyond the navigator": driver.beyond, "jitter": np.abs(np.diff(driver.wakes) - period)}

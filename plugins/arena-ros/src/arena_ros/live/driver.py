@@ -16,18 +16,18 @@ from arena_core.hosting import Benchmark, Decision, Mission, NavigatorSpent, Out
 from arena_core.records import Event, Recorder, WorldState
 from arena_core.scenes import free_area
 from arena_ros import conversions as to
-from arena_ros.bags.footprint import nearest
+from arena_ros.bags.footprint import nearest_return
 from arena_ros.bags.records import ALL_CONTACTS, ALL_PEOPLE
-from arena_ros.codec import PEOPLE, codec
+from arena_ros.codec import PEOPLE, get_codec
 from arena_ros.live.goals import Goals
-from arena_ros.live.governor import STAND, Governor
-from arena_ros.live.guard import Guard
-from arena_ros.live.inbox import Inbox
-from arena_ros.live.senses import Senses
+from arena_ros.live.latest_message import LatestMessage
+from arena_ros.live.loop_monitor import LoopMonitor
+from arena_ros.live.sensor_inputs import SensorInputs
 from arena_ros.live.settings import Settings
+from arena_ros.live.speed_limiter import STAND, SpeedLimiter
 from arena_ros.transport import Transport
 
-NOBODY = Pedestrians(np.empty(0, np.int32), np.empty((0, 2)), np.empty((0, 2)), np.empty(0), np.empty(0, np.int8))
+NO_PEOPLE = Pedestrians(np.empty(0, np.int32), np.empty((0, 2)), np.empty((0, 2)), np.empty(0), np.empty(0, np.int8))
 
 
 class Seen(Planner):
@@ -62,7 +62,7 @@ class Driver:
     def __init__(
         self,
         transport: Transport,
-        senses: Senses,
+        senses: SensorInputs,
         benchmark: Benchmark,
         world: World,
         run: OutsideRun,
@@ -77,14 +77,14 @@ class Driver:
         self._seen.compiles = self._navigator.planner.compiles  # type: ignore[misc]
         self._navigator.planner = self._seen
         self._period = self._navigator.control_period
-        self._governor = Governor(benchmark.robot, settings.speed, self._period)
-        own = self._codec = codec(transport.ros)
+        self._governor = SpeedLimiter(benchmark.robot, settings.speed, self._period)
+        own = self._codec = get_codec(transport.ros)
         self._goals = Goals(transport, action)
-        self._starts = Inbox(transport, own, "/initialpose", to.POSE_COVARIANCE)
+        self._starts = LatestMessage(transport, own, "/initialpose", to.POSE_COVARIANCE)
         self._send = transport.publisher(target, to.TWIST)
-        self._target, self._stand = target, own.encode(to.twist(own, STAND), to.TWIST)
+        self._target, self._stand = target, own.encode(to.twist_msg(own, STAND), to.TWIST)
         limit = (settings.overrun + 1.0) * self._period
-        self._guard = Guard(lambda: self._send(self._stand), limit, (lambda: transport.rivals(target)) if alone else None)
+        self._guard = LoopMonitor(lambda: self._send(self._stand), limit, (lambda: transport.rivals(target)) if alone else None)
         topics = {"/plan": to.PATH, "/waypoint": to.POSE_STAMPED, "/arena/pose": to.POSE_COVARIANCE, "/arena/status": to.TEXT}
         topics |= {"/arena/local_costmap": to.GRID, "/arena/tracks": PEOPLE}
         self._out = {topic: (transport.publisher(topic, kind, latched=topic == "/plan"), kind) for topic, kind in topics.items()}
@@ -98,9 +98,9 @@ class Driver:
     def drive(self, start: Pose | None, goal: Pose | None, is_over: Callable[[], str]) -> int:
         """Drive to a goal, or, where it is None, to each that comes, until ``is_over`` says why it ends; return how many were driven to."""
         with self._guard:
-            return self._drive(start, goal, is_over)
+            return self._drive_goals(start, goal, is_over)
 
-    def _drive(self, start: Pose | None, goal: Pose | None, is_over: Callable[[], str]) -> int:
+    def _drive_goals(self, start: Pose | None, goal: Pose | None, is_over: Callable[[], str]) -> int:
         only, driven = goal is not None, 0
         try:
             self._senses.await_all(is_over)
@@ -108,15 +108,15 @@ class Driver:
                 goal = goal or self._next_goal(is_over)
                 if goal is None:
                     break
-                place = self._place(start, is_over)
+                place = self._start_pose(start, is_over)
                 if place is None:
                     break
-                goal, start = self._episode(driven, place, goal, is_over), None
+                goal, start = self._drive_episode(driven, place, goal, is_over), None
                 driven += 1
                 if only:
                     break
         finally:
-            self._publish(self._governor.stop())
+            self._publish_command(self._governor.stop())
             self._goals.end(False, is_over() or "the driver ends")
         return driven
 
@@ -125,12 +125,12 @@ class Driver:
         while not is_over():
             if (goal := self._goals.take()) is not None:
                 return goal
-            self._publish(self._governor.stop())
-            self._show_status("waits for a goal", None)
+            self._publish_command(self._governor.stop())
+            self._publish_status("waits for a goal", None)
             time.sleep(self._period)
         return None
 
-    def _place(self, start: Pose | None, is_over: Callable[[], str]) -> Pose | None:
+    def _start_pose(self, start: Pose | None, is_over: Callable[[], str]) -> Pose | None:
         """Return where the robot stands: by a pose from elsewhere, by what was said, by what it believed last, or by /initialpose."""
         if self._senses.is_external:
             return self._senses.pose()
@@ -143,18 +143,18 @@ class Driver:
         )
         while not is_over():
             if (message := self._starts.newest()) is not None:
-                return to.pose_of(message.pose.pose)
+                return to.pose_from_msg(message.pose.pose)
             time.sleep(self._period)
         return None
 
-    def _episode(self, number: int, start: Pose, goal: Pose, is_over: Callable[[], str]) -> Pose | None:
+    def _drive_episode(self, number: int, start: Pose, goal: Pose, is_over: Callable[[], str]) -> Pose | None:
         """Drive to one goal and write its record; return the next goal where one came meanwhile."""
         task, grid = self._benchmark.config["task"], self._world.grid
         radius, limit = float(task.get("goal_radius", 0.3)), float(task.get("time_limit", 180.0))
         seed = self._benchmark.settings.seed
         scenario = Scenario(f"driven_{number:04d}", seed, self._world, start, goal, (), (), radius, limit)
         keeps = self._benchmark.recording
-        meta = self._meta(scenario, number)
+        meta = self._record_meta(scenario, number)
         recorder = Recorder(scenario, self._benchmark.robot, meta, keeps.scans, keeps.tracks, keeps.considered)
         self._navigator.reset(Mission(grid if self._world.known else None, start, goal, radius, seed, scenario.name))
         if (fault := self._senses.fault()) is None:
@@ -164,7 +164,7 @@ class Driver:
         following: Pose | None = None
         outcome, error, ending = "error", "", None
         while True:
-            due = self._wait(due)
+            due = self._wait_until(due)
             stamp = time.monotonic() - begin
             if why := is_over():
                 error = why
@@ -178,41 +178,41 @@ class Driver:
             if stamp >= limit:
                 outcome = "time_out"
                 break
-            if (fault := self._senses.fault() or self._rival()) is not None:
-                self._publish(self._governor.stop())
-                last = self._stood(recorder, last, stamp, fault)
+            if (fault := self._senses.fault() or self._rival_publisher()) is not None:
+                self._publish_command(self._governor.stop())
+                last = self._record_stop(recorder, last, stamp, fault)
                 continue
             sensors = self._senses.sensors(begin)
             try:
                 decision = self._navigator.decide(sensors)
                 considered = self._navigator.considered(decision) if recorder.keeps_considered else None
             except (Exception, KeyboardInterrupt) as broken:  # whatever a planner raises, or a second Ctrl-C: the robot stands first
-                self._publish(self._governor.stop())
+                self._publish_command(self._governor.stop())
                 error = describe_error(broken)
                 break
-            decision = self._act(decision, time.monotonic() - begin - stamp, stamp)
-            state = self._state(sensors, decision)
+            decision = self._send_command(decision, time.monotonic() - begin - stamp, stamp)
+            state = self._world_state(sensors, decision)
             last = state, sensors, decision
             if decision.arrived:
-                self._publish(self._governor.stop())
+                self._publish_command(self._governor.stop())
                 outcome, ending = "goal_reached", decision
                 break
             recorder.sense(state, sensors)
             recorder.add(decision, considered)
-            self._show(decision, sensors)
-        self._publish(self._governor.stop())
-        self._guard.rest()
+            self._publish_views(decision, sensors)
+        self._publish_command(self._governor.stop())
+        self._guard.note_standing()
         if last is not None:
             self._estimate = last[2].estimate.pose
             record = recorder.finish(last[0], outcome, error, ending)  # type: ignore[arg-type]
-            self._run.add(replace(record, meta={**record.meta, **self._unknown()}))
+            self._run.add(replace(record, meta={**record.meta, **self._unknown_arrays()}))
         if following is None:
             self._goals.end(outcome == "goal_reached", error or outcome)
-        self._show_status(outcome + (f": {error}" if error else ""), None, at_once=True)
+        self._publish_status(outcome + (f": {error}" if error else ""), None, at_once=True)
         print(f"{scenario.name}: {outcome}" + (f" ({error})" if error else ""), flush=True)
         return following
 
-    def _wait(self, due: float) -> float:
+    def _wait_until(self, due: float) -> float:
         """Wait until a step is due; return when the next one is. Steps that were missed are left out."""
         now = time.monotonic()
         if due > now:
@@ -220,7 +220,7 @@ class Driver:
         self.wakes.append(time.monotonic())
         return max(due + self._period, time.monotonic()) if time.monotonic() - due > self._period else due + self._period
 
-    def _act(self, decision: Decision, took: float, stamp: float) -> Decision:
+    def _send_command(self, decision: Decision, took: float, stamp: float) -> Decision:
         """Send the command, unless it comes too late to be true any more."""
         if took > self._settings.overrun * self._period:
             sent = self._governor.stop()
@@ -228,22 +228,22 @@ class Driver:
             decision = replace(decision, events=(*decision.events, event))
             print_notice("control steps take longer than they may: the robot stops for each of them")
         else:
-            sent = self._governor.limited(decision.command)
+            sent = self._governor.limit_command(decision.command)
         if not decision.arrived:
             begin = time.monotonic()
-            self._publish(sent)
-            self._guard.sent()
+            self._publish_command(sent)
+            self._guard.note_command()
             self.latencies.append(took + time.monotonic() - begin)
             self.beyond.append(self.latencies[-1] - decision.spent.navigator)
         return replace(decision, command=sent)
 
-    def _rival(self) -> str | None:
+    def _rival_publisher(self) -> str | None:
         rivals = self._guard.rivals
         return f"{rivals[0]} publishes {self._target}, too (alone=false lets it)" if rivals else None
 
-    def _stood(self, recorder: Recorder, last: Any, stamp: float, fault: str) -> Any:
+    def _record_stop(self, recorder: Recorder, last: Any, stamp: float, fault: str) -> Any:
         """Record a step in which the robot had to stand."""
-        self._show_status(f"stopped: {fault}", None)
+        self._publish_status(f"stopped: {fault}", None)
         if last is None:
             return None
         state, sensors, decision = last
@@ -257,18 +257,18 @@ class Driver:
         recorder.add(decision)
         return state, sensors, decision
 
-    def _state(self, sensors: Sensors, decision: Decision) -> WorldState:
-        _, clearance = nearest(self._benchmark.robot.footprint, sensors.scan)
+    def _world_state(self, sensors: Sensors, decision: Decision) -> WorldState:
+        _, clearance = nearest_return(self._benchmark.robot.footprint, sensors.scan)
         pose = sensors.reference if sensors.reference is not None else decision.estimate.pose
-        return WorldState(sensors.stamp, pose, sensors.odometry.twist, NOBODY, clearance, float("inf"), False, 0.0, ())
+        return WorldState(sensors.stamp, pose, sensors.odometry.twist, NO_PEOPLE, clearance, float("inf"), False, 0.0, ())
 
-    def _unknown(self) -> dict[str, Any]:
+    def _unknown_arrays(self) -> dict[str, Any]:
         unknown = dict.fromkeys(ALL_CONTACTS, "no simulator knows contacts")
         unknown |= dict.fromkeys(ALL_PEOPLE, "nobody told where people were")
         unknown["estimate"] = "the truth is itself an estimate"
         return {"truth": "reference" if self._senses.is_external else "estimated", "unknown": unknown}
 
-    def _meta(self, scenario: Scenario, number: int) -> dict[str, Any]:
+    def _record_meta(self, scenario: Scenario, number: int) -> dict[str, Any]:
         grid = self._world.grid
         columns = {
             **self._benchmark.columns,
@@ -283,24 +283,24 @@ class Driver:
         world = {"name": self._world.name, "known": self._world.known, "grid": self._run.grid(grid), "free_area": grid.derive(free_area)}
         return {"columns": {**columns, "episode": number}, "world": world, "config": self._benchmark.config}
 
-    def _publish(self, command: Twist) -> None:
-        self._send(self._codec.encode(to.twist(self._codec, command), to.TWIST))
+    def _publish_command(self, command: Twist) -> None:
+        self._send(self._codec.encode(to.twist_msg(self._codec, command), to.TWIST))
 
-    def _show(self, decision: Decision, sensors: Sensors) -> None:
+    def _publish_views(self, decision: Decision, sensors: Sensors) -> None:
         """Publish what people want to see; the command is out already."""
         own, now = self._codec, time.time_ns()
         if decision.planned is not None:
-            self._put("/plan", to.path(own, decision.planned.poses, now, "map"))
-        self._put("/waypoint", to.pose_stamped(own, decision.waypoint, now, "map"))
+            self._publish_message("/plan", to.path_msg(own, decision.planned.poses, now, "map"))
+        self._publish_message("/waypoint", to.pose_stamped_msg(own, decision.waypoint, now, "map"))
         estimate = decision.estimate
-        self._put("/arena/pose", to.pose_covariance(own, estimate.pose, estimate.covariance, now, "map"))
+        self._publish_message("/arena/pose", to.pose_covariance_msg(own, estimate.pose, estimate.covariance, now, "map"))
         if self._tf is not None:
             correction = estimate.pose.compose(sensors.odometry.pose.relative(Pose(0.0, 0.0)))
-            self._tf(own.encode(to.transforms(own, [("map", "odom", correction)], now), to.TF))
-        self._goals.show(estimate.pose)
-        self._show_status("drives", decision)
+            self._tf(own.encode(to.transforms_msg(own, [("map", "odom", correction)], now), to.TF))
+        self._goals.publish_pose(estimate.pose)
+        self._publish_status("drives", decision)
 
-    def _show_status(self, text: str, decision: Decision | None, at_once: bool = False) -> None:
+    def _publish_status(self, text: str, decision: Decision | None, at_once: bool = False) -> None:
         self._goals.tick()
         if not at_once and time.monotonic() - self._shown < self._settings.status_period:
             return
@@ -311,10 +311,12 @@ class Driver:
             status["command"] = decision.command.array().tolist()
             if (seen := self._seen.observation) is not None:
                 costs, tracks = seen.local_map, seen.tracks
-                self._put("/arena/local_costmap", to.costmap(own, costs, now, "map"))
-                self._put("/arena/tracks", to.people(own, tracks.ids.tolist(), tracks.positions, tracks.velocities, now, "map"))
-        self._put("/arena/status", to.text(own, json.dumps(status)))
+                self._publish_message("/arena/local_costmap", to.costmap_msg(own, costs, now, "map"))
+                self._publish_message(
+                    "/arena/tracks", to.people_msg(own, tracks.ids.tolist(), tracks.positions, tracks.velocities, now, "map")
+                )
+        self._publish_message("/arena/status", to.text_msg(own, json.dumps(status)))
 
-    def _put(self, topic: str, message: Any) -> None:
+    def _publish_message(self, topic: str, message: Any) -> None:
         publish, kind = self._out[topic]
         publish(self._codec.encode(message, kind))

@@ -11,10 +11,10 @@ from arena_core import ArenaError, EpisodeStart, Observation, Planner, Pose, Rob
 from arena_core.commands import one_line
 from arena_core.parameters import Positive
 from arena_ros import conversions as to
-from arena_ros.codec import BadMessage, codec, stamp_of
-from arena_ros.live.actions import ActionClient, State
+from arena_ros.codec import BadMessage, get_codec, stamp_of
+from arena_ros.live.actions import ActionClient, GoalState
 from arena_ros.live.goals import GOAL_TOPICS, action_name
-from arena_ros.live.governor import STAND
+from arena_ros.live.speed_limiter import STAND
 from arena_ros.transport import Transport, open_transport
 
 BEGIN = 10**9  # ns of the clock at the first episode's begin
@@ -48,13 +48,13 @@ class RosExternal(Planner):
         self._robot, self._transport_name, self._topic, self._stamped, self._action = robot, transport, command, stamped, action
         self._silence = silence
         self._budget, self._patience = budget, patience
-        self._link: _Link | None = None
+        self._link: _PlannerLink | None = None
         self._clock = BEGIN - PAUSE
 
     def reset(self, episode: EpisodeStart) -> None:
         """Connect, once in a process, and tell goal and map."""
         if self._link is None:
-            self._link = _link(self._transport_name, self._topic, self._stamped, self._silence, self._action)
+            self._link = _open_link(self._transport_name, self._topic, self._stamped, self._silence, self._action)
         self._begin = self._clock + PAUSE
         self._path: Any = None
         self._link.begin(episode, self._begin)
@@ -65,21 +65,21 @@ class RosExternal(Planner):
             raise ArenaError("ros_external was not reset")
         self._clock = self._begin + round(observation.stamp * 1e9)
         limit = self._budget if self._link.answered else self._patience
-        return self._link.ask(observation, self._clock, self._robot.lidar.period, limit)
+        return self._link.request_command(observation, self._clock, self._robot.lidar.period, limit)
 
 
 @lru_cache(maxsize=4)
-def _link(transport: str | None, command: str, stamped: bool, silence: float | None, action: str | None) -> _Link:
-    return _Link(open_transport(transport, "arena_ros_external"), command, stamped, silence, action)
+def _open_link(transport: str | None, command: str, stamped: bool, silence: float | None, action: str | None) -> _PlannerLink:
+    return _PlannerLink(open_transport(transport, "arena_ros_external"), command, stamped, silence, action)
 
 
-class _Link:
+class _PlannerLink:
     """The topics between this process and the node; ``answered`` tells whether it has ever sent a command."""
 
     def __init__(self, transport: Transport, command: str, stamped: bool, silence: float | None, action: str | None) -> None:
         if "/clock" in transport.topics():
             raise ArenaError("/clock is published already; allowed: one clock (executor.workers=1, and no other simulator at this master)")
-        self._codec, self._stamped, self._silence, self._command = codec(transport.ros), stamped, silence, command
+        self._codec, self._stamped, self._silence, self._command = get_codec(transport.ros), stamped, silence, command
         self._spoke = time.monotonic()
         kinds = {"/scan": to.SCAN, "/odom": to.ODOMETRY, "/tf": to.TF, "/clock": to.CLOCK, "/waypoint": to.POSE_STAMPED}
         latched = {"/map": to.GRID, "/plan": to.PATH, "/tf_static": to.TF}
@@ -91,44 +91,44 @@ class _Link:
         self._answer: tuple[int | None, Twist] | None = None
         self.answered = False
         self._path: Any = None
-        self._asked = ActionClient(transport, action_name(transport, action), self._wake) if action is not None else None
-        transport.subscribe(command, to.TWIST_STAMPED if stamped else to.TWIST, self._hear)
+        self._asked = ActionClient(transport, action_name(transport, action), self._notify_waiters) if action is not None else None
+        transport.subscribe(command, to.TWIST_STAMPED if stamped else to.TWIST, self._on_command)
 
     def begin(self, episode: EpisodeStart, stamp: int) -> None:
         """Tell map and goal."""
         own = self._codec
         self._path, self._spoke = None, time.monotonic()
         if episode.map is not None:
-            self._put("/map", to.grid(own, episode.map, stamp, "map"))
-        self._put("/clock", own.make(to.CLOCK, clock=own.time(stamp)))
+            self._publish_message("/map", to.grid_msg(own, episode.map, stamp, "map"))
+        self._publish_message("/clock", own.make(to.CLOCK, clock=own.time(stamp)))
         if self._asked is not None:
             self._asked.send(episode.goal, stamp)
         else:
-            self._put(self._goal, to.pose_stamped(own, episode.goal, stamp, "map"))
+            self._publish_message(self._goal, to.pose_stamped_msg(own, episode.goal, stamp, "map"))
 
-    def ask(self, observation: Observation, stamp: int, scan_period: float, limit: float) -> Twist:
+    def request_command(self, observation: Observation, stamp: int, scan_period: float, limit: float) -> Twist:
         """Send a step and wait for its command; return the command to stand where the node may be silent, and is."""
         begin = time.monotonic()
         end = (begin if self._silence is None else self._spoke) + limit
         with self._came:
             self._answer = None
-        self._send(observation, stamp, scan_period)
+        self._send_step(observation, stamp, scan_period)
         while True:
             with self._came:
-                self._came.wait_for(lambda: self._is_for(stamp) or self._has_ended(), self._patience(end))
-                if self._is_for(stamp) and self._answer is not None:
+                self._came.wait_for(lambda: self._matches_stamp(stamp) or self._has_ended(), self._patience(end))
+                if self._matches_stamp(stamp) and self._answer is not None:
                     self.answered, self._spoke = True, time.monotonic()
                     return self._answer[1]
             if self._has_ended():
-                return self._after_the_end()
+                return self._handle_end()
             if time.monotonic() >= end:
                 raise BudgetExceeded(f"no command on {self._command} for this step within {limit:g} s")
             if self._silence is not None and time.monotonic() - begin >= self._silence:
                 return STAND
             if not self.answered:
-                self._send(observation, stamp, scan_period)
+                self._send_step(observation, stamp, scan_period)
             if self._asked is not None:
-                self._asked.remind()
+                self._asked.resend_goal()
 
     def _patience(self, end: float) -> float:
         """Return how long is waited before something is sent again, s."""
@@ -139,47 +139,47 @@ class _Link:
     def _has_ended(self) -> bool:
         return self._asked is not None and self._asked.ended is not None
 
-    def _after_the_end(self) -> Twist:
+    def _handle_end(self) -> Twist:
         """Stand where the node says that it has arrived; raise GoalGivenUp where it says anything else."""
         assert self._asked is not None
         assert self._asked.ended is not None
         state, text = self._asked.ended
-        if state is not State.SUCCEEDED:
+        if state is not GoalState.SUCCEEDED:
             raise GoalGivenUp(f"{self._asked.name} says {state.name.lower()}" + (f" ({one_line(text, 80)})" if text else ""))
         return STAND
 
-    def _wake(self) -> None:
+    def _notify_waiters(self) -> None:
         with self._came:
             self._came.notify()
 
-    def _is_for(self, stamp: int) -> bool:
+    def _matches_stamp(self, stamp: int) -> bool:
         return self._answer is not None and self._answer[0] in (None, stamp)
 
-    def _hear(self, content: bytes) -> None:
+    def _on_command(self, content: bytes) -> None:
         try:
             message = self._codec.decode(content, to.TWIST_STAMPED if self._stamped else to.TWIST)
         except BadMessage:
             return
         with self._came:
-            self._answer = (stamp_of(message.header.stamp) if self._stamped else None), to.twist_of(message)
+            self._answer = (stamp_of(message.header.stamp) if self._stamped else None), to.twist_from_msg(message)
             self._came.notify()
 
-    def _send(self, observation: Observation, stamp: int, scan_period: float) -> None:
+    def _send_step(self, observation: Observation, stamp: int, scan_period: float) -> None:
         """Send all that belongs to a step, the clock last."""
         own, pose = self._codec, observation.pose
         links = [("map", "odom", AT_HOME), ("odom", "base_link", pose)]
-        self._put("/tf", to.transforms(own, links, stamp))
+        self._publish_message("/tf", to.transforms_msg(own, links, stamp))
         if self._path is None:
-            self._put("/tf_static", to.transforms(own, [("base_link", "laser", observation.scan.mount)], stamp))
+            self._publish_message("/tf_static", to.transforms_msg(own, [("base_link", "laser", observation.scan.mount)], stamp))
         if self._path is not observation.path:
             self._path = observation.path
-            self._put("/plan", to.path(own, observation.path.poses, stamp, "map"))
-        self._put("/waypoint", to.pose_stamped(own, observation.waypoint, stamp, "map"))
+            self._publish_message("/plan", to.path_msg(own, observation.path.poses, stamp, "map"))
+        self._publish_message("/waypoint", to.pose_stamped_msg(own, observation.waypoint, stamp, "map"))
         seen = stamp - round((observation.stamp - observation.scan.stamp) * 1e9)
-        self._put("/scan", to.scan(own, observation.scan, seen, "laser", scan_period))
-        self._put("/odom", to.odometry(own, pose, observation.twist, stamp, "odom", "base_link"))
-        self._put("/clock", own.make(to.CLOCK, clock=own.time(stamp)))
+        self._publish_message("/scan", to.scan_msg(own, observation.scan, seen, "laser", scan_period))
+        self._publish_message("/odom", to.odometry_msg(own, pose, observation.twist, stamp, "odom", "base_link"))
+        self._publish_message("/clock", own.make(to.CLOCK, clock=own.time(stamp)))
 
-    def _put(self, topic: str, message: Any) -> None:
+    def _publish_message(self, topic: str, message: Any) -> None:
         publish, kind = self._out[topic]
         publish(self._codec.encode(message, kind))

@@ -9,9 +9,9 @@ import numpy as np
 from arena_core import ConfigurationError, Pose
 from arena_core.commands import print_notice
 from arena_ros import conversions as to
-from arena_ros.codec import codec
-from arena_ros.live.actions import ActionServer, State
-from arena_ros.live.inbox import Inbox
+from arena_ros.codec import get_codec
+from arena_ros.live.actions import ActionServer, GoalState
+from arena_ros.live.latest_message import LatestMessage
 from arena_ros.transport import Transport
 
 MOVE_BASE = "/move_base"  # its action's usual name
@@ -23,23 +23,23 @@ class Goals:
     """Hears goals in ``map``, whichever way they come, and says what becomes of those that want to know."""
 
     def __init__(self, transport: Transport, action: str | None) -> None:
-        self._topic = Inbox(transport, codec(transport.ros), GOAL_TOPICS[transport.ros], to.POSE_STAMPED)
+        self._topic = LatestMessage(transport, get_codec(transport.ros), GOAL_TOPICS[transport.ros], to.POSE_STAMPED)
         name = served_action(transport, action)
         self._server = ActionServer(transport, name) if name is not None else None
 
     def take(self) -> Pose | None:
         """Return a goal that is new; one that was driven to until now is given up for it."""
         if self._server is not None and (asked := self._server.take()) is not None:
-            goal, fault = _place(asked.target)
+            goal, fault = _goal_pose(asked.target)
             if fault:
-                self._server.refuse(asked, fault)
+                self._server.reject_goal(asked, fault)
             else:
                 self._server.accept(asked)
             return goal
         message = self._topic.take()
         if message is None:
             return None
-        goal, fault = _place(message)
+        goal, fault = _goal_pose(message)
         if fault:
             print_notice(fault)
         elif self._server is not None:
@@ -55,21 +55,21 @@ class Goals:
         if self._server is not None:
             self._server.tick()
 
-    def show(self, pose: Pose) -> None:
+    def publish_pose(self, pose: Pose) -> None:
         """Say where the robot is while it drives to a goal."""
         if self._server is not None:
-            self._server.tell(pose)
+            self._server.publish_feedback(pose)
 
     def end(self, reached: bool, text: str) -> None:
         """Say what became of the goal that was driven to."""
         if self._server is not None:
-            self._server.end(State.SUCCEEDED if reached else State.ABORTED, text)
+            self._server.end(GoalState.SUCCEEDED if reached else GoalState.ABORTED, text)
 
 
-def _place(message: Any) -> tuple[Pose | None, str]:
+def _goal_pose(message: Any) -> tuple[Pose | None, str]:
     """Return the goal of a PoseStamped, or why it cannot be driven to."""
     frame = message.header.frame_id.lstrip("/")
-    goal = to.pose_of(message.pose)
+    goal = to.pose_from_msg(message.pose)
     if frame not in ("map", ""):
         return None, f"a goal in the frame {frame} is not driven to; allowed: map"
     if not np.isfinite(goal.array()).all():

@@ -28,7 +28,7 @@ class Settings:
     sensor_period: Positive
 
 
-def settings(words: Words) -> Settings:
+def live_settings(words: Words) -> Settings:
     """Return the figures, those of the command line first; raise ConfigurationError."""
     usual: Mapping[str, float] = read_yaml(Path(str(files("arena_ros") / "live.yaml")), "the figures of this package")
     said = {key: words.value(key, float, value) for key, value in usual.items()}

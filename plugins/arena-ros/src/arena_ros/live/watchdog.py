@@ -7,15 +7,15 @@ from collections.abc import Callable
 
 from arena_core import Twist
 from arena_ros import conversions as to
-from arena_ros.codec import codec
+from arena_ros.codec import get_codec
 from arena_ros.live.settings import Settings
 from arena_ros.transport import Transport
 
 
-def watch(transport: Transport, source: str, target: str, settings: Settings, is_over: Callable[[], bool]) -> None:
+def relay_velocities(transport: Transport, source: str, target: str, settings: Settings, is_over: Callable[[], bool]) -> None:
     """Relay velocities from ``source`` to ``target`` as they come; send zeros once the newest is too old, and at the end."""
-    own = codec(transport.ros)
-    stand = own.encode(to.twist(own, Twist(0.0, 0.0, 0.0)), to.TWIST)
+    own = get_codec(transport.ros)
+    stand = own.encode(to.twist_msg(own, Twist(0.0, 0.0, 0.0)), to.TWIST)
     publish = transport.publisher(target, to.TWIST)
     newest = [float("-inf")]
 

@@ -9,8 +9,8 @@ from typing import ClassVar
 import numpy as np
 
 from arena_core.records import read_record
-from arena_ros.testing.processes import ARENA, done, running
-from arena_ros.testing.site import world
+from arena_ros.testing.processes import ARENA, run_process, run_to_end
+from arena_ros.testing.site import world_overrides
 
 
 class PlannerTests(ABC):
@@ -25,12 +25,12 @@ class PlannerTests(ABC):
     def run(self, site: Path, out: Path, *words: str) -> list[str]:
         """Return the words of a run whose planner is the node."""
         rest = ["episodes=1", "executor=serial", "report=false", f"hydra.run.dir={out}", f"planner.transport={self.transport}"]
-        return [ARENA, "run", "planner=ros_external", *world(site), *rest, *words]
+        return [ARENA, "run", "planner=ros_external", *world_overrides(site), *rest, *words]
 
     def test_a_ros_node_is_a_planner_and_repeats_itself_bit_for_bit(self, site: Path, air: None, tmp_path: Path) -> None:
         for name in ("a", "b"):
-            with running(*self.follower(), log=tmp_path / "node.txt"):
-                ended = done(*self.run(site, tmp_path / name))
+            with run_process(*self.follower(), log=tmp_path / "node.txt"):
+                ended = run_to_end(*self.run(site, tmp_path / name))
                 assert ended.returncode == 0, ended.stdout + ended.stderr + (tmp_path / "node.txt").read_text()
         first, second = (read_record(tmp_path / name / "records" / "0000.npz") for name in ("a", "b"))
         assert first.meta["outcome"] == "goal_reached"
@@ -39,8 +39,8 @@ class PlannerTests(ABC):
         assert (first.timing["planner_seconds"] > 0.0).all()
 
     def test_a_node_that_falls_silent_is_an_error_with_its_record(self, site: Path, air: None, tmp_path: Path) -> None:
-        with running(*self.follower(30)):
-            ended = done(*self.run(site, tmp_path / "run", "planner.budget=0.5"))
+        with run_process(*self.follower(30)):
+            ended = run_to_end(*self.run(site, tmp_path / "run", "planner.budget=0.5"))
         assert ended.returncode == 1, ended.stdout + ended.stderr
         record = read_record(tmp_path / "run" / "records" / "0000.npz")
         assert record.meta["outcome"] == "error"

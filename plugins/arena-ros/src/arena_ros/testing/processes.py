@@ -27,7 +27,7 @@ node.close()
 
 
 @contextmanager
-def running(*words: str, log: Path | None = None) -> Iterator[subprocess.Popen[str]]:
+def run_process(*words: str, log: Path | None = None) -> Iterator[subprocess.Popen[str]]:
     """Run a process within the block; what it says goes to ``log``."""
     with ExitStack() as stack:
         out = stack.enter_context(log.open("w")) if log else subprocess.DEVNULL
@@ -44,7 +44,7 @@ def running(*words: str, log: Path | None = None) -> Iterator[subprocess.Popen[s
                 process.wait()
 
 
-def until(condition: Callable[[], object], seconds: float) -> None:
+def wait_until(condition: Callable[[], object], seconds: float) -> None:
     """Wait until something is so; raise AssertionError where it does not come so far."""
     end = time.monotonic() + seconds
     while not condition():
@@ -52,12 +52,12 @@ def until(condition: Callable[[], object], seconds: float) -> None:
         time.sleep(LOOK)
 
 
-def said(log: Path, text: str) -> Callable[[], bool]:
+def has_printed(log: Path, text: str) -> Callable[[], bool]:
     """Return what tells whether a process has said something."""
     return lambda: log.is_file() and text in log.read_text()
 
 
-def done(*words: str, seconds: float = 240.0) -> subprocess.CompletedProcess[str]:
+def run_to_end(*words: str, seconds: float = 240.0) -> subprocess.CompletedProcess[str]:
     """Run a process to its end."""
     return subprocess.run(words, capture_output=True, text=True, timeout=seconds)  # noqa: S603 - words of tests
 
@@ -65,6 +65,6 @@ def done(*words: str, seconds: float = 240.0) -> subprocess.CompletedProcess[str
 @contextmanager
 def another_publisher(transport: str, topic: str, kind: str, log: Path) -> Iterator[None]:
     """Have another node publish a topic, without a message, within the block."""
-    with running(sys.executable, "-c", PUBLISHER, transport, topic, kind, log=log):
-        until(said(log, "there"), 60.0)
+    with run_process(sys.executable, "-c", PUBLISHER, transport, topic, kind, log=log):
+        wait_until(has_printed(log, "there"), 60.0)
         yield

@@ -15,8 +15,8 @@ import numpy as np
 
 from arena_core import LaserScan, Pose, Twist
 from arena_ros import conversions as to
-from arena_ros.bags.exporting import GOAL, writer
-from arena_ros.codec import PEOPLE, Codec, codec
+from arena_ros.bags.exporting import GOAL, open_writer
+from arena_ros.codec import PEOPLE, Codec, get_codec
 
 RATE = 20  # Hz of everything but pictures
 PICTURES = 10  # Hz
@@ -35,7 +35,7 @@ print(time.perf_counter() - begin, time.process_time() - used)
 
 
 @dataclass(frozen=True, slots=True)
-class Import:
+class ImportCost:
     """What an import took: s of wall and of CPU time, s of wall time with its process, and the most memory of that, MB."""
 
     seconds: float
@@ -46,15 +46,15 @@ class Import:
 
 def write_laboratory(path: Path, seconds: float, picture: int = 0) -> Path:
     """Write a robot that drives in circles past five people; pictures of so many bytes come beside. Return the file."""
-    own = codec(1 if path.suffix == ".bag" else 2)
+    own = get_codec(1 if path.suffix == ".bag" else 2)
     noise = np.random.default_rng(0).integers(0, 256, picture, np.uint8)
-    with writer(path, own) as write:
-        write("/tf_static", to.TF, BEGIN, to.transforms(own, [("base_link", "laser", Pose(0.1, 0.0))], BEGIN))
+    with open_writer(path, own) as write:
+        write("/tf_static", to.TF, BEGIN, to.transforms_msg(own, [("base_link", "laser", Pose(0.1, 0.0))], BEGIN))
         for tick in range(round(seconds * RATE)):
             stamp = BEGIN + tick * 10**9 // RATE
             _write_step(own, write, tick, stamp)
             if picture and tick % (RATE // PICTURES) == 0:
-                write("/camera", "sensor_msgs/msg/CompressedImage", stamp, _picture(own, noise, stamp))
+                write("/camera", "sensor_msgs/msg/CompressedImage", stamp, _make_picture(own, noise, stamp))
     return next(iter(path.glob(f"*{path.suffix}"))) if path.is_dir() else path
 
 
@@ -64,26 +64,26 @@ def _write_step(own: Codec, write: Any, tick: int, stamp: int) -> None:
     if tick % round(LAP * RATE) == 0:
         ahead = angle + SPEED / RADIUS * 0.9 * LAP
         goal = Pose(RADIUS * math.cos(ahead), RADIUS * math.sin(ahead))
-        write(GOAL[own.ros], to.POSE_STAMPED, stamp, to.pose_stamped(own, goal, stamp, "map"))
-    write("/tf", to.TF, stamp, to.transforms(own, [("map", "odom", Pose(0.0, 0.2)), ("odom", "base_link", pose)], stamp))
-    write("/odom", to.ODOMETRY, stamp, to.odometry(own, pose, Twist(SPEED, 0.0, SPEED / RADIUS), stamp, "odom", "base_link"))
-    write("/cmd_vel", to.TWIST, stamp, to.twist(own, Twist(SPEED, 0.0, SPEED / RADIUS)))
+        write(GOAL[own.ros], to.POSE_STAMPED, stamp, to.pose_stamped_msg(own, goal, stamp, "map"))
+    write("/tf", to.TF, stamp, to.transforms_msg(own, [("map", "odom", Pose(0.0, 0.2)), ("odom", "base_link", pose)], stamp))
+    write("/odom", to.ODOMETRY, stamp, to.odometry_msg(own, pose, Twist(SPEED, 0.0, SPEED / RADIUS), stamp, "odom", "base_link"))
+    write("/cmd_vel", to.TWIST, stamp, to.twist_msg(own, Twist(SPEED, 0.0, SPEED / RADIUS)))
     ranges = (4.0 + np.sin(np.arange(BEAMS) * 0.1 + tick * 0.01)).astype(np.float32)
     write(
         "/scan",
         to.SCAN,
         stamp,
-        to.scan(own, LaserScan(0.0, 0.0, math.tau / BEAMS, 0.1, 30.0, ranges, Pose(0.0, 0.0)), stamp, "laser", 0.05),
+        to.scan_msg(own, LaserScan(0.0, 0.0, math.tau / BEAMS, 0.1, 30.0, ranges, Pose(0.0, 0.0)), stamp, "laser", 0.05),
     )
     places = np.stack((np.arange(5.0), np.full(5, 5.0 + 0.001 * (tick % 1000))), axis=1)
-    write("/people", PEOPLE, stamp, to.people(own, range(5), places, np.zeros((5, 2)), stamp, "map"))
+    write("/people", PEOPLE, stamp, to.people_msg(own, range(5), places, np.zeros((5, 2)), stamp, "map"))
 
 
-def _picture(own: Codec, noise: Any, stamp: int) -> Any:
+def _make_picture(own: Codec, noise: Any, stamp: int) -> Any:
     return own.make("sensor_msgs/msg/CompressedImage", header=own.header(stamp, "camera"), format="jpeg", data=noise)
 
 
-def import_apart(bag: Path, out: Path) -> Import:
+def import_apart(bag: Path, out: Path) -> ImportCost:
     """Import a recording in a process of its own."""
     begin = time.perf_counter()
     process = subprocess.Popen(  # noqa: S603 - words of this file
@@ -96,4 +96,4 @@ def import_apart(bag: Path, out: Path) -> Import:
     process.returncode = os.waitstatus_to_exitcode(status)
     assert process.returncode == 0, said
     seconds, cpu_seconds = map(float, said.split())
-    return Import(seconds, cpu_seconds, time.perf_counter() - begin, used.ru_maxrss / 1e3)
+    return ImportCost(seconds, cpu_seconds, time.perf_counter() - begin, used.ru_maxrss / 1e3)

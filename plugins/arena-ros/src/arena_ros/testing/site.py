@@ -25,6 +25,6 @@ def write_site(folder: Path) -> Path:
     return folder
 
 
-def world(site: Path) -> list[str]:
+def world_overrides(site: Path) -> list[str]:
     """Return the words of a command line that put a robot there."""
     return ["robot=jackal", "world=ros_map", f"world.path={site}/map.yaml", "task=scenario", f"task.path={site}/straight.json"]

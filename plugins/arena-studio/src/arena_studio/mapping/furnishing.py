@@ -32,7 +32,7 @@ def scenario_files(project: Project, map_path: str) -> list[dict[str, Any]]:
     for path in project.files({".json"}):
         try:
             document = project.read(path)
-            root = _content(document, path)
+            root = _read_content(document, path)
         except InputFileError:
             continue
         if _map_of(root, path) == map_path:
@@ -41,7 +41,7 @@ def scenario_files(project: Project, map_path: str) -> list[dict[str, Any]]:
     return found
 
 
-def _content(document: Document, path: str) -> dict[str, Any]:
+def _read_content(document: Document, path: str) -> dict[str, Any]:
     """Return what one of our scenario files says; raise InputFileError for any other file."""
     if FORMAT.encode() not in document.content[:HEAD] or len(document.content) > LIMITS.json_bytes:
         raise InputFileError(f"{path}: is no scenario file; allowed: {ALLOWED}")
@@ -67,18 +67,18 @@ def save_furniture(project: Project, path: str, version: str, problem: str, piec
     document = project.read(path)
     if document.version != version:
         raise Conflict(f"{path} was changed by somebody else since it was read")
-    root = _content(document, path)
+    root = _read_content(document, path)
     found = next((one for one in root["scenarios"] if one["name"] == problem), None)
     if found is None:
         raise Missing(f"{path}: has no problem {one_line(problem, 60)!r}")
     found.pop("furniture", None)
     if pieces:
-        found["furniture"] = _checked(pieces)
+        found["furniture"] = _check_pieces(pieces)
     content = scenario_text({**root, "version": VERSION}).encode()
     return project.write(path, content, version)
 
 
-def _checked(pieces: list[Any]) -> list[dict[str, Any]]:
+def _check_pieces(pieces: list[Any]) -> list[dict[str, Any]]:
     if len(pieces) > LIMITS.furniture:
         raise InputFileError(f"furniture has {len(pieces)} pieces; allowed: up to {LIMITS.furniture}")
     kinds = option_files("furniture", load_registry().manager)
@@ -103,6 +103,6 @@ def new_scenario(project: Project, path: str, map_path: str, ends: Sequence[list
     """
     start, goal = ends
     relative = posixpath.relpath(map_path, posixpath.dirname(path) or ".")
-    problem = {"name": "furnished", "start": start, "goal": goal, "pedestrians": [], "obstacles": [], "furniture": _checked(pieces)}
+    problem = {"name": "furnished", "start": start, "goal": goal, "pedestrians": [], "obstacles": [], "furniture": _check_pieces(pieces)}
     content = {"format": FORMAT, "version": VERSION, "title": "A robot crosses a furnished hall", "map": relative, "scenarios": [problem]}
     return project.write(path, scenario_text(content).encode(), None)

@@ -19,7 +19,7 @@ from arena_core.parameters import read_settings
 from arena_studio.errors import Conflict
 from arena_studio.mapping.picture import Picture
 from arena_studio.mapping.pnm import Pnm, Samples
-from arena_studio.mapping.shades import Cells, cells_of, checked_samples, plain_pgm, read_image
+from arena_studio.mapping.shades import Cells, cells_of, check_samples, plain_pgm, read_image
 from arena_studio.mapping.yaml_text import Value, with_values
 from arena_studio.project import Document, Project
 from arena_worlds.commands.convert import DEFAULTS
@@ -146,7 +146,7 @@ def save_map(project: Project, path: str, header: Mapping[str, Any], sent: bytes
     if header.get("version") != opened.version:
         raise Conflict(f"{path} was changed by somebody else since it was read")
     image = _changed_image(opened.image, header, sent)
-    text = with_values(_text(opened), _changed_keys(opened.file, header), path).encode()
+    text = with_values(_map_text(opened), _changed_keys(opened.file, header), path).encode()
     versions = [opened.text.version, opened.image_text.version]
     if image is not None:
         versions[1] = project.write(opened.image_path, image, opened.image_text.version)
@@ -165,12 +165,12 @@ def copy_map(project: Project, path: str, header: Mapping[str, Any], sent: bytes
     opened = open_map(project, like) if isinstance(like, str) else None
     template: Pnm | Picture = opened.image if opened else plain_pgm((1, 1))
     image_path = str(PurePosixPath(path).with_suffix(_image_ending(opened)))
-    text = _text(opened) if opened else _new_text(header)
-    values: dict[str, Value] = {**_keys(header), "image": posixpath.basename(image_path)}
-    shape = _count(header, "height"), _count(header, "width")
-    samples = checked_samples(header.get("samples"), template)
-    codes = _taken(sent, 0, shape[0] * shape[1], len(samples)).reshape(shape)
-    content = template.encoded(samples[codes])
+    text = _map_text(opened) if opened else _new_text(header)
+    values: dict[str, Value] = {**_header_keys(header), "image": posixpath.basename(image_path)}
+    shape = _read_count(header, "height"), _read_count(header, "width")
+    samples = check_samples(header.get("samples"), template)
+    codes = _read_codes(sent, 0, shape[0] * shape[1], len(samples)).reshape(shape)
+    content = template.encode_samples(samples[codes])
     for name in (path, image_path):
         if project.path(name).exists():
             raise Conflict(f"{name} is there already")
@@ -180,7 +180,7 @@ def copy_map(project: Project, path: str, header: Mapping[str, Any], sent: bytes
     return {"path": path, "image": image_path, "version": f"{version}.{image_version}"}
 
 
-def _text(opened: OpenMap) -> str:
+def _map_text(opened: OpenMap) -> str:
     try:
         return opened.text.content.decode("utf-8")
     except UnicodeDecodeError:
@@ -199,31 +199,31 @@ def _image_ending(opened: OpenMap | None) -> str:
 
 def _changed_keys(file: MapFile, header: Mapping[str, Any]) -> dict[str, Value]:
     old: dict[str, Value] = {"resolution": file.resolution, "origin": list(file.origin)}
-    return {key: value for key, value in _keys(header).items() if value != old[key]}
+    return {key: value for key, value in _header_keys(header).items() if value != old[key]}
 
 
-def _keys(header: Mapping[str, Any]) -> dict[str, Value]:
+def _header_keys(header: Mapping[str, Any]) -> dict[str, Value]:
     """Return the keys of the YAML that the header has other values for."""
     found: dict[str, Value] = {}
     if "resolution" in header:
-        found["resolution"] = _finite(header, "resolution", [header["resolution"]])[0]
+        found["resolution"] = _finite_values(header, "resolution", [header["resolution"]])[0]
         if not found["resolution"] > 0.0:  # type: ignore[operator]
             raise InputFileError(f"resolution is {found['resolution']}; allowed: > 0 (m a cell)")
     if "origin" in header:
-        found["origin"] = _finite(header, "origin", header["origin"])
+        found["origin"] = _finite_values(header, "origin", header["origin"])
         if len(found["origin"]) != 3:  # type: ignore[arg-type]
             raise InputFileError("origin is not three numbers; allowed: x, y (m) and yaw (rad)")
     return found
 
 
-def _finite(header: Mapping[str, Any], key: str, values: Any) -> list[float]:
+def _finite_values(header: Mapping[str, Any], key: str, values: Any) -> list[float]:
     fits = isinstance(values, list) and all(isinstance(one, int | float) and not isinstance(one, bool) for one in values)
     if not fits or not np.isfinite(np.array(values, np.float64)).all():
         raise InputFileError(f"{key} is {one_line(str(header[key]), 60)}; allowed: finite numbers")
     return [float(one) for one in values]
 
 
-def _count(header: Mapping[str, Any], key: str) -> int:
+def _read_count(header: Mapping[str, Any], key: str) -> int:
     value = header.get(key)
     if not isinstance(value, int) or isinstance(value, bool) or not 0 < value <= LIMITS.cells:
         raise InputFileError(f"{key} is {value!r}; allowed: a whole number of cells, up to {LIMITS.cells} in all")
@@ -234,26 +234,26 @@ def _changed_image(image: Pnm | Picture, header: Mapping[str, Any], sent: bytes)
     """Return the image's new content; None where no pixel is another one. Cells that were not sent keep their pixels, sample for sample."""
     if not header.get("rectangles"):
         return None
-    samples = checked_samples(header.get("samples"), image)
-    rows, columns = _shape(image, header)
-    pixels, begin = _canvas(image, (rows, columns), header["rectangles"]), 0
-    for left, top, width, height in _rectangles(header, columns, rows):
-        codes = _taken(sent, begin, width * height, len(samples)).reshape(height, width)
+    samples = check_samples(header.get("samples"), image)
+    rows, columns = _map_shape(image, header)
+    pixels, begin = _make_canvas(image, (rows, columns), header["rectangles"]), 0
+    for left, top, width, height in _read_rectangles(header, columns, rows):
+        codes = _read_codes(sent, begin, width * height, len(samples)).reshape(height, width)
         pixels[top : top + height, left : left + width] = samples[codes].astype(pixels.dtype, copy=False)
         begin += width * height
-    return None if np.array_equal(pixels, image.samples) else image.encoded(pixels)
+    return None if np.array_equal(pixels, image.samples) else image.encode_samples(pixels)
 
 
-def _shape(image: Pnm | Picture, header: Mapping[str, Any]) -> tuple[int, int]:
+def _map_shape(image: Pnm | Picture, header: Mapping[str, Any]) -> tuple[int, int]:
     """Return the rows and columns that a map has now: those of its file unless the header says otherwise."""
     rows, columns = image.samples.shape[:2]
-    shape = (_count(header, "height") if "height" in header else rows, _count(header, "width") if "width" in header else columns)
+    shape = (_read_count(header, "height") if "height" in header else rows, _read_count(header, "width") if "width" in header else columns)
     if shape[0] * shape[1] > LIMITS.cells:
         raise InputFileError(f"the map has {shape[1]} x {shape[0]} cells; allowed: {LIMITS.cells} in all")
     return shape
 
 
-def _canvas(image: Pnm | Picture, shape: tuple[int, int], rectangles: Any) -> Samples:
+def _make_canvas(image: Pnm | Picture, shape: tuple[int, int], rectangles: Any) -> Samples:
     """Return what the rectangles are drawn on: the pixels of the file, or nothing where the map has another size."""
     if shape == image.samples.shape[:2]:
         return image.samples.copy()
@@ -262,14 +262,14 @@ def _canvas(image: Pnm | Picture, shape: tuple[int, int], rectangles: Any) -> Sa
     return np.zeros((*shape, image.samples.shape[2]), image.samples.dtype)
 
 
-def _taken(sent: bytes, begin: int, count: int, most: int) -> NDArray[np.uint8]:
+def _read_codes(sent: bytes, begin: int, count: int, most: int) -> NDArray[np.uint8]:
     codes = np.frombuffer(sent[begin : begin + count], np.uint8)
     if len(codes) < count or codes.max(initial=0) >= most:
         raise InputFileError(f"cells are missing or have no sample; allowed: {count} codes below {most}")
     return codes
 
 
-def _rectangles(header: Mapping[str, Any], columns: int, rows: int) -> list[tuple[int, int, int, int]]:
+def _read_rectangles(header: Mapping[str, Any], columns: int, rows: int) -> list[tuple[int, int, int, int]]:
     found = read_settings(header["rectangles"], list[list[int]], "rectangles")
     for one in found:
         if len(one) != 4 or min(one) < 0 or one[0] + one[2] > columns or one[1] + one[3] > rows or not one[2] * one[3]:

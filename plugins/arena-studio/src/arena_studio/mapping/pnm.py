@@ -30,16 +30,16 @@ class Pnm:
     begin: int
     samples: Samples
 
-    def encoded(self, samples: Samples) -> bytes:
+    def encode_samples(self, samples: Samples) -> bytes:
         """Return the file with these samples: it differs from the old one where they do, of another size also in its size."""
         if samples.shape != self.samples.shape:
-            return self._head(*samples.shape[:2]) + self._body(samples)
+            return self._format_header(*samples.shape[:2]) + self._encode_body(samples)
         if self.kind in PLAIN:
-            return self._plain(samples)
-        end = self.begin + self.samples.size * self._width
-        return self.content[: self.begin] + self._body(samples) + self.content[end:]
+            return self._encode_plain(samples)
+        end = self.begin + self.samples.size * self._sample_width
+        return self.content[: self.begin] + self._encode_body(samples) + self.content[end:]
 
-    def _head(self, rows: int, columns: int) -> bytes:
+    def _format_header(self, rows: int, columns: int) -> bytes:
         """Return the header with another size, its comments as they are."""
         found = HEADER.match(self.content)
         assert found is not None
@@ -48,17 +48,17 @@ class Pnm:
         return content[:left] + b"%d" % columns + content[right:top] + b"%d" % rows + content[bottom : self.begin]
 
     @property
-    def _width(self) -> int:
+    def _sample_width(self) -> int:
         return 2 if self.highest > 255 else 1
 
-    def _body(self, samples: Samples) -> bytes:
+    def _encode_body(self, samples: Samples) -> bytes:
         if self.kind in PLAIN:
             return b"\n".join(b" ".join(b"%d" % value for value in row) for row in samples.reshape(len(samples), -1).tolist()) + b"\n"
-        return samples.astype(">u2" if self._width == 2 else np.uint8, copy=False).tobytes()
+        return samples.astype(">u2" if self._sample_width == 2 else np.uint8, copy=False).tobytes()
 
-    def _plain(self, samples: Samples) -> bytes:
+    def _encode_plain(self, samples: Samples) -> bytes:
         """Replace the numbers of a plain file that are others now."""
-        tokens = _numbers(self.content, self.begin)
+        tokens = _find_numbers(self.content, self.begin)
         parts, last = [], 0
         for number in np.flatnonzero(samples.ravel() != self.samples.ravel()).tolist():
             parts += [self.content[last : tokens[number].start()], b"%d" % int(samples.ravel()[number])]
@@ -82,15 +82,15 @@ def read_pnm(content: bytes, name: str) -> Pnm:
     if not columns or not rows or not 0 < highest < 65536:
         raise InputFileError(f"{name}: has {columns} x {rows} pixels up to {highest}; allowed: at least one, up to 65535")
     shape = (rows, columns, 3 if kind in COLOUR else 1)
-    samples = _samples(content, kind, highest, found.end(), int(np.prod(shape)))
+    samples = _parse_samples(content, kind, highest, found.end(), int(np.prod(shape)))
     if samples is None:
         raise InputFileError(f"{name}: is no image that can be read (it ends too early); allowed: {ALLOWED}")
     return Pnm(content, kind, highest, found.end(), samples.reshape(shape))
 
 
-def _samples(content: bytes, kind: bytes, highest: int, begin: int, count: int) -> Samples | None:
+def _parse_samples(content: bytes, kind: bytes, highest: int, begin: int, count: int) -> Samples | None:
     if kind in PLAIN:
-        tokens = _numbers(content, begin)
+        tokens = _find_numbers(content, begin)
         values = [int(token[0][:6]) for token in tokens[:count]]
         return np.array(values, np.uint16) if len(values) == count and max(values) < 65536 else None
     layout = np.dtype(">u2" if highest > 255 else np.uint8)
@@ -100,5 +100,5 @@ def _samples(content: bytes, kind: bytes, highest: int, begin: int, count: int) 
     return found.astype(np.uint16) if highest > 255 else found.view(np.uint8)
 
 
-def _numbers(content: bytes, begin: int) -> list[re.Match[bytes]]:
+def _find_numbers(content: bytes, begin: int) -> list[re.Match[bytes]]:
     return [token for token in TOKEN.finditer(content, begin) if not token[0].startswith(b"#")]

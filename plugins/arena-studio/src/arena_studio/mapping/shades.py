@@ -41,17 +41,17 @@ def read_image(content: bytes, name: str) -> Pnm | Picture | None:
 
 def cells_of(image: Pnm | Picture, file: MapFile) -> Cells:
     """Return an image's cells as the map ``file`` reads them; raise InputFileError for one with more than 256 different pixels."""
-    codes, samples = _coded(image, file)
-    cells = Cells(codes, samples, occupancies(image, samples, file), {})
+    codes, samples = _code_image(image, file)
+    cells = Cells(codes, samples, pixel_occupancies(image, samples, file), {})
     return _with_shades(cells, image, file)
 
 
-def occupancies(image: Pnm | Picture, samples: NDArray[np.uint16], file: MapFile) -> NDArray[np.int8]:
+def pixel_occupancies(image: Pnm | Picture, samples: NDArray[np.uint16], file: MapFile) -> NDArray[np.int8]:
     """Return what occupancy pixels (K, C) stand for, (K,): they are written as an image of one row and read as any map."""
-    return np.asarray(image_occupancy(image.encoded(samples[None]), file)[0])
+    return np.asarray(image_occupancy(image.encode_samples(samples[None]), file)[0])
 
 
-def _coded(image: Pnm | Picture, file: MapFile) -> tuple[NDArray[np.uint8], NDArray[np.uint16]]:
+def _code_image(image: Pnm | Picture, file: MapFile) -> tuple[NDArray[np.uint8], NDArray[np.uint16]]:
     pixels = image.samples
     if pixels.shape[2] == 1 and image.highest <= 255 and not (isinstance(image, Picture) and image.image.mode == "P"):
         # a grey value is its own code: nothing has to be counted, and a stroke needs no new one
@@ -75,13 +75,13 @@ def _with_shades(cells: Cells, image: Pnm | Picture, file: MapFile) -> Cells:
         if len(fitting) and counts[fitting].max() > 0:
             drawn[name] = int(fitting[counts[fitting].argmax()])
         else:
-            cells, drawn[name] = _usual(cells, image, file, value)
+            cells, drawn[name] = _usual_code(cells, image, file, value)
     return replace(cells, drawn=drawn)
 
 
-def _usual(cells: Cells, image: Pnm | Picture, file: MapFile, value: int) -> tuple[Cells, int | None]:
-    candidates = _candidates(image)
-    fitting = np.flatnonzero(occupancies(image, candidates, file) == value)
+def _usual_code(cells: Cells, image: Pnm | Picture, file: MapFile, value: int) -> tuple[Cells, int | None]:
+    candidates = _candidate_pixels(image)
+    fitting = np.flatnonzero(pixel_occupancies(image, candidates, file) == value)
     if not len(fitting):
         return cells, None
     sample = candidates[fitting[0]]
@@ -94,7 +94,7 @@ def _usual(cells: Cells, image: Pnm | Picture, file: MapFile, value: int) -> tup
     return replace(cells, samples=samples, values=values), len(samples) - 1
 
 
-def _candidates(image: Pnm | Picture) -> NDArray[np.uint16]:
+def _candidate_pixels(image: Pnm | Picture) -> NDArray[np.uint16]:
     """Return pixels (K, C) that could be drawn with, the usual greys first, transparent black last."""
     channels, mode = image.samples.shape[2], image.image.mode if isinstance(image, Picture) else ""
     if mode in ("P", "1"):
@@ -113,7 +113,7 @@ def plain_pgm(shape: tuple[int, int]) -> Pnm:
     return read_pnm(f"P5\n{shape[1]} {shape[0]}\n255\n".encode() + bytes(shape[0] * shape[1]), "map.pgm")
 
 
-def checked_samples(given: Any, image: Pnm | Picture) -> NDArray[np.uint16]:
+def check_samples(given: Any, image: Pnm | Picture) -> NDArray[np.uint16]:
     """Return pixels (K, C) that somebody sent; raise InputFileError where this image cannot have them."""
     channels = image.samples.shape[2]
     highest = 255 if isinstance(image, Pnm) and image.highest <= 255 else image.highest

@@ -17,15 +17,15 @@ GZIP = b"\x1f\x8b"
 SHAPE = "four bytes with the length of a header, the header in JSON, cells"
 
 
-def packed(header: Mapping[str, Any], cells: bytes) -> bytes:
+def pack_cells(header: Mapping[str, Any], cells: bytes) -> bytes:
     """Return a header and cells as one body."""
     text = json.dumps(header, allow_nan=False).encode()
     return len(text).to_bytes(HEAD, "little") + text + cells
 
 
-def unpacked(body: bytes) -> tuple[dict[str, Any], bytes]:
+def unpack_cells(body: bytes) -> tuple[dict[str, Any], bytes]:
     """Return the header and the cells of a body, gzip or not; raise InputFileError for anything else, TooLarge for too much."""
-    content = _inflated(body) if body.startswith(GZIP) else body
+    content = _inflate_body(body) if body.startswith(GZIP) else body
     length = int.from_bytes(content[:HEAD], "little")
     if len(content) < HEAD + length or length > HEADER_BYTES:
         raise InputFileError(f"the request is cut off; allowed: {SHAPE}")
@@ -38,7 +38,7 @@ def unpacked(body: bytes) -> tuple[dict[str, Any], bytes]:
     return header, content[HEAD + length :]
 
 
-def _inflated(body: bytes) -> bytes:
+def _inflate_body(body: bytes) -> bytes:
     most = LIMITS.cells + HEADER_BYTES + HEAD
     inflater = zlib.decompressobj(16 + zlib.MAX_WBITS)
     try:

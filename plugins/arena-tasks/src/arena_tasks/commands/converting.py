@@ -12,9 +12,9 @@ from arena_core.commands import Command, Words, read_words
 from arena_core.files import write_text_whole
 from arena_tasks.commands.packing import ANYBODY
 from arena_tasks.scenario_files.arena_rosnav_writer import arena_rosnav_text, world_name
-from arena_tasks.scenario_files.arena_rosnav_writer import left_out as left_out_by_arena_rosnav
-from arena_tasks.scenario_files.arena_tools_writer import arena_tools_text, flatland_model_text, left_out
-from arena_tasks.scenario_files.problem import Problem, noted
+from arena_tasks.scenario_files.arena_rosnav_writer import unsupported_parts as left_out_by_arena_rosnav
+from arena_tasks.scenario_files.arena_tools_writer import arena_tools_text, flatland_model_text, unsupported_parts
+from arena_tasks.scenario_files.problem import Problem, reading_notes
 from arena_tasks.scenario_files.scenario_file import FORMAT, ScenarioFile, read_scenario_file, save_scenarios
 
 ARENA_TOOLS, ARENA_ROSNAV = "arena-tools", "arena-rosnav"
@@ -38,20 +38,20 @@ class ConvertCommand(Command):
         source, target = map(Path, words.names)
         given = words.value("format", Literal[FORMATS], FORMAT)
         file = read_scenario_file(source, ANYBODY)
-        problems = _chosen(file, source, words, given)
+        problems = _choose_problems(file, source, words, given)
         if given == FORMAT:
             map_file = os.path.relpath(words.keys["map"], target.parent) if "map" in words.keys else _map_from(file, source, target.parent)
             save_scenarios(target, problems, file.title, map_file)
         else:
             write = _write_arena_tools if given == ARENA_TOOLS else _write_arena_rosnav
             write(target, problems[0], words.keys.get("map", _map_from(file, source, Path.cwd())))
-        if notes := noted(problems):
+        if notes := reading_notes(problems):
             print(f"read otherwise: {notes}")
         print(f"written: {target}")
         return 0
 
 
-def _chosen(file: ScenarioFile, source: Path, words: Words, written: str) -> list[Problem]:
+def _choose_problems(file: ScenarioFile, source: Path, words: Words, written: str) -> list[Problem]:
     """Return the problems to write: the one that is named, or all; other programs have one in a file."""
     names = ", ".join(problem.name for problem in file.problems)
     chosen = [problem for problem in file.problems if words.keys.get("problem", problem.name) == problem.name]
@@ -71,13 +71,13 @@ def _write_arena_tools(target: Path, problem: Problem, map_path: str) -> None:
     """Write a problem, and its obstacles as Flatland models beside it, which it names by their files."""
     stems = _write_models(target, problem)
     write_text_whole(target, arena_tools_text(problem, map_path, [f"{stem}{MODEL}" for stem in stems]))
-    _tell(left_out(problem))
+    _print_left_out(unsupported_parts(problem))
 
 
 def _write_arena_rosnav(target: Path, problem: Problem, map_path: str) -> None:
     """Write a problem, and its obstacles as Flatland models beside it, which it names; of the map the world's name counts."""
     write_text_whole(target, arena_rosnav_text(problem, world_name(map_path), _write_models(target, problem)))
-    _tell(left_out_by_arena_rosnav(problem))
+    _print_left_out(left_out_by_arena_rosnav(problem))
 
 
 def _write_models(target: Path, problem: Problem) -> list[str]:
@@ -89,6 +89,6 @@ def _write_models(target: Path, problem: Problem) -> list[str]:
     return stems
 
 
-def _tell(left_out: Sequence[str]) -> None:
+def _print_left_out(left_out: Sequence[str]) -> None:
     for what in left_out:
         print(f"left out: {what}")

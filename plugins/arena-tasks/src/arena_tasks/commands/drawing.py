@@ -10,9 +10,9 @@ from arena_core import ConfigurationError
 from arena_core.commands import Command, Words, read_words
 from arena_core.hosting import require_extra
 from arena_core.parameters import NonNegativeInt
-from arena_tasks.scenario_files.problem import PersonDefaults, Problem, noted
+from arena_tasks.scenario_files.problem import PersonDefaults, Problem, reading_notes
 from arena_tasks.scenario_files.scenario_file import ScenarioFile, read_scenario_file
-from arena_tasks.scenario_files.site import KINDS, Site, composed
+from arena_tasks.scenario_files.site import KINDS, Site, compose_run
 
 KEYS = ("to", "scene")
 USAGE = "arena scenario draw FILE [--to FILE.png] [scene=N] [world=... robot=...]"
@@ -35,16 +35,16 @@ class DrawCommand(Command):
         target = Path(words.keys.get("to", path.with_suffix(".png").name))
         if target.suffix != ".png":
             raise ConfigurationError(f"to is {target.name}; allowed: a name that ends in .png")
-        node = composed(path, words.overrides)
+        node = compose_run(path, words.overrides)
         file = read_scenario_file(path, PersonDefaults(node["task"]["pedestrian_speed"], node["task"]["pedestrian_radius"]))
-        _draw(chosen(file, path, words), Site(path, node), target)
-        if notes := noted(file.problems):
+        _write_drawing(choose_problems(file, path, words), Site(path, node), target)
+        if notes := reading_notes(file.problems):
             print(f"read otherwise: {notes}")
         print(f"written: {target}")
         return 0
 
 
-def chosen(file: ScenarioFile, path: Path, words: Words) -> Sequence[Problem]:
+def choose_problems(file: ScenarioFile, path: Path, words: Words) -> Sequence[Problem]:
     """Return the problem that ``scene`` numbers, or all of a file; raise ConfigurationError where there are too many, or no such one."""
     number = words.value("scene", NonNegativeInt | None, None)
     last = len(file.problems) - 1
@@ -55,8 +55,8 @@ def chosen(file: ScenarioFile, path: Path, words: Words) -> Sequence[Problem]:
     return file.problems if number is None else [file.problems[number]]
 
 
-def _draw(problems: Sequence[Problem], site: Site, target: Path) -> None:
+def _write_drawing(problems: Sequence[Problem], site: Site, target: Path) -> None:
     from arena_drawing.film import write_picture
-    from arena_tasks.commands.picture import picture
+    from arena_tasks.commands.picture import draw_problems
 
-    write_picture(target, picture(problems, site.world, site.robot, site.goal_radius))
+    write_picture(target, draw_problems(problems, site.world, site.robot, site.goal_radius))

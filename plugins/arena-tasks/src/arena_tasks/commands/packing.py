@@ -70,12 +70,12 @@ def write_options(pack: Pack, target: Path, address: str) -> list[str]:
         if option in names:
             raise InputFileError(f"{pack.folder / name}: is the second scenario file called {option}; allowed: names that differ")
         title, map_file = " ".join((file.title or option).split()), _map_of(pack, name, file)
-        write_text_whole(target / f"{option}.yaml", _option(title, f"{address}/{map_file}", f"{address}/{name}"))
+        write_text_whole(target / f"{option}.yaml", _option_text(title, f"{address}/{map_file}", f"{address}/{name}"))
         names.append(option)
     return names
 
 
-def _option(title: str, map_address: str, scenario_address: str) -> str:
+def _option_text(title: str, map_address: str, scenario_address: str) -> str:
     choices = yaml.safe_dump({"world": {"path": map_address}, "task": {"path": scenario_address}}, sort_keys=False, width=1000)
     return f"# @package _global_\n# {title}\ndefaults:\n  - override /world: ros_map\n  - override /task: scenario\n\n{choices}"
 

@@ -16,7 +16,19 @@ from numpy.typing import NDArray
 from arena_core import Obstacle, OccupancyGrid, PedestrianSpec, Robot, World
 from arena_core.commands import one_line
 from arena_core.scenes import furniture_shapes
-from arena_drawing.painter import GOAL, INK, OBSTACLE, PERSON, ROBOT, body, draw_goal, draw_map, draw_obstacles, frame_axes, move
+from arena_drawing.painter import (
+    GOAL,
+    INK,
+    OBSTACLE,
+    PERSON,
+    ROBOT,
+    body_patch,
+    draw_goal,
+    draw_map,
+    draw_obstacles,
+    frame_axes,
+    move_patch,
+)
 from arena_tasks.commands.picture_people import TRIGGER, draw_person, group_colours
 from arena_tasks.scenario_files.problem import Problem
 from arena_tasks.scenario_files.zones import zones_of
@@ -31,17 +43,17 @@ LONGEST_LABEL = 28  # characters of the legend
 Window = tuple[float, float, float, float]
 
 
-def picture(problems: Sequence[Problem], world: World, robot: Robot, goal_radius: float) -> NDArray[np.uint8]:
+def draw_problems(problems: Sequence[Problem], world: World, robot: Robot, goal_radius: float) -> NDArray[np.uint8]:
     """Return the picture (H, W, 3), bytes; ``goal_radius`` m counts where a problem does not say."""
-    window = _window(world.grid)
-    figure, panels = _panels(len(problems), window)
+    window = _map_window(world.grid)
+    figure, panels = _make_panels(len(problems), window)
     for axes, problem in zip(panels, problems, strict=True):
         frame_axes(axes, window)
         draw_map(axes, world.grid.data, world.grid.resolution, world.grid.origin.array())
         draw_problem(axes, problem, world, robot, problem.goal_radius or goal_radius)
         axes.set_title(f"{problem.name}  ({len(problem.pedestrians)} people)", fontsize=10, color=INK)
     canvas = FigureCanvasAgg(figure)
-    _add_legend(figure, _legend(problems))
+    _add_legend(figure, _legend_handles(problems))
     canvas.draw()  # type: ignore[no-untyped-call]
     return np.asarray(canvas.buffer_rgba())[..., :3].copy()  # type: ignore[no-untyped-call]
 
@@ -62,7 +74,7 @@ def _add_legend(figure: Figure, marks: Sequence[Line2D | Patch]) -> None:
 
 def draw_problem(axes: Axes, problem: Problem, world: World, robot: Robot, goal_radius: float) -> None:
     """Draw what a problem adds to its map."""
-    draw_obstacles(axes, [*furniture_shapes((*world.furniture, *problem.furniture)), *map(_shape, problem.obstacles)])
+    draw_obstacles(axes, [*furniture_shapes((*world.furniture, *problem.furniture)), *map(_shape_arguments, problem.obstacles)])
     colours = group_colours(problem.pedestrians)
     for person in problem.pedestrians:
         draw_person(axes, person, colours.get(str(person.behaviour.get("group", "")), PERSON))
@@ -70,9 +82,9 @@ def draw_problem(axes: Axes, problem: Problem, world: World, robot: Robot, goal_
     arrival.set(facecolor=GOAL, alpha=0.35, edgecolor=INK, linewidth=0.5, zorder=3)
     axes.add_patch(arrival)
     draw_goal(axes, problem.goal.x, problem.goal.y)
-    outline = body(robot.footprint.vertices_xy, robot.footprint.radius)
+    outline = body_patch(robot.footprint.vertices_xy, robot.footprint.radius)
     axes.add_patch(outline)
-    move(outline, axes, problem.start.array())
+    move_patch(outline, axes, problem.start.array())
     _draw_heading(axes, problem, max(2.5 * robot.footprint.radius, 0.5))
 
 
@@ -84,11 +96,11 @@ def _draw_heading(axes: Axes, problem: Problem, length: float) -> None:
     axes.annotate("", tip, (x, y), arrowprops={"arrowstyle": "-|>", "color": ROBOT, "linewidth": 1.4}, zorder=6)
 
 
-def _shape(obstacle: Obstacle) -> dict[str, object]:
+def _shape_arguments(obstacle: Obstacle) -> dict[str, object]:
     return {"vertices_xy": obstacle.vertices_xy, "radius": obstacle.radius}
 
 
-def _panels(count: int, window: Window) -> tuple[Figure, list[Axes]]:
+def _make_panels(count: int, window: Window) -> tuple[Figure, list[Axes]]:
     """Return a figure with an axes for each of so many scenes, as square a field of them as there can be."""
     columns = math.ceil(math.sqrt(count))
     rows = math.ceil(count / columns)
@@ -104,7 +116,7 @@ def _panels(count: int, window: Window) -> tuple[Figure, list[Axes]]:
     return figure, list(field[:count])
 
 
-def _window(grid: OccupancyGrid) -> Window:
+def _map_window(grid: OccupancyGrid) -> Window:
     """Return the bounds of all that is known of a map, with a margin: x from, to, y from, to, m."""
     rows, columns = np.nonzero(grid.data >= 0)
     if not len(rows):
@@ -114,28 +126,28 @@ def _window(grid: OccupancyGrid) -> Window:
     return float(left), float(right), float(bottom), float(top)
 
 
-def _legend(problems: Sequence[Problem]) -> list[Line2D | Patch]:
+def _legend_handles(problems: Sequence[Problem]) -> list[Line2D | Patch]:
     """Return what explains the marks that are there."""
     people: list[PedestrianSpec] = [person for problem in problems for person in problem.pedestrians]
     marks: list[tuple[bool, Line2D | Patch]] = [
         (True, Line2D([], [], marker="o", color=ROBOT, linestyle="none", label="robot's start")),
         (True, Line2D([], [], marker="*", color=GOAL, markeredgecolor=INK, markersize=10, linestyle="none", label="goal")),
         (bool(people), Line2D([], [], marker="o", color=PERSON, linestyle="--", linewidth=1.0, label="person and round")),
-        *((True, Patch(color=colour, label=name)) for name, colour in _groups(problems).items()),
+        *((True, Patch(color=colour, label=name)) for name, colour in _legend_colours(problems).items()),
         (any(map(zones_of, people)), Patch(color=TRIGGER, alpha=0.4, label="trigger")),
         (any(problem.obstacles or problem.furniture for problem in problems), Patch(color=OBSTACLE, label="obstacle")),
     ]
     return [mark for is_there, mark in marks if is_there]
 
 
-def _groups(problems: Sequence[Problem]) -> dict[str, str]:
+def _legend_colours(problems: Sequence[Problem]) -> dict[str, str]:
     """Return the colours of groups by what the legend calls them; of several scenes, in which names differ, one stands for all."""
-    colours = [{_label(name): colour for name, colour in group_colours(p.pedestrians).items()} for p in problems]
+    colours = [{_group_label(name): colour for name, colour in group_colours(p.pedestrians).items()} for p in problems]
     if len(problems) == 1:
         return colours[0]
     first = next(filter(None, colours), {})
     return {"groups": next(iter(first.values()))} if first else {}
 
 
-def _label(group: str) -> str:
+def _group_label(group: str) -> str:
     return one_line(f"group {group.removeprefix('group ')}", LONGEST_LABEL)

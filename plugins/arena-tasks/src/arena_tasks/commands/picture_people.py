@@ -30,7 +30,7 @@ def draw_person(axes: Axes, person: PedestrianSpec, colour: str) -> None:
         disc.set(facecolor=TRIGGER, alpha=0.18, edgecolor=TRIGGER, linestyle=":", linewidth=1.2, zorder=1.5)
         axes.add_patch(disc)
         axes.plot([x, zone[0]], [y, zone[1]], ":", color=TRIGGER, linewidth=1.0, zorder=2)
-    _draw_round(axes, person, colour)
+    _draw_patrol_route(axes, person, colour)
     axes.add_patch(Circle((x, y), person.radius, facecolor=colour, edgecolor="white", linewidth=0.6, zorder=4))
     kind = str(person.behaviour.get("type", "adult"))
     text = str(person.id) if kind == "adult" else f"{person.id} {kind}"
@@ -39,7 +39,7 @@ def draw_person(axes: Axes, person: PedestrianSpec, colour: str) -> None:
     axes.annotate(text, beside, (2, 2), textcoords="offset points", fontsize=8, color=INK, zorder=7, bbox=plate)
 
 
-def _draw_round(axes: Axes, person: PedestrianSpec, colour: str) -> None:
+def _draw_patrol_route(axes: Axes, person: PedestrianSpec, colour: str) -> None:
     """Draw the way to the first waypoint and the loop of all of them; whoever has none stands."""
     if not len(person.waypoints_xy):
         return

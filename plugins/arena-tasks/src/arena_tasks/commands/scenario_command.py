@@ -26,19 +26,25 @@ class ScenarioCommand(Command):
     def run(self, arguments: Sequence[str]) -> int:
         """Hand over to the subcommand."""
         if not arguments or arguments[0] in ("-h", "--help"):
-            print("\n".join(["usage: arena scenario COMMAND ...", "", *(f"  {name:10} {_of(name).help}" for name in SUBCOMMANDS)]))
+            print(
+                "\n".join(
+                    ["usage: arena scenario COMMAND ...", "", *(f"  {name:10} {_load_subcommand(name).help}" for name in SUBCOMMANDS)]
+                )
+            )
             return 0
         name, *rest = arguments
         if name not in SUBCOMMANDS:
             raise UnknownComponent(f"unknown command 'scenario {name}' (possible: {', '.join(SUBCOMMANDS)})")
-        return _of(name).run(rest)
+        return _load_subcommand(name).run(rest)
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
         """Return the subcommands, then what theirs return."""
-        return _of(words[0]).complete(words[1:], word) if words and words[0] in SUBCOMMANDS else () if words else [*SUBCOMMANDS]
+        return (
+            _load_subcommand(words[0]).complete(words[1:], word) if words and words[0] in SUBCOMMANDS else () if words else [*SUBCOMMANDS]
+        )
 
 
-def _of(name: str) -> Command:
+def _load_subcommand(name: str) -> Command:
     module, _, attribute = SUBCOMMANDS[name].partition(":")
     command: Command = getattr(import_module(module), attribute)()
     return command

@@ -23,17 +23,17 @@ class ScenarioListing(Listing):
 
     def summary(self) -> Sequence[str]:
         """Return how many scenarios each pack has, and the first of them."""
-        counts = Counter(map(_pack, self._options))
-        first = {_pack(name): name for name in reversed(self._options)}
+        counts = Counter(map(_pack_of, self._options))
+        first = {_pack_of(name): name for name in reversed(self._options)}
         lines = [f"{pack or 'in no pack':22} {count}, such as scenario={first[pack]}" for pack, count in counts.items()]
         return lines or ["none installed"]
 
     def details(self) -> Sequence[str]:
         """Return a line for each scenario: what it holds, or why it cannot be run."""
-        from arena_tasks.commands.scenario_table import table  # reads files with libraries that the other lines do not need
+        from arena_tasks.commands.scenario_table import table_lines  # reads files with libraries that the other lines do not need
 
-        return table(self._options, self._registry)
+        return table_lines(self._options, self._registry)
 
 
-def _pack(option: str) -> str:
+def _pack_of(option: str) -> str:
     return option.rpartition("/")[0]

@@ -11,7 +11,7 @@ import numpy as np
 from arena_core import ConfigurationError, PedestrianSpec
 from arena_core.commands import Command, align_columns
 from arena_tasks.commands.packing import ANYBODY
-from arena_tasks.scenario_files.problem import Problem, noted
+from arena_tasks.scenario_files.problem import Problem, reading_notes
 from arena_tasks.scenario_files.scenario_file import ScenarioFile, read_scenario_file
 
 PROBLEMS = ("problem", "repeats", "start", "goal", "straight", "people", "obstacles", "time limit")
@@ -32,20 +32,20 @@ class ShowCommand(Command):
         if len(arguments) != 1 or arguments[0].startswith("-"):
             raise ConfigurationError(f"arena scenario show {' '.join(arguments)}; allowed: arena scenario show FILE")
         path = Path(arguments[0])
-        print("\n".join(described(path, read_scenario_file(path, ANYBODY))))
+        print("\n".join(describe_file(path, read_scenario_file(path, ANYBODY))))
         return 0
 
 
-def described(path: Path, file: ScenarioFile) -> list[str]:
+def describe_file(path: Path, file: ScenarioFile) -> list[str]:
     """Return the lines about a file: its head, its problems, its people."""
     head = [f"{path}{': ' if file.title else ''}{file.title}", *([f"map: {file.map}"] if file.map else [])]
-    people = [(problem.name, *_person(person)) for problem in file.problems for person in problem.pedestrians]
-    tables = [[PROBLEMS, *map(_problem, file.problems)], *([[PEOPLE, *people]] if people else [])]
-    notes = noted(file.problems)
+    people = [(problem.name, *_person_row(person)) for problem in file.problems for person in problem.pedestrians]
+    tables = [[PROBLEMS, *map(_problem_row, file.problems)], *([[PEOPLE, *people]] if people else [])]
+    notes = reading_notes(file.problems)
     return head + [line for table in tables for line in ("", *align_columns(table))] + (["", f"read otherwise: {notes}"] if notes else [])
 
 
-def _problem(problem: Problem) -> tuple[str, ...]:
+def _problem_row(problem: Problem) -> tuple[str, ...]:
     return (
         problem.name,
         str(problem.repeats),
@@ -58,7 +58,7 @@ def _problem(problem: Problem) -> tuple[str, ...]:
     )
 
 
-def _person(person: PedestrianSpec) -> tuple[str, ...]:
+def _person_row(person: PedestrianSpec) -> tuple[str, ...]:
     ways = person.waypoints_xy
     length = np.hypot(*(ways - np.roll(ways, 1, axis=0)).T).sum()
     telling = [f"{key}={person.behaviour[key]}" for key in TELLING if person.behaviour.get(key, "default") != "default"]

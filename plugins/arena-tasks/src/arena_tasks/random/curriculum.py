@@ -63,8 +63,8 @@ def read_curriculum(path: str | None) -> Curriculum:
 
 def curriculum_of(root: Field) -> Curriculum:
     """Return the curriculum that a file's content is; raise InputFileError with file and key."""
-    root.only("levels")
-    levels = _levels(root["levels"])
+    root.check_keys("levels")
+    levels = _read_levels(root["levels"])
     return Curriculum(root.file, blake2b(repr(levels).encode(), digest_size=6).hexdigest(), levels)
 
 
@@ -74,9 +74,9 @@ def curriculum_text(levels: Sequence[Mapping[str, Any]]) -> str:
     return "\n".join(["levels:", *lines]) + "\n"
 
 
-def _levels(field: Field) -> tuple[Level, ...]:
+def _read_levels(field: Field) -> tuple[Level, ...]:
     if not field.value:
-        raise field.refused("at least one level")
+        raise field.rejection("at least one level")
     numbers = [name for name, _ in field.entries()]
     if set(numbers) != set(range(len(numbers))):
         shown = ", ".join(json.dumps(number, default=str) for number in numbers[:MOST_SHOWN])
@@ -86,21 +86,21 @@ def _levels(field: Field) -> tuple[Level, ...]:
 
 def read_level(field: Field) -> Level:
     """Return one level; raise InputFileError with file and key."""
-    field.only(*NEEDED, *OPTIONAL)
+    field.check_keys(*NEEDED, *OPTIONAL)
     level = Level(
         key=field.key,
         difficulty=None if field["difficulty"].value is None else field["difficulty"].number(low=0.0, high=1.0),
-        obstacles=field["obstacles"].integer(0, LIMITS.people),
-        pedestrians=field["pedestrians"].integer(0, LIMITS.people),
+        obstacles=field["obstacles"].read_integer(0, LIMITS.people),
+        pedestrians=field["pedestrians"].read_integer(0, LIMITS.people),
         pedestrian_speed=field["pedestrian_speed"].number(above=0.0),
         speed_share=field["speed_share"].number(above=0.0, high=1.0),
-        min_distance=_distance(field, "min_distance"),
-        max_distance=_distance(field, "max_distance"),
+        min_distance=_read_distance(field, "min_distance"),
+        max_distance=_read_distance(field, "max_distance"),
     )
     if level.min_distance is not None and level.max_distance is not None and level.min_distance > level.max_distance:
-        raise field["min_distance"].refused(f"up to max_distance, {level.max_distance:g} m")
+        raise field["min_distance"].rejection(f"up to max_distance, {level.max_distance:g} m")
     return level
 
 
-def _distance(field: Field, name: str) -> float | None:
+def _read_distance(field: Field, name: str) -> float | None:
     return field[name].number(above=0.0) if field.has(name) and field[name].value is not None else None

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from arena_core import OccupancyGrid
+from arena_kernels.connected_components import connected_components
 from arena_kernels.distance import distance_field
-from arena_kernels.regions import connected_regions
 
 
 class FreeSpace:
@@ -57,7 +57,7 @@ class _Regions:
     clearance: float
 
     def __call__(self, grid: OccupancyGrid) -> NDArray[np.int32]:
-        return connected_regions(grid.derive(FreeSpace).clearance >= self.clearance)
+        return connected_components(grid.derive(FreeSpace).clearance >= self.clearance)
 
 
 @dataclass(frozen=True, slots=True)

@@ -42,7 +42,7 @@ def draw_obstacles(space: FreeSpace, trip: Trip, rules: ObstacleRules, random: n
             if not _has_place(circle, circles, space, trip, rules):
                 continue
             obstacle = _draw_shape(circle, rules, random)
-            onward = _led_round(trip, circle, [*obstacles, obstacle], space, rules)
+            onward = _reroute_trip(trip, circle, [*obstacles, obstacle], space, rules)
             if onward is not None:
                 break
         else:
@@ -60,7 +60,7 @@ def _draw_circle(space: FreeSpace, trip: Trip, rules: ObstacleRules, random: np.
     radius = random.uniform(rules.wanted.radius_min, rules.wanted.radius_max)
     if rules.placement == "along_route":
         along, across = random.uniform(0.0, trip.lengths[-1], 1), random.uniform(-rules.wanted.reach, rules.wanted.reach, 1)
-        return np.array((*trip.beside(along, across)[0], radius))
+        return np.array((*trip.positions_beside(along, across)[0], radius))
     places = space.places(0.0)
     return np.array((*places[random.integers(len(places))], radius))
 
@@ -84,10 +84,10 @@ def _draw_shape(circle: NDArray[np.float64], rules: ObstacleRules, random: np.ra
     return Obstacle(circle[:2] + circle[2] * np.stack((np.cos(2.0 * np.pi * turns), np.sin(2.0 * np.pi * turns)), axis=1))
 
 
-def _led_round(
+def _reroute_trip(
     trip: Trip, circle: NDArray[np.float64], obstacles: Sequence[Obstacle], space: FreeSpace, rules: ObstacleRules
 ) -> Trip | None:
     """Return the trip among obstacles, of which the last one is new in ``circle``; None where it leaves no way."""
     if (np.hypot(*(trip.route_xy - circle[:2]).T) - circle[2] >= rules.passage + space.grid.resolution).all():
         return trip
-    return trip.rerouted(add_obstacles(space.grid, obstacles), rules.passage)
+    return trip.reroute_on(add_obstacles(space.grid, obstacles), rules.passage)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from arena_core import ImpossibleScenario, Obstacle, PedestrianSpec, Scenario, World, WorldSource, random_generator
 from arena_core.scenes import add_furniture, add_obstacles
 from arena_tasks.random.free_space import FreeSpace
-from arena_tasks.random.manners import with_manners
 from arena_tasks.random.obstacles import ObstacleRules, draw_obstacles
+from arena_tasks.random.person_behaviour import with_behaviour
 from arena_tasks.random.trip import Trip, TripRules, draw_trip
 from arena_tasks.random.walkers import WalkerRules, draw_walkers
 
@@ -28,10 +28,10 @@ class RandomProblems:
     def scenario(self, name: str, seed: int, index: int) -> Scenario:
         """Draw the problem of this name in world ``index``; raise ImpossibleScenario when the world has no room for it."""
         world = self.world.world(seed, index)
-        trip, obstacles, people = self._draw(name, seed, world)
+        trip, obstacles, people = self._draw_problem(name, seed, world)
         return Scenario(name, seed, world, trip.start, trip.goal, people, obstacles, self.goal_radius, self.time_limit)
 
-    def _draw(self, name: str, seed: int, world: World) -> tuple[Trip, tuple[Obstacle, ...], tuple[PedestrianSpec, ...]]:
+    def _draw_problem(self, name: str, seed: int, world: World) -> tuple[Trip, tuple[Obstacle, ...], tuple[PedestrianSpec, ...]]:
         random, aside = random_generator(seed, name, "task"), random_generator(seed, name, "obstacles")  # obstacles shift nobody's numbers
         standing = add_furniture(world)
         space = standing.derive(FreeSpace)
@@ -41,7 +41,7 @@ class RandomProblems:
                 obstacles, onward = draw_obstacles(space, trip, self.obstacles, aside)
                 among = add_obstacles(standing, obstacles).derive(FreeSpace)
                 people = draw_walkers(among, onward, self.walkers, random)
-                return trip, obstacles, with_manners(people, self.walkers.people, random_generator(seed, name, "manners"))
+                return trip, obstacles, with_behaviour(people, self.walkers.people, random_generator(seed, name, "manners"))
             except ImpossibleScenario as error:
                 if left == 0:
                     raise ImpossibleScenario(f"{name} in world {world.name}: {error}") from None

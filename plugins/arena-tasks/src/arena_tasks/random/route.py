@@ -21,7 +21,7 @@ def find_route(grid: OccupancyGrid, clearance: float, start_xy: NDArray[np.float
     """Return cell centres from start to goal over cells with this much clearance, shape (M, 2); empty when there is no way."""
     prices = grid.derive(_Prices(clearance))
     start, goal = grid.cells(start_xy), grid.cells(goal_xy)
-    return grid.positions(_descend(prices, _costs(prices, goal, start), start)).reshape(-1, 2)
+    return grid.positions(_trace_route(prices, _costs_to_goal(prices, goal, start), start)).reshape(-1, 2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +38,7 @@ class _Prices:
 
 
 @compiled
-def _costs(prices: NDArray[np.int32], goal: NDArray[np.int64], start: NDArray[np.int64]) -> NDArray[np.int32]:
+def _costs_to_goal(prices: NDArray[np.int32], goal: NDArray[np.int64], start: NDArray[np.int64]) -> NDArray[np.int32]:
     """Return the cost from each cell to the goal, as far as the start needs it; no step cuts a corner.
 
     Label correcting in bands of cost, after Meyer and Sanders, Delta-stepping, Journal of Algorithms 49, 2003.
@@ -90,7 +90,7 @@ def _costs(prices: NDArray[np.int32], goal: NDArray[np.int64], start: NDArray[np
 
 
 @compiled
-def _descend(prices: NDArray[np.int32], costs: NDArray[np.int32], start: NDArray[np.int64]) -> NDArray[np.int64]:
+def _trace_route(prices: NDArray[np.int32], costs: NDArray[np.int32], start: NDArray[np.int64]) -> NDArray[np.int64]:
     """Follow the costs from the start to the goal; (M, 2) rows and columns, none when the start was not reached."""
     rows, columns = costs.shape
     steps = np.empty((rows * columns, 2), np.int64)

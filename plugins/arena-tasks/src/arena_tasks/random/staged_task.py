@@ -34,7 +34,7 @@ class StagedTask(TaskMode):
         curriculum = read_curriculum(path)
         self._staging = Staging(len(curriculum.levels), start, block, promote, fall_back)
         self._levels = [
-            LevelTask(stage, level.speed_share, curriculum.content_hash, _problems(random.problems, world, level, curriculum))
+            LevelTask(stage, level.speed_share, curriculum.content_hash, _level_problems(random.problems, world, level, curriculum))
             for stage, level in enumerate(curriculum.levels)
         ]
 
@@ -66,7 +66,7 @@ class LevelTask(TaskMode):
         return replace(drawn, speed_share=self.speed_share, stage=self.stage, content_hash=self.content_hash)
 
 
-def _problems(usual: RandomProblems, world: WorldSource, level: Level, curriculum: Curriculum) -> RandomProblems:
+def _level_problems(usual: RandomProblems, world: WorldSource, level: Level, curriculum: Curriculum) -> RandomProblems:
     """Return the problems of a level; raise InputFileError where it asks for what the world or the random task does not have."""
     trip = replace(
         usual.trip,

@@ -40,21 +40,21 @@ class Trip:
         """Return the positions so far along the route, (..., 2); its ends for what lies beyond them."""
         return np.stack([np.interp(lengths, self.lengths, self.route_xy[:, k]) for k in (0, 1)], axis=-1)
 
-    def beside(self, along: NDArray[np.float64], across: NDArray[np.float64]) -> NDArray[np.float64]:
+    def positions_beside(self, along: NDArray[np.float64], across: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the positions (N, 2) that lie ``along`` (N,) m along the route and ``across`` (N,) m to its left."""
         ahead = self.at(along + AHEAD) - self.at(along - AHEAD)
         ahead /= np.maximum(np.hypot(*ahead.T), 1e-9)[:, None]
         return self.at(along) + across[:, None] * np.stack((-ahead[:, 1], ahead[:, 0]), axis=1)
 
-    def direction(self, length: float) -> NDArray[np.float64]:
+    def route_direction(self, length: float) -> NDArray[np.float64]:
         """Return the unit vector (2,) along the route there."""
         ahead = self.at(np.array(length + AHEAD)) - self.at(np.array(length - AHEAD))
         return np.asarray(ahead / max(float(np.hypot(*ahead)), 1e-9))
 
-    def rerouted(self, grid: OccupancyGrid, passage: float) -> Trip | None:
+    def reroute_on(self, grid: OccupancyGrid, passage: float) -> Trip | None:
         """Return the same trip on another grid, None where no way joins its ends."""
         route = find_route(grid, passage, np.array((self.start.x, self.start.y)), np.array((self.goal.x, self.goal.y)))
-        return replace(self, route_xy=route, lengths=_lengths(route)) if len(route) else None
+        return replace(self, route_xy=route, lengths=_route_lengths(route)) if len(route) else None
 
 
 class Ground:
@@ -118,18 +118,20 @@ def draw_trip(space: FreeSpace, rules: TripRules, random: np.random.Generator, t
         start = ground.positions[number]
         goals = ground.joined_with(number).in_range(start, rules)
         if len(goals):
-            return _trip(space, rules, start, goals[random.integers(len(goals))], random)
+            return _make_trip(space, rules, start, goals[random.integers(len(goals))], random)
     raise ImpossibleScenario(
         f"no goal {rules.min_distance:g} .. {rules.max_distance:g} m from its start was found with {tries} starts; "
         "lower task.trip.min_distance or raise task.trip.max_distance"
     )
 
 
-def _trip(space: FreeSpace, rules: TripRules, start: NDArray[np.float64], goal: NDArray[np.float64], random: np.random.Generator) -> Trip:
+def _make_trip(
+    space: FreeSpace, rules: TripRules, start: NDArray[np.float64], goal: NDArray[np.float64], random: np.random.Generator
+) -> Trip:
     heading = float(random.uniform(-np.pi, np.pi))
     route = find_route(space.grid, rules.passage, start, goal)
-    return Trip(Pose(start[0].item(), start[1].item(), heading), Pose(goal[0].item(), goal[1].item()), route, _lengths(route))
+    return Trip(Pose(start[0].item(), start[1].item(), heading), Pose(goal[0].item(), goal[1].item()), route, _route_lengths(route))
 
 
-def _lengths(route: NDArray[np.float64]) -> NDArray[np.float64]:
+def _route_lengths(route: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.concatenate(((0.0,), np.hypot(*np.diff(route, axis=0).T).cumsum()))

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arena_core import ImpossibleScenario, PedestrianSpec
-from arena_kernels.ways import Ways, place_on_round
+from arena_kernels.shortest_path import ShortestPaths, place_on_patrol
 from arena_tasks.random.free_space import FreeSpace
-from arena_tasks.random.rounds import Floor, FloorOf, draw_round
+from arena_tasks.random.patrol_routes import WalkableFloor, WalkableFloorOf, draw_patrol_route
 from arena_tasks.random.trip import Placement, Trip
 from arena_tasks.random_parameters import GroupParameters, PeopleParameters, RoundParameters
 
@@ -43,8 +43,8 @@ def draw_walkers(space: FreeSpace, trip: Trip, rules: WalkerRules, random: np.ra
     """
     if not rules.count:
         return ()
-    floor = space.grid.derive(FloorOf(rules.clearance))
-    floor = floor.without(~_keeps_off(floor.places, trip, rules))
+    floor = space.grid.derive(WalkableFloorOf(rules.clearance))
+    floor = floor.without_places(~_keeps_off(floor.places, trip, rules))
     if len(floor.places) == 0:
         raise ImpossibleScenario(f"no cell is free with {rules.clearance:.2f} m around it for people; lower task.people.radius")
     sizes = _party_sizes(rules, random)
@@ -71,28 +71,28 @@ def _draw_party(
     size: int,
     parties: int,
     others: list[PedestrianSpec],
-    floor: Floor,
+    floor: WalkableFloor,
     space: FreeSpace,
     trip: Trip,
     rules: WalkerRules,
     random: np.random.Generator,
 ) -> list[PedestrianSpec]:
-    ways = space.grid.derive(Ways)
+    ways = space.grid.derive(ShortestPaths)
     for attempt in range(TRIES_A_PERSON):
         stretch = (number / parties, (number + 1) / parties) if attempt < TRIES_A_PERSON // 2 else (0.0, 1.0)
-        waypoints = draw_round(floor, trip, rules.rounds, rules.placement, stretch, random)
-        legs = ways.round(waypoints, rules.people.radius) if len(waypoints) > 1 else []
+        waypoints = draw_patrol_route(floor, trip, rules.rounds, rules.placement, stretch, random)
+        legs = ways.patrol_paths(waypoints, rules.people.radius) if len(waypoints) > 1 else []
         for share in random.random(STARTS) if legs else ():
-            start, leg = place_on_round(legs, float(share))
-            places = _places(start, size, others, space, trip, rules)
+            start, leg = place_on_patrol(legs, float(share))
+            places = _party_places(start, size, others, space, trip, rules)
             if len(places) == size:
-                return _party(places, np.roll(waypoints, -leg, axis=0), number, len(others), rules)
+                return _make_party(places, np.roll(waypoints, -leg, axis=0), number, len(others), rules)
     raise ImpossibleScenario(
         f"person {len(others) + 1} of {rules.count} found no place in {TRIES_A_PERSON} tries; lower task.pedestrians or task.people.radius"
     )
 
 
-def _party(places: list[Points], waypoints: Points, number: int, first: int, rules: WalkerRules) -> list[PedestrianSpec]:
+def _make_party(places: list[Points], waypoints: Points, number: int, first: int, rules: WalkerRules) -> list[PedestrianSpec]:
     """Return people who walk the same round, the next waypoint first."""
     together: dict[str, float | str] = {"group": number} if len(places) > 1 else {}
     return [
@@ -100,7 +100,7 @@ def _party(places: list[Points], waypoints: Points, number: int, first: int, rul
     ]
 
 
-def _places(start: Points, size: int, others: list[PedestrianSpec], space: FreeSpace, trip: Trip, rules: WalkerRules) -> list[Points]:
+def _party_places(start: Points, size: int, others: list[PedestrianSpec], space: FreeSpace, trip: Trip, rules: WalkerRules) -> list[Points]:
     """Return the start and, for who walks together, places around it; fewer than ``size`` where there is no room."""
     angles = 2.0 * np.pi * np.arange(SIDES) / SIDES
     around = start + BESIDE * np.stack((np.cos(angles), np.sin(angles)), axis=1)

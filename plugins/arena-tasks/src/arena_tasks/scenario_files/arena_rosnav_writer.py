@@ -7,7 +7,7 @@ from pathlib import PurePosixPath
 from typing import Any
 
 from arena_core import PedestrianSpec
-from arena_tasks.scenario_files.arena_tools_writer import anchor
+from arena_tasks.scenario_files.arena_tools_writer import obstacle_anchor
 from arena_tasks.scenario_files.problem import Problem
 
 PERSON = "actor1"  # the model of a person that arena-simulation-setup has
@@ -16,12 +16,12 @@ PERSON = "actor1"  # the model of a person that arena-simulation-setup has
 def arena_rosnav_text(problem: Problem, map_name: str, models: list[str]) -> str:
     """Return the JSON of a problem; ``models`` are the names of its obstacles' models, in their order."""
     static = [
-        {"name": f"obstacle_{number}", "model": model, "pos": [*anchor(obstacle).tolist(), 0.0]}
+        {"name": f"obstacle_{number}", "model": model, "pos": [*obstacle_anchor(obstacle).tolist(), 0.0]}
         for number, (model, obstacle) in enumerate(zip(models, problem.obstacles, strict=True))
     ]
     content = {
         "robots": [{"start": problem.start.array().tolist(), "goal": problem.goal.array().tolist()}],
-        "obstacles": {"static": static, "dynamic": [_person(person) for person in problem.pedestrians], "interactive": []},
+        "obstacles": {"static": static, "dynamic": [_person_agent(person) for person in problem.pedestrians], "interactive": []},
         "resets": problem.repeats,
         **({"map": map_name} if map_name else {}),
     }
@@ -34,7 +34,7 @@ def world_name(map_path: str) -> str:
     return folders[-1] if folders else ""
 
 
-def left_out(problem: Problem) -> list[str]:
+def unsupported_parts(problem: Problem) -> list[str]:
     """Return what the format has no place for, that the problem has."""
     people = problem.pedestrians
     said = {
@@ -46,7 +46,7 @@ def left_out(problem: Problem) -> list[str]:
     return [name for name, is_so in said.items() if is_so]
 
 
-def _person(person: PedestrianSpec) -> dict[str, Any]:
+def _person_agent(person: PedestrianSpec) -> dict[str, Any]:
     """Return a person's agent; what its behaviour does not say is left to the defaults of the reader."""
     behaviour = {"type": "adult", **person.behaviour}
     return {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from arena_core import Pose
-from arena_tasks.scenario_files.companions import numbered
+from arena_tasks.scenario_files.companions import number_people
 from arena_tasks.scenario_files.flatland import placed_shape
 from arena_tasks.scenario_files.flatland_model import Shapes, placed_model
 from arena_tasks.scenario_files.json_fields import Field
@@ -23,23 +23,23 @@ def read_arena_tools(root: Field, defaults: PersonDefaults) -> tuple[Problem]:
     agents = root["pedsim_agents"].items()
     crowd = [(agent.key, person) for agent in agents for person in people_of(agent, defaults)]
     static, interactive = (root[key].items() if root.has(key) else [] for key in ("static_obstacles", "interactive_obstacles"))
-    shapes = [_shapes(obstacle) for obstacle in (*static, *interactive)]
+    shapes = [_obstacle_shapes(obstacle) for obstacle in (*static, *interactive)]
     problem = Problem(
         name=root.file.stem,
         start=Pose(*root["robot_position"].position().tolist()),
         goal=Pose(*root["robot_goal"].position().tolist()),
-        pedestrians=numbered(person for _, person in crowd),
+        pedestrians=number_people(person for _, person in crowd),
         obstacles=tuple(obstacle for shape in shapes for obstacle in shape.obstacles),
         goal_radius=None,
         time_limit=None,
         keys=Keys("robot_position", "robot_goal", tuple(key for key, _ in crowd)),
-        repeats=max(root["resets"].integer(0, MOST_REPEATS), 1) if root.has("resets") else 1,
+        repeats=max(root["resets"].read_integer(0, MOST_REPEATS), 1) if root.has("resets") else 1,
         notes=(*notes_on(agents), *(note for shape in shapes for note in shape.notes), *((STANDS,) if interactive else ())),
     )
     return (problem,)
 
 
-def _shapes(obstacle: Field) -> Shapes:
+def _obstacle_shapes(obstacle: Field) -> Shapes:
     """Return a static obstacle: of a Flatland model at ``pos``, turned by ``angle``, or with its own shape as in the older format."""
     if obstacle.has("shape"):
         return Shapes((placed_shape(obstacle),), ())

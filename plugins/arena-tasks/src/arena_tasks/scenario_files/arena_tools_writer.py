@@ -47,9 +47,9 @@ MOST_CORNERS = 8  # of a polygon in Flatland's engine
 def arena_tools_text(problem: Problem | Scenario, map_path: str, models: list[str]) -> str:
     """Return the JSON of a problem; ``models`` are the paths of its obstacles' models, in their order."""
     content = {
-        "pedsim_agents": [_agent(number, person) for number, person in enumerate(problem.pedestrians)],
+        "pedsim_agents": [_person_agent(number, person) for number, person in enumerate(problem.pedestrians)],
         "static_obstacles": [
-            {"name": str(number + 1), "model_path": path, "pos": anchor(obstacle).tolist(), "angle": 0.0}
+            {"name": str(number + 1), "model_path": path, "pos": obstacle_anchor(obstacle).tolist(), "angle": 0.0}
             for number, (path, obstacle) in enumerate(zip(models, problem.obstacles, strict=True))
         ],
         "robot_position": [problem.start.x, problem.start.y],
@@ -61,7 +61,7 @@ def arena_tools_text(problem: Problem | Scenario, map_path: str, models: list[st
     return json.dumps(content, indent=4, allow_nan=False) + "\n"
 
 
-def left_out(problem: Problem | Scenario) -> list[str]:
+def unsupported_parts(problem: Problem | Scenario) -> list[str]:
     """Return what the format has no place for, that the problem has."""
     people = problem.pedestrians
     said = {
@@ -78,7 +78,7 @@ def left_out(problem: Problem | Scenario) -> list[str]:
 
 def flatland_model_text(obstacle: Obstacle) -> str:
     """Return the YAML of a Flatland model with an obstacle's shape."""
-    middle = anchor(obstacle)
+    middle = obstacle_anchor(obstacle)
     if obstacle.radius > 0.0:
         footprints = [{"type": "circle", "center": [0.0, 0.0], "radius": obstacle.radius}]
     else:
@@ -88,7 +88,7 @@ def flatland_model_text(obstacle: Obstacle) -> str:
     return yaml.safe_dump({"bodies": [{**body, "footprints": shapes}]}, sort_keys=False, default_flow_style=None)
 
 
-def _agent(number: int, person: PedestrianSpec) -> dict[str, Any]:
+def _person_agent(number: int, person: PedestrianSpec) -> dict[str, Any]:
     """Return an agent; keys of a person's behaviour that arena-tools does not know come last, for it passes them over."""
     behaviour = {**AGENT, **person.behaviour}
     at_random = behaviour.pop("waypoint_mode", 0)
@@ -107,7 +107,7 @@ def _agent(number: int, person: PedestrianSpec) -> dict[str, Any]:
     }
 
 
-def anchor(obstacle: Obstacle) -> NDArray[np.float64]:
+def obstacle_anchor(obstacle: Obstacle) -> NDArray[np.float64]:
     """Return where an obstacle stands: its disc's centre, or the middle of its corners in whole centimetres."""
     if obstacle.radius > 0.0:
         return np.asarray(obstacle.vertices_xy[0])

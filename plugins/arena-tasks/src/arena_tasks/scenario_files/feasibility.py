@@ -55,16 +55,18 @@ class Feasibility:
 
     def findings(self, grid: OccupancyGrid) -> Iterator[Finding]:
         """Yield all that is impossible, start and goal first."""
-        blocked = grid.occupied | _covered(self.problem.obstacles, grid)
-        ends = list(self._ends(grid, distance_field(blocked, grid.resolution)))
+        blocked = grid.occupied | _covered_cells(self.problem.obstacles, grid)
+        ends = list(self._check_ends(grid, distance_field(blocked, grid.resolution)))
         yield from ends
         for key, person in zip(self.problem.keys.people, self.problem.pedestrians, strict=True):
-            yield from self._person(grid, blocked, key, person)
+            yield from self._check_person(grid, blocked, key, person)
 
-    def _ends(self, grid: OccupancyGrid, away: NDArray[np.float32]) -> Iterator[Finding]:
+    def _check_ends(self, grid: OccupancyGrid, away: NDArray[np.float32]) -> Iterator[Finding]:
         """Yield what is wrong with start and goal."""
         problem, keys = self.problem, self.problem.keys
-        wrong = [(key, pose, self._against(grid, away, pose)) for key, pose in ((keys.start, problem.start), (keys.goal, problem.goal))]
+        wrong = [
+            (key, pose, self._blocking_reason(grid, away, pose)) for key, pose in ((keys.start, problem.start), (keys.goal, problem.goal))
+        ]
         goal = problem.goal
         yield from (Finding(key, pose.x, pose.y, why) for key, pose, why in wrong if why)
         if problem.start.distance(goal) <= self.goal_radius:
@@ -72,7 +74,7 @@ class Feasibility:
         elif not any(why for *_, why in wrong) and not self._is_reachable(grid, away):
             yield Finding(keys.goal, goal.x, goal.y, "cannot be reached from the start")
 
-    def _against(self, grid: OccupancyGrid, away: NDArray[np.float32], pose: Pose) -> str:
+    def _blocking_reason(self, grid: OccupancyGrid, away: NDArray[np.float32], pose: Pose) -> str:
         """Return why the robot cannot be at a pose; empty where it can."""
         row, column = grid.cells((pose.x, pose.y)).tolist()
         if not grid.contains(np.array((row, column))):
@@ -82,7 +84,7 @@ class Feasibility:
         inside = away[row, column] <= max(self.robot.footprint.inscribed_radius - grid.resolution, 0.0)
         return "lies inside a wall or an obstacle" if inside else ""
 
-    def _person(self, grid: OccupancyGrid, blocked: NDArray[np.bool_], key: str, person: PedestrianSpec) -> Iterator[Finding]:
+    def _check_person(self, grid: OccupancyGrid, blocked: NDArray[np.bool_], key: str, person: PedestrianSpec) -> Iterator[Finding]:
         """Yield what is wrong with where a person is and goes."""
         roles = ["its position", *(f"its waypoint {number}" for number in range(len(person.waypoints_xy)))]
         for role, (x, y) in zip(roles, [person.position_xy.tolist(), *person.waypoints_xy.tolist()], strict=True):
@@ -111,10 +113,10 @@ def _labels_near(grid: OccupancyGrid, regions: NDArray[np.int32], pose: Pose, ra
     return set(np.unique(window).tolist()) - {0}
 
 
-def _covered(obstacles: tuple[Obstacle, ...], grid: OccupancyGrid) -> NDArray[np.bool_]:
+def _covered_cells(obstacles: tuple[Obstacle, ...], grid: OccupancyGrid) -> NDArray[np.bool_]:
     """Return which cells have their centre in an obstacle, (H, W); each obstacle is asked for the cells about it alone."""
     covered = np.zeros(grid.data.shape, bool)
-    for shape in map(_shape, obstacles):
+    for shape in map(_obstacle_shape, obstacles):
         left, bottom, right, top = shape.bounds
         corners = grid.cells(((left, bottom), (left, top), (right, bottom), (right, top)))
         first, end = np.clip((corners.min(axis=0), corners.max(axis=0) + 1), 0, grid.data.shape)
@@ -126,7 +128,7 @@ def _covered(obstacles: tuple[Obstacle, ...], grid: OccupancyGrid) -> NDArray[np
     return covered
 
 
-def _shape(obstacle: Obstacle) -> shapely.Geometry:
+def _obstacle_shape(obstacle: Obstacle) -> shapely.Geometry:
     if obstacle.radius > 0.0:
         return shapely.Point(obstacle.vertices_xy[0]).buffer(obstacle.radius)
     return shapely.Polygon(obstacle.vertices_xy)

@@ -43,77 +43,79 @@ def placed_model(stated: Field, place: Pose) -> Shapes:
     """
     name = stated.text().replace("\\", "/").replace("\0", "")
     path = _model_file(stated.file.parent, name)
-    model = Field(stated.file, stated.key, published_models().get(_stem(name))) if path is None else read_yaml(path, "a Flatland model")
+    model = (
+        Field(stated.file, stated.key, published_models().get(_model_name(name))) if path is None else read_yaml(path, "a Flatland model")
+    )
     if model.value is None and path is None:
-        return Shapes((), (f"{_stem(name)} is left out, for no model of that name was found",))
-    return _joined([_shapes(body, place) for body in _unwrapped(model)["bodies"].items()])
+        return Shapes((), (f"{_model_name(name)} is left out, for no model of that name was found",))
+    return _join_shapes([_body_shapes(body, place) for body in _unwrap_model(model)["bodies"].items()])
 
 
 def _model_file(folder: Path, name: str) -> Path | None:
-    stem = _stem(name)
+    stem = _model_name(name)
     own = [PurePosixPath(name).name] if name.endswith(SUFFIXES) else []
     places = [Path(name)] if own else []
     places += [folder / place / pattern.format(stem) for place in FOLDERS for pattern in (*own, *NAMES) if stem]
     return next((place for place in places if is_file(place)), None)
 
 
-def _stem(name: str) -> str:
+def _model_name(name: str) -> str:
     """Return a model's name: a path's last part without its ending, and without what ``format`` would take for a place."""
     last = PurePosixPath(name).name
     ending = next((suffix for suffix in SUFFIXES if last.endswith(suffix)), "")
     return last[: len(last) - len(ending)]
 
 
-def _unwrapped(model: Field) -> Field:
+def _unwrap_model(model: Field) -> Field:
     for name in ROS2:
         model = model[name] if model.has(name) else model
     return model
 
 
-def _shapes(body: Field, place: Pose) -> Shapes:
+def _body_shapes(body: Field, place: Pose) -> Shapes:
     """Return the footprints of a body that a lidar sees.
 
     Flatland's rays end at every footprint of their layers that is no sensor, whether or not it collides (flatland_plugins, laser.cpp).
     """
     at = place.compose(body["pose"].pose()) if body.has("pose") else place
-    return _joined([_footprint(footprint, at) for footprint in body["footprints"].items()])
+    return _join_shapes([_footprint_shapes(footprint, at) for footprint in body["footprints"].items()])
 
 
-def _footprint(footprint: Field, at: Pose) -> Shapes:
-    if _says(footprint, "sensor", True):
+def _footprint_shapes(footprint: Field, at: Pose) -> Shapes:
+    if _has_flag(footprint, "sensor", True):
         return Shapes((), (SENSOR,))
     if footprint.has("layers") and footprint["layers"].value == []:
         return Shapes((), (NOWHERE,))
-    return Shapes((_obstacle(footprint, at),), (SOLID,) if _says(footprint, "collision", False) else ())
+    return Shapes((_footprint_obstacle(footprint, at),), (SOLID,) if _has_flag(footprint, "collision", False) else ())
 
 
-def _says(footprint: Field, key: str, truth: bool) -> bool:
+def _has_flag(footprint: Field, key: str, truth: bool) -> bool:
     """Tell whether a key is there with this truth; some files write it as a text."""
     return footprint.has(key) and str(footprint[key].value).lower() == str(truth).lower()
 
 
-def _obstacle(footprint: Field, at: Pose) -> Obstacle:
+def _footprint_obstacle(footprint: Field, at: Pose) -> Obstacle:
     if footprint["type"].value == "circle":
         centre = footprint["center"].position() if footprint.has("center") else np.zeros(2)
-        return Obstacle(_moved(centre[None], at), footprint["radius"].number(above=0.0))
+        return Obstacle(_move_points(centre[None], at), footprint["radius"].number(above=0.0))
     if footprint["type"].value == "polygon":
-        return Obstacle(_moved(convex(footprint["points"]), at))
-    raise footprint["type"].refused("circle or polygon")
+        return Obstacle(_move_points(convex_hull(footprint["points"]), at))
+    raise footprint["type"].rejection("circle or polygon")
 
 
-def _joined(parts: list[Shapes]) -> Shapes:
+def _join_shapes(parts: list[Shapes]) -> Shapes:
     return Shapes(tuple(shape for part in parts for shape in part.obstacles), tuple(note for part in parts for note in part.notes))
 
 
-def convex(points: Field) -> NDArray[np.float64]:
+def convex_hull(points: Field) -> NDArray[np.float64]:
     """Return the corners (V, 2) of the convex hull of a list of positions: Flatland's engine takes polygons as that."""
     hull = shapely.MultiPoint(points.positions()).convex_hull if points.items() else None
     if not isinstance(hull, shapely.Polygon):
-        raise points.refused("three or more [x, y] (m) that are not in line")
+        raise points.rejection("three or more [x, y] (m) that are not in line")
     return np.asarray(hull.exterior.coords)[:-1]
 
 
-def _moved(points: NDArray[np.float64], place: Pose) -> NDArray[np.float64]:
+def _move_points(points: NDArray[np.float64], place: Pose) -> NDArray[np.float64]:
     cos, sin = math.cos(place.theta), math.sin(place.theta)
     x, y = points.T
     return np.stack((place.x + cos * x - sin * y, place.y + sin * x + cos * y), axis=1)

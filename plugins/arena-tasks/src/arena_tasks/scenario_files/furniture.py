@@ -12,7 +12,7 @@ from arena_tasks.scenario_files.json_fields import Field
 
 def read_piece(field: Field) -> Furniture:
     """Return a piece of furniture; raise InputFileError for a kind that is not there."""
-    field.only("kind", "pose")
+    field.check_keys("kind", "pose")
     name = field["kind"].text()
     try:
         return furniture_kind(name).at(name, field["pose"].pose())
@@ -20,6 +20,6 @@ def read_piece(field: Field) -> Furniture:
         raise InputFileError(f"{field.file}: {field.key}.kind: {one_line(str(error), 300)}") from None
 
 
-def written_piece(piece: Furniture) -> dict[str, Any]:
+def piece_entry(piece: Furniture) -> dict[str, Any]:
     """Return a piece as scenario files have it."""
     return {"kind": piece.kind, "pose": piece.pose.array().tolist()}

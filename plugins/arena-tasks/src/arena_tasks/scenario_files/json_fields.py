@@ -31,96 +31,96 @@ class Field:
     key: str
     value: Any
 
-    def refused(self, allowed: str) -> InputFileError:
+    def rejection(self, allowed: str) -> InputFileError:
         """Return the error that says what this value is and what is allowed."""
-        shown = one_line(_said(self.value), 60)
+        shown = one_line(_json_text(self.value), 60)
         return InputFileError(f"{self.file}: {self.key or 'content'} is {shown}; allowed: {allowed}")
 
     def has(self, name: str) -> bool:
         """Tell whether this mapping has a key."""
-        return name in self._mapping()
+        return name in self._read_mapping()
 
     def __getitem__(self, name: str | int) -> Field:
-        mapping = self._mapping()
+        mapping = self._read_mapping()
         key = self._key_of(name)
         if name not in mapping:
             raise InputFileError(f"{self.file}: {key} is missing")
         return Field(self.file, key, mapping[name])
 
-    def only(self, *names: str) -> None:
+    def check_keys(self, *names: str) -> None:
         """Refuse keys other than these."""
-        for name in self._mapping():
+        for name in self._read_mapping():
             if name not in names:
                 raise InputFileError(f"{self.file}: {self._key_of(name)} is unknown; allowed: {', '.join(names)}")
 
     def items(self) -> list[Field]:
         """Return the elements of a list."""
         if not isinstance(self.value, list):
-            raise self.refused("a list")
+            raise self.rejection("a list")
         if len(self.value) > LIMITS.elements:
             raise InputFileError(f"{self.file}: {self.key or 'content'} has {len(self.value)} elements; allowed: {LIMITS.elements}")
         return [Field(self.file, f"{self.key}[{k}]", value) for k, value in enumerate(self.value)]
 
     def entries(self) -> list[tuple[Any, Field]]:
         """Return the keys and values of a mapping."""
-        return [(name, self[name]) for name in self._mapping()]
+        return [(name, self[name]) for name in self._read_mapping()]
 
     def number(self, low: float = -math.inf, above: float = -math.inf, high: float = math.inf) -> float:
         """Return a finite number, at least ``low``, more than ``above`` and at most ``high``."""
         allowed = f"a number > {above:g}" if above > -math.inf else f"a number >= {low:g}" if low > -math.inf else "a finite number"
         allowed += f" and <= {high:g}" if high < math.inf else ""
         if isinstance(self.value, bool) or not isinstance(self.value, int | float):
-            raise self.refused(allowed)
+            raise self.rejection(allowed)
         try:
             number = float(self.value)
         except OverflowError:
-            raise self.refused(allowed) from None
+            raise self.rejection(allowed) from None
         least = LIMITS.number_smallest if above == 0.0 else -math.inf
         if not (abs(number) <= LIMITS.number_largest and above < number <= high and number >= max(low, least)):
             beyond = math.isfinite(number) and high == math.inf and abs(number) > LIMITS.number_largest
-            raise self.refused(f"{allowed} up to {LIMITS.number_largest:g}" if beyond else allowed)
+            raise self.rejection(f"{allowed} up to {LIMITS.number_largest:g}" if beyond else allowed)
         return number
 
-    def coordinate(self) -> float:
+    def read_coordinate(self) -> float:
         """Return a coordinate, m, that still has a cell of its own in float64 arithmetic."""
         if isinstance(self.value, int | float) and FARTHEST < abs(self.value) <= sys.float_info.max:
-            raise self.refused(f"a coordinate within {FARTHEST:g} m of the origin")
+            raise self.rejection(f"a coordinate within {FARTHEST:g} m of the origin")
         return self.number()
 
-    def integer(self, low: int, high: int) -> int:
+    def read_integer(self, low: int, high: int) -> int:
         """Return a whole number, ``low`` .. ``high``."""
         if isinstance(self.value, bool) or not isinstance(self.value, int) or not low <= self.value <= high:
-            raise self.refused(f"a whole number {low} .. {high}")
+            raise self.rejection(f"a whole number {low} .. {high}")
         return self.value
 
     def text(self) -> str:
         """Return text that is not empty and that a file can hold, which half a character cannot (``"\\ud800"`` in JSON)."""
         if not isinstance(self.value, str) or not self.value:
-            raise self.refused("a text that is not empty")
+            raise self.rejection("a text that is not empty")
         if HALF_CHARACTER.search(self.value):
-            raise self.refused("a text of whole characters")
+            raise self.rejection("a text of whole characters")
         return self.value
 
-    def truth(self) -> bool:
+    def read_bool(self) -> bool:
         """Return true or false."""
         if not isinstance(self.value, bool):
-            raise self.refused("true or false")
+            raise self.rejection("true or false")
         return self.value
 
     def pose(self) -> Pose:
         """Return [x, y] or [x, y, theta] as a pose, m and rad."""
         match self.items():
             case [x, y]:
-                return Pose(x.coordinate(), y.coordinate())
+                return Pose(x.read_coordinate(), y.read_coordinate())
             case [x, y, theta]:
-                return Pose(x.coordinate(), y.coordinate(), theta.number())
-        raise self.refused("[x, y] or [x, y, theta] (m, m, rad)")
+                return Pose(x.read_coordinate(), y.read_coordinate(), theta.number())
+        raise self.rejection("[x, y] or [x, y, theta] (m, m, rad)")
 
     def position(self) -> NDArray[np.float64]:
         """Return [x, y], shape (2,), m."""
         if not isinstance(self.value, list) or len(self.value) != 2:
-            raise self.refused("[x, y] (m)")
-        return np.array([item.coordinate() for item in self.items()])
+            raise self.rejection("[x, y] (m)")
+        return np.array([item.read_coordinate() for item in self.items()])
 
     def positions(self) -> NDArray[np.float64]:
         """Return a list of [x, y], shape (N, 2), m."""
@@ -128,16 +128,16 @@ class Field:
 
     def _key_of(self, name: str | int) -> str:
         """Return where a member of this mapping stands, on one line whatever its name."""
-        plain = one_line(name if isinstance(name, str) and name.isprintable() else _said(name), 60)
+        plain = one_line(name if isinstance(name, str) and name.isprintable() else _json_text(name), 60)
         return f"{self.key}.{plain}" if self.key else plain
 
-    def _mapping(self) -> Mapping[Any, Any]:
+    def _read_mapping(self) -> Mapping[Any, Any]:
         if not isinstance(self.value, Mapping):
-            raise self.refused("a mapping of keys to values")
+            raise self.rejection("a mapping of keys to values")
         return self.value
 
 
-def _said(value: Any) -> str:
+def _json_text(value: Any) -> str:
     """Return a value as JSON has it, or nearly so: files in YAML hold keys and values that JSON has not."""
     try:
         return json.dumps(value, default=str)

@@ -48,7 +48,7 @@ class Pack:
         return sorted(name for name in self.files if name.endswith(".json"))
 
 
-def checked_pack(folder: Path) -> Pack | None:
+def verified_pack(folder: Path) -> Pack | None:
     """Return the pack of the files in a folder, all of them found as packed: its own pack, or that of the folder above; None in neither."""
     for place in (folder, folder.absolute().parent):
         if (place / PACK_FILE).is_file():
@@ -61,13 +61,13 @@ def checked_pack(folder: Path) -> Pack | None:
 def read_pack(folder: Path) -> Pack:
     """Read a folder's pack.yaml; raise InputFileError with file and key. The files themselves are not looked at."""
     root = read_yaml(folder / PACK_FILE, "a pack's YAML file")
-    root.only("format", "id", "version", "title", "licence", "files")
+    root.check_keys("format", "id", "version", "title", "licence", "files")
     if root["format"].value != FORMAT:
-        raise root["format"].refused(FORMAT)
+        raise root["format"].rejection(FORMAT)
     name, version, title, licence = (root[key].text() for key in ("id", "version", "title", "licence"))
     if not name.isidentifier():
-        raise root["id"].refused("a name of letters, digits and _ that begins with no digit")
-    return Pack(folder, name, version, title, licence, {name: _listed(name, digest) for name, digest in root["files"].entries()})
+        raise root["id"].rejection("a name of letters, digits and _ that begins with no digit")
+    return Pack(folder, name, version, title, licence, {name: _listed_digest(name, digest) for name, digest in root["files"].entries()})
 
 
 def hash_of(path: Path) -> str:
@@ -75,7 +75,7 @@ def hash_of(path: Path) -> str:
     return sha256(read_bytes(path, LIMITS.arrays_bytes, f"a file as {PACK_FILE} lists it", unpack=False)).hexdigest()
 
 
-def _listed(name: str, digest: Field) -> str:
+def _listed_digest(name: str, digest: Field) -> str:
     path = PurePosixPath(name) if isinstance(name, str) and "\0" not in name else PurePosixPath("/")
     if path.is_absolute() or ".." in path.parts:
         raise InputFileError(f"{digest.file}: {digest.key} lies outside the pack; allowed: a path relative to it, without ..")

@@ -52,7 +52,7 @@ class Problem:
         return replace(world, furniture=world.furniture + self.furniture) if self.furniture else world
 
 
-def noted(problems: Iterable[Problem]) -> str:
+def reading_notes(problems: Iterable[Problem]) -> str:
     """Return what of some problems was not taken as written, in one line; empty where all was."""
     counts = Counter(note for problem in problems for note in problem.notes)
     return "; ".join(note if count == 1 else f"{note}, {count} times" for note, count in counts.items())

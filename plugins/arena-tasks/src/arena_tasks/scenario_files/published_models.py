@@ -14,13 +14,13 @@ import yaml
 def published_models() -> Mapping[str, Mapping[str, Any]]:
     """Return Flatland models by name, as ``published_models.yaml`` states them, in the form of a Flatland file."""
     stated = yaml.safe_load(files("arena_tasks").joinpath("published_models.yaml").read_text("utf-8"))
-    return {name: {"bodies": [{"footprints": [_footprint(said)]}]} for name, said in stated.items()}
+    return {name: {"bodies": [{"footprints": [_model_footprint(said)]}]} for name, said in stated.items()}
 
 
-def _footprint(said: Mapping[str, Any]) -> dict[str, Any]:
-    shape = {"type": "polygon", "points": said["polygon"]} if "polygon" in said else _disc(*said["disc"])
+def _model_footprint(said: Mapping[str, Any]) -> dict[str, Any]:
+    shape = {"type": "polygon", "points": said["polygon"]} if "polygon" in said else _disc_footprint(*said["disc"])
     return {**shape, "collision": said.get("collision", True)}
 
 
-def _disc(x: float, y: float, radius: float) -> dict[str, Any]:
+def _disc_footprint(x: float, y: float, radius: float) -> dict[str, Any]:
     return {"type": "circle", "center": [x, y], "radius": radius}

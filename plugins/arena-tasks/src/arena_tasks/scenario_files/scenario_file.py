@@ -18,7 +18,7 @@ from arena_core.files import LIMITS, write_text_whole
 from arena_tasks.scenario_files.arena_rosnav import is_arena_rosnav, read_arena_rosnav
 from arena_tasks.scenario_files.arena_tools import is_arena_tools, read_arena_tools
 from arena_tasks.scenario_files.flatland import is_flatland, read_flatland
-from arena_tasks.scenario_files.furniture import read_piece, written_piece
+from arena_tasks.scenario_files.furniture import piece_entry, read_piece
 from arena_tasks.scenario_files.json_fields import Field, read_json
 from arena_tasks.scenario_files.problem import MOST_REPEATS, Keys, PersonDefaults, Problem
 
@@ -97,7 +97,7 @@ def save_scenarios(path: str | Path, scenarios: Sequence[Scenario | Problem], ti
 def content_of(scenarios: Sequence[Scenario | Problem], title: str = "", map_file: str = "") -> dict[str, Any]:
     """Return what a file of ours holds, as JSON has it."""
     said = {key: text for key, text in (("title", title), ("map", map_file)) if text}
-    return {"format": FORMAT, "version": VERSION, **said, "scenarios": [_written(scenario) for scenario in scenarios]}
+    return {"format": FORMAT, "version": VERSION, **said, "scenarios": [_problem_entry(scenario) for scenario in scenarios]}
 
 
 def scenario_text(content: Mapping[str, Any]) -> str:
@@ -111,43 +111,43 @@ def _with_short_lists(text: str) -> str:
 
 
 def _read_ours(root: Field, defaults: PersonDefaults) -> ScenarioFile:
-    root.only("format", "version", "title", "map", "scenarios")
+    root.check_keys("format", "version", "title", "map", "scenarios")
     if root["version"].value not in READABLE:
-        raise root["version"].refused(" or ".join(map(str, READABLE)))
-    problems = tuple(_problem(field, defaults) for field in root["scenarios"].items())
+        raise root["version"].rejection(" or ".join(map(str, READABLE)))
+    problems = tuple(_read_problem(field, defaults) for field in root["scenarios"].items())
     names = set[str]()
     for number, problem in enumerate(problems):
         if problem.name in names:
-            raise root["scenarios"].items()[number]["name"].refused("names that differ from each other")
+            raise root["scenarios"].items()[number]["name"].rejection("names that differ from each other")
         names.add(problem.name)
     if not problems:
-        raise root["scenarios"].refused("at least one scenario")
+        raise root["scenarios"].rejection("at least one scenario")
     title, map_file = (root[key].text() if root.has(key) else "" for key in ("title", "map"))
     return ScenarioFile(problems, title, map_file)
 
 
-def _problem(field: Field, defaults: PersonDefaults) -> Problem:
-    field.only("name", "repeats", "start", "goal", "pedestrians", "obstacles", "furniture", "goal_radius", "time_limit")
+def _read_problem(field: Field, defaults: PersonDefaults) -> Problem:
+    field.check_keys("name", "repeats", "start", "goal", "pedestrians", "obstacles", "furniture", "goal_radius", "time_limit")
     people = field["pedestrians"].items() if field.has("pedestrians") else []
     obstacles = field["obstacles"].items() if field.has("obstacles") else []
     return Problem(
         name=field["name"].text(),
         start=field["start"].pose(),
         goal=field["goal"].pose(),
-        pedestrians=tuple(_person(number, person, defaults) for number, person in enumerate(people)),
-        obstacles=tuple(_obstacle(obstacle) for obstacle in obstacles),
+        pedestrians=tuple(_read_person(number, person, defaults) for number, person in enumerate(people)),
+        obstacles=tuple(_read_obstacle(obstacle) for obstacle in obstacles),
         goal_radius=field["goal_radius"].number(above=0.0) if field.has("goal_radius") else None,
         time_limit=field["time_limit"].number(above=0.0) if field.has("time_limit") else None,
         keys=Keys(field["start"].key, field["goal"].key, tuple(person.key for person in people)),
-        repeats=field["repeats"].integer(1, MOST_REPEATS) if field.has("repeats") else 1,
+        repeats=field["repeats"].read_integer(1, MOST_REPEATS) if field.has("repeats") else 1,
         furniture=tuple(map(read_piece, field["furniture"].items())) if field.has("furniture") else (),
     )
 
 
-def _person(number: int, field: Field, defaults: PersonDefaults) -> PedestrianSpec:
-    field.only("position", "waypoints", "desired_speed", "max_speed", "radius", "behaviour")
+def _read_person(number: int, field: Field, defaults: PersonDefaults) -> PedestrianSpec:
+    field.check_keys("position", "waypoints", "desired_speed", "max_speed", "radius", "behaviour")
     if field.has("desired_speed") and field.has("max_speed"):
-        raise field["max_speed"].refused("desired_speed alone, of which this is the former name")
+        raise field["max_speed"].rejection("desired_speed alone, of which this is the former name")
     speed = next((field[key].number(above=0.0) for key in ("desired_speed", "max_speed") if field.has(key)), defaults.speed)
     return PedestrianSpec(
         id=number,
@@ -155,22 +155,22 @@ def _person(number: int, field: Field, defaults: PersonDefaults) -> PedestrianSp
         waypoints_xy=field["waypoints"].positions() if field.has("waypoints") else np.empty((0, 2)),
         desired_speed=speed,
         radius=field["radius"].number(above=0.0) if field.has("radius") else defaults.radius,
-        behaviour={name: _behaviour(value) for name, value in field["behaviour"].entries()} if field.has("behaviour") else {},
+        behaviour={name: _read_behaviour(value) for name, value in field["behaviour"].entries()} if field.has("behaviour") else {},
     )
 
 
-def _behaviour(field: Field) -> float | str:
+def _read_behaviour(field: Field) -> float | str:
     return field.value if isinstance(field.value, str) else field.number()
 
 
-def _obstacle(field: Field) -> Obstacle:
+def _read_obstacle(field: Field) -> Obstacle:
     if field.has("center"):
-        field.only("center", "radius")
+        field.check_keys("center", "radius")
         return Obstacle(field["center"].position()[None], field["radius"].number(above=0.0))
-    field.only("vertices")
+    field.check_keys("vertices")
     vertices = field["vertices"].positions()
     if len(vertices) < 3:
-        raise field["vertices"].refused("three or more [x, y] (m)")
+        raise field["vertices"].rejection("three or more [x, y] (m)")
     polygon = shapely.Polygon(vertices)
     if not polygon.is_valid or polygon.area == 0.0:
         raise InputFileError(
@@ -179,7 +179,7 @@ def _obstacle(field: Field) -> Obstacle:
     return Obstacle(vertices)
 
 
-def _written(scenario: Scenario | Problem) -> dict[str, Any]:
+def _problem_entry(scenario: Scenario | Problem) -> dict[str, Any]:
     furniture = scenario.furniture if isinstance(scenario, Problem) else scenario.world.furniture
     own = {
         "repeats": scenario.repeats if isinstance(scenario, Problem) and scenario.repeats > 1 else None,
@@ -191,13 +191,13 @@ def _written(scenario: Scenario | Problem) -> dict[str, Any]:
         "start": scenario.start.array().tolist(),
         "goal": scenario.goal.array().tolist(),
         **{key: value for key, value in own.items() if value is not None},
-        "pedestrians": [_written_person(person) for person in scenario.pedestrians],
-        "obstacles": [_written_obstacle(obstacle) for obstacle in scenario.obstacles],
-        **({"furniture": list(map(written_piece, furniture))} if furniture else {}),
+        "pedestrians": [_person_entry(person) for person in scenario.pedestrians],
+        "obstacles": [_obstacle_entry(obstacle) for obstacle in scenario.obstacles],
+        **({"furniture": list(map(piece_entry, furniture))} if furniture else {}),
     }
 
 
-def _written_person(person: PedestrianSpec) -> dict[str, Any]:
+def _person_entry(person: PedestrianSpec) -> dict[str, Any]:
     return {
         "position": person.position_xy.tolist(),
         "waypoints": person.waypoints_xy.tolist(),
@@ -207,7 +207,7 @@ def _written_person(person: PedestrianSpec) -> dict[str, Any]:
     }
 
 
-def _written_obstacle(obstacle: Obstacle) -> dict[str, Any]:
+def _obstacle_entry(obstacle: Obstacle) -> dict[str, Any]:
     if obstacle.radius > 0.0:
         return {"center": obstacle.vertices_xy[0].tolist(), "radius": obstacle.radius}
     return {"vertices": obstacle.vertices_xy.tolist()}

@@ -13,8 +13,8 @@ from arena_core.parameters import Positive
 from arena_core.scenes import add_furniture
 from arena_tasks.scenario_files.content import content_hash
 from arena_tasks.scenario_files.feasibility import Feasibility
-from arena_tasks.scenario_files.pack import checked_pack, hash_of
-from arena_tasks.scenario_files.problem import PersonDefaults, Problem, noted
+from arena_tasks.scenario_files.pack import hash_of, verified_pack
+from arena_tasks.scenario_files.problem import PersonDefaults, Problem, reading_notes
 from arena_tasks.scenario_files.scenario_file import read_scenarios
 
 
@@ -39,14 +39,14 @@ class ScenarioTask(TaskMode):
         if path is None:
             raise ConfigurationError("task.path is null; allowed: a scenario file, as in task.path=scenario.json")
         file = local_path(path)
-        self._pack = checked_pack(file.parent)
+        self._pack = verified_pack(file.parent)
         if self._pack:
             self._pack.check_lists(file)
-        problems = _read(file, PersonDefaults(pedestrian_speed, pedestrian_radius))
+        problems = _read_problems(file, PersonDefaults(pedestrian_speed, pedestrian_radius))
         checks = [Feasibility(file, problem, robot, problem.goal_radius or goal_radius) for problem in problems]
         first, other = world.world(0, 0), world.world(1, 1)
         if first.grid is other.grid and first.furniture == other.furniture:  # a fixed world: say what is impossible before anything runs
-            checks = possible_ones(checks, first)
+            checks = possible_problems(checks, first)
         self._checks = checks
         self._ends = list(accumulate(check.problem.repeats for check in checks))
         self._file_hash = hash_of(file)
@@ -56,7 +56,7 @@ class ScenarioTask(TaskMode):
 
     def scenario(self, seed: int, index: int) -> Scenario:
         """Return problem ``index``; raise ImpossibleScenario when it does not fit the world."""
-        number, repetition = self._place(index)
+        number, repetition = self._problem_place(index)
         problem, world = self._checks[number].problem, self._world.world(seed, index)
         world = problem.placed_in(world)
         add_furniture(world).derive(self._checks[number])
@@ -73,7 +73,7 @@ class ScenarioTask(TaskMode):
             content_hash=content_hash(self._file_hash, world.grid, self._pack),
         )
 
-    def _place(self, index: int) -> tuple[int, int]:
+    def _problem_place(self, index: int) -> tuple[int, int]:
         """Return which problem comes at ``index``, and how often it came before."""
         rounds, position = divmod(index, self._ends[-1])
         number = bisect_right(self._ends, position)
@@ -81,15 +81,15 @@ class ScenarioTask(TaskMode):
         return number, rounds * repeats + position - (self._ends[number] - repeats)
 
 
-def _read(file: Path, defaults: PersonDefaults) -> tuple[Problem, ...]:
+def _read_problems(file: Path, defaults: PersonDefaults) -> tuple[Problem, ...]:
     """Read the problems of a file and tell what of it was not taken as written."""
     problems = read_scenarios(file, defaults)
-    if notes := noted(problems):
+    if notes := reading_notes(problems):
         print_notice(f"{file}: {notes}")
     return problems
 
 
-def possible_ones(checks: list[Feasibility], world: World) -> list[Feasibility]:
+def possible_problems(checks: list[Feasibility], world: World) -> list[Feasibility]:
     """Return those that hold in a world, in their order, and tell of each other; raise ImpossibleScenario where none holds."""
     reasons = [reason_against(check, world) for check in checks]
     possible = [check for check, reason in zip(checks, reasons, strict=True) if reason is None]

@@ -43,21 +43,21 @@ class Site:
             misplaced.add(finding.key)
             yield finding
         people = [pair for pair in zip(problem.keys.people, problem.pedestrians, strict=True) if pair[0] not in misplaced]
-        alone = [(key, self._refusal(problem, (person,))) for key, person in people]
+        alone = [(key, self._people_objection(problem, (person,))) for key, person in people]
         yield from (Finding(key, math.nan, math.nan, why) for key, why in alone if why)
-        together = "" if misplaced or any(why for _, why in alone) else self._refusal(problem, problem.pedestrians)
+        together = "" if misplaced or any(why for _, why in alone) else self._people_objection(problem, problem.pedestrians)
         if together:
             yield Finding("", math.nan, math.nan, together)
 
-    def _refusal(self, problem: Problem, people: tuple[PedestrianSpec, ...]) -> str:
+    def _people_objection(self, problem: Problem, people: tuple[PedestrianSpec, ...]) -> str:
         """Return why the model of people does not take these of a problem's, empty where it does."""
         try:
-            self._people.reset(np.zeros(1, np.int64), [self._scenario(problem, people)], 1)
+            self._people.reset(np.zeros(1, np.int64), [self._make_scenario(problem, people)], 1)
         except ArenaError as error:
             return str(error).removeprefix(f"{self._path}: ")
         return ""
 
-    def _scenario(self, problem: Problem, people: tuple[PedestrianSpec, ...]) -> Scenario:
+    def _make_scenario(self, problem: Problem, people: tuple[PedestrianSpec, ...]) -> Scenario:
         return Scenario(
             name=problem.name,
             seed=0,
@@ -71,7 +71,7 @@ class Site:
         )
 
 
-def composed(path: Path, overrides: Sequence[str]) -> dict[str, Any]:
+def compose_run(path: Path, overrides: Sequence[str]) -> dict[str, Any]:
     """Return the components of a run of the file, in the map that it names unless a world is given; raise ConfigurationError."""
     quoted = "'" + str(path).replace("\\", "\\\\").replace("'", "\\'") + "'"
     usual = [f"{kind}={name}" for kind, name in USUAL.items() if not any(word.startswith(f"{kind}=") for word in overrides)]

@@ -24,27 +24,27 @@ class WorldCommand(Command):
     def run(self, arguments: Sequence[str]) -> int:
         """Run the subcommand that the first argument names; raise ConfigurationError when there is none such."""
         if not arguments or arguments[0] in ("-h", "--help"):
-            print(_usage())
+            print(_usage_text())
             return 0
         name, *rest = arguments
         if name not in SUBCOMMANDS:
             raise ConfigurationError(f"arena world has no subcommand {name!r} (possible: {', '.join(SUBCOMMANDS)})")
         if "-h" in rest or "--help" in rest:
-            print(subcommand(name).help)
+            print(load_subcommand(name).help)
             return 0
-        return subcommand(name).run(rest)
+        return load_subcommand(name).run(rest)
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
         """Return the subcommands, then what theirs return."""
-        return subcommand(words[0]).complete(words[1:], word) if words and words[0] in SUBCOMMANDS else () if words else [*SUBCOMMANDS]
+        return load_subcommand(words[0]).complete(words[1:], word) if words and words[0] in SUBCOMMANDS else () if words else [*SUBCOMMANDS]
 
 
-def subcommand(name: str) -> Command:
+def load_subcommand(name: str) -> Command:
     """Import and return a subcommand."""
     module, _, attribute = SUBCOMMANDS[name].partition(":")
     return getattr(importlib.import_module(module), attribute)()  # type: ignore[no-any-return]
 
 
-def _usage() -> str:
-    lines = [f"  {name:10} {subcommand(name).help}" for name in SUBCOMMANDS]
+def _usage_text() -> str:
+    lines = [f"  {name:10} {load_subcommand(name).help}" for name in SUBCOMMANDS]
     return "\n".join(["usage: arena world SUBCOMMAND ...", "", *lines])

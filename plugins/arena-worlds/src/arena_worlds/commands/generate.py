@@ -14,7 +14,7 @@ from arena_core.commands import Command, Words, key_value, read_words
 from arena_core.files import option_files, write_text_whole
 from arena_core.hosting import compose, load_registry
 from arena_core.parameters import NonNegativeInt, Positive
-from arena_worlds.commands.measure import ROBOT_RADIUS, table
+from arena_worlds.commands.measure import ROBOT_RADIUS, measures_table
 from arena_worlds.commands.measures import Measures, measures_of
 from arena_worlds.commands.portrait import write_portrait
 from arena_worlds.formats.map_writer import write_map
@@ -43,7 +43,7 @@ class GenerateCommand(Command):
         if kind == "dynabarn":
             return _write_dynabarn(words)
         path, seed = map_path(out), words.value("seed", NonNegativeInt, 0)
-        node = parameters(KINDS.get(kind, kind), dict(map(key_value, words.overrides)))
+        node = world_parameters(KINDS.get(kind, kind), dict(map(key_value, words.overrides)))
         source: WorldSource = load_registry().build("world", node)
         world = source.world(seed, 0)
         if Path(out).suffix in (*GAZEBO, *MUJOCO):
@@ -53,9 +53,9 @@ class GenerateCommand(Command):
         grid = world.grid
         measures = measures_of(grid, node.get("robot_radius", ROBOT_RADIUS))
         files = [*write_map(path, grid), path.with_suffix(".png"), path.with_name(f"{path.stem}_measures.json")]
-        write_portrait(files[2], grid, _title(node, seed))
-        write_text_whole(files[3], _report(node, seed, measures))
-        print("\n".join([*(f"written: {file}" for file in files), table(measures)]))
+        write_portrait(files[2], grid, _picture_title(node, seed))
+        write_text_whole(files[3], _report_text(node, seed, measures))
+        print("\n".join([*(f"written: {file}" for file in files), measures_table(measures)]))
         return 0
 
     def complete(self, words: Sequence[str], word: str) -> Sequence[str]:
@@ -68,13 +68,13 @@ class GenerateCommand(Command):
 def _write_dynabarn(words: Words) -> int:
     """Write a set of worlds whose obstacles move: no map could hold them."""
     folder = Path(words.required("out"))
-    node = {**parameters("dynabarn", dict(map(key_value, words.overrides))), "draw": words.value("seed", NonNegativeInt, 0)}
+    node = {**world_parameters("dynabarn", dict(map(key_value, words.overrides))), "draw": words.value("seed", NonNegativeInt, 0)}
     source: DynabarnWorlds = load_registry().build("world", node)
     print("\n".join(f"written: {path}" for path in write_set(folder, source)))
     return 0
 
 
-def parameters(kind: str, values: Mapping[str, str]) -> dict[str, Any]:
+def world_parameters(kind: str, values: Mapping[str, str]) -> dict[str, Any]:
     """Return what ``world=KIND`` is with these parameters; raise ConfigurationError for one that it has not."""
     overrides = [f"world@world.room={value}" if key == "room" else f"world.{key}={value}" for key, value in values.items()]
     return OmegaConf.to_container(compose(overrides, f"world/{kind}").world, resolve=True)  # type: ignore[return-value]
@@ -86,11 +86,11 @@ def map_path(out: str) -> Path:
     return path if path.suffix == ".yaml" else path / "map.yaml"
 
 
-def _title(node: Mapping[str, Any], seed: int) -> str:
+def _picture_title(node: Mapping[str, Any], seed: int) -> str:
     difficulty = f", difficulty {node['difficulty']:g}" if "difficulty" in node else ""
     return f"{node['name']}{difficulty}, seed {seed}"
 
 
-def _report(node: Mapping[str, Any], seed: int, measures: Measures) -> str:
+def _report_text(node: Mapping[str, Any], seed: int, measures: Measures) -> str:
     figures = {name: {"value": value, "unit": unit, "meaning": text} for name, value, unit, text in measures.rows()}
     return json.dumps({"world": node, "seed": seed, "measures": figures}, indent=2) + "\n"

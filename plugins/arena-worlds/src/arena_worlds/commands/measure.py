@@ -26,11 +26,11 @@ class MeasureCommand(Command):
         words = read_words(USAGE, arguments, names=1, keys=["robot_radius"])
         radius = words.value("robot_radius", Positive, ROBOT_RADIUS)
         grid = site_grid(Path(words.names[0]), DEFAULTS["resolution"], DEFAULTS["margin"])
-        print(table(measures_of(grid, radius)))
+        print(measures_table(measures_of(grid, radius)))
         return 0
 
 
-def table(measures: Measures) -> str:
+def measures_table(measures: Measures) -> str:
     """Return the measures as aligned text."""
     rows = [(name, f"{value:.3g}" if value < 100 else f"{value:.0f}", unit, text) for name, value, unit, text in measures.rows()]
     return "\n".join(align_columns(rows, right=[1]))

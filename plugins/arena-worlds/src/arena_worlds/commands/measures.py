@@ -16,7 +16,7 @@ from arena_core import FREE, OCCUPIED, ConfigurationError, OccupancyGrid, Pose
 from arena_kernels.distance import distance_field
 from arena_kernels.grids import stack_grids
 from arena_kernels.raycast import make_beams, scan_grids
-from arena_worlds.commands.ways import DIAGONAL, STRAIGHT, UNREACHED, climb, join_levels, way_lengths
+from arena_worlds.commands.grid_paths import DIAGONAL, STRAIGHT, UNREACHED, climb_clearance, join_levels, path_lengths
 from arena_worlds.widths import BESIDE_WALLS, largest_part, widths_of
 
 VIEWPOINTS, BEAMS, SIGHT = 500, 72, 10.0  # places that are looked from, in how many directions, m
@@ -63,15 +63,15 @@ def measures_of(grid: OccupancyGrid, robot_radius: float) -> Measures:
             f"robot_radius is {robot_radius:g}: no free space for the robot; allowed: up to {max(clearance.max(), 0.0):g} m in this map"
         )
     cells = np.flatnonzero(room)
-    narrowest, passage = _passages(clearance, room, cells)
-    visibility, tightest = _sight(free, room, grid.resolution)
+    narrowest, passage = _passage_widths(clearance, room, cells)
+    visibility, tightest = _sight_distances(free, room, grid.resolution)
     widths = widths_of(free, grid.resolution)
     return Measures(
         room=len(cells) * grid.resolution**2,
         mean_clearance=float(clearance[room].mean(dtype=np.float64)),
         narrowest_passage=narrowest,
         passage=passage,
-        tortuosity=_tortuosity(room, cells, grid.resolution),
+        tortuosity=_path_tortuosity(room, cells, grid.resolution),
         visibility=visibility,
         characteristic_dimension=tightest,
         free=widths.free,
@@ -82,18 +82,18 @@ def measures_of(grid: OccupancyGrid, robot_radius: float) -> Measures:
     )
 
 
-def _evenly(cells: NDArray[np.int64], count: int) -> NDArray[np.int64]:
+def _spread_evenly(cells: NDArray[np.int64], count: int) -> NDArray[np.int64]:
     """Return up to ``count`` of the cells, evenly spread over them."""
     return cells[np.linspace(0, len(cells) - 1, min(count, len(cells))).astype(np.int64)]
 
 
-def _passages(clearance: NDArray[np.float32], room: NDArray[np.bool_], cells: NDArray[np.int64]) -> tuple[float, float]:
+def _passage_widths(clearance: NDArray[np.float32], room: NDArray[np.bool_], cells: NDArray[np.int64]) -> tuple[float, float]:
     """Return the width of the narrowest place of the roomiest ways between the middles of places: the least, and the mean; m.
 
     In a map of one place, that place's width.
     """
     inside = np.where(room, clearance, np.float32(-1.0))
-    tops = climb(inside, _evenly(cells, MARKS))
+    tops = climb_clearance(inside, _spread_evenly(cells, MARKS))
     order = cells[np.argsort(-clearance.ravel()[cells], kind="stable")]
     least, mean = join_levels(inside, order, np.bincount(tops, minlength=room.size))
     if math.isnan(least):
@@ -101,25 +101,25 @@ def _passages(clearance: NDArray[np.float32], room: NDArray[np.bool_], cells: ND
     return 2.0 * least, 2.0 * mean
 
 
-def _tortuosity(room: NDArray[np.bool_], cells: NDArray[np.int64], resolution: float) -> float:
+def _path_tortuosity(room: NDArray[np.bool_], cells: NDArray[np.int64], resolution: float) -> float:
     """Return way by straight distance, both in steps to 8 neighbours, to all cells some distance away; 1 where there are none."""
     rows, columns = np.nonzero(room)
     table, ratios = room.view(np.uint8), []
-    for start in _evenly(cells, STARTS).tolist():
+    for start in _spread_evenly(cells, STARTS).tolist():
         row, column = divmod(start, room.shape[1])
         dr, dc = np.abs(rows - row), np.abs(columns - column)
         straight = STRAIGHT * np.maximum(dr, dc) + (DIAGONAL - STRAIGHT) * np.minimum(dr, dc)
-        lengths = way_lengths(table, row, column)[rows, columns]
+        lengths = path_lengths(table, row, column)[rows, columns]
         far = (straight * resolution >= AWAY * STRAIGHT) & (lengths < UNREACHED)
         ratios.append(lengths[far] / straight[far])
     joined = np.concatenate(ratios)
     return float(joined.mean()) if len(joined) else 1.0
 
 
-def _sight(free: NDArray[np.bool_], room: NDArray[np.bool_], resolution: float) -> tuple[float, float]:
+def _sight_distances(free: NDArray[np.bool_], room: NDArray[np.bool_], resolution: float) -> tuple[float, float]:
     """Return how far one sees from the robot's places, mean over all directions, and mean of the tightest axis; m."""
     grid = OccupancyGrid(np.where(free, np.int8(FREE), np.int8(OCCUPIED)), resolution, Pose(0.0, 0.0))
-    places = grid.positions(_evenly(np.argwhere(room), VIEWPOINTS))
+    places = grid.positions(_spread_evenly(np.argwhere(room), VIEWPOINTS))
     ranges = np.empty((len(places), BEAMS), np.float32)
     sensors = np.column_stack((places, np.zeros(len(places))))
     stack, _ = stack_grids([grid])

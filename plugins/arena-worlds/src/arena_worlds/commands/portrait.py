@@ -19,24 +19,24 @@ BARS = (1, 2, 5, 10, 20, 50, 100)  # m
 def write_portrait(path: Path, grid: OccupancyGrid, title: str) -> None:
     """Write a PNG of the map, its longer side about LONG_SIDE pixels; raise RunFolderError where it cannot be written."""
     content = io.BytesIO()
-    portrait(grid, title).save(content, "PNG", optimize=True)
+    draw_portrait(grid, title).save(content, "PNG", optimize=True)
     write_bytes_whole(path, content.getvalue())
 
 
-def portrait(grid: OccupancyGrid, title: str) -> Image.Image:
+def draw_portrait(grid: OccupancyGrid, title: str) -> Image.Image:
     """Return the map with title and bar, y up."""
-    floor = _floor(grid)
+    floor = _draw_floor(grid)
     font = ImageFont.load_default(TEXT)
     picture = Image.new("RGB", (floor.width + 2 * FRAME, floor.height + 2 * FRAME + 3 * TEXT), PAPER)
     draw = ImageDraw.Draw(picture)
     draw.text((FRAME, FRAME // 2), title, INK, font)
     picture.paste(floor, (FRAME, FRAME + TEXT))
     pixels_per_metre = floor.width / (grid.data.shape[1] * grid.resolution)
-    _bar(draw, font, pixels_per_metre, floor.width / pixels_per_metre, FRAME + TEXT + floor.height + TEXT // 2)
+    _draw_scale_bar(draw, font, pixels_per_metre, floor.width / pixels_per_metre, FRAME + TEXT + floor.height + TEXT // 2)
     return picture
 
 
-def _floor(grid: OccupancyGrid) -> Image.Image:
+def _draw_floor(grid: OccupancyGrid) -> Image.Image:
     colours = np.empty((*grid.data.shape, 3), np.uint8)
     colours[:] = FLOOR
     colours[grid.data < 0] = UNCLEAR
@@ -49,7 +49,9 @@ def _floor(grid: OccupancyGrid) -> Image.Image:
     return Image.fromarray(colours[::-1]).resize((size[0], size[1]), Image.Resampling.NEAREST if enlarged else Image.Resampling.BOX)
 
 
-def _bar(draw: ImageDraw.ImageDraw, font: ImageFont.FreeTypeFont | ImageFont.ImageFont, scale: float, width: float, top: float) -> None:
+def _draw_scale_bar(
+    draw: ImageDraw.ImageDraw, font: ImageFont.FreeTypeFont | ImageFont.ImageFont, scale: float, width: float, top: float
+) -> None:
     metres = max((bar for bar in BARS if bar <= 0.3 * width), default=BARS[0])
     draw.rectangle((FRAME, top, FRAME + metres * scale, top + TEXT // 3), fill=INK)
     draw.text((FRAME + metres * scale + TEXT // 2, top - TEXT // 3), f"{metres} m", INK, font)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from arena_core import InputFileError
 from arena_core.files import LIMITS, read_bytes
-from arena_worlds.formats.xml_file import numbers
+from arena_worlds.formats.xml_file import parse_numbers
 
 ROUNDING = 0.011  # s; sources have two digits
 NUMBER = r"\s*([-+0-9.eE]+)\s*"
@@ -61,7 +61,7 @@ def animation_source(name: str, animation: Animation) -> str:
 def read_animation(path: Path) -> Animation:
     """Read the key frames of a plugin's source; raise InputFileError where it holds none, or not in the order of their stamps."""
     text = read_bytes(path, LIMITS.source_bytes, "the source of a pose animation").decode("utf-8", "replace")
-    stamps, places = _numbers(path, KEY_FRAME.findall(text)), _numbers(path, [" ".join(xyz) for xyz in PLACE.findall(text)])
+    stamps, places = _read_numbers(path, KEY_FRAME.findall(text)), _read_numbers(path, [" ".join(xyz) for xyz in PLACE.findall(text)])
     if len(stamps) < 2 or len(stamps) != len(places):
         raise InputFileError(
             f"{path}: has {len(stamps)} CreateKeyFrame(s) and {len(places)} Translation(...Vector3d(x, y, z)); "
@@ -72,8 +72,8 @@ def read_animation(path: Path) -> Animation:
     return Animation(times, places[:, :2].copy())
 
 
-def _numbers(path: Path, texts: list[str]) -> NDArray[np.float64]:
-    rows = [numbers(text) for text in texts]
+def _read_numbers(path: Path, texts: list[str]) -> NDArray[np.float64]:
+    rows = [parse_numbers(text) for text in texts]
     wrong = [text for text, row in zip(texts, rows, strict=True) if row is None]
     if wrong:
         raise InputFileError(f"{path}: a key frame has {wrong[0]!r}; allowed: numbers within 10 km")
@@ -84,7 +84,7 @@ def _check_times(path: Path, text: str, times: NDArray[np.float64]) -> None:
     if times[0] != 0.0 or (np.diff(times) < 0.0).any() or times[-1] <= 0.0:
         raise InputFileError(f"{path}: key frames are at {times[:4].tolist()} ... s; allowed: 0 first, then rising")
     length = LENGTH.search(text)
-    lasts = numbers(length[1]) if length is not None else None
+    lasts = parse_numbers(length[1]) if length is not None else None
     if length is None or lasts is None or length[2] != "true" or abs(lasts[0] - times[-1]) > ROUNDING:
         said = "missing" if length is None else f"{length[1]}, {length[2]}"
         raise InputFileError(f"{path}: PoseAnimation is {said}; allowed: {times[-1]:g}, the last key frame's, and true (it repeats)")

@@ -33,17 +33,17 @@ class BarnWorlds(WorldSource):
         self._paths = _paths_folder(self._files[0], path_files)
         self._resolution, self._margin, self._known = resolution, margin, known
         for file in self._files:  # what is wrong with a file is said before anything runs
-            self._made(file)
+            self._make_world(file)
 
     def world(self, seed: int, index: int) -> World:
         """Return the world of scenario ``index``, the same for every seed."""
-        return self._made(self._files[index % len(self._files)])
+        return self._make_world(self._files[index % len(self._files)])
 
-    def _made(self, file: Path) -> World:
+    def _make_world(self, file: Path) -> World:
         written = file.stat()
         name = file.name.split(".")[0]
-        grid = _grid(file, written.st_mtime_ns, written.st_size, self._resolution, self._margin)
-        return World(f"barn/{name}", grid, self._known, _reference(self._paths, name))
+        grid = _load_grid(file, written.st_mtime_ns, written.st_size, self._resolution, self._margin)
+        return World(f"barn/{name}", grid, self._known, _reference_path(self._paths, name))
 
 
 def world_files(path: Path) -> list[Path]:
@@ -53,7 +53,7 @@ def world_files(path: Path) -> list[Path]:
     files = [file for file in path.iterdir() if file.name.endswith((".world", ".world.gz"))] if path.is_dir() else []
     if not files:
         raise InputFileError(f"{path}: is no file and no folder with world files; allowed: a .world or .world.gz file or a folder of them")
-    return sorted(files, key=lambda file: (_number(file.name), file.name))
+    return sorted(files, key=lambda file: (_name_number(file.name), file.name))
 
 
 def read_reference_path(path: Path) -> NDArray[np.float64]:
@@ -75,16 +75,16 @@ def _paths_folder(world: Path, path_files: str | None) -> Path | None:
     return Path(path_files)
 
 
-def _reference(folder: Path | None, name: str) -> NDArray[np.float64] | None:
-    return None if folder is None else read_reference_path(folder / f"path_{_number(name)}.npy")
+def _reference_path(folder: Path | None, name: str) -> NDArray[np.float64] | None:
+    return None if folder is None else read_reference_path(folder / f"path_{_name_number(name)}.npy")
 
 
-def _number(name: str) -> int:
+def _name_number(name: str) -> int:
     """Return the first number in a name, -1 where there is none."""
     digits = re.search(r"\d{1,9}", name)
     return int(digits[0]) if digits else -1
 
 
 @lru_cache(maxsize=512)
-def _grid(file: Path, written_ns: int, size: int, resolution: float, margin: float) -> OccupancyGrid:
+def _load_grid(file: Path, written_ns: int, size: int, resolution: float, margin: float) -> OccupancyGrid:
     return grid_of(read_sdf(file), resolution, margin)

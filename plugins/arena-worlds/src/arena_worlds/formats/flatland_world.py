@@ -8,7 +8,7 @@ from typing import Any
 
 from arena_core import InputFileError
 from arena_core.commands import print_notice
-from arena_worlds.formats.map_yaml import quoted, read_mapping
+from arena_worlds.formats.map_yaml import quote_value, read_mapping
 
 ENDING = ".world.yaml"
 ALLOWED = "layers, each with the map: of a map_server YAML"
@@ -26,7 +26,7 @@ def map_yamls_of(path: Path) -> list[Path]:
     keys = read_mapping(path, ALLOWED)
     if keys.get("models"):
         print_notice(f"{path}: models are not read, only layers; models belong into the scenario, as obstacles")
-    return [path.parent / name for name in dict.fromkeys(_maps(path, keys.get("layers")))]
+    return [path.parent / name for name in dict.fromkeys(_layer_maps(path, keys.get("layers")))]
 
 
 def _in_folder(folder: Path) -> Path:
@@ -45,11 +45,11 @@ def _is_world(path: Path) -> bool:
     return "layers" in keys if ("layers" in keys) != ("image" in keys) else named
 
 
-def _maps(path: Path, layers: Any) -> list[str]:
+def _layer_maps(path: Path, layers: Any) -> list[str]:
     """Return the names of the maps of all layers; a layer without a map has nothing in it."""
     if not isinstance(layers, list) or not all(isinstance(layer, Mapping) for layer in layers):
-        raise InputFileError(f"{path}: layers is {quoted(layers)}; allowed: {ALLOWED}")
+        raise InputFileError(f"{path}: layers is {quote_value(layers)}; allowed: {ALLOWED}")
     maps = [layer["map"] for layer in layers if "map" in layer]
     if not maps or not all(isinstance(name, str) and name for name in maps):
-        raise InputFileError(f"{path}: layers have the maps {quoted(maps)}; allowed: {ALLOWED}")
+        raise InputFileError(f"{path}: layers have the maps {quote_value(maps)}; allowed: {ALLOWED}")
     return maps

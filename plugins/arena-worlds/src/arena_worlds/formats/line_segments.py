@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from arena_core import FREE, OCCUPIED, InputFileError, OccupancyGrid, Pose
 from arena_core.commands import one_line
 from arena_core.files import LIMITS, is_file, read_text
-from arena_worlds.formats.map_yaml import number_at, origin_at, quoted, read_mapping
+from arena_worlds.formats.map_yaml import number_at, origin_at, quote_value, read_mapping
 
 TYPE = "line_segments"
 KEYS = "type, data, scale, origin"
@@ -35,7 +35,7 @@ def read_line_yaml(path: Path) -> LineFile | None:
         return None
     name = keys.get("data")
     if not isinstance(name, str) or not name or not is_file(path.parent / name):
-        raise InputFileError(f"{path}: data is {quoted(name)}; allowed: a file with rows of x1 y1 x2 y2, relative to this YAML")
+        raise InputFileError(f"{path}: data is {quote_value(name)}; allowed: a file with rows of x1 y1 x2 y2, relative to this YAML")
     scale = number_at(path, keys, "scale")
     if scale <= 0.0:
         raise InputFileError(f"{path}: scale is {scale:g}; allowed: > 0 (m)")
@@ -44,7 +44,7 @@ def read_line_yaml(path: Path) -> LineFile | None:
 
 def line_grid(file: LineFile) -> OccupancyGrid:
     """Return the grid with every cell occupied that a wall runs through, all others free, one cell wider than the walls."""
-    walls = _rows(file.data) * file.scale
+    walls = _read_walls(file.data) * file.scale
     low = np.floor(walls.min(axis=(0, 1)) / CELL) - 1
     extent = np.ceil(walls.max(axis=(0, 1)) / CELL) - low + 1
     if not extent.prod() <= LIMITS.cells:
@@ -61,7 +61,7 @@ def line_grid(file: LineFile) -> OccupancyGrid:
     return OccupancyGrid(data, CELL, Pose(*file.origin).compose(Pose(*(low * CELL).tolist())))
 
 
-def _rows(path: Path) -> NDArray[np.float64]:
+def _read_walls(path: Path) -> NDArray[np.float64]:
     """Return the walls (W, 2, 2), each from a place to another; raise InputFileError."""
     lines = [line for line in read_text(path, LIMITS.walls_bytes, ALLOWED).splitlines() if line.strip()]
     if len(lines) > LIMITS.walls:

@@ -25,7 +25,7 @@ LONGEST_SIDE = 200_000  # pixels: 10 km at 5 cm
 HEAD = 65_536  # bytes in which the header of a PGM ends: its comments are a line or two, and Pillow reads them byte by byte
 
 
-def occupancy(file: MapFile) -> NDArray[np.int8]:
+def read_occupancy(file: MapFile) -> NDArray[np.int8]:
     """Return the values of a map, row 0 at the bottom, (H, W): -1 unknown, 0 free .. 100 occupied.
 
     As navigation2's map server (map_io.cpp): ``trinary`` averages an alpha channel in with the colours, ``scale`` takes
@@ -36,7 +36,7 @@ def occupancy(file: MapFile) -> NDArray[np.int8]:
 
 def image_occupancy(content: bytes, file: MapFile) -> NDArray[np.int8]:
     """Return what the pixels of an image stand for in a map that reads like ``file``, row 0 at the top, (H, W)."""
-    return np.concatenate([_values(file, *_channels(band)) for band in _bands(content, file.image)])
+    return np.concatenate([_pixel_values(file, *_colour_channels(band)) for band in _image_bands(content, file.image)])
 
 
 def _check_header(content: bytes, path: Path) -> None:
@@ -45,13 +45,13 @@ def _check_header(content: bytes, path: Path) -> None:
         raise InputFileError(f"{path}: its header does not end within {HEAD} bytes; allowed: a header of a few lines")
 
 
-def _values(file: MapFile, colours: NDArray[np.float64], alpha: NDArray[np.float64] | None) -> NDArray[np.int8]:
+def _pixel_values(file: MapFile, colours: NDArray[np.float64], alpha: NDArray[np.float64] | None) -> NDArray[np.int8]:
     """Return the values of pixels with these colours (H, W, 1 or 3) and alpha (H, W), 0 .. 1, row 0 at the top."""
     if file.mode == "raw":
-        return _raw(_shade(colours, None))
-    shade = _shade(colours, alpha if file.mode == "trinary" else None)
+        return _raw_values(_pixel_shade(colours, None))
+    shade = _pixel_shade(colours, alpha if file.mode == "trinary" else None)
     occupied = shade if file.negate else 1.0 - shade
-    values = _between(occupied, file)
+    values = _intermediate_values(occupied, file)
     values[occupied < file.free_thresh] = 0
     values[occupied > file.occupied_thresh] = 100
     if file.mode == "scale" and alpha is not None:
@@ -59,7 +59,7 @@ def _values(file: MapFile, colours: NDArray[np.float64], alpha: NDArray[np.float
     return values
 
 
-def _between(occupied: NDArray[np.float64], file: MapFile) -> NDArray[np.int8]:
+def _intermediate_values(occupied: NDArray[np.float64], file: MapFile) -> NDArray[np.int8]:
     """Return what cells between the thresholds are: unknown, or their share of the way."""
     if file.mode == "trinary":
         return np.full(occupied.shape, -1, np.int8)
@@ -68,18 +68,18 @@ def _between(occupied: NDArray[np.float64], file: MapFile) -> NDArray[np.int8]:
     return np.rint(share * 100.0).astype(np.int8)
 
 
-def _raw(shade: NDArray[np.float64]) -> NDArray[np.int8]:
+def _raw_values(shade: NDArray[np.float64]) -> NDArray[np.int8]:
     grey = np.floor(shade * 255.0 + 0.5)  # rounds halves up, as C's round does
     return np.where(grey <= 100.0, grey, -1.0).astype(np.int8)
 
 
-def _shade(colours: NDArray[np.float64], alpha: NDArray[np.float64] | None) -> NDArray[np.float64]:
+def _pixel_shade(colours: NDArray[np.float64], alpha: NDArray[np.float64] | None) -> NDArray[np.float64]:
     """Return how bright the pixels are, 0 .. 1; an alpha channel counts as one more colour."""
     channels = colours if alpha is None else np.dstack((colours, alpha))
     return np.asarray(channels.sum(axis=2) / channels.shape[2])
 
 
-def _bands(content: bytes, path: Path) -> Iterator[Image.Image]:
+def _image_bands(content: bytes, path: Path) -> Iterator[Image.Image]:
     """Yield an image in bands of whole rows, from the top: as numbers they take ten times the memory of the image."""
     _check_header(content, path)
     # Pillow raises anything, and no common error of its own, for files that are cut off, made up or no images
@@ -102,7 +102,7 @@ def _bands(content: bytes, path: Path) -> Iterator[Image.Image]:
         raise InputFileError(f"{path}: is no image that can be read ({one_line(str(error), 120)}); allowed: {ALLOWED}") from None
 
 
-def _channels(image: Image.Image) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+def _colour_channels(image: Image.Image) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
     if image.mode.startswith("I"):  # 16 bit grey
         return np.asarray(image, dtype=np.float64)[:, :, None] / 65535.0, None
     if image.mode == "L":

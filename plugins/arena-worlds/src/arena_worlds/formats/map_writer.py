@@ -26,7 +26,7 @@ def write_map(path: Path, grid: OccupancyGrid) -> list[Path]:
         raise ConfigurationError(f"{path}: allowed: a file that ends in .yaml")
     image = path.with_suffix(".pgm")
     mode, text = map_text(grid, image.name)
-    write_bytes_whole(image, pgm(pixels_of(grid.data) if mode == "trinary" else grid.data.view(np.uint8)))
+    write_bytes_whole(image, pgm_bytes(pixels_of(grid.data) if mode == "trinary" else grid.data.view(np.uint8)))
     write_text_whole(path, text)
     return [path, image]
 
@@ -34,10 +34,10 @@ def write_map(path: Path, grid: OccupancyGrid) -> list[Path]:
 def map_text(grid: OccupancyGrid, image: str) -> tuple[Mode, str]:
     """Return the mode that keeps all values of a grid, and the YAML of its map, whose image is called ``image``."""
     mode: Mode = "trinary" if np.isin(grid.data, list(PIXELS)).all() else "raw"
-    return mode, _yaml(grid, image, mode)
+    return mode, _map_yaml(grid, image, mode)
 
 
-def pgm(pixels: NDArray[np.uint8]) -> bytes:
+def pgm_bytes(pixels: NDArray[np.uint8]) -> bytes:
     """Return a binary PGM of pixels (H, W), row 0 at the bottom."""
     rows, columns = pixels.shape
     return f"P5\n{columns} {rows}\n255\n".encode() + pixels[::-1].tobytes()
@@ -51,7 +51,7 @@ def pixels_of(data: NDArray[np.int8]) -> NDArray[np.uint8]:
     return np.asarray(shades[data.view(np.uint8)])
 
 
-def _yaml(grid: OccupancyGrid, image: str, mode: str) -> str:
+def _map_yaml(grid: OccupancyGrid, image: str, mode: str) -> str:
     keys = {
         "image": image,
         "mode": mode,

@@ -34,13 +34,13 @@ def read_map_yaml(path: Path) -> MapFile:
     """Read and check a map's YAML; raise InputFileError with the file, the key and what is allowed."""
     keys = read_mapping(path, KEYS)
     found = MapFile(
-        image=_image(path, keys),
+        image=_image_path(path, keys),
         resolution=number_at(path, keys, "resolution"),
         origin=origin_at(path, keys),
-        negate=_negate(path, keys),
+        negate=_read_negate(path, keys),
         occupied_thresh=number_at(path, keys, "occupied_thresh"),
         free_thresh=number_at(path, keys, "free_thresh"),
-        mode=_mode(path, keys),
+        mode=_read_mode(path, keys),
     )
     if found.resolution <= 0.0:
         raise InputFileError(f"{path}: resolution is {found.resolution:g}; allowed: > 0 (m a cell)")
@@ -62,21 +62,21 @@ def read_mapping(path: Path, allowed: str) -> Mapping[str, Any]:
     return keys
 
 
-def quoted(value: object) -> str:
+def quote_value(value: object) -> str:
     """Return a value as an error may quote it."""
     return reprlib.repr(value)
 
 
-def _value(path: Path, keys: Mapping[str, Any], key: str, allowed: str) -> Any:
+def _required_value(path: Path, keys: Mapping[str, Any], key: str, allowed: str) -> Any:
     if key not in keys:
         raise InputFileError(f"{path}: {key} is missing; allowed: {allowed}")
     return keys[key]
 
 
-def _image(path: Path, keys: Mapping[str, Any]) -> Path:
-    name = _value(path, keys, "image", "an image file, relative to this YAML")
+def _image_path(path: Path, keys: Mapping[str, Any]) -> Path:
+    name = _required_value(path, keys, "image", "an image file, relative to this YAML")
     if not isinstance(name, str) or not name:
-        raise InputFileError(f"{path}: image is {quoted(name)}; allowed: an image file, relative to this YAML")
+        raise InputFileError(f"{path}: image is {quote_value(name)}; allowed: an image file, relative to this YAML")
     image = path.parent / name
     if not is_file(image):
         raise InputFileError(f"{path}: image {name} is not there (looked for {image}); allowed: an image file, relative to this YAML")
@@ -85,10 +85,10 @@ def _image(path: Path, keys: Mapping[str, Any]) -> Path:
 
 def number_at(path: Path, keys: Mapping[str, Any], key: str) -> float:
     """Return a finite number; raise InputFileError."""
-    value = _value(path, keys, key, "a number")
+    value = _required_value(path, keys, key, "a number")
     number = _as_number(value)
     if number is None:
-        raise InputFileError(f"{path}: {key} is {quoted(value)}; allowed: a finite number")
+        raise InputFileError(f"{path}: {key} is {quote_value(value)}; allowed: a finite number")
     return number
 
 
@@ -105,24 +105,24 @@ def _as_number(value: Any) -> float | None:
 
 def origin_at(path: Path, keys: Mapping[str, Any]) -> tuple[float, float, float]:
     """Return ``origin``, x, y (m) and yaw (rad); raise InputFileError."""
-    value = _value(path, keys, "origin", "[x, y, yaw]")
+    value = _required_value(path, keys, "origin", "[x, y, yaw]")
     numbers = [_as_number(item) for item in value] if isinstance(value, list) else []
     match numbers:
         case [float() as x, float() as y, float() as yaw]:
             return x, y, yaw
-    raise InputFileError(f"{path}: origin is {quoted(value)}; allowed: [x, y, yaw] (m, m, rad)")
+    raise InputFileError(f"{path}: origin is {quote_value(value)}; allowed: [x, y, yaw] (m, m, rad)")
 
 
-def _negate(path: Path, keys: Mapping[str, Any]) -> bool:
-    value = _value(path, keys, "negate", "0 or 1")
+def _read_negate(path: Path, keys: Mapping[str, Any]) -> bool:
+    value = _required_value(path, keys, "negate", "0 or 1")
     if value not in (0, 1):  # True and False among them
-        raise InputFileError(f"{path}: negate is {quoted(value)}; allowed: 0 or 1")
+        raise InputFileError(f"{path}: negate is {quote_value(value)}; allowed: 0 or 1")
     return bool(value)
 
 
-def _mode(path: Path, keys: Mapping[str, Any]) -> Mode:
+def _read_mode(path: Path, keys: Mapping[str, Any]) -> Mode:
     value = keys.get("mode", "trinary")
     for mode in get_args(Mode):
         if value == mode:
             return mode  # type: ignore[no-any-return]
-    raise InputFileError(f"{path}: mode is {quoted(value)}; allowed: trinary, scale or raw")
+    raise InputFileError(f"{path}: mode is {quote_value(value)}; allowed: trinary, scale or raw")

@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 
 from arena_core import InputFileError, Pose
 from arena_worlds.formats.solids import UPRIGHT, Shape, Solids, solids_from
-from arena_worlds.formats.xml_file import numbers, read_xml, shown
+from arena_worlds.formats.xml_file import parse_numbers, quote_text, read_xml
 
 ALLOWED = "a MuJoCo model (.xml)"
 MAP_BODY = "map"  # the body whose plane bounds the map; any other plane is a ground without end
@@ -31,7 +31,7 @@ def read_mjcf(path: Path) -> Solids:
     for element in root.iter():
         if element.tag in NOT_READ:
             raise InputFileError(f"{path}: element {element.tag} is there; allowed: a model written out in the file")
-    shapes = list(_shapes(path, worlds[0], Pose(0.0, 0.0), _angle_unit(path, root), moving=False))
+    shapes = list(_body_shapes(path, worlds[0], Pose(0.0, 0.0), _angle_unit(path, root), moving=False))
     if not shapes:
         raise InputFileError(f"{path}: holds no cylinder and no box; allowed: a model with at least one, and static")
     return solids_from(shapes)
@@ -44,68 +44,68 @@ def _angle_unit(path: Path, root: ElementTree.Element) -> float:
     for compiler in root.findall("compiler"):
         angle = compiler.get("angle", angle)
         if compiler.get("eulerseq", "xyz") != "xyz":
-            raise InputFileError(f"{path}: compiler: eulerseq is {shown(compiler.get('eulerseq', ''))}; allowed: xyz")
+            raise InputFileError(f"{path}: compiler: eulerseq is {quote_text(compiler.get('eulerseq', ''))}; allowed: xyz")
     if angle == "degree":
         unit = math.pi / 180.0
     elif angle != "radian":
-        raise InputFileError(f"{path}: compiler: angle is {shown(angle)}; allowed: degree or radian")
+        raise InputFileError(f"{path}: compiler: angle is {quote_text(angle)}; allowed: degree or radian")
     return unit
 
 
-def _shapes(path: Path, body: ElementTree.Element, place: Pose, unit: float, moving: bool) -> Iterator[Shape]:
+def _body_shapes(path: Path, body: ElementTree.Element, place: Pose, unit: float, moving: bool) -> Iterator[Shape]:
     moving = moving or any(body.find(tag) is not None for tag in MOVING)
     for geom in body.findall("geom"):
         if geom.get("contype") == "0" and geom.get("conaffinity") == "0":
             continue
-        shape = _shape(path, body, geom, place, unit)
+        shape = _geom_shape(path, body, geom, place, unit)
         if shape is None:
             continue
         if moving:
-            raise InputFileError(f"{path}: {_name(geom)}: its body has joints; allowed: bodies without (what moves is not read)")
+            raise InputFileError(f"{path}: {_element_name(geom)}: its body has joints; allowed: bodies without (what moves is not read)")
         yield shape
     for child in body.findall("body"):
-        yield from _shapes(path, child, place.compose(_pose(path, child, unit)), unit, moving)
+        yield from _body_shapes(path, child, place.compose(_element_pose(path, child, unit)), unit, moving)
 
 
-def _shape(path: Path, body: ElementTree.Element, geom: ElementTree.Element, parent: Pose, unit: float) -> Shape | None:
+def _geom_shape(path: Path, body: ElementTree.Element, geom: ElementTree.Element, parent: Pose, unit: float) -> Shape | None:
     """Return a geom's shape, None for a ground plane without end."""
     kind = geom.get("type", "sphere")
     if kind not in SIZES:
-        raise InputFileError(f"{path}: {_name(geom)}: type is {shown(kind)}; allowed: box, cylinder (and plane, the ground)")
+        raise InputFileError(f"{path}: {_element_name(geom)}: type is {quote_text(kind)}; allowed: box, cylinder (and plane, the ground)")
     for attribute in NOT_READ_OF_GEOM:
         if attribute in geom.attrib:
-            raise InputFileError(f"{path}: {_name(geom)}: {attribute} is there; allowed: type, size, pos, euler, quat")
-    size = _numbers(path, geom, "size", SIZES[kind])
+            raise InputFileError(f"{path}: {_element_name(geom)}: {attribute} is there; allowed: type, size, pos, euler, quat")
+    size = _read_numbers(path, geom, "size", SIZES[kind])
     if kind == "plane" and (body.get("name") != MAP_BODY or min(size[:2]) == 0.0):
         return None
     if min(size[:2]) <= 0.0:
-        raise InputFileError(f"{path}: {_name(geom)}: size is {shown(geom.get('size', ''))}; allowed: numbers > 0 (m)")
-    place = parent.compose(_pose(path, geom, unit))
+        raise InputFileError(f"{path}: {_element_name(geom)}: size is {quote_text(geom.get('size', ''))}; allowed: numbers > 0 (m)")
+    place = parent.compose(_element_pose(path, geom, unit))
     if kind == "cylinder":
         return Shape("cylinder", place, (size[0],))
     return Shape("ground" if kind == "plane" else "box", place, (2.0 * size[0], 2.0 * size[1]))
 
 
-def _pose(path: Path, element: ElementTree.Element, unit: float) -> Pose:
+def _element_pose(path: Path, element: ElementTree.Element, unit: float) -> Pose:
     """Return x, y and yaw of a body or geom."""
-    x, y, _ = _numbers(path, element, "pos", 3, "0 0 0")
+    x, y, _ = _read_numbers(path, element, "pos", 3, "0 0 0")
     if "quat" in element.attrib:
-        w, i, j, k = _numbers(path, element, "quat", 4)
+        w, i, j, k = _read_numbers(path, element, "quat", 4)
         roll, pitch, yaw = 2.0 * i, 2.0 * j, 2.0 * math.atan2(k, w)
     else:
-        roll, pitch, yaw = (unit * angle for angle in _numbers(path, element, "euler", 3, "0 0 0"))
+        roll, pitch, yaw = (unit * angle for angle in _read_numbers(path, element, "euler", 3, "0 0 0"))
     if max(abs(roll), abs(pitch)) > UPRIGHT:
-        raise InputFileError(f"{path}: {_name(element)}: it is tilted; allowed: turned about the vertical alone")
+        raise InputFileError(f"{path}: {_element_name(element)}: it is tilted; allowed: turned about the vertical alone")
     return Pose(x, y, yaw)
 
 
-def _numbers(path: Path, element: ElementTree.Element, attribute: str, count: int, default: str = "") -> list[float]:
+def _read_numbers(path: Path, element: ElementTree.Element, attribute: str, count: int, default: str = "") -> list[float]:
     text = element.get(attribute, default)
-    found = numbers(text)
+    found = parse_numbers(text)
     if found is None or len(found) != count:
-        raise InputFileError(f"{path}: {_name(element)}: {attribute} is {shown(text)}; allowed: {count} numbers")
+        raise InputFileError(f"{path}: {_element_name(element)}: {attribute} is {quote_text(text)}; allowed: {count} numbers")
     return found
 
 
-def _name(element: ElementTree.Element) -> str:
+def _element_name(element: ElementTree.Element) -> str:
     return f"{element.tag} {element.get('name', '')!r}"

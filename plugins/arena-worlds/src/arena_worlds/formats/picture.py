@@ -10,7 +10,7 @@ from PIL import Image
 
 from arena_core import FREE, OCCUPIED, UNKNOWN, OccupancyGrid, Pose
 from arena_core.files import write_bytes_whole
-from arena_worlds.formats.map_image import occupancy
+from arena_worlds.formats.map_image import read_occupancy
 from arena_worlds.formats.map_writer import FREE_THRESH, OCCUPIED_THRESH, pixels_of
 from arena_worlds.formats.map_yaml import MapFile
 
@@ -18,7 +18,7 @@ from arena_worlds.formats.map_yaml import MapFile
 def read_picture(path: Path, resolution: float) -> OccupancyGrid:
     """Read a picture by map_saver's thresholds; its lower left corner is the origin of ``map``. Raises InputFileError."""
     file = MapFile(path, resolution, (0.0, 0.0, 0.0), False, OCCUPIED_THRESH, FREE_THRESH, "trinary")
-    return OccupancyGrid(occupancy(file), resolution, Pose(0.0, 0.0))
+    return OccupancyGrid(read_occupancy(file), resolution, Pose(0.0, 0.0))
 
 
 def write_picture(path: Path, grid: OccupancyGrid) -> None:

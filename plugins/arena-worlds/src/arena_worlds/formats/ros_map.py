@@ -9,9 +9,9 @@ from arena_core import ConfigurationError, OccupancyGrid, Pose, World, WorldSour
 from arena_core.files import local_path
 from arena_worlds.formats.flatland_world import map_yamls_of
 from arena_worlds.formats.line_segments import LineFile, line_grid, read_line_yaml
-from arena_worlds.formats.map_image import occupancy
+from arena_worlds.formats.map_image import read_occupancy
+from arena_worlds.formats.map_merge import merge_maps
 from arena_worlds.formats.map_yaml import MapFile, read_map_yaml
-from arena_worlds.formats.merged import merged
 
 
 class RosMap(WorldSource):
@@ -38,16 +38,16 @@ def load_map(path: Path) -> OccupancyGrid:
         file = read_line_yaml(yaml_path) or read_map_yaml(yaml_path)
         written = (file.image if isinstance(file, MapFile) else file.data).stat()
         maps.append((file, written.st_mtime_ns, written.st_size))
-    return _grid(tuple(maps), str(path))
+    return _load_grid(tuple(maps), str(path))
 
 
 @lru_cache(maxsize=16)
-def _grid(maps: tuple[tuple[MapFile | LineFile, int, int], ...], name: str) -> OccupancyGrid:
-    grids = [_layer(file) for file, _, _ in maps]
-    return grids[0] if len(grids) == 1 else merged(grids, name)
+def _load_grid(maps: tuple[tuple[MapFile | LineFile, int, int], ...], name: str) -> OccupancyGrid:
+    grids = [_load_layer(file) for file, _, _ in maps]
+    return grids[0] if len(grids) == 1 else merge_maps(grids, name)
 
 
-def _layer(file: MapFile | LineFile) -> OccupancyGrid:
+def _load_layer(file: MapFile | LineFile) -> OccupancyGrid:
     if isinstance(file, LineFile):
         return line_grid(file)
-    return OccupancyGrid(occupancy(file), file.resolution, Pose(*file.origin))
+    return OccupancyGrid(read_occupancy(file), file.resolution, Pose(*file.origin))

@@ -8,7 +8,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from arena_core import InputFileError
-from arena_worlds.formats.xml_file import numbers, shown
+from arena_worlds.formats.xml_file import parse_numbers, quote_text
 
 NOT_READ = ("insertions", "deletions")  # they would change what is there
 
@@ -34,17 +34,17 @@ def state_of(path: Path, root: ElementTree.Element) -> State:
         for element in found.findall(tag):
             if len(element):
                 raise InputFileError(f"{path}: state/{tag} is there; allowed: a state of models that the world has")
-    return State(None, {}, _models(path, found))
+    return State(None, {}, _model_states(path, found))
 
 
-def _models(path: Path, parent: ElementTree.Element) -> dict[str, State]:
-    return {model.get("name", ""): _model(path, model) for model in parent.findall("model")}
+def _model_states(path: Path, parent: ElementTree.Element) -> dict[str, State]:
+    return {model.get("name", ""): _model_state(path, model) for model in parent.findall("model")}
 
 
-def _model(path: Path, model: ElementTree.Element) -> State:
+def _model_state(path: Path, model: ElementTree.Element) -> State:
     """Return the state of a model; those without a pose stay."""
     scale = model.findtext("scale", "1 1 1")
-    if numbers(scale) != [1.0, 1.0, 1.0]:
-        raise InputFileError(f"{path}: state of model {shown(model.get('name', ''))}: scale is {shown(scale)}; allowed: 1 1 1")
+    if parse_numbers(scale) != [1.0, 1.0, 1.0]:
+        raise InputFileError(f"{path}: state of model {quote_text(model.get('name', ''))}: scale is {quote_text(scale)}; allowed: 1 1 1")
     links = {link.get("name", ""): link for link in model.findall("link") if link.find("pose") is not None}
-    return State(model if model.find("pose") is not None else None, links, _models(path, model))
+    return State(model if model.find("pose") is not None else None, links, _model_states(path, model))

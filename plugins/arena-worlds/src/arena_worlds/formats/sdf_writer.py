@@ -25,8 +25,8 @@ def sdf_text(scene: Scene, name: str) -> str:
     world = ElementTree.SubElement(root, "world", name=name)
     _add_light(world)
     if scene.size is not None:
-        _add_ground(_model(world, GROUND, scene.origin), *scene.size)
-    walls = _model(world, "walls", scene.origin)
+        _add_ground(_add_static_model(world, GROUND, scene.origin), *scene.size)
+    walls = _add_static_model(world, "walls", scene.origin)
     for number, (x, y, yaw, length, width, bottom, top) in enumerate(scene.boxes.tolist()):
         _add_shape(walls, f"box_{number}", (x, y, 0.5 * (bottom + top), yaw), "box", {"size": (length, width, top - bottom)}, WALL_COLOUR)
     for number, (x, y, radius, bottom, top) in enumerate(scene.cylinders.tolist()):
@@ -42,7 +42,7 @@ def _add_light(world: ElementTree.Element) -> None:
         ElementTree.SubElement(sun, tag).text = text
 
 
-def _model(world: ElementTree.Element, name: str, place: Pose) -> ElementTree.Element:
+def _add_static_model(world: ElementTree.Element, name: str, place: Pose) -> ElementTree.Element:
     """Add a static model and return its link."""
     model = ElementTree.SubElement(world, "model", name=name)
     ElementTree.SubElement(model, "static").text = "1"

@@ -72,7 +72,7 @@ def grid_of(solids: Solids, resolution: float, margin: float) -> OccupancyGrid:
     around the solids. Raises ConfigurationError for cells larger than the thinnest solid, and for more cells than fit a memory.
     """
     _check_resolution(solids, resolution)
-    low, high = _extent(solids, resolution, margin)
+    low, high = _grid_extent(solids, resolution, margin)
     columns, rows = (high - low).tolist()
     if not 0 < rows * columns <= LIMITS.cells:
         raise ConfigurationError(
@@ -104,7 +104,7 @@ def _check_resolution(solids: Solids, resolution: float) -> None:
         raise ConfigurationError(f"resolution is {resolution:g}; allowed: up to the smallest radius or side of a solid, {thinnest:g} m")
 
 
-def _extent(solids: Solids, resolution: float, margin: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _grid_extent(solids: Solids, resolution: float, margin: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Return the lower left and upper right corner of the grid in whole cells of the frame ``origin``, x before y."""
     if solids.size is not None:
         return np.zeros(2, np.int64), np.ceil(np.array(solids.size) / resolution - EDGE).astype(np.int64)
@@ -122,18 +122,18 @@ def _draw_box(data: NDArray[np.int8], column: float, row: float, yaw: float, len
     cos, sin = np.cos(yaw), np.sin(yaw)
     half_length, half_width = 0.5 * length + EDGE, 0.5 * width + EDGE
     across, up = abs(cos) * half_length + abs(sin) * half_width, abs(sin) * half_length + abs(cos) * half_width
-    window, rows, columns = _around(data, column, row, across, up)
+    window, rows, columns = _cells_around(data, column, row, across, up)
     inside = (np.abs(cos * columns + sin * rows) <= half_length) & (np.abs(cos * rows - sin * columns) <= half_width)
     window[inside] = OCCUPIED
 
 
 def _draw_disc(data: NDArray[np.int8], column: float, row: float, radius: float) -> None:
     """Occupy the cells whose centre is within ``radius`` of (column, row), all in cells."""
-    window, rows, columns = _around(data, column, row, radius, radius)
+    window, rows, columns = _cells_around(data, column, row, radius, radius)
     window[np.hypot(rows, columns) <= radius] = OCCUPIED
 
 
-def _around(
+def _cells_around(
     data: NDArray[np.int8], column: float, row: float, across: float, up: float
 ) -> tuple[NDArray[np.int8], NDArray[np.float64], NDArray[np.float64]]:
     """Return a view of the cells about a place and how far their centres are above and to the right of it, in cells."""

@@ -50,7 +50,7 @@ def parse_xml(path: Path, content: bytes, allowed: str) -> ElementTree.Element:
     return builder.close()
 
 
-def numbers(text: str) -> list[float] | None:
+def parse_numbers(text: str) -> list[float] | None:
     """Return the finite numbers within 10 km that a text holds, None if anything else is in it."""
     try:
         found = [float(word) for word in text.split()]
@@ -59,6 +59,6 @@ def numbers(text: str) -> list[float] | None:
     return found if all(math.isfinite(number) and abs(number) <= FARTHEST for number in found) else None
 
 
-def shown(text: str) -> str:
+def quote_text(text: str) -> str:
     """Return a text as an error may quote it: on one line, and not for ever."""
     return repr(" ".join(text.split())[:60])

@@ -25,13 +25,13 @@ class Canvas:
 
     def fill(self, x_min: float, y_min: float, x_max: float, y_max: float) -> None:
         """Make a rectangle occupied; what lies outside the hall is cut off."""
-        self._paint(x_min, y_min, x_max, y_max, OCCUPIED)
+        self._paint_rectangle(x_min, y_min, x_max, y_max, OCCUPIED)
 
     def clear(self, x_min: float, y_min: float, x_max: float, y_max: float) -> None:
         """Make a rectangle free; what lies outside the hall is cut off."""
-        self._paint(x_min, y_min, x_max, y_max, FREE)
+        self._paint_rectangle(x_min, y_min, x_max, y_max, FREE)
 
-    def _paint(self, x_min: float, y_min: float, x_max: float, y_max: float, value: int) -> None:
+    def _paint_rectangle(self, x_min: float, y_min: float, x_max: float, y_max: float, value: int) -> None:
         first_column, first_row, last_column, last_row = (max(round(v / self.resolution), 0) for v in (x_min, y_min, x_max, y_max))
         self.inside[first_row:last_row, first_column:last_column] = value
 

@@ -52,7 +52,7 @@ class Cellular(Generated):
         fill = self.by_difficulty.fill.at(self.difficulty) if self.fill is None else self.fill
         filled = random.random((rows[-1] + 1, columns[-1] + 1)) < fill
         for _ in range(self.smoothing):
-            filled = smoothed(filled)
+            filled = smooth_cells(filled)
         canvas.inside = np.where(filled[np.ix_(rows, columns)], np.int8(OCCUPIED), np.int8(FREE))
         return canvas
 
@@ -61,7 +61,7 @@ class Cellular(Generated):
         return np.asarray((np.arange(count) + 0.5) * (self.resolution / self.cell), np.int64)
 
 
-def smoothed(filled: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def smooth_cells(filled: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Return the next state: more than 4 filled neighbours fill a cell, fewer than 2 clear it; beyond the border none is."""
     around = ndimage.convolve(filled.astype(np.uint8), NEIGHBOURS, mode="constant", cval=0)
     return np.asarray((around > FILL_ABOVE) | (filled & (around >= CLEAR_BELOW)))

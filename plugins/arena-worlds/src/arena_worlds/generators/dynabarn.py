@@ -14,10 +14,10 @@ from arena_core.files import LIMITS, is_file, read_bytes
 from arena_core.parameters import NonNegative, NonNegativeInt, Positive, PositiveInt
 from arena_worlds.formats.animation import Animation, read_animation
 from arena_worlds.formats.barn import world_files
-from arena_worlds.formats.sdf import ALLOWED, measures, models_of, solids_of_models
+from arena_worlds.formats.sdf import ALLOWED, models_of, read_lengths, solids_of_models
 from arena_worlds.formats.sdf_state import state_of
 from arena_worlds.formats.solids import Solids, grid_of
-from arena_worlds.formats.xml_file import parse_xml, shown
+from arena_worlds.formats.xml_file import parse_xml, quote_text
 from arena_worlds.generators.motions import Level, Square, draw_animation
 
 HALF = 10.0  # m: the field, a square about the origin
@@ -71,7 +71,7 @@ class DynabarnWorlds(WorldSource):
             _check_levels(levels)
             square = Square(HALF, least_way, spacing)
             self._fields = tuple(
-                _drawn(draw, number, name, level, radius, square)
+                _draw_field(draw, number, name, level, radius, square)
                 for number, (name, level) in enumerate(each for each in levels for _ in range(worlds_per_level))
             )
             self.names = tuple(f"world_{number}" for number in range(len(self._fields)))
@@ -91,7 +91,7 @@ class DynabarnWorlds(WorldSource):
         number = index % len(self._fields)
         field = self._fields[number]
         grid = grid_of(field.walls, self._resolution, self._margin)
-        movers = tuple(_spec(number, mover) for number, mover in enumerate(field.movers))
+        movers = tuple(_pedestrian_spec(number, mover) for number, mover in enumerate(field.movers))
         return World(f"dynabarn/{self.names[number]}", grid, self._known, movers=movers)
 
 
@@ -102,22 +102,22 @@ def read_dynabarn(path: Path, plugins: Path | None) -> MovingField:
     moved = [model for model in models if model.find("plugin") is not None]
     if not moved:
         raise InputFileError(f"{path}: no model has a plugin; allowed: DynaBARN's worlds (those of BARN are world=barn)")
-    movers = tuple(_mover(path, model, plugins) for model in moved)
+    movers = tuple(_read_mover(path, model, plugins) for model in moved)
     return MovingField(solids_of_models(path, [model for model in models if model not in moved], state_of(path, root)), movers)
 
 
-def _mover(path: Path, model: ElementTree.Element, plugins: Path | None) -> Mover:
+def _read_mover(path: Path, model: ElementTree.Element, plugins: Path | None) -> Mover:
     name = model.get("name", "")
     collisions = model.findall("link/collision")
     if len(collisions) != 1 or collisions[0].find("geometry/cylinder") is None:
         raise InputFileError(f"{path}: model {name!r} moves and has {len(collisions)} collision shapes; allowed: one, a cylinder")
-    radius = measures(path, name, collisions[0], "cylinder/radius", 1)[0]
+    radius = read_lengths(path, name, collisions[0], "cylinder/radius", 1)[0]
     library = model.find("plugin").get("filename") or ""  # type: ignore[union-attr]
     source = Path(library).with_suffix(".cc").name if library else ""
     if plugins is None or not source or not is_file(plugins / source):
         where = "there is no folder plugins" if plugins is None else f"it is not in {plugins}"
         raise InputFileError(
-            f"{path}: model {name!r} is moved by {shown(library)}, whose source {source} cannot be read ({where}); "
+            f"{path}: model {name!r} is moved by {quote_text(library)}, whose source {source} cannot be read ({where}); "
             "allowed: world.plugins=FOLDER of the sources (compiled ones tell nothing)"
         )
     return Mover(name, radius, read_animation(plugins / source))
@@ -141,7 +141,7 @@ def _check_levels(levels: list[tuple[str, Level]]) -> None:
 
 
 @lru_cache(maxsize=256)
-def _drawn(draw: int, number: int, name: str, level: Level, radius: float, square: Square) -> MovingField:
+def _draw_field(draw: int, number: int, name: str, level: Level, radius: float, square: Square) -> MovingField:
     """Return world ``number`` of a set, which depends on nothing but its level's parameters, the set and the number."""
     random = random_generator(draw, f"dynabarn/world_{number}", "world")
     count = int(random.integers(level.obstacles_min, level.obstacles_max + 1))
@@ -151,7 +151,7 @@ def _drawn(draw: int, number: int, name: str, level: Level, radius: float, squar
     return MovingField(Solids(Pose(0.0, 0.0), None, boxes, np.empty((0, 3))), movers)
 
 
-def _spec(number: int, mover: Mover) -> PedestrianSpec:
+def _pedestrian_spec(number: int, mover: Mover) -> PedestrianSpec:
     places, stamps = mover.animation.positions, mover.animation.stamps
     spans = np.diff(stamps)
     speeds = np.hypot(*np.diff(places, axis=0).T)[spans > 0.0] / spans[spans > 0.0]

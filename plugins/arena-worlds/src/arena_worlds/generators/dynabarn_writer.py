@@ -64,14 +64,14 @@ def _add_model(world: ElementTree.Element, name: str, pose: str, kind: str, meas
     ElementTree.SubElement(model, "static").text = "1"
     ElementTree.SubElement(model, "pose").text = pose
     link = ElementTree.SubElement(model, "link", name="link")
-    for shape in _shapes(link):
+    for shape in _add_shapes(link):
         geometry = ElementTree.SubElement(ElementTree.SubElement(shape, "geometry"), kind)
         for key, text in measures.items():
             ElementTree.SubElement(geometry, key).text = text
     return model
 
 
-def _shapes(link: ElementTree.Element) -> Iterator[ElementTree.Element]:
+def _add_shapes(link: ElementTree.Element) -> Iterator[ElementTree.Element]:
     """Yield what can be hit and what is seen."""
     for use in ("collision", "visual"):
         yield ElementTree.SubElement(link, use, name=use)

@@ -13,7 +13,7 @@ class EmptyRoom(WorldSource):
     """The same room for every scenario; ``width`` and ``height`` m are its inner size."""
 
     def __init__(self, width: Positive, height: Positive, resolution: Positive, known: bool) -> None:
-        self._world = World("empty", _room(width, height, resolution), known)
+        self._world = World("empty", _room_grid(width, height, resolution), known)
 
     def world(self, seed: int, index: int) -> World:
         """Return the room, whatever the scenario."""
@@ -21,5 +21,5 @@ class EmptyRoom(WorldSource):
 
 
 @lru_cache(maxsize=16)
-def _room(width: float, height: float, resolution: float) -> OccupancyGrid:
+def _room_grid(width: float, height: float, resolution: float) -> OccupancyGrid:
     return Canvas(width, height, resolution).grid()

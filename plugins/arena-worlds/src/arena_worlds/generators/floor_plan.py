@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from arena_worlds.generators.canvas import WALL_CELLS
-from arena_worlds.generators.generated import Misdrawn
+from arena_worlds.generators.generated import UnsuitableWorld
 
 LONG = 1.25  # a room this much longer than wide is parted across
 
@@ -34,7 +34,7 @@ class Door(Room):
     along_x: bool
 
 
-def part(hall: Room, count: int, least: int, random: np.random.Generator) -> list[Room]:
+def divide_hall(hall: Room, count: int, least: int, random: np.random.Generator) -> list[Room]:
     """Part a hall into ``count`` rooms, always the largest that can be; fewer where no side could be ``least`` cells long."""
     rooms = [hall]
     while len(rooms) < count:
@@ -43,11 +43,11 @@ def part(hall: Room, count: int, least: int, random: np.random.Generator) -> lis
             break
         largest = max(able, key=lambda room: room.area)
         rooms.remove(largest)
-        rooms += _halves(largest, least, random)
+        rooms += _split_room(largest, least, random)
     return rooms
 
 
-def _halves(room: Room, least: int, random: np.random.Generator) -> tuple[Room, Room]:
+def _split_room(room: Room, least: int, random: np.random.Generator) -> tuple[Room, Room]:
     """Return both parts of a room, with a wall between them somewhere in its middle third."""
     width, height = room.right - room.left, room.top - room.bottom
     across = width >= height if max(width, height) > LONG * min(width, height) else bool(random.random() < 0.5)
@@ -75,9 +75,11 @@ def choose_doors(rooms: list[Room], width: int, loops: float, random: np.random.
         extra, place = random.random(2).tolist()
         if joins or extra < loops:
             group = [group[first] if g == group[second] else g for g in group]
-            doors.append(_moved(door, int(place * (room_to_move + 1))))
+            doors.append(_shift_door(door, int(place * (room_to_move + 1))))
     if len(set(group)) > 1:
-        raise Misdrawn(f"world: no doors to all of {len(rooms)} rooms; allowed: fewer rooms, a smaller door_width or a larger least_side")
+        raise UnsuitableWorld(
+            f"world: no doors to all of {len(rooms)} rooms; allowed: fewer rooms, a smaller door_width or a larger least_side"
+        )
     return doors
 
 
@@ -99,7 +101,7 @@ def _possible_doors(rooms: list[Room], width: int) -> list[tuple[int, int, Door,
     return found
 
 
-def _moved(door: Door, by: int) -> Door:
+def _shift_door(door: Door, by: int) -> Door:
     if door.along_x:
         return Door(door.left, door.bottom + by, door.right, door.top + by, True)
     return Door(door.left + by, door.bottom, door.right + by, door.top, False)

@@ -13,7 +13,7 @@ from arena_core import ConfigurationError, Furniture, ImpossibleScenario, Occupa
 from arena_core.parameters import NonNegative, NonNegativeInt, Samples
 from arena_core.scenes import FurnitureKind, add_obstacles, furniture_outlines
 from arena_worlds.generators.generated import Count
-from arena_worlds.reachable import places
+from arena_worlds.reachable import free_places
 
 OVERHEAD = 2.0  # m; nothing that hangs higher takes anybody's place
 QUARTERS = 4  # furniture stands along the walls of a hall: turned by quarters
@@ -47,7 +47,7 @@ class FurnishedWorlds(WorldSource):
         """Return the world of this seed and scenario; raise ImpossibleScenario where a piece finds no place."""
         world = self._room.world(seed, index)
         number = index // self._regenerate if self._regenerate else 0
-        drawn = world.grid.derive(_Drawn(self._pieces, self._count, self._radius, self._tries, seed, number, world.name))
+        drawn = world.grid.derive(_FurnitureDraw(self._pieces, self._count, self._radius, self._tries, seed, number, world.name))
         return replace(world, furniture=world.furniture + drawn)
 
     def at(self, difficulty: float) -> WorldSource:
@@ -56,7 +56,7 @@ class FurnishedWorlds(WorldSource):
 
 
 @dataclass(frozen=True, slots=True)
-class _Drawn:
+class _FurnitureDraw:
     """A key and function for ``grid.derive``: the pieces that stand in a world. ``pieces`` are (name, piece at the origin, share)."""
 
     pieces: tuple[tuple[str, Furniture, float], ...]
@@ -73,16 +73,16 @@ class _Drawn:
         chosen = random.choice(len(shares), self.count, p=shares / shares.sum()).tolist()
         standing: tuple[Furniture, ...] = ()
         free = (grid.data >= 0) & ~grid.occupied
-        for piece in sorted(chosen, key=lambda one: -_extent(self.pieces[one][1])):  # large ones first: they need the most room
-            placed, covered = self._placed(self.pieces[piece][1], grid, free, len(standing), random)
+        for piece in sorted(chosen, key=lambda one: -_piece_reach(self.pieces[one][1])):  # large ones first: they need the most room
+            placed, covered = self._place_piece(self.pieces[piece][1], grid, free, len(standing), random)
             standing, free = (*standing, placed), free & ~covered
         return standing
 
-    def _placed(
+    def _place_piece(
         self, piece: Furniture, grid: OccupancyGrid, free: NDArray[np.bool_], number: int, random: np.random.Generator
     ) -> tuple[Furniture, NDArray[np.bool_]]:
         """Return a piece where it has a place, and the cells that it covers; raise ImpossibleScenario where there is none."""
-        cells, parts = np.argwhere(free), self._parts(free, grid)
+        cells, parts = np.argwhere(free), self._free_parts(free, grid)
         bare = OccupancyGrid(np.zeros_like(grid.data), grid.resolution, grid.origin, grid.occupied_from)
         for _ in range(self.tries if len(cells) else 0):
             x, y = grid.positions(cells[random.integers(len(cells))]).tolist()
@@ -90,27 +90,27 @@ class _Drawn:
             shapes = furniture_outlines((placed,), 0.0, OVERHEAD)
             covered = add_obstacles(bare, shapes).occupied
             inside = all(grid.contains(grid.cells(shape.vertices_xy)).all() for shape in shapes)
-            if inside and not (covered & ~free).any() and not _parted(parts, self._parts(free & ~covered, grid)):
+            if inside and not (covered & ~free).any() and not _is_divided(parts, self._free_parts(free & ~covered, grid)):
                 return placed, covered
         raise ImpossibleScenario(
             f"world {self.name}: piece {number + 1} of world.furniture ({self.count}) found no place in {self.tries} tries; "
             "allowed: fewer pieces, or smaller ones"
         )
 
-    def _parts(self, free: NDArray[np.bool_], grid: OccupancyGrid) -> NDArray[np.int32]:
+    def _free_parts(self, free: NDArray[np.bool_], grid: OccupancyGrid) -> NDArray[np.int32]:
         """Return the connected places of a disc (H, W), 0 where it cannot be."""
-        labels, _ = ndimage.label(places(free, grid.resolution, self.radius))
+        labels, _ = ndimage.label(free_places(free, grid.resolution, self.radius))
         return np.asarray(labels)
 
 
-def _parted(before: NDArray[np.int32], after: NDArray[np.int32]) -> bool:
+def _is_divided(before: NDArray[np.int32], after: NDArray[np.int32]) -> bool:
     """Tell whether what was connected is no longer."""
     left = after > 0
     pairs = np.unique(np.stack((before[left], after[left])), axis=1)
     return bool(len(np.unique(pairs[0])) < pairs.shape[1])
 
 
-def _extent(piece: Furniture) -> float:
+def _piece_reach(piece: Furniture) -> float:
     """Return how far a piece reaches from its middle, m; its solids' farthest corners count."""
     boxes = np.hypot(piece.boxes[:, 0], piece.boxes[:, 1]) + 0.5 * np.hypot(piece.boxes[:, 3], piece.boxes[:, 4])
     discs = np.hypot(piece.cylinders[:, 0], piece.cylinders[:, 1]) + piece.cylinders[:, 2]

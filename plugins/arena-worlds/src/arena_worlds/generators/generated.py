@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from arena_core import FREE, OCCUPIED, ConfigurationError, OccupancyGrid, World, WorldSource, random_generator
 from arena_core.parameters import Bounds, Fraction, NonNegative, NonNegativeInt, Positive, PositiveInt
 from arena_worlds.generators.canvas import Canvas
-from arena_worlds.generators.likeness import Likeness
+from arena_worlds.generators.similarity import MapSimilarity
 from arena_worlds.reachable import keep_reachable
 from arena_worlds.widths import widths_of
 
@@ -20,7 +20,7 @@ Count = Annotated[int, Bounds(low=0, high=10_000)]  # of things in a world: a sl
 SomeCount = Annotated[int, Bounds(low=1, high=10_000)]
 
 
-class Misdrawn(ConfigurationError):
+class UnsuitableWorld(ConfigurationError):
     """A world was drawn that is not as it has to be; the next one may be."""
 
 
@@ -51,7 +51,7 @@ class Generated(WorldSource):
     robot_radius: NonNegative
     least_share: Fraction
     draws: PositiveInt
-    like: Likeness | None
+    like: MapSimilarity | None
     regenerate: NonNegativeInt | None = field(compare=False)
     known: bool = field(compare=False)
 
@@ -59,7 +59,7 @@ class Generated(WorldSource):
 
     def __post_init__(self) -> None:
         self.check()
-        _drawn(self, 0, 0)  # what is impossible is said before anything runs, whatever the seed
+        _draw_world(self, 0, 0)  # what is impossible is said before anything runs, whatever the seed
 
     @abstractmethod
     def check(self) -> None:
@@ -72,7 +72,7 @@ class Generated(WorldSource):
     def world(self, seed: int, index: int) -> World:
         """Return the world of this seed and scenario."""
         number = index // self.regenerate if self.regenerate else 0
-        return World(self.kind, _drawn(self, seed, number), self.known)
+        return World(self.kind, _draw_world(self, seed, number), self.known)
 
     def at(self, difficulty: float) -> Self:
         """Return the same source at another difficulty, 0 .. 1; a parameter with a value of its own keeps it."""
@@ -95,35 +95,35 @@ class Generated(WorldSource):
 
 
 @lru_cache(maxsize=32)
-def _drawn(source: Generated, seed: int, number: int) -> OccupancyGrid:
+def _draw_world(source: Generated, seed: int, number: int) -> OccupancyGrid:
     random = random_generator(seed, f"world/{number}", "world")
     for _ in range(source.draws - 1):
         try:
-            return _grid(source, random)
-        except Misdrawn:
+            return _draw_grid(source, random)
+        except UnsuitableWorld:
             continue
-    return _grid(source, random)
+    return _draw_grid(source, random)
 
 
-def _grid(source: Generated, random: np.random.Generator) -> OccupancyGrid:
+def _draw_grid(source: Generated, random: np.random.Generator) -> OccupancyGrid:
     """Return the next world; raise Misdrawn where the robot has too little room."""
     canvas = source.draw(random)
     free = keep_reachable(canvas.inside == FREE, source.resolution, source.robot_radius)
     if not free.any() or free.mean() < source.least_share:
-        raise Misdrawn(
+        raise UnsuitableWorld(
             f"world {source.kind}: no free space for the robot (robot_radius {source.robot_radius:g} m, difficulty {source.difficulty:g}: "
             f"{free.mean():.0%} of the hall); allowed: least_share, {source.least_share:.0%}, or more"
         )
     if source.like is not None:
-        _check_likeness(source.like, free, source)
+        _check_similarity(source.like, free, source)
     canvas.inside = np.where(free, np.int8(FREE), np.int8(OCCUPIED))
     return canvas.grid()
 
 
-def _check_likeness(like: Likeness, free: NDArray[np.bool_], source: Generated) -> None:
+def _check_similarity(like: MapSimilarity, free: NDArray[np.bool_], source: Generated) -> None:
     """Raise Misdrawn where the free cells (H, W) are not like the map that ``like`` was measured on."""
     unlike = like.differences(widths_of(np.pad(free, 1), source.resolution))
     if unlike:
-        raise Misdrawn(
+        raise UnsuitableWorld(
             f"world {source.kind}: {source.draws} draws, none like world.like (the last: {unlike}); allowed: more draws, or a wider within"
         )

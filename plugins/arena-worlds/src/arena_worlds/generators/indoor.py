@@ -52,22 +52,22 @@ class Indoor(Generated):
         for k, drawn in enumerate(random.uniform(low, high, (len(nodes) - 1, 3)), start=1):
             nodes[k] = drawn[:2]
             nearest = nodes[np.abs(nodes[:k] - nodes[k]).sum(axis=1).argmin()]
-            _corridor(canvas, nodes[k], nearest, half, along_x_first=bool(drawn[2] < 0.5))
-        canvas.inside[~_thick(canvas.inside == OCCUPIED)] = FREE
+            _carve_corridor(canvas, nodes[k], nearest, half, along_x_first=bool(drawn[2] < 0.5))
+        canvas.inside[~_thicken_walls(canvas.inside == OCCUPIED)] = FREE
         return canvas
 
     def _corridor_width(self) -> float:
         return self.corridor_width or self.by_difficulty.corridor_width.at(self.difficulty)
 
 
-def _corridor(canvas: Canvas, start: np.ndarray, end: np.ndarray, half: float, along_x_first: bool) -> None:
+def _carve_corridor(canvas: Canvas, start: np.ndarray, end: np.ndarray, half: float, along_x_first: bool) -> None:
     bend = (end[0], start[1]) if along_x_first else (start[0], end[1])
     for leg in (start, end):
         (x_min, x_max), (y_min, y_max) = sorted((leg[0], bend[0])), sorted((leg[1], bend[1]))
         canvas.clear(x_min - half, y_min - half, x_max + half, y_max + half)
 
 
-def _thick(solid: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _thicken_walls(solid: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Return what is solid without walls thinner than those of the hall, which a ray could cut."""
     padded = np.pad(solid, WALL_CELLS, constant_values=True)
     opened = ndimage.binary_opening(padded, np.ones((WALL_CELLS, WALL_CELLS), bool))

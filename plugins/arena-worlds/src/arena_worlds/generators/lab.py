@@ -17,8 +17,8 @@ class Lab(WorldSource):
         self, width: Positive, height: Positive, resolution: Positive, fixtures: Mapping[str, Sequence[float]], known: bool
     ) -> None:
         for name, sides in fixtures.items():
-            _check(name, sides, width, height)
-        self._world = World("lab", _hall(width, height, resolution, tuple(map(tuple, fixtures.values()))), known)
+            _check_fixture(name, sides, width, height)
+        self._world = World("lab", _lab_grid(width, height, resolution, tuple(map(tuple, fixtures.values()))), known)
 
     def world(self, seed: int, index: int) -> World:
         """Return the hall, whatever the scenario."""
@@ -26,14 +26,14 @@ class Lab(WorldSource):
 
 
 @lru_cache(maxsize=16)
-def _hall(width: float, height: float, resolution: float, fixtures: tuple[tuple[float, ...], ...]) -> OccupancyGrid:
+def _lab_grid(width: float, height: float, resolution: float, fixtures: tuple[tuple[float, ...], ...]) -> OccupancyGrid:
     canvas = Canvas(width, height, resolution)
     for x_min, y_min, x_max, y_max in fixtures:
         canvas.fill(x_min, y_min, x_max, y_max)
     return canvas.grid()
 
 
-def _check(name: str, sides: Sequence[float], width: float, height: float) -> None:
+def _check_fixture(name: str, sides: Sequence[float], width: float, height: float) -> None:
     """Raise ConfigurationError for a fixture that is no rectangle within the hall."""
     if len(sides) != 4 or not (0.0 <= sides[0] < sides[2] <= width and 0.0 <= sides[1] < sides[3] <= height):
         raise ConfigurationError(

@@ -49,7 +49,7 @@ class Square:
 def draw_animation(random: np.random.Generator, level: Level, square: Square) -> Animation:
     """Draw one obstacle's motion, rounded to centimetres and hundredths of a second as the sources of plugins are."""
     order = int(random.integers(level.order_min, level.order_max + 1))
-    way = draw_way(random, order, square)
+    way = draw_path(random, order, square)
     if random.random() < 0.5:
         way = way[::-1]
     pieces = np.hypot(*np.diff(way, axis=0).T)
@@ -59,7 +59,7 @@ def draw_animation(random: np.random.Generator, level: Level, square: Square) ->
     return Animation(np.round(stamps, 2), way)
 
 
-def draw_way(random: np.random.Generator, order: int, square: Square) -> Floats:
+def draw_path(random: np.random.Generator, order: int, square: Square) -> Floats:
     """Return key places (K, 2), m, evenly along a polynomial y(x) of this order through drawn places on whole metres."""
     while True:
         xs = random.choice(np.arange(-square.half, square.half + 1.0), order + 1, replace=False)
@@ -70,7 +70,7 @@ def draw_way(random: np.random.Generator, order: int, square: Square) -> Floats:
         way = _longest_within(factors, square.half)
         lengths = np.concatenate(((0.0,), np.cumsum(np.hypot(*np.diff(way, axis=0).T))))
         if lengths[-1] >= square.least_way:
-            return np.round(_resampled(way, lengths, square.spacing), 2)
+            return np.round(_resample_path(way, lengths, square.spacing), 2)
 
 
 def _longest_within(factors: Floats, half: float) -> Floats:
@@ -86,17 +86,17 @@ def _longest_within(factors: Floats, half: float) -> Floats:
 def _to_border(xs: Floats, ys: Floats, first: int, last: int, half: float) -> Floats:
     """Return points ``first`` to ``last`` - 1, drawn out to where the polynomial crosses the upper or lower border."""
     points = np.stack((xs[first:last], ys[first:last]), axis=1)
-    before = [_crossing(xs, ys, first - 1, first, half)] if first > 0 else []
-    after = [_crossing(xs, ys, last, last - 1, half)] if last < len(xs) else []
+    before = [_border_crossing(xs, ys, first - 1, first, half)] if first > 0 else []
+    after = [_border_crossing(xs, ys, last, last - 1, half)] if last < len(xs) else []
     return np.vstack((*before, points, *after))
 
 
-def _crossing(xs: Floats, ys: Floats, outside: int, inside: int, half: float) -> Floats:
+def _border_crossing(xs: Floats, ys: Floats, outside: int, inside: int, half: float) -> Floats:
     border = half if ys[outside] > 0.0 else -half
     share = (border - ys[inside]) / (ys[outside] - ys[inside])
     return np.array((xs[inside] + share * (xs[outside] - xs[inside]), border))
 
 
-def _resampled(way: Floats, lengths: Floats, spacing: float) -> Floats:
+def _resample_path(way: Floats, lengths: Floats, spacing: float) -> Floats:
     marks = np.linspace(0.0, lengths[-1], int(np.ceil(lengths[-1] / spacing)) + 1)
     return np.stack([np.interp(marks, lengths, way[:, axis]) for axis in (0, 1)], axis=1)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from arena_core import ConfigurationError
 from arena_core.parameters import NonNegative, Positive
 from arena_worlds.generators.canvas import Canvas
-from arena_worlds.generators.generated import Count, Generated, Misdrawn, Span
+from arena_worlds.generators.generated import Count, Generated, Span, UnsuitableWorld
 
 TRIES = 500  # places drawn for a square, before the world is drawn anew
 
@@ -46,9 +46,9 @@ class Outdoor(Generated):
 
     def check(self) -> None:
         """Raise ConfigurationError for squares too large for the hall."""
-        if self._size() > min(self.width, self.height) / 2:
+        if self._obstacle_size() > min(self.width, self.height) / 2:
             raise ConfigurationError(
-                f"world.obstacle_size is {self._size():g}; allowed: up to half the smaller side, {min(self.width, self.height) / 2:g} m"
+                f"world.obstacle_size is {self._obstacle_size():g}; allowed: up to half the smaller side, {min(self.width, self.height) / 2:g} m"
             )
         if self.gaps is not None and self.gaps.most < self.gaps.least:
             raise ConfigurationError(f"world.gaps.most is {self.gaps.most:g}; allowed: from world.gaps.least on, {self.gaps.least:g} m")
@@ -57,34 +57,34 @@ class Outdoor(Generated):
         """Drop the squares on the ground."""
         canvas = Canvas(self.width, self.height, self.resolution)
         count = self.per_area(self.by_difficulty.obstacles) if self.obstacles is None else self.obstacles
-        half = 0.5 * self._size()
-        for x, y in self._centres(random, count).tolist():
+        half = 0.5 * self._obstacle_size()
+        for x, y in self._draw_centres(random, count).tolist():
             canvas.fill(x - half, y - half, x + half, y + half)
         return canvas
 
-    def _centres(self, random: np.random.Generator, count: int) -> NDArray[np.float64]:
+    def _draw_centres(self, random: np.random.Generator, count: int) -> NDArray[np.float64]:
         """Return the centres of the squares (K, 2), m."""
         if self.gaps is None:
             return random.uniform((0.0, 0.0), (self.width, self.height), (count, 2))
         centres = np.empty((0, 2))
         while len(centres) < count:
             drawn = random.uniform((0.0, 0.0), (self.width, self.height), (TRIES, 2))
-            gaps = self._gaps(drawn, centres)
+            gaps = self._square_gaps(drawn, centres)
             fitting = drawn[(gaps >= self.gaps.least) & (gaps <= self.gaps.most)]
             if not len(fitting):
-                raise Misdrawn(
+                raise UnsuitableWorld(
                     f"world.obstacles is {count}: no place for square {len(centres) + 1} within world.gaps; allowed: fewer, or wider gaps"
                 )
             centres = np.vstack((centres, fitting[:1]))
         return centres
 
-    def _gaps(self, drawn: NDArray[np.float64], centres: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _square_gaps(self, drawn: NDArray[np.float64], centres: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return how far squares at ``drawn`` (D, 2) would be from the nearest of those at ``centres`` (K, 2) and the border, m."""
-        size = self._size()
+        size = self._obstacle_size()
         to_border = np.minimum(drawn, (self.width, self.height) - drawn).min(axis=1) - 0.5 * size
         between = np.maximum(np.abs(drawn[:, None] - centres) - size, 0.0)
         apart = np.hypot(between[..., 0], between[..., 1]).min(axis=1, initial=np.inf)
         return np.asarray(np.minimum(to_border, apart))
 
-    def _size(self) -> float:
+    def _obstacle_size(self) -> float:
         return self.obstacle_size or self.by_difficulty.obstacle_size.at(self.difficulty)

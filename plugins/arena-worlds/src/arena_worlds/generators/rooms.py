@@ -8,9 +8,9 @@ import numpy as np
 from arena_core import FREE, ConfigurationError
 from arena_core.parameters import Fraction, Positive
 from arena_worlds.generators.canvas import WALL_CELLS, Canvas
-from arena_worlds.generators.floor_plan import Room, choose_doors, part
+from arena_worlds.generators.floor_plan import Room, choose_doors, divide_hall
 from arena_worlds.generators.furniture import Furnisher
-from arena_worlds.generators.generated import Count, Generated, Misdrawn, SomeCount, Span
+from arena_worlds.generators.generated import Count, Generated, SomeCount, Span, UnsuitableWorld
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,33 +53,35 @@ class Rooms(Generated):
     def draw(self, random: np.random.Generator) -> Canvas:
         """Part the hall, open the doors, furnish the rooms."""
         canvas = Canvas(self.width, self.height, self.resolution, filled=True)
-        cells, door_width = self._cells, self._cells(self._door_width())
+        cells, door_width = self._cell_count, self._cell_count(self._door_width())
         rows, columns = canvas.inside.shape
-        rooms = part(Room(0, 0, columns, rows), self._rooms(), cells(self.least_side), random)
+        rooms = divide_hall(Room(0, 0, columns, rows), self._room_count(), cells(self.least_side), random)
         if self.rooms is not None and len(rooms) < self.rooms:
-            raise Misdrawn(f"world.rooms is {self.rooms}; allowed: as many as fit with least_side {self.least_side:g} m, here {len(rooms)}")
-        doors = choose_doors(rooms, door_width, self._loops(), random)
+            raise UnsuitableWorld(
+                f"world.rooms is {self.rooms}; allowed: as many as fit with least_side {self.least_side:g} m, here {len(rooms)}"
+            )
+        doors = choose_doors(rooms, door_width, self._loop_share(), random)
         for space in (*rooms, *doors):
             canvas.inside[space.bottom : space.top, space.left : space.right] = FREE
         furnisher = Furnisher(canvas.inside, doors, gap=door_width)
-        for size in random.uniform(0.4, 1.0, (self._furniture(), 2)) * self._size():
+        for size in random.uniform(0.4, 1.0, (self._furniture_count(), 2)) * self._furniture_size():
             furnisher.place(rooms, cells(float(size[0])), cells(float(size[1])), random)
         return canvas
 
-    def _cells(self, metres: float) -> int:
+    def _cell_count(self, metres: float) -> int:
         return max(round(metres / self.resolution), 1)
 
-    def _rooms(self) -> int:
+    def _room_count(self) -> int:
         return self.rooms or max(self.per_area(self.by_difficulty.rooms), 1)
 
     def _door_width(self) -> float:
         return self.door_width or self.by_difficulty.door_width.at(self.difficulty)
 
-    def _furniture(self) -> int:
+    def _furniture_count(self) -> int:
         return self.per_area(self.by_difficulty.furniture) if self.furniture is None else self.furniture
 
-    def _size(self) -> float:
+    def _furniture_size(self) -> float:
         return self.furniture_size or self.by_difficulty.furniture_size.at(self.difficulty)
 
-    def _loops(self) -> float:
+    def _loop_share(self) -> float:
         return self.by_difficulty.loops.at(self.difficulty) if self.loops is None else self.loops

@@ -33,9 +33,9 @@ class Warehouse(WorldSource):
         open_places: NonNegativeInt,
         known: bool,
     ) -> None:
-        plan = Plan(width, height, resolution, rack_length, rack_depth, aisle_width, bay_length, bay_recess, open_places)
-        _check(plan)
-        self._world = World("warehouse", _hall(plan), known)
+        plan = WarehousePlan(width, height, resolution, rack_length, rack_depth, aisle_width, bay_length, bay_recess, open_places)
+        _check_plan(plan)
+        self._world = World("warehouse", _warehouse_grid(plan), known)
 
     def world(self, seed: int, index: int) -> World:
         """Return the warehouse, whatever the scenario."""
@@ -43,7 +43,7 @@ class Warehouse(WorldSource):
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class WarehousePlan:
     """The measures of a warehouse, m."""
 
     width: float
@@ -57,7 +57,7 @@ class Plan:
     open_places: int
 
 
-def _check(plan: Plan) -> None:
+def _check_plan(plan: WarehousePlan) -> None:
     for side, size, rack in (("width", plan.width, plan.rack_depth), ("height", plan.height, plan.rack_length)):
         if size < rack + 2 * plan.aisle_width:
             raise ConfigurationError(
@@ -65,12 +65,14 @@ def _check(plan: Plan) -> None:
             )
     if plan.bay_recess * 2 >= plan.rack_depth:
         raise ConfigurationError(f"world.bay_recess is {plan.bay_recess:g}; allowed: below half of rack_depth, {plan.rack_depth / 2:g} m")
-    racks = len(_places(plan.width, plan.rack_depth, plan.aisle_width)) * len(_places(plan.height, plan.rack_length, plan.aisle_width))
+    racks = len(_rack_positions(plan.width, plan.rack_depth, plan.aisle_width)) * len(
+        _rack_positions(plan.height, plan.rack_length, plan.aisle_width)
+    )
     if plan.open_places >= racks:
         raise ConfigurationError(f"world.open_places is {plan.open_places}; allowed: below the number of racks, {racks}")
 
 
-def _places(size: float, rack: float, aisle: float) -> list[float]:
+def _rack_positions(size: float, rack: float, aisle: float) -> list[float]:
     """Return where racks begin along a side of ``size`` m, with even aisles before, between and behind them."""
     count = int((size - aisle) / (rack + aisle) + 1e-9)
     gap = (size - count * rack) / (count + 1)
@@ -78,22 +80,22 @@ def _places(size: float, rack: float, aisle: float) -> list[float]:
 
 
 @lru_cache(maxsize=16)
-def _hall(plan: Plan) -> OccupancyGrid:
+def _warehouse_grid(plan: WarehousePlan) -> OccupancyGrid:
     canvas = Canvas(plan.width, plan.height, plan.resolution)
     corners = [
         (x, y)
-        for x in _places(plan.width, plan.rack_depth, plan.aisle_width)
-        for y in _places(plan.height, plan.rack_length, plan.aisle_width)
+        for x in _rack_positions(plan.width, plan.rack_depth, plan.aisle_width)
+        for y in _rack_positions(plan.height, plan.rack_length, plan.aisle_width)
     ]
     random = random_generator(0, "warehouse", "layout")  # one layout for all seeds: results stay comparable
     left_out = set(random.permutation(len(corners))[: plan.open_places].tolist())
     for k, (x, y) in enumerate(corners):
         if k not in left_out:
-            _rack(canvas, plan, x, y, random)
+            _fill_rack(canvas, plan, x, y, random)
     return canvas.grid()
 
 
-def _rack(canvas: Canvas, plan: Plan, x: float, y: float, random: np.random.Generator) -> None:
+def _fill_rack(canvas: Canvas, plan: WarehousePlan, x: float, y: float, random: np.random.Generator) -> None:
     bays = max(round(plan.rack_length / plan.bay_length), 1)
     edges = np.linspace(y, y + plan.rack_length, bays + 1).tolist()
     for recess, low, high in zip(random.uniform(0.0, plan.bay_recess, (bays, 2)).tolist(), edges[:-1], edges[1:], strict=True):

@@ -1,0 +1,82 @@
+"""How people keep out of the robot's way, unless they ignore it."""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import Any
+
+from arena_kernels.compiled import compiled
+from arena_kernels.crowds import Robot
+from arena_kernels.ground import Ground, wall_clearance
+
+
+@compiled
+def detour_heading(
+    ground: Ground,
+    x: float,
+    y: float,
+    heading_x: float,
+    heading_y: float,
+    goal_distance: float,
+    radius: float,
+    robot: Robot,
+    parameters: Any,
+) -> tuple[float, float]:
+    """Return the heading that passes the robot when it stands in the way, else the heading itself; ``robot`` is (x, y, vx, vy, radius).
+
+    The heading turns to the tangent of the disc that must stay free, on the nearer side (the right if both are near), or on the other if
+    a wall leaves no room there. Without room on either side the heading stays, and ``brake_for_robot`` stops the person.
+    """
+    dx, dy = robot.x - x, robot.y - y
+    separation = sqrt(dx * dx + dy * dy)
+    free = radius + robot.radius + parameters.giving_way_margin
+    ahead = heading_x * dx + heading_y * dy
+    aside = heading_x * dy - heading_y * dx  # > 0: the robot is to the left
+    in_the_way = ahead > 0.0 and abs(aside) < free and ahead < goal_distance and separation < free + parameters.giving_way_distance
+    if not in_the_way:
+        return heading_x, heading_y
+    side = -1.0 if aside >= 0.0 else 1.0  # -1: pass with the robot on the left
+    for turn in (side, -side):
+        tx, ty = _turn_vector(dx / separation, dy / separation, min(free / separation, 1.0), turn)
+        beside_x, beside_y = robot.x - turn * free * ty, robot.y + turn * free * tx
+        if wall_clearance(ground, beside_x, beside_y) >= radius:
+            return tx, ty
+    return heading_x, heading_y
+
+
+@compiled
+def _turn_vector(ux: float, uy: float, sine: float, turn: float) -> tuple[float, float]:
+    """Turn a unit vector by the angle with this sine, to the left if ``turn`` is 1, to the right if -1."""
+    cosine = sqrt(1.0 - sine * sine)
+    return ux * cosine - turn * sine * uy, turn * sine * ux + uy * cosine
+
+
+@compiled
+def brake_for_robot(
+    x: float, y: float, vx: float, vy: float, radius: float, firm: bool, robot: Robot, parameters: Any
+) -> tuple[float, float]:
+    """Return the velocity without what would close the gap to the robot sooner than in ``time``.
+
+    Within the margin this is a step back, unless the person is ``firm``.
+    """
+    dx, dy = robot.x - x, robot.y - y
+    separation = sqrt(dx * dx + dy * dy)
+    if not separation > 0.0:
+        return vx, vy
+    ux, uy = dx / separation, dy / separation
+    gap = separation - radius - robot.radius - 0.5 * parameters.giving_way_margin
+    excess = (vx - robot.vx) * ux + (vy - robot.vy) * uy - gap / parameters.giving_way_time
+    if firm:
+        excess = min(excess, vx * ux + vy * uy)
+    if excess <= 0.0:
+        return vx, vy
+    return vx - excess * ux, vy - excess * uy
+
+
+@compiled
+def keeps_distance(x: float, y: float, new_x: float, new_y: float, radius: float, robot: Robot, parameters: Any) -> bool:
+    """Tell whether a move leaves a gap to where the robot is now, or at least makes it no smaller: walls and other people push, too."""
+    separation = sqrt((robot.x - new_x) ** 2 + (robot.y - new_y) ** 2)
+    if separation >= radius + robot.radius + 0.25 * parameters.giving_way_margin:
+        return True
+    return separation >= sqrt((robot.x - x) ** 2 + (robot.y - y) ** 2)

@@ -1,0 +1,36 @@
+"""Who surely meets nothing for the next ticks: those are moved without looking, to where they would be moved with it."""
+
+from __future__ import annotations
+
+import math
+
+from arena_kernels.compiled import inner
+from arena_sim2d.bodies import Row, World
+from arena_sim2d.clearances import is_clear
+from arena_sim2d.motion import Chassis
+
+ROUNDING = 1e-6  # m, more than the rounding of all strides together
+
+
+@inner
+def mark_isolated(world: World, chassis: Chassis, ticks: int, dt: float) -> bool:
+    """Tell whether the robot surely meets nothing within ``ticks`` of ``dt`` s, and note in ``alone`` which of the people do."""
+    robot = world.robots[world.k]
+    way = _top_speed(robot, chassis) * ticks * dt + ROUNDING
+    free = is_clear(world, robot.x, robot.y, world.body.radius + way)
+    for i in range(robot.people):
+        person = world.people[i]
+        stride = ticks * math.sqrt(person.dx * person.dx + person.dy * person.dy) + ROUNDING
+        near = world.body.radius + person.radius + way + stride
+        squared = (person.x - robot.x) ** 2 + (person.y - robot.y) ** 2
+        free &= not squared <= near * near  # who is nowhere (NaN) is near nobody
+        person.alone = squared > near * near and is_clear(world, person.x, person.y, person.radius + stride)
+    return bool(free)
+
+
+@inner
+def _top_speed(robot: Row, chassis: Chassis) -> float:
+    """Return the greatest speed that the robot may have from now on, m/s."""
+    vx = max(abs(robot.vx), chassis.vx_max, abs(chassis.vx_min))
+    vy = max(abs(robot.vy), chassis.vy_max)
+    return math.sqrt(vx * vx + vy * vy)
